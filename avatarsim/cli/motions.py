@@ -94,7 +94,7 @@ def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch)
         _work(asked, tasks, batch)
     finally:
         # also of what was done until the user stopped it
-        if is_clean and batch.outcomes:
+        if is_clean and (batch.outcomes or batches.has_clips(asked.out)):
             batches.leave(asked.out, batch)
     if not is_clean and asked.out is not None:
         write_whole(asked.out / AUDIT, certificate.text(certificate.summary("audit", batch.entries, batch.troubles)))

@@ -4,7 +4,8 @@ A batch can be killed at any time and be gone on with by the same command: clips
 and what is left in the folder in the end are the same bytes.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -56,18 +57,19 @@ def run(
 
     `progress` is called with the share of a clip that is done, where clips are done here. Raises MissingPackage without pebble
     for more workers than 0, InvalidInput for a cluster that does not fit."""
-    for task, found in _answers(tasks, workers, progress):
-        if not isinstance(found, Outcome):
-            found = Outcome(task.clip.place, trouble=(REFUSED, str(found)))
-        batch.outcomes.append(found)
-        if found.trouble is not None:
-            batch.troubles.append((found.place, *found.trouble))
-        told(found)
+    with closing(_answers(tasks, workers, progress)) as answers:
+        for task, found in answers:
+            if not isinstance(found, Outcome):
+                found = Outcome(task.clip.place, trouble=(REFUSED, str(found)))
+            batch.outcomes.append(found)
+            if found.trouble is not None:
+                batch.troubles.append((found.place, *found.trouble))
+            told(found)
 
 
 def _answers(
     tasks: Sequence[Task], workers: "Workers", progress: Callable[[float], None] | None
-) -> Iterator[tuple[Task, object]]:
+) -> Generator[tuple[Task, object], None, None]:
     if workers == 0:
         # here, and without what processes are run by
         yield from ((task, _here(task, progress)) for task in tasks)
@@ -132,6 +134,11 @@ def require_place(out: Path, force: bool) -> None:
     """Raise InvalidInput where a file of another program stands in the place of the folder's page or certificate."""
     require_ours(out / INDEX, GENERATOR, force)
     require_ours(out / WHOLE, certificate.MARK, force)
+
+
+def has_clips(out: Path) -> bool:
+    """Whether a folder holds certificates of clips."""
+    return (out / CERTIFICATES).is_dir()
 
 
 def leave(out: Path, batch: Batch) -> dict[str, object]:

@@ -102,7 +102,11 @@ def alone_in(out: Path) -> Iterator[None]:
         except OSError as error:
             raise InvalidInput("output folder", str(out), f"a folder that can be written to ({_why(error)})") from error
         clear_halves(out)
-        yield
+        try:
+            yield
+        finally:
+            # of what was stopped in the middle of writing
+            clear_halves(out)
     finally:
         os.close(handle)
 

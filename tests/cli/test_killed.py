@@ -93,6 +93,7 @@ def test_a_command_that_is_stopped_says_how_to_go_on(tmp_path: Path) -> None:
     assert "the same command goes on from there" in err and "Traceback" not in err
     assert (out / "certificate.json").exists() and 1 <= len(list(out.glob("certificates/*.json"))) < CLIPS
     require_over(running.pid)
+    assert not [path for path in out.rglob("*") if ".avatarsim-" in path.name]
 
 
 def test_of_two_commands_at_once_one_has_the_folder(tmp_path: Path) -> None:
