@@ -97,7 +97,7 @@
       for (const one of room) faces(one.v, one.t, view, grey, 1, all);
       for (const face of all) {
         const behind = dot(face.normal, [0, 1, 2].map((c) => centre[c] - face.p[0][c])) > 0;
-        if (!behind) face.alpha = 0.25;
+        if (!behind) { face.alpha = 0.3; face.bright *= 0.75; }
         (behind ? far : near).push(face);
       }
     }
