@@ -61,8 +61,8 @@ Files
 -----
     load_avatar     avatar, room and loose bodies of an MJCF or URDF file (needs the extra `assets`)
     load_room       a room from such a file, from a mesh, or the word "floor"
+    load_motion     a motion file: BVH, AMC, npz, csv, the 44 columns of DeepMimic; and how to write it again
     Model           what these give: the avatar, its coordinates in the file's order, the bodies, what was done on the way
-    load_motion     a recorded motion: BVH, AMC with its ASF, arrays (.npz), tables (.csv), DeepMimic; and the same file again
 
 Frames
 ------

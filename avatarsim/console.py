@@ -89,6 +89,11 @@ class Progress:
             self.drawn = 0
 
 
+def printable(text: str) -> str:
+    """A text from elsewhere as a terminal or a page may have it: what cannot be printed by its code."""
+    return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
+
+
 USAGE, UNSAID = 2, 3
 """Exit codes: wrong usage; the answer could not be written."""
 

@@ -8,10 +8,10 @@ from contextlib import suppress
 
 from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
 from scenarios.cli import ablate, commands, comparison, listing, sweep
 from scenarios.results.gate import INCOMPLETE, STOPPED, USAGE
-from scenarios.results.resume import stoppable
 from scenarios.running import cluster, own_settings
 from scenarios.stability import __main__ as stability
 

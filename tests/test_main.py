@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from avatarsim import compile_ahead
-from avatarsim.__main__ import main, parsed
+from avatarsim.cli.arguments import parsed
+from avatarsim.cli.door import main
 from avatarsim.files import VARIABLE
 from avatarsim.jit import baseline, places
 from avatarsim.jit.places import NAME, Places

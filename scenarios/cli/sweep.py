@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.running.processes import Workers
 from runfiles.csv_rows import csv_text
 from runfiles.files import plain, write_text
 from scenarios.cli.commands import nothing, say_last
@@ -18,7 +19,7 @@ from scenarios.results.store import Entry, Store
 from scenarios.running.cluster import workers_of
 from scenarios.running.harness import Offer, offers
 from scenarios.running.own_settings import OwnSettings, read
-from scenarios.running.processes import Workers, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Estimate
 from scenarios.running.seat import Seats
 from scenarios.running.telling import errors_of, swept, swept_engines

@@ -13,6 +13,8 @@ from typing import Any
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
+from avatarsim.running.processes import Died
+from avatarsim.running.stopping import stoppable
 from runfiles.csv_rows import csv_text
 from runfiles.files import OUT, write_text
 from runfiles.naming import BASELINE
@@ -23,10 +25,9 @@ from scenarios.law_map.asking import job_of, obtained, without_figures
 from scenarios.law_map.rows import Row, table
 from scenarios.results.fingerprint import find, key_of, sources
 from scenarios.results.gate import STOPPED
-from scenarios.results.resume import stoppable
 from scenarios.results.store import Store
 from scenarios.running.harness import offers
-from scenarios.running.processes import Died, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Estimate
 
 DIGITS = 9

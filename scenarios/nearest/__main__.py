@@ -13,6 +13,8 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
+from avatarsim.running.processes import Died
+from avatarsim.running.stopping import stoppable
 from runfiles.csv_rows import csv_text
 from runfiles.files import OUT, write_text
 from scenarios.nearest.frames import Sample
@@ -20,8 +22,7 @@ from scenarios.nearest.searched import searched
 from scenarios.nearest.summary import Summary, summarised, table
 from scenarios.results.gate import STOPPED
 from scenarios.results.kept import scenes_of
-from scenarios.results.resume import stoppable
-from scenarios.running.processes import Died, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
 
 DIGITS = 8

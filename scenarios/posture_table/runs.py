@@ -9,6 +9,7 @@ from typing import TextIO
 
 import numpy as np
 
+from avatarsim.running.processes import Died
 from runfiles.naming import GATED
 from runfiles.record import load
 from scenarios.job import Job
@@ -19,7 +20,7 @@ from scenarios.results.fingerprint import find, key_of, sources
 from scenarios.results.store import Store
 from scenarios.running.asked import asked
 from scenarios.running.harness import tidy
-from scenarios.running.processes import Died, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
 from scenarios.running.run import accuracy
 from scenarios.running.seat import repeat

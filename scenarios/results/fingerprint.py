@@ -13,10 +13,11 @@ from pathlib import Path
 from pkgutil import walk_packages
 
 from avatarsim.errors import MissingPackage
+from avatarsim.running.sources import version
 from scenarios import catalog
 from scenarios.engines import EXTRA, known
 from scenarios.job import Job
-from scenarios.results.provenance import CODE, ROOT, scene_hash, version
+from scenarios.results.provenance import CODE, ROOT, scene_hash
 
 PACKAGES = {"avatarsim": ("numba",), "mujoco": ("mujoco",), "pybullet": ("pybullet",)}
 """Distributions whose version can change what an engine shows; of a stranger's engine its own module is all that is known."""

@@ -4,17 +4,16 @@ import hashlib
 import os
 import platform
 import subprocess
-import sys
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from datetime import UTC, datetime
 from enum import Enum
 from functools import cache
-from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 
+from avatarsim.running.sources import cpu, digest_of, version
 from avatarsim.scene.scene import Scene
 from avatarsim.version import VERSION
 from scenarios.results.machine import clock, usable_cpus
@@ -63,30 +62,7 @@ def commit_of(root: Path) -> str | None:
 
 def hash_of_sources(root: Path) -> str:
     """Sixteen hexadecimal digits of every source file below `root` that can change what is recorded."""
-    digest = hashlib.blake2b(digest_size=8)
-    for room in CODE:
-        for path in sorted((root / room).rglob("*.py")):
-            digest.update(str(path.relative_to(root)).encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()
-
-
-@cache
-def version(package: str) -> str | None:
-    """Version of an installed distribution, None when there is none."""
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None
-
-
-def cpu() -> str:
-    """The processor's name where the system tells it."""
-    table = Path("/proc/cpuinfo")
-    if sys.platform == "linux" and table.exists():
-        for line in table.read_text(encoding="utf-8", errors="replace").splitlines():
-            if line.startswith("model name"):
-                return line.split(":", 1)[1].strip()
-    return platform.processor() or platform.machine()
+    return digest_of(root, CODE)
 
 
 def scene_hash(scene: Scene) -> str:

@@ -5,14 +5,10 @@ more: rows of what it did not ask for would be lost with the results.json that i
 """
 
 import shlex
-import signal
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from os.path import isdir
 from pathlib import Path
-from types import FrameType
-from typing import NoReturn
 
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.files import read_json
@@ -24,8 +20,6 @@ PLAN, PLAN_VERSION = "plan.json", 1
 """File of a run's plan, and its layout."""
 WRITTEN = "one that this version wrote; run again"
 """What a plan has to be."""
-ENDINGS = ("SIGTERM", "SIGHUP")
-"""Requests to end beside Ctrl-C: of `kill`, and of a terminal or a connection that is closed. Not every system has both."""
 
 
 def earlier_run(folder: Path, command: str) -> Path:
@@ -107,31 +101,6 @@ def command_to_go_on(folder: Path, words: Sequence[str]) -> str:
             kept.append(word)
         skip = not skip and word == "--resume"
     return shlex.join(["python", "-m", "scenarios", *kept, "--resume", str(folder)])
-
-
-@contextmanager
-def stoppable() -> Iterator[None]:
-    """A request to end (SIGTERM, SIGHUP) is taken like Ctrl-C: what was finished is kept, and child processes are ended. One that
-    is ignored, as under `nohup`, stays ignored."""
-
-    def stop(number: int, frame: FrameType | None) -> NoReturn:
-        raise KeyboardInterrupt
-
-    before: dict[int, Callable[[int, FrameType | None], object] | int | None] = {}
-    try:
-        for name in ENDINGS:
-            number = getattr(signal, name, None)
-            if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
-                before[number] = signal.signal(number, stop)
-    except ValueError:
-        # not the main thread, which alone hears of signals
-        yield
-        return
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def how_to_go_on(folder: Path, words: Sequence[str]) -> str:

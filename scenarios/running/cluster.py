@@ -1,32 +1,24 @@
-"""Jobs on the machines of a Dask cluster: its scheduler hands each to a worker, which runs it as it is run here.
+"""Where a command of the harness runs its jobs: in processes here, or on a cluster whose workers run the same sources.
 
-https://distributed.dask.org. A worker gives each job a process of its own, on one thread and with the same time limit, so that a
-job that dies ends neither the worker nor another job. A worker has to run the same sources with the same packages, and to see the
-folder of the run under the same path: recordings are written there. Frames are never timed on a cluster.
+A worker has to run the same sources with the same packages as the command, and to see the folder of the run under the same path:
+recordings are written there. Frames are never timed on a cluster.
 """
 
 import argparse
 import multiprocessing
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
-from avatarsim.errors import InvalidInput, MissingPackage
+from avatarsim.running.cluster import Cluster
+from avatarsim.running.processes import Workers
 from scenarios.results.provenance import code_hash, provenance
 from scenarios.results.resume import PLAN
-from scenarios.running.processes import Answer, Died, Task, Workers, side_by_side
+from scenarios.running.processes import PRELOADED
 
-ANSWERS_WITHIN = 10.0
-"""Longest [s] to wait for a scheduler."""
 OPTION = "--scheduler"
 SAME = ("code", "python", "versions", "folder")
 """What a worker has in common with this command, or its figures would be those of another."""
 HELP = "run what is not timed on the Dask cluster of this scheduler, as tcp://HOST:8786, in place of processes here"
-START = "`python -m dask worker ADDRESS --no-nanny --nthreads JOBS` in a checkout"
-"""How a worker is started, whose threads are the jobs that it has at a time."""
 
 
 def about(folder: Path | None) -> dict[str, object]:
@@ -37,75 +29,12 @@ def about(folder: Path | None) -> dict[str, object]:
     return {**told, "folder": (folder, written), "daemon": multiprocessing.current_process().daemon}
 
 
-def there(task: Task, function: Callable[[Task], Answer], patience: float, code: str) -> Answer | Died:
-    """What a worker does with a task. One that joined late has not been asked before what it runs. Raises RuntimeError for other
-    sources, an error that can travel."""
-    if code_hash() != code:
-        raise RuntimeError(f"a worker runs other sources, {code_hash()} in place of {code}")
-    [(_, answer)] = side_by_side(function, [task], 1, patience=patience)
-    return answer
+def cluster(address: str, folder: Path | None = None) -> Cluster:
+    """The cluster of the scheduler at `address`, whose workers see `folder` if jobs write there."""
+    return Cluster(address, code_hash, partial(about, folder), SAME, PRELOADED)
 
 
 def workers_of(asked: argparse.Namespace, folder: Path | None = None) -> Workers:
     """Where a command runs its jobs, by its options: on a cluster, whose workers write into `folder`, or in processes here."""
     address = getattr(asked, "scheduler", None)
-    return int(asked.jobs) if address is None else Cluster(address, folder)
-
-
-@dataclass(frozen=True)
-class Cluster:
-    """The cluster of the scheduler at `address`, whose workers see `folder` if jobs write there."""
-
-    address: str
-    folder: Path | None = None
-
-    def results(
-        self, function: Callable[[Task], Answer], tasks: Sequence[Task], patience: float
-    ) -> Iterator[tuple[Task, Answer | Died]]:
-        """Each task with its answer, or how it died, in the order in which they end. Where the loop is left early, what has not
-        begun is called off; what runs goes on to its end or its time limit, and is not heard. Raises InvalidInput where no
-        scheduler answers, a worker runs something else or the cluster goes, MissingPackage without distributed."""
-        try:
-            from distributed import Client, as_completed
-        except ImportError as error:
-            raise MissingPackage("distributed", "cluster", OPTION) from error
-        try:
-            client = Client(self.address, timeout=ANSWERS_WITHIN, set_as_default=False)
-        except (OSError, ValueError) as error:
-            raise InvalidInput(OPTION, self.address, f"the address of a Dask scheduler that answers ({error})") from error
-        with client:
-            here = about(self.folder)
-            self.same(here, client.run(about, self.folder, on_error="return"))
-            # twice the same task is asked twice
-            work = partial(there, function=function, patience=patience, code=code_hash())
-            running = dict(zip(client.map(work, tasks, pure=False), tasks, strict=True))
-            try:
-                for future in as_completed(list(running), loop=client.loop):
-                    yield running.pop(future), self._answer(future)
-            finally:
-                client.cancel(list(running))
-
-    def _answer(self, future: Any) -> Any:
-        """The answer of a task that is over. A job that died has one, so that without there is something wrong with the cluster,
-        and that is no result of an engine's."""
-        if future.status == "finished":
-            return future.result()
-        why = future.exception() if future.status == "error" else future.status
-        valid = f"a cluster that stays ({type(why).__name__}: {why}); what was finished is kept to go on from"
-        raise InvalidInput(OPTION, self.address, valid)
-
-    def same(self, here: Mapping[str, object], found: Mapping[str, Any]) -> None:
-        """Raise InvalidInput for a cluster without workers, or with one whose figures would not be those of this command."""
-        if not found:
-            raise InvalidInput(OPTION, self.address, f"a scheduler with workers: {START}")
-        for worker, told in found.items():
-            if isinstance(told, BaseException):
-                raise InvalidInput(OPTION, self.address, f"workers that know this project ({worker}: {told}): {START}")
-            if told["daemon"]:
-                raise InvalidInput(OPTION, self.address, f"workers that may start processes, which {worker} may not: {START}")
-            for name in SAME:
-                if told[name] != here[name]:
-                    valid = f"workers of the same {name}: {worker} has {told[name]}, this command {here[name]}"
-                    raise InvalidInput(OPTION, self.address, valid)
-            if told["cpu"] != here["cpu"]:
-                print(f"{worker} has another processor, {told['cpu']}: last bits may differ", file=sys.stderr)
+    return int(asked.jobs) if address is None else cluster(address, folder)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.running.processes import Died, Workers
 from runfiles.naming import BASELINE
 from runfiles.sayable import Unsaid
 from scenarios import unseen
@@ -23,7 +24,7 @@ from scenarios.results.machine import Meter, load_average
 from scenarios.results.results import Results, Row
 from scenarios.running.glance import MANY, PATIENCE, glance
 from scenarios.running.phenomena import errors_of, repeats_of
-from scenarios.running.processes import Died, Workers, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
 from scenarios.running.run import accuracy, described
 from scenarios.running.seat import Seats

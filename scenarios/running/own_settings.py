@@ -8,9 +8,10 @@ from pathlib import Path
 
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.files import read_toml
+from avatarsim.running.processes import Died
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.running.processes import Died, side_by_side
+from scenarios.running.processes import side_by_side
 
 EXAMPLE = "scenarios/settings_example.toml"
 """A file that every engine takes as it is, from the folder of the checkout."""

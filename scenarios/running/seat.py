@@ -12,10 +12,11 @@ from types import TracebackType
 from typing import Self
 
 from avatarsim.engine import Engine
+from avatarsim.running.processes import ended, settled
 from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.running.asked import asked
-from scenarios.running.processes import context, ended, settled
+from scenarios.running.processes import context
 from scenarios.running.run import described
 
 PATIENCE = 300.0

@@ -12,16 +12,16 @@ from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.running.processes import Workers
+from avatarsim.running.stopping import stoppable
 from runfiles.csv_rows import csv_text
 from runfiles.files import OUT, write_text
 from runfiles.naming import BASELINE
 from scenarios.engines import known
 from scenarios.results.gate import NOTHING
-from scenarios.results.resume import stoppable
 from scenarios.running.cluster import HELP, OPTION, workers_of
 from scenarios.running.harness import offers
 from scenarios.running.offered import filtered, unmatched
-from scenarios.running.processes import Workers
 from scenarios.running.progress import Progress
 from scenarios.stability.finished import NAME as FINISHED
 from scenarios.stability.finished import Finished, stamp

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from avatarsim.errors import InvalidFile
 from avatarsim.files import parsed_json, read_text
+from avatarsim.running.sources import version
 from runfiles.files import plain, write_text
-from scenarios.results.provenance import PACKAGES, code_hash, version
+from scenarios.results.provenance import PACKAGES, code_hash
 from scenarios.stability.outcome import ABSENT, TOO_LATE, Outcome, Task
 
 NAME = "stability.jsonl"

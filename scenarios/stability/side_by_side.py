@@ -2,8 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
+from avatarsim.running.processes import Died, Workers
 from scenarios.engines import TIDY
-from scenarios.running.processes import Died, Workers, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.stability.outcome import CRASHED, LATE, TOO_LATE, Outcome, Task, outcome
 
 PATIENCE = 3.0 * LATE

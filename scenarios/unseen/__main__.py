@@ -17,8 +17,9 @@ from pathlib import Path
 
 from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
+from avatarsim.running.processes import Died
 from scenarios.results.gate import FAILED, HELD, INCOMPLETE, USAGE
-from scenarios.running.processes import Died, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
 from scenarios.studies.unseen_motions import Seen, broken, jobs, seen, table
 from scenarios.unseen import seeds

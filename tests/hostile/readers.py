@@ -15,6 +15,8 @@ from avatarsim.assets.meshes.repairs import finite as finite_mesh
 from avatarsim.assets.models.load import load_avatar
 from avatarsim.assets.motions.deepmimic import read_clip
 from avatarsim.assets.motions.load import load_motion
+from avatarsim.clips import certificate
+from avatarsim.clips.page.index_page import index_page
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.motion import Motion
 from reports import write_report
@@ -54,6 +56,12 @@ def hull(folder: Path, path: Path) -> object:
     for piece in found.pieces:
         finite(piece.shape)
     return finite(found)
+
+
+def certified(folder: Path, path: Path) -> object:
+    """A clip's certificate: one from which the page of a folder is made, or none."""
+    found = certificate.read(path)
+    return None if found is None else index_page(certificate.summary("clean", [found], []))
 
 
 def whole_mesh(folder: Path, path: Path) -> object:
@@ -264,6 +272,7 @@ def doors() -> tuple[Door, ...]:
         of_files("avatar", 1.0, FileDoor(valid.robots, damaged_xml, public_model, valid.robot_mesh), slow=True),
         of_files("mesh of an avatar", 0.5, FileDoor(valid.robot_mesh, damaged, public_model, valid.robots), slow=True),
         of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
+        of_files("certificate", 20.0, FileDoor(valid.certificate_of_a_clip, damaged_json, certified)),
         of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),
         of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),
         of_files("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look)),

@@ -12,11 +12,13 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from avatarsim.clips import certificate
 from runfiles import array_file, overlapping, record
 from scenarios import catalog
 from tests.assets.meshes.solids import cube, ell, torus
 from tests.assets.motions.files import ASF, WALKER, amc, bvh
 from tests.assets.motions.robots import JOINTS, walk
+from tests.clips.entries import entry
 from tests.reports import recorded
 from tests.reports.conftest import whole_run
 from tests.reports.sections import test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability
@@ -162,6 +164,12 @@ preset = "tuned"
 dt = 0.0005
 solimp = [0.9, 0.95, 0.001]
 """
+
+
+@cache
+def certificate_of_a_clip() -> Files:
+    """What is kept of a clip that was cleaned."""
+    return {"walk.bvh.json": certificate.text(entry())}
 
 
 def settings() -> Files:

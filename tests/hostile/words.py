@@ -6,14 +6,17 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
-from avatarsim.assets.meshes import __main__ as pieces
+from avatarsim import cli
+from avatarsim.cli import pieces
 from reports import __main__ as reports
 from scenarios import __main__ as scenarios
+from tests.clips import made as made_clips
 from tests.hostile import valid_files as valid
 from tests.hostile.doors import Case, Door, kept_to_one_of, place
 from tests.hostile.mutation import damaged, damaged_csv, damaged_json
 
-CODES = {"scenarios": frozenset({0, 1, 2, 3, 5}), "reports": frozenset({0, 1, 2}), "pieces": frozenset({0, 1, 2})}
+CODES = {"scenarios": frozenset({0, 1, 2, 3, 5}), "reports": frozenset({0, 1, 2}), "pieces": frozenset({0, 2, 3}),
+         "clips": frozenset({0, 1, 2, 3})}
 """What each command's help says of its exit codes."""
 STRANGE = (
     "", " ", "-", "--", "-1", "0", "nan", "inf", "1e400", "9" * 400, "9" * 5000, "*", "[", "[!a", "\x00", "\udcff", "a" * 5000,
@@ -82,6 +85,35 @@ def of_pieces(rng: random.Random, folder: Path) -> list[str]:
     return [*words, "--json"] if rng.random() < 0.3 else words
 
 
+def of_clips(rng: random.Random, folder: Path) -> list[str]:
+    """Clips, models and rooms, damaged or not, and all options; no folder but that of the case is read or written."""
+
+    def file(name: str, content: bytes) -> str:
+        return str(place(folder, name, damaged(content, rng) if rng.random() < 0.4 else content))
+
+    recorded = file("some.bvh", made_clips.bvh(folder / "whole.bvh", frames=3).read_bytes())
+    table = file("some.csv", made_clips.csv(folder / "whole.csv", frames=3).read_bytes())
+    model = file("some.xml", made_clips.ROBOT.encode())
+    options: Sequence[tuple[str, Callable[[], str]]] = (
+        ("--avatar", lambda: word(rng, model, recorded)), ("--room", lambda: word(rng, "floor", model, table)),
+        ("--scale", lambda: word(rng, "1", "0.01")), ("--up", lambda: word(rng, "y", "z")),
+        ("--rate", lambda: word(rng, "30", "60")), ("--asf", lambda: word(rng, model)),
+        ("--file-rate", lambda: word(rng, "30")), ("--margin", lambda: word(rng, "0.002")), ("--blend", lambda: word(rng, "0")),
+        ("--fix", lambda: word(rng, "all", "elbow")), ("--quaternion", lambda: word(rng, "wxyz")),
+        ("--joints", lambda: word(rng, "elbow")), ("--folder", lambda: word(rng, str(folder))), ("--loose", lambda: ""),
+        ("--force", lambda: ""), ("--no-page", lambda: ""), ("--workers", lambda: word(rng, "0")),
+    )
+    strange = [one for one in STRANGE if one not in ("..", "/")]
+    motion = rng.choice([recorded, table]) if rng.random() < 0.8 else rng.choice(strange)
+    words = [rng.choice(("clean", "clean", "audit", "tidy")), motion]
+    for option, value in rng.sample(options, rng.randrange(5)):
+        # a number or a word of its own, never a folder of the machine
+        said = value()
+        words += [option] if said == "" else [option, said if said not in ("..", "/") else "elsewhere"]
+    # last, so that they hold whatever stands before them
+    return [*words, "--workers", "0", "-o", str(folder / "out")]
+
+
 def cases(made: Callable[[random.Random, Path], list[str]], main: Callable[[list[str]], int], codes: frozenset[int], seed: int,
           count: int, folder: Path) -> Iterator[Case]:
     """Command lines, each asked in this process."""
@@ -104,11 +136,11 @@ def asked(main: Callable[[list[str]], int], words: list[str], codes: frozenset[i
 
 
 def doors() -> tuple[Door, ...]:
-    """The three commands that read files."""
+    """The commands that read files."""
     return tuple(
         Door(f"words of {name}", weight, partial(cases, made, main, CODES[name]), slow=True)
         for name, weight, made, main in (
             ("scenarios", 25.0, of_scenarios, scenarios.main), ("reports", 25.0, of_reports, reports.main),
-            ("pieces", 1.0, of_pieces, pieces.main),
+            ("pieces", 1.0, of_pieces, pieces.main), ("clips", 25.0, of_clips, cli.main),
         )
     )

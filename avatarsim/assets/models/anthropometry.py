@@ -53,6 +53,9 @@ SEGMENT_OF = {
 }
 """The segment that a part of the body belongs to."""
 
+SEGMENT_OF_KIND = {kind: SEGMENTS[name] for kind, name in SEGMENT_OF.items()}
+"""The same, with its figures."""
+
 RADII = {"neck": 0.055, "clavicle": 0.045, "hip bone": 0.07, "thumb": 0.010, "finger": 0.008, "toe": 0.025}
 """Radii [m] at STATURE of parts that are thinner than their segment: half of what a caliper finds across them, rounded."""
 

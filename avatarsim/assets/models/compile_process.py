@@ -56,7 +56,8 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
 
     vfs = mujoco.MjVfs()
     for name, content in texts.texts.items():
-        vfs[f"{NOWHERE}{name}"] = content
+        place = NOWHERE + name
+        vfs[place] = content
     try:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
         MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)
@@ -65,7 +66,7 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
         # links of a robot stay links, and nothing of the URDF file is merged into the world
         spec.compiler.fusestatic = False
         model = _compiled(spec, mujoco)
-    except (ValueError, mujoco.FatalError) as error:
+    except (ValueError, RuntimeError, mujoco.FatalError) as error:
         said = " ".join(str(error).replace(NOWHERE, "").split())
         raise InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes") from error
     numbers = _numbers(model, path, mujoco)
@@ -136,7 +137,8 @@ def main(arguments: list[str]) -> int:
         value = error.value if isinstance(error.value, str | int | float) else repr(error.value)
         numbers = {"refused": np.array(json.dumps([error.thing, value, error.valid]))}
     except MemoryError:
-        numbers = {"refused": np.array(json.dumps([f"model {path.name}", "out of memory", f"one that takes {MEMORY:g} bytes"]))}
+        valid = f"one that compiles in {MEMORY:.2g} bytes"
+        numbers = {"refused": np.array(json.dumps([f"model {path.name}", "too large", valid]))}
     buffer = io.BytesIO()
     np.savez(buffer, **numbers)
     with answer:

@@ -36,7 +36,7 @@ WORLD = "world"
 class Options:
     """What a user asks of a model file; see `load.load_avatar`."""
 
-    avatar: str | None = None
+    avatar: str | tuple[str, ...] | None = None
     driven: bool = True
     folder: str | Path | None = None
     joints: JointWishes = field(default_factory=JointWishes)
@@ -80,7 +80,7 @@ class _Reading:
             avatar = Avatar(self._title, skeleton.links, size_range=self._options.size_range)
             avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
             start = self._start(tree, avatar)
-        bodies = [*self._world(), *(body for bodies in forest if bodies != chosen for body in self._body(bodies))]
+        bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
         exclude = self._excluded(tree, avatar)
         self._say_equalities()
         self._said += [*self._geoms.said(), *self._masses.said()]
@@ -100,16 +100,22 @@ class _Reading:
         """The tree that becomes the avatar: the one that is asked for, or the one with the most joints."""
         asked = self._options.avatar
         if asked is not None:
-            for bodies in forest:
-                if asked in {self._names[b] for b in bodies}:
-                    return bodies
-            known = [name for b, name in self._names.items() if b > 0]
-            raise UnknownName(f"body of {self._file} to be the avatar", asked, known)
+            chosen = {self._tree_with(name, forest) for name in ((asked,) if isinstance(asked, str) else asked)}
+            if chosen:
+                return tuple(sorted(b for bodies in chosen for b in bodies))
         counts = [int(np.isin(self._m.jnt_bodyid, bodies).sum()) for bodies in forest]
         if not forest or (max(counts) == 0 and not self._free_root()):
             valid = 'at least 1; load_room reads a room, root="free" lets a body without joints go where its user goes'
             raise InvalidFile(f"joints of {self._file}", 0, valid)
         return forest[int(np.argmax(counts))]
+
+    def _tree_with(self, name: str, forest: list[tuple[int, ...]]) -> tuple[int, ...]:
+        """The tree that has a body of this name."""
+        for bodies in forest:
+            if name in {self._names[b] for b in bodies}:
+                return bodies
+        known = [name for b, name in self._names.items() if b > 0]
+        raise UnknownName(f"body of {self._file} to be the avatar", name, known)
 
     def _free_root(self) -> bool:
         """Whether a root without a joint is free: in URDF, which has no word for it, unless the file or the user fixes it."""
@@ -180,12 +186,13 @@ class _Reading:
     def _ignored(self, tree: Tree, skeleton: Skeleton) -> tuple[tuple[str, str], ...]:
         """Pairs of links that never touch, besides parent and child: by welds, by the file's word, by masks."""
         parent = {link.name: link.parent for link in skeleton.links}
-        found, masked = [], 0
         parts = self._link_parts(tree, self._names)
+        found, masked = [], 0
+        kept_apart = set(self._filter.kept_apart(parts))
         for k, two in enumerate(parts):
-            for one in parts[:k]:
+            for j, one in enumerate(parts[:k]):
                 apart = self._filter.apart(one, two)
-                if parent[two.name] != one.name and (apart or not self._filter.meet(one, two)):
+                if parent[two.name] != one.name and (apart or (j, k) in kept_apart):
                     found.append((one.name, two.name))
                     masked += not apart
         if masked:
@@ -210,18 +217,12 @@ class _Reading:
         room = list(self._parts.values())
         names = {} if tree is None or avatar is None else self._scene_names(tree, avatar)
         links = [] if tree is None else self._link_parts(tree, names)
-        found, masked = [], 0
-        for k, one in enumerate(room):
-            for two in (*room[:k], *links):
-                if one.weld == 0 and two.weld == 0:
-                    # bodies of the room are one family already
-                    found += [(one.name, two.name)] if two.name not in self._parts else []
-                elif not self._filter.meet(one, two):
-                    found.append((one.name, two.name))
-                    masked += 1
+        parts, first = [*room, *links], len(room)
+        found = [(one.name, two.name) for two in links if two.weld == 0 for one in room if one.weld == 0]
+        masked = [(parts[i].name, parts[j].name) for i, j in self._filter.kept_apart(parts) if i < first]
         if masked:
-            self._said.append(f"{masked} pairs with bodies never touch, as the file has it (exclude, contype, conaffinity)")
-        return tuple(found)
+            self._said.append(f"{len(masked)} pairs with bodies never touch, as the file has it (exclude, contype, conaffinity)")
+        return (*found, *masked)
 
     def _scene_names(self, tree: Tree, avatar: Avatar) -> dict[int, str]:
         """What a scene calls the link that carries a body."""

@@ -1,7 +1,7 @@
 """A human avatar from a recorded skeleton: capsules along its bones, masses and radii by anthropometry, ranges of motion by name.
 
-The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of what was
-recorded, and the model says so.
+The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of the recorded
+human, and the model says so.
 """
 
 from collections.abc import Sequence
@@ -17,6 +17,7 @@ from avatarsim.assets.models.anthropometry import (
     MIDDLE,
     RADII,
     SEGMENT_OF,
+    SEGMENT_OF_KIND,
     SEGMENTS,
     SHOULDERS,
     STATURE,
@@ -29,7 +30,7 @@ from avatarsim.assets.models.anthropometry import (
 from avatarsim.assets.models.capsule_gaps import link_gaps
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.models.range_of_motion import limited
+from avatarsim.assets.models.range_of_motion import ANY_TWIST, limited
 from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.models.stance import Stance, stance
 from avatarsim.errors import InvalidInput
@@ -88,6 +89,10 @@ def human(
         said.append("joints without limits: no standing posture, at rest or in the clip, to count ranges of motion from")
     elif limits:
         said.append(f"ranges of motion are counted from the standing posture {where}; limits=False leaves joints free")
+    limits_of = {link.name: link.joint.limits for link in links if isinstance(link.joint, Ball)}
+    free = [name for name, one in limits_of.items() if one is not None and one.twist == ANY_TWIST]
+    if free:
+        said.append(f"joints whose twist has no limit, as their frames at rest are turned about too far: {', '.join(free)}")
     if ignored:
         listed = ", ".join(f"{a} and {b}" for a, b in ignored)
         said.append(f"pairs that overlap in a standing posture or in the first frame, and may: {listed}")
@@ -131,7 +136,7 @@ class Build:
         if part.kind in RADII:
             return RADII[part.kind] * self.stature / STATURE
         if part.kind in SEGMENT_OF:
-            found = SEGMENTS[SEGMENT_OF[part.kind]].radius(self.mass, self.stature)
+            found = SEGMENT_OF_KIND[part.kind].radius(self.mass, self.stature)
             return min(found, self.trunk) if SEGMENT_OF[part.kind] == "trunk" else found
         return min(max(UNKNOWN_SHARE * length, THINNEST), THICKEST)
 

@@ -57,7 +57,7 @@ class JointWishes:
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """Bodies below one body of the world, `bodies` from the root on, parents first, and the joints that move them.
+    """Bodies below one body of the world, or several, `bodies` from the root on, parents first, and the joints that move them.
 
     `joints` [body] are the numbers of its joints that move, in the order in which they act; `fixed` those of the tree that are
     held at their reference. `is_free` says whether the root goes anywhere, `weld` [body] is the first of the bodies that it is
@@ -120,6 +120,10 @@ def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file:
         fixed |= set(free)
     if fixed:
         said.append(f"fixed at the reference: {_list(model, sorted(fixed))}")
+    tops = [b for b in bodies if model.body_parentid[b] == 0]
+    if len(tops) > 1 and (wanted.root == "free" or set(free) - fixed):
+        valid = 'a file whose trees are fixed to the world where several are one avatar; root="fixed" holds their free joints'
+        raise InvalidFile(f"trees of the avatar in {file}", "free", valid)
     is_free = (wanted.root == "free" or bool(free)) and not fixed & set(free)
     joints = {b: tuple(j for j in own if model.jnt_bodyid[j] == b and j not in fixed) for b in bodies}
     weld: dict[int, int] = {0: 0}
@@ -168,6 +172,9 @@ def skeleton_of(tree: Tree, names: dict[int, str], geoms: Geoms, masses: Masses,
     offsets: dict[int, Array] = {0: np.zeros(3)}
     first_hinge: dict[int, int] = {}
     hinges = 0
+    if sum(tree.model.body_parentid[b] == 0 for b in tree.bodies) > 1:
+        # one link that is the world, to which all of the trees are jointed
+        links.append(Link(names[0], None, Rigid(), (), masses.nothing(), material))
     for body in tree.bodies:
         for place in _places(tree, body, names, offsets, geoms, masses):
             parent = None if not links else place.parent
@@ -204,7 +211,7 @@ def _places(
     above = int(model.body_parentid[body])
     origin, turn = model.body_pos[body] - offsets[above], model.body_quat[body]
     groups: list[tuple[int, ...]] = _groups(model, tree, body)
-    parent, before = names.get(above, ""), np.zeros(3)
+    parent, before = names[above], np.zeros(3)
     if body == tree.root and tree.is_free and not (groups and model.jnt_type[groups[0][0]] == JointKind.FREE):
         # the file's root does not move, or turns about joints of its own
         groups = [(), *groups]

@@ -22,20 +22,22 @@ MESHES = (".obj", *BY_TRIMESH)
 
 
 def load_avatar(
-    path: str | Path, *, avatar: str | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
-    couplings: str = "refuse", meshes: str = "hull", most_vertices: int = 64, repair: str = "auto",
-    leave: tuple[str, ...] = (), masks: bool = True,
-    folder: str | Path | None = None, size_range: tuple[float, float] = PLAUSIBLE_SIZE,
+    path: str | Path, *, avatar: str | tuple[str, ...] | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
+    couplings: str = "refuse", meshes: str | tuple[str, ...] = "hull", most_vertices: int = 64, repair: str = "auto",
+    leave: tuple[str, ...] = (), masks: bool = True, folder: str | Path | None = None,
+    size_range: tuple[float, float] = PLAUSIBLE_SIZE,
 ) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
 
-    avatar      name of a body of the tree that becomes the avatar; by default the tree with the most joints
+    avatar      name of a body of the tree that becomes the avatar, or several, whose trees are one avatar then (two arms on a
+                table); by default the tree with the most joints
     root        "file": free where the file has a free joint, and in URDF, which has no word for it, unless its root is named
                 "world"; "free"; "fixed"
     fix         names of joints to hold at the file's reference, or "all" for those that an avatar cannot have (slides, and joints
                 that an equality couples); otherwise these are refused by name
     couplings   "leave": joints that an equality couples move by themselves
-    meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` says
+    meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` says,
+                which takes seconds for a mesh and is kept; or the names of those meshes to decompose
     most_vertices   of a piece of a mesh; what that loses is in `said`
     leave       names of geoms to leave out
     masks       False: links touch whatever contype and conaffinity say
@@ -56,8 +58,9 @@ def load_avatar(
 
 
 def load_room(
-    path: str | Path, *, meshes: str = "hull", most_vertices: int = 64, repair: str = "auto", leave: tuple[str, ...] = (),
-    folder: str | Path | None = None, scale: float = 1.0, y_up: bool = False, threshold: float = 0.05,
+    path: str | Path, *, meshes: str | tuple[str, ...] = "hull", most_vertices: int = 64, repair: str = "auto",
+    leave: tuple[str, ...] = (), folder: str | Path | None = None, scale: float = 1.0, y_up: bool = False,
+    threshold: float = 0.05,
 ) -> Model:
     """A room from MJCF or URDF, from a mesh (.obj .stl .ply .off .glb .gltf), or the word "floor": level ground, its top at 0.
 

@@ -19,7 +19,8 @@ ROUNDS = 8
 """How often a body is raised: by its depth each time, which is enough at once where what it stands in is level."""
 
 HIGHEST = 0.5
-"""[m] How far a body is raised at most. More: it hangs in a wall, and where it is meant to be is a guess."""
+"""[m] How far a body is raised at most, an avatar by its span: many files have the root of one that stands in the ground's plane.
+More: it hangs in a wall, and where it is meant to be is a guess."""
 
 Pairs = list[tuple[str, str, float]]
 
@@ -32,7 +33,7 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
     pairs = overlapping_pairs(build(model.scene()))
     for _ in range(ROUNDS):
         lifts = {name: depth + MARGIN for name, depth in _lifts(model, pairs, root_moves).items() if name not in stuck}
-        for name in [name for name, lift in lifts.items() if raised.get(name, 0.0) + lift > HIGHEST]:
+        for name in [name for name, lift in lifts.items() if raised.get(name, 0.0) + lift > _highest(model, name)]:
             stuck.add(name)
             lifts[name] = -raised.get(name, 0.0)
         if not any(lifts.values()):
@@ -48,6 +49,11 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
         listed = ", ".join(f"{a} and {b} by {1e3 * depth:.3g} mm" for a, b, depth in sorted(pairs, key=lambda pair: -pair[2]))
         said.append(f"{len(pairs)} pairs overlap at the reference and never touch: {listed}")
     return _without(model, pairs), tuple(said)
+
+
+def _highest(model: Model, name: str) -> float:
+    """How far [m] the body or avatar of this name is raised at most."""
+    return HIGHEST if model.avatar is None or name != model.avatar.name else max(HIGHEST, model.avatar.span)
 
 
 def _lifts(model: Model, pairs: Pairs, root_moves: bool) -> dict[str, float]:

@@ -4,7 +4,7 @@ The rules are those of MuJoCo's collision filter (its documentation, "Collision 
 single geoms: two bodies may touch if any two of their geoms may. Parent and child never touch, also where the parent is fixed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -44,6 +44,34 @@ class Filter:
     @cached_property
     def _excluded(self) -> frozenset[int]:
         return frozenset(self.model.exclude_signature.tolist())
+
+    def kept_apart(self, parts: Sequence[Part]) -> Iterator[tuple[int, int]]:
+        """Pairs i < j of parts, not both fixed, that the file keeps apart."""
+        bits = np.array([self._bits(part.geoms) for part in parts], dtype=np.int64).reshape(-1, 2)
+        named = self._named(parts)
+        moves = [part.weld != 0 for part in parts]
+        for i in [i for i, is_moving in enumerate(moves) if is_moving]:
+            passing = (bits[i, 0] & bits[:, 1]) | (bits[i, 1] & bits[:, 0])
+            asked = named.get(i, set()) | ({int(j) for j in np.flatnonzero(passing == 0)} if self.masks else set())
+            # of two that move, the pair is found from the first one
+            for j in sorted(j for j in asked if j != i and (j > i or not moves[j])):
+                if not self.meet(parts[i], parts[j]):
+                    yield min(i, j), max(i, j)
+
+    def _named(self, parts: Sequence[Part]) -> dict[int, set[int]]:
+        """For each part those with which it has bodies in an excluded pair."""
+        carrying: dict[int, list[int]] = {}
+        for i, part in enumerate(parts):
+            for body in part.bodies:
+                carrying.setdefault(body, []).append(i)
+        found: dict[int, set[int]] = {}
+        for signature in self._excluded:
+            one, other = (carrying.get(body, []) for body in (signature >> BITS, signature & ((1 << BITS) - 1)))
+            for i in one:
+                for j in other:
+                    found.setdefault(i, set()).add(j)
+                    found.setdefault(j, set()).add(i)
+        return found
 
     def apart(self, one: Part, other: Part) -> bool:
         """Whether two parts never touch since they are rigid with one another, or one is jointed to the other."""

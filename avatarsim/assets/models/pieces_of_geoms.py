@@ -19,6 +19,7 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sh
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 SIDES = 32
 """Sides of the prism around a cylinder, whose edges lie 0.5 % of the radius outside. More: support queries take longer."""
@@ -33,16 +34,20 @@ WAYS = ("hull", "decompose")
 
 @dataclass(frozen=True)
 class MeshWishes:
-    """How meshes become pieces: `meshes` of WAYS, with at most so many vertices each; `repair` of open surfaces, as in
-    `pieces_of_mesh`."""
+    """How meshes become pieces: `meshes` of WAYS, or the names of those to decompose, with at most so many vertices each;
+    `repair` of open surfaces, as in `pieces_of_mesh`."""
 
-    meshes: str = "hull"
+    meshes: str | tuple[str, ...] = "hull"
     most_vertices: int = 64
     repair: str = "auto"
 
     def __post_init__(self) -> None:
-        if self.meshes not in WAYS:
+        if not isinstance(self.meshes, tuple) and self.meshes not in WAYS:
             raise UnknownName("meshes", str(self.meshes), WAYS)
+
+    def decomposes(self, mesh: str) -> bool:
+        """Whether a mesh of this name is decomposed."""
+        return mesh in self.meshes if isinstance(self.meshes, tuple) else self.meshes == "decompose"
 
 
 @dataclass(eq=False)
@@ -54,7 +59,8 @@ class Geoms:
     leave: tuple[str, ...] = ()
     _cylinder: tuple[float, str] = (0.0, "")
     _cylinders: int = 0
-    _mesh: tuple[float, str] = (0.0, "")
+    _hull: tuple[float, str] = (0.0, "")
+    _decomposed: tuple[float, str] = (0.0, "")
     _meshes: dict[int, tuple[ConvexHull, ...]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -62,6 +68,9 @@ class Geoms:
         for name in self.leave:
             if name not in known:
                 raise UnknownName("geom in leave", name, known)
+        for name in self.wanted.meshes if isinstance(self.wanted.meshes, tuple) else ():
+            if name not in self.model.mesh_name:
+                raise UnknownName("mesh to decompose", name, self.model.mesh_name)
 
     @cached_property
     def touching(self) -> NDArray[np.bool_]:
@@ -123,40 +132,43 @@ class Geoms:
     def _pieces_of_mesh(self, geom: int, mesh: int) -> tuple[ConvexHull, ...]:
         if mesh not in self._meshes:
             vertices, triangles = self.model.mesh(mesh)
-            name = f"mesh {self.model.mesh_name[mesh]}"
-            if self.wanted.meshes == "decompose":
-                found = pieces_of_mesh(
-                    (vertices, triangles), most_vertices=self.wanted.most_vertices, repair=self.wanted.repair
-                )
-                self._mesh = max(self._mesh, (found.hausdorff, self.label(geom)))
-                self._meshes[mesh] = tuple(piece.shape for piece in found.pieces if isinstance(piece.shape, ConvexHull))
-            else:
-                whole = hull_of(vertices, name)
-                thin = reduced(whole, self.wanted.most_vertices, name)
-                lost = 0.0 if thin is whole else float(thin.distances(whole.points[whole.used]).max())
-                self._mesh = max(self._mesh, (lost, self.label(geom)))
-                self._meshes[mesh] = (ConvexHull(thin.points[thin.used]),)
+            way = self._decompose if self.wanted.decomposes(self.model.mesh_name[mesh]) else self._hull_of
+            self._meshes[mesh] = way(self.label(geom), vertices, triangles)
         return self._meshes[mesh]
+
+    def _hull_of(self, label: str, vertices: Array, triangles: Indices) -> tuple[ConvexHull, ...]:
+        whole = hull_of(vertices, f"mesh of {label}")
+        thin = reduced(whole, self.wanted.most_vertices, f"mesh of {label}")
+        lost = 0.0 if thin is whole else float(thin.distances(whole.points[whole.used]).max())
+        self._hull = max(self._hull, (lost, label))
+        return (ConvexHull(thin.points[thin.used]),)
+
+    def _decompose(self, label: str, vertices: Array, triangles: Indices) -> tuple[ConvexHull, ...]:
+        most, repair = self.wanted.most_vertices, self.wanted.repair
+        try:
+            found = pieces_of_mesh((vertices, triangles), most_vertices=most, repair=repair)
+        except InvalidShape as error:
+            valid = 'a surface that can be decomposed; repair="remesh" wraps it in a closed one, meshes="hull" takes hulls'
+            raise InvalidFile(f"mesh of {label}: {error.thing}", error.value, valid) from error
+        self._decomposed = max(self._decomposed, (found.hausdorff, label))
+        return tuple(piece.shape for piece in found.pieces if isinstance(piece.shape, ConvexHull))
 
     def said(self) -> tuple[str, ...]:
         """What the pieces made so far differ by from the file's geoms."""
         found = []
         if self._cylinders:
             more, name = self._cylinder
-            found.append(
-                f"{self._cylinders} cylinders are prisms of {SIDES} sides around them, at most {1e3 * more:.3g} mm wider ({name})"
-            )
-        if self._meshes:
-            lost, name = self._mesh
-            if self.wanted.meshes == "hull":
-                found.append(
-                    f"{len(self._meshes)} meshes are their convex hulls, of at most {self.wanted.most_vertices} vertices: "
-                    f"at most {1e3 * lost:.3g} mm of a hull is left out ({name})"
-                )
-            else:
-                count = sum(map(len, self._meshes.values()))
-                pieces = f"{len(self._meshes)} meshes are decomposed into {count} convex pieces"
-                found.append(f"{pieces}, at most {1e3 * lost:.3g} mm off ({name})")
+            what = f"{self._cylinders} cylinders are prisms of {SIDES} sides around them"
+            found.append(f"{what}, at most {1e3 * more:.3g} mm wider ({name})")
+        apart = {mesh for mesh in self._meshes if self.wanted.decomposes(self.model.mesh_name[mesh])}
+        if hulls := len(self._meshes) - len(apart):
+            lost, name = self._hull
+            what = f"{hulls} meshes are their convex hulls, of at most {self.wanted.most_vertices} vertices"
+            found.append(f"{what}: at most {1e3 * lost:.3g} mm of a hull is left out ({name})")
+        if apart:
+            off, name = self._decomposed
+            what = f"{len(apart)} meshes are decomposed into {sum(len(self._meshes[mesh]) for mesh in apart)} convex pieces"
+            found.append(f"{what}, at most {1e3 * off:.3g} mm off ({name})")
         return tuple(found)
 
 

@@ -66,6 +66,9 @@ SHOULDER = (
 130 and extension 45 at shoulder height, adduction 45; and within it, to say on which side of these ends it lies: abduction and
 flexion 90, between the two, and hanging."""
 
+ANY_TWIST = (-float(np.pi), float(np.pi))
+"""Limits of a twist that may be any [rad]: of joints whose interval would cross half a turn, which no limits can say."""
+
 CORNERS = 45.0
 """Degrees between corners of a polygon along its sides: these are arcs of great circles, which bulge by a degree between them."""
 
@@ -167,7 +170,7 @@ def _ball(skeleton: Skeleton, k: int, part: Part, moved: Movement, stance: Stanc
     inner, outer = (np.radians(end + SLACK) for end in (reach.medial, reach.lateral))
     low, high = (twisted - outer, twisted + inner) if part.side != "right" else (twisted - inner, twisted + outer)
     if not (low >= -np.pi and high <= np.pi):
-        low, high = -np.pi, np.pi
+        low, high = ANY_TWIST
     limits = SwingTwist(tuple(axis), tuple(centre), min(swing, WIDEST_SWING), (float(low), float(high)))
     return Ball(limits, cone)
 

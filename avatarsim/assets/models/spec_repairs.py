@@ -71,7 +71,7 @@ def solid(inertia: Array, mass: float) -> tuple[Array, bool]:
     largest = float(moments[2])
     if not largest > LEAST * SMALL_BALL:
         return max(mass, LEAST) * SMALL_BALL * np.eye(3), True
-    mended = np.maximum(moments, SMALLEST_SHARE * largest)
+    mended = np.maximum(moments, max(SMALLEST_SHARE * largest, LEAST))
     lacking = 0.5 * (float(mended[2]) * (1.0 + 1e-9) - float(mended[0] + mended[1]))
     if lacking > 0.0:
         mended[:2] += lacking

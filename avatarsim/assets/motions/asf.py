@@ -14,11 +14,10 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.assets.motions import euler
-from avatarsim.assets.motions.caps import LONGEST_LINE, LONGEST_NAME, MOST_BYTES, MOST_JOINTS
+from avatarsim.assets.motions.caps import LONGEST_LINE, LONGEST_NAME, MOST_JOINTS
 from avatarsim.assets.motions.recording import Axes
-from avatarsim.assets.motions.text import SHOWN, decoded, number, vector
+from avatarsim.assets.motions.text import lines_of, number, quoted, readable, vector, without_mark
 from avatarsim.errors import InvalidFile
-from avatarsim.files import read_bytes
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
@@ -91,7 +90,7 @@ class Asf:
         for k, (bone, parent) in enumerate(zip(self.bones, self.parents, strict=True)):
             turns, frame = bone.turns(), bone.frame(self.angle)
             found.append(Bone(
-                bone.name, parent, ends[parent] if parent >= 0 else (0.0, 0.0, 0.0),
+                readable(bone.name), parent, ends[parent] if parent >= 0 else (0.0, 0.0, 0.0),
                 axes=tuple(vector(axes.vectors(rotation.rotate(frame, np.eye(3)[axis]))) for _, axis in turns),
                 turns=tuple(bone.dof[place] for place, _ in turns), tips=(ends[k],) if k in leaves else (),
                 limits=self._limits(bone, turns),
@@ -109,17 +108,16 @@ def read_asf(path: str | Path) -> Asf:
     """The ASF file at `path`. Raises InvalidFile, by file and line."""
     path = Path(path)
     name = path.name
-    text, _ = decoded(read_bytes(path, name, "an ASF file", MOST_BYTES))
     sections = dict[str, list[tuple[int, str]]]()
     current: list[tuple[int, str]] | None = None
-    for line, said in _lines(name, text):
+    for line, said in _lines(name, lines_of(path, "an ASF file")[0]):
         if said.startswith(":"):
             word, _, rest = said[1:].partition(" ")
             if word.lower() in sections:
-                raise InvalidFile(f"section of line {line} of {name}", word[:SHOWN], "each section once")
+                raise InvalidFile(f"section of line {line} of {name}", quoted(word), "each section once")
             current = sections[word.lower()] = [(line, rest.strip())] if rest.strip() else []
         elif current is None:
-            raise InvalidFile(f"line {line} of {name}", said[:SHOWN], "a section, such as :version, before all else")
+            raise InvalidFile(f"line {line} of {name}", quoted(said), "a section, such as :version, before all else")
         else:
             current.append((line, said))
     for wanted in ("root", "bonedata", "hierarchy"):
@@ -131,12 +129,12 @@ def read_asf(path: str | Path) -> Asf:
     return Asf(name, tuple(ordered), tuple(parents), length, angle)
 
 
-def _lines(name: str, text: str) -> Iterator[tuple[int, str]]:
+def _lines(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """(line, text) without comments and what is empty; lines count from 1."""
-    for number_of, line in enumerate(text.replace("\r\n", "\n").replace("\r", "\n").split("\n"), 1):
+    for number_of, line in enumerate(lines, 1):
         if len(line) > LONGEST_LINE:
             raise InvalidFile(f"length of line {number_of} of {name}", len(line), f"up to {LONGEST_LINE} characters")
-        said = line.partition("#")[0].strip()
+        said = (line if number_of > 1 else without_mark(line)).partition("#")[0].strip()
         if said:
             yield number_of, said
 
@@ -162,7 +160,7 @@ def angle_unit(at: str, word: str) -> float:
         return DEGREE
     if word.startswith("rad"):
         return 1.0
-    raise InvalidFile(f"unit of angle in {at}", word[:SHOWN], "deg or rad")
+    raise InvalidFile(f"unit of angle in {at}", quoted(word), "deg or rad")
 
 
 def _triple(at: str, words: list[str]) -> tuple[float, float, float]:
@@ -173,7 +171,7 @@ def _triple(at: str, words: list[str]) -> tuple[float, float, float]:
 
 def _order(at: str, word: str) -> str:
     if sorted(word.lower()) != ["x", "y", "z"]:
-        raise InvalidFile(f"order of axes in {at}", word[:SHOWN], "x, y and z in some order, as XYZ")
+        raise InvalidFile(f"order of axes in {at}", quoted(word), "x, y and z in some order, as XYZ")
     return word.lower()
 
 
@@ -181,7 +179,7 @@ def _dof(at: str, words: list[str]) -> tuple[str, ...]:
     found = tuple(word.lower() for word in words)
     for k, word in enumerate(found):
         if word not in DOFS or word in found[:k]:
-            raise InvalidFile(f"degree of freedom in {at}", word[:SHOWN], f"one of {', '.join(DOFS)}, each once at most")
+            raise InvalidFile(f"degree of freedom in {at}", quoted(word), f"one of {', '.join(DOFS)}, each once at most")
     return found
 
 
@@ -198,7 +196,7 @@ def _root(name: str, lines: list[tuple[int, str]]) -> AsfBone:
             root.position = _triple(at, words)
         elif word.lower() == "orientation":
             if any(_triple(at, words)):
-                raise InvalidFile(f"orientation of root in {at}", said[:SHOWN], "0 0 0: readers differ in what others mean")
+                raise InvalidFile(f"orientation of root in {at}", quoted(said), "0 0 0: readers differ in what others mean")
     return root
 
 
@@ -211,10 +209,10 @@ def _bones(name: str, lines: list[tuple[int, str]]) -> list[AsfBone]:
         word, *words = said.split(None, 9)
         if word.lower() == "begin":
             if bone is not None:
-                raise InvalidFile(at, said[:SHOWN], "an end of the bone before")
+                raise InvalidFile(at, quoted(said), "an end of the bone before")
             bone = AsfBone("", line)
         elif bone is None:
-            raise InvalidFile(at, said[:SHOWN], "begin")
+            raise InvalidFile(at, quoted(said), "begin")
         elif word.lower() == "end":
             found.append(_whole(name, bone, found))
             bone = None
@@ -230,7 +228,7 @@ def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None
     if word == "name":
         bone.name = said[len(word) :].strip()
         if not bone.name or len(bone.name) > LONGEST_NAME or bone.name.lower() == ROOT:
-            raise InvalidFile(f"name of a bone in {at}", bone.name[:SHOWN], f"1 to {LONGEST_NAME} characters, not {ROOT}")
+            raise InvalidFile(f"name of a bone in {at}", quoted(bone.name), f"1 to {LONGEST_NAME} characters, not {ROOT}")
     elif word == "direction":
         bone.direction = _triple(at, words)
     elif word == "length":
@@ -244,7 +242,7 @@ def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None
         pairs = re.findall(r"\(\s*([^\s()]+)\s+([^\s()]+)\s*\)", said)
         bone.limits += [(_limit(at, low), _limit(at, high)) for low, high in pairs]
     elif word not in ("id", "bodymass", "cofmass", "bodycolor", "radius"):
-        raise InvalidFile(at, said[:SHOWN], "id, name, direction, length, axis, dof, limits or end")
+        raise InvalidFile(at, quoted(said), "id, name, direction, length, axis, dof, limits or end")
 
 
 def _limit(at: str, word: str) -> float:
@@ -279,11 +277,11 @@ def _tree(name: str, bones: list[AsfBone], lines: list[tuple[int, str]]) -> tupl
         words = said.split(None, MOST_JOINTS + 1)
         for word in words:
             if word not in by_name:
-                raise InvalidFile(f"bone in line {line} of {name}", word[:SHOWN], "root or a name of :bonedata")
+                raise InvalidFile(f"bone in line {line} of {name}", quoted(word), "root or a name of :bonedata")
         for child in words[1:]:
             if child in carried or child == ROOT:
                 valid = "bones that hang on one other, and not the root"
-                raise InvalidFile(f"bone in line {line} of {name}", child[:SHOWN], valid)
+                raise InvalidFile(f"bone in line {line} of {name}", quoted(child), valid)
             carried.add(child)
             children.setdefault(words[0], []).append(child)
     ordered, parents = [bones[0]], [-1]

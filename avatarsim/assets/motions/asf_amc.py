@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.asf import DOFS, Asf, AsfBone, angle_unit, read_asf
-from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, MOST_BYTES, MOST_FRAMES
+from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, MOST_FRAMES
 from avatarsim.assets.motions.measures import SHORTEST, TALLEST, guessed, standing
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
-from avatarsim.assets.motions.text import SHOWN, decoded, number
+from avatarsim.assets.motions.text import in_bytes, lines_of, number, quoted, without_mark
 from avatarsim.errors import InvalidFile
-from avatarsim.files import read_bytes
 from avatarsim.scene.motion import Motion
 
 Array = NDArray[np.float64]
@@ -46,7 +45,6 @@ class AmcFile(RecordedFile):
     first: int
     order: tuple[tuple[str, slice], ...]
     newline: str
-    encoding: str
     format: str = "amc"
 
     def written(self, motion: Motion, model: Model) -> bytes:
@@ -61,7 +59,7 @@ class AmcFile(RecordedFile):
         for frame, row in enumerate(values.tolist(), self.first):
             lines.append(str(frame))
             lines += [" ".join([bone, *map(repr, row[columns])]) for bone, columns in self.order]
-        return (self.newline.join(lines) + self.newline).encode(self.encoding)
+        return in_bytes(self.newline.join(lines) + self.newline)
 
 
 def read_amc(
@@ -87,9 +85,7 @@ def read_amc(
         said.append(f"rate of {path.name}: {rate:g} frames a second, as CMU's; the format does not state it, rate= does")
     if not (isinstance(rate, (int, float)) and 0.0 < rate <= FASTEST_RATE):
         raise InvalidFile(f"rate of {path.name} [1/s]", rate, f"above 0, up to {FASTEST_RATE:g}")
-    text, encoding = decoded(read_bytes(path, path.name, "an AMC file", MOST_BYTES))
-    newline = "\r\n" if "\r\n" in text else "\n"
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines, newline = lines_of(path, "an AMC file")
     head, angle = _header(path.name, lines, asf)
     first, order, values = _frames(path.name, lines, head, asf)
     tracks = _tracks(asf, dict(order))
@@ -102,7 +98,7 @@ def read_amc(
     guesses += _beyond_stated(path.name, asf, dict(order), values, angle)
     return AmcFile(
         name=path.name, recording=made(axes), said=(*said, *guesses), mass=mass, limits=limits, head=newline.join(lines[:head]),
-        first=first, order=tuple(order), newline=newline, encoding=encoding,
+        first=first, order=tuple(order), newline=newline,
     )
 
 
@@ -121,7 +117,7 @@ def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:
     """How many lines stand before the first frame, and the unit of angle [rad]: the file's own, else its skeleton's."""
     angle = asf.angle
     for k, line in enumerate(lines):
-        said = line[:SHOWN].strip().lower()
+        said = quoted(without_mark(line).strip()).lower()
         if said.startswith(":") and said[1:4] in ("deg", "rad"):
             angle = angle_unit(f"line {k + 1} of {name}", said[1:])
         elif said and not said.startswith((":", "#")):
@@ -154,7 +150,7 @@ def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list
         bone = bones.get(words[0])
         if row is None or bone is None or words[0] in seen:
             valid = f"the number of a frame, or a bone of {asf.name}, once a frame"
-            raise InvalidFile(f"first word of {at}", words[0][:SHOWN], valid)
+            raise InvalidFile(f"first word of {at}", quoted(words[0]), valid)
         seen.add(words[0])
         numbers = _numbers(at, words, bone)
         if len(rows) == 1:
@@ -181,7 +177,7 @@ def _require_whole(name: str, order: dict[str, slice], seen: set[str], frames: i
 def _frame_number(at: str, word: str, frames: int, first: int) -> int:
     """The number of the first frame; InvalidFile unless this frame follows the one before, and for too many."""
     if len(word) > 12 or frames >= MOST_FRAMES:
-        raise InvalidFile(f"number of a frame in {at}", word[:SHOWN], f"at most {MOST_FRAMES} frames")
+        raise InvalidFile(f"number of a frame in {at}", quoted(word), f"at most {MOST_FRAMES} frames")
     if frames and int(word) != first + frames:
         raise InvalidFile(f"number of a frame in {at}", int(word), f"{first + frames}, after the one before")
     return first if frames else int(word)

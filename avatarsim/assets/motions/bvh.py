@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Bone, Skeleton
-from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_NAME, MOST_BYTES, MOST_FRAMES, MOST_JOINTS
+from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_NAME, MOST_FRAMES, MOST_JOINTS
 from avatarsim.assets.motions.measures import guessed
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
-from avatarsim.assets.motions.text import decoded, number, vector
+from avatarsim.assets.motions.text import in_bytes, lines_of, number, quoted, readable, vector, without_mark
 from avatarsim.errors import InvalidFile
-from avatarsim.files import read_bytes
 from avatarsim.scene.motion import Motion
 
 Array = NDArray[np.float64]
@@ -68,12 +67,10 @@ class BvhFile(RecordedFile):
 
     head       its text down to the line MOTION
     newline    how its lines end
-    encoding   of its text
     step_text  its frame time as it says it"""
 
     head: str
     newline: str
-    encoding: str
     step_text: str
     format: str = "bvh"
 
@@ -87,7 +84,7 @@ class BvhFile(RecordedFile):
         said = self.step_text if step == self.recording.step else repr(step)
         lines = [self.head, f"Frames: {len(values)}", f"Frame Time: {said}"]
         lines += [" ".join(map(repr, row)) for row in values.tolist()]
-        return (self.newline.join(lines) + self.newline).encode(self.encoding)
+        return in_bytes(self.newline.join(lines) + self.newline)
 
 
 def read_bvh(
@@ -105,9 +102,7 @@ def read_bvh(
     Raises InvalidFile for what is no BVH file, names its line, and for a unit that cannot be guessed."""
     path = Path(path)
     name = path.name
-    text, encoding = decoded(read_bytes(path, name, "a BVH file", MOST_BYTES))
-    newline = "\r\n" if "\r\n" in text else "\n"
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    lines, newline = lines_of(path, "a BVH file")
     if offsets not in ("refuse", "mean"):
         raise InvalidFile(f"offsets of {name}", offsets, '"refuse" or "mean"')
     joints, motion_at = _hierarchy(name, lines)
@@ -124,7 +119,7 @@ def read_bvh(
         said.append(f"{joints[root].name} is the avatar's root: {joints[0].name} above it only carries it about")
     return BvhFile(
         name=name, recording=recording, said=tuple(said), mass=mass, limits=limits, head=newline.join(lines[:motion_at]),
-        newline=newline, encoding=encoding, step_text=step_text,
+        newline=newline, step_text=step_text,
     )
 
 
@@ -133,7 +128,7 @@ def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     for line, text in enumerate(lines, 1):
         if len(text) > LONGEST_LINE:
             raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {LONGEST_LINE} characters")
-        for piece in re.split(r"([{}])", text):
+        for piece in re.split(r"([{}])", text if line > 1 else without_mark(text)):
             if piece.strip():
                 yield line, piece.strip()
 
@@ -150,11 +145,11 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
         at = f"line {line} of {name}"
         if not begun:
             if said.lower() != "hierarchy":
-                raise InvalidFile(at, said[:80], "HIERARCHY, with which a BVH file begins")
+                raise InvalidFile(at, quoted(said), "HIERARCHY, with which a BVH file begins")
             begun = True
         elif awaited is not None:
             if said != "{":
-                raise InvalidFile(at, said[:80], "{ after the name of a joint")
+                raise InvalidFile(at, quoted(said), "{ after the name of a joint")
             stack.append(awaited)
             awaited = None
         elif word == "motion" and not stack:
@@ -174,20 +169,20 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
         elif word == "channels" and stack and stack[-1] >= 0:
             _channels(at, said, joints, joints[stack[-1]])
         else:
-            raise InvalidFile(at, said[:80], "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace, or MOTION after the last one")
+            raise InvalidFile(at, quoted(said), "ROOT, JOINT, End Site, OFFSET, CHANNELS, a brace, or MOTION after the last one")
     open_joint = f", with {joints[stack[-1]].name} of line {joints[stack[-1]].line} open" if stack and stack[-1] >= 0 else ""
     raise InvalidFile(f"end of {name}", f"in the hierarchy{open_joint}", "a line MOTION and frames after it")
 
 
 def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack: list[int], line: int) -> int:
     """A joint begins: its number."""
-    called = said[len(word) :].strip()
+    called = readable(said[len(word) :].strip())
     if not called or len(called) > LONGEST_NAME:
-        raise InvalidFile(f"name of a joint in {at}", called[:LONGEST_NAME], f"1 to {LONGEST_NAME} characters")
+        raise InvalidFile(f"name of a joint in {at}", quoted(called), f"1 to {LONGEST_NAME} characters")
     if (word == "root") != (not joints):
-        raise InvalidFile(at, said[:80], "one ROOT, before every JOINT")
+        raise InvalidFile(at, quoted(said), "one ROOT, before every JOINT")
     if word == "joint" and (not stack or stack[-1] == END):
-        raise InvalidFile(at, said[:80], "a JOINT within the braces of another")
+        raise InvalidFile(at, quoted(said), "a JOINT within the braces of another")
     if len(joints) >= MOST_JOINTS:
         raise InvalidFile(f"joints of {name}", f"more than {MOST_JOINTS} in line {line}", f"up to {MOST_JOINTS}")
     same = [joint.line for joint in joints if joint.name == called]
@@ -219,16 +214,16 @@ def _channels(at: str, said: str, joints: list[_Joint], joint: _Joint) -> None:
     words = said.split(None, 9)
     count = words[1] if len(words) > 1 else ""
     if not re.fullmatch(r"[0-6]", count):
-        raise InvalidFile(f"number of channels in {at}", count[:80], "0 to 6")
+        raise InvalidFile(f"number of channels in {at}", quoted(count), "0 to 6")
     names = [word.lower() for word in words[2:]]
     if len(names) != int(count):
         raise InvalidFile(f"channels listed in {at}", len(names), f"{count}, as it says")
     for k, called in enumerate(names):
         if called not in CHANNELS or called in names[:k]:
             valid = "Xposition, Yposition, Zposition, Xrotation, Yrotation, Zrotation, each once at most"
-            raise InvalidFile(f"channel in {at}", words[2 + k][:80], valid)
+            raise InvalidFile(f"channel in {at}", quoted(words[2 + k]), valid)
     if joint.channels is not None:
-        raise InvalidFile(at, said[:80], f"one CHANNELS for {joint.name}")
+        raise InvalidFile(at, quoted(said), f"one CHANNELS for {joint.name}")
     joint.channels = tuple(CHANNELS[called] for called in names)
 
 
@@ -253,13 +248,13 @@ def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tu
     count, at_count = _said(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
     step, at_step = _said(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
     if not (re.fullmatch(r"\+?\d{1,12}", count) and 1 <= int(count) <= MOST_FRAMES):
-        raise InvalidFile(f"number of frames in {at_count}", count[:80], f"1 to {MOST_FRAMES}")
+        raise InvalidFile(f"number of frames in {at_count}", quoted(count), f"1 to {MOST_FRAMES}")
     rows = rest[2:]
     if len(rows) != int(count):
         raise InvalidFile(f"lines of frames in {name}", len(rows), f"{int(count)}, as {at_count} says")
     seconds = number(at_step, step)
     if not (0.0 < seconds <= LONGEST_STEP or (seconds == 0.0 and len(rows) == 1)):
-        raise InvalidFile(f"frame time in {at_step} [s]", step[:80], f"above 0, up to {LONGEST_STEP:g}")
+        raise InvalidFile(f"frame time in {at_step} [s]", quoted(step), f"above 0, up to {LONGEST_STEP:g}")
     return table(name, rows, sum(len(joint.channels or ()) for joint in joints)), step
 
 
@@ -268,7 +263,7 @@ def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: s
     if k >= len(rest):
         raise InvalidFile(f"end of {name}", "after MOTION", valid)
     line, text = rest[k]
-    found = re.fullmatch(pattern, text[:LONGEST_NAME].strip(), re.IGNORECASE)
+    found = re.fullmatch(pattern, quoted(text.strip()), re.IGNORECASE)
     if not found:
         raise InvalidFile(f"line {line} of {name}", text.strip()[:80], valid)
     return found[1], f"line {line} of {name}"

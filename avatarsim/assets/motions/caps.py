@@ -1,7 +1,10 @@
 """Caps of files from strangers: the most of each thing that a reader of motions takes, with its unit and its reason."""
 
 MOST_BYTES = 2**28
-"""Bytes of a file: an hour of a hundred joints at 120 Hz as text has half of it. More would fill a small machine's memory."""
+"""Bytes of a file: half an hour of 75 joints at 60 Hz, as text. Read, it takes some four times as much memory."""
+
+MOST_LINES = 4_000_000
+"""Lines of a file: AMC has one for each bone and frame, CMU's longest 600,000. A line takes 50 bytes of memory at least."""
 
 MOST_JOINTS = 512
 """Joints of a skeleton: hands and face included, recorded ones have up to 250. Pairs of links grow as its square."""

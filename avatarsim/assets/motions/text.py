@@ -1,24 +1,55 @@
 """Numbers and texts of files from strangers: what a word says, if it says a number that means anything."""
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.motions.caps import LARGEST_NUMBER
+from avatarsim.assets.motions.caps import LARGEST_NUMBER, MOST_BYTES, MOST_LINES
 from avatarsim.errors import InvalidFile
+from avatarsim.files import read_bytes
 
 Array = NDArray[np.float64]
+
+MARK = "\xef\xbb\xbf"
+"""The byte order mark of UTF-8, byte by byte."""
 
 SHOWN = 80
 """Characters of a line that a sentence quotes."""
 
 
-def decoded(content: bytes) -> tuple[str, str]:
-    """The text of a file and its encoding: UTF-8, with or without a byte order mark, or else Latin-1, which takes all."""
-    encoding = "utf-8-sig" if content.startswith(b"\xef\xbb\xbf") else "utf-8"
+def quoted(text: str) -> str:
+    """The beginning of a text, as far as a sentence quotes it."""
+    return text[:SHOWN]
+
+
+def lines_of(path: Path, kind: str) -> tuple[list[str], str]:
+    """The lines of a file, `kind` in words, and how they end. Each character is one byte: whatever the encoding, what is written
+    back by `in_bytes` is the same. Raises InvalidFile for what is no file, and for too many bytes or lines."""
+    content = read_bytes(path, path.name, kind, MOST_BYTES)
+    count = content.count(b"\n") + content.count(b"\r")
+    if count > MOST_LINES:
+        raise InvalidFile(f"lines of {path.name}", count, f"up to {MOST_LINES}")
+    newline = "\r\n" if b"\r\n" in content else "\n"
+    return content.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n").split("\n"), newline
+
+
+def in_bytes(text: str) -> bytes:
+    """The bytes that `lines_of` read a text from."""
+    return text.encode("latin-1")
+
+
+def readable(text: str) -> str:
+    """A name as it is meant: read as UTF-8 where its bytes are."""
     try:
-        return content.decode(encoding), encoding
+        return in_bytes(text).decode("utf-8")
     except UnicodeDecodeError:
-        return content.decode("latin-1"), "latin-1"
+        return text
+
+
+def without_mark(line: str) -> str:
+    """A first line without the byte order mark that some editors put there."""
+    return line.removeprefix(MARK)
 
 
 def number(at: str, word: str) -> float:
@@ -28,7 +59,7 @@ def number(at: str, word: str) -> float:
     except ValueError:
         found = np.nan
     if not abs(found) <= LARGEST_NUMBER:
-        raise InvalidFile(f"number in {at}", word[:80], f"a finite number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
+        raise InvalidFile(f"number in {at}", quoted(word), f"a finite number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
     return found
 
 

@@ -4,10 +4,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from zlib import crc32
 
+from avatarsim.running.sources import cpu
 from scenarios import catalog
 from scenarios.job import CATALOGUE, Job
 from scenarios.results.fingerprint import find, key_of, sources
-from scenarios.results.provenance import cpu
 from scenarios.studies.sweep import finer
 from scenarios.studies.sweep.grid import Setting
 

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from avatarsim.running.processes import Died
 from scenarios import catalog
 from scenarios.job import Job
 from scenarios.results.fingerprint import find, key_of, sources
 from scenarios.results.store import Entry, Store
-from scenarios.running.processes import Died, side_by_side
+from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Estimate
 from scenarios.studies.sweep import limit
 from scenarios.studies.sweep.limit import FINEST, RATES, Array, Row

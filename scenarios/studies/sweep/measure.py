@@ -4,10 +4,10 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
+from avatarsim.running.processes import Died
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
 from scenarios.results.store import Entry
-from scenarios.running.processes import Died
 from scenarios.running.run import accuracy
 
 JUDGED = 50

@@ -70,10 +70,11 @@ TEXTS = {
     ),
     "replicated": (
         '<mujoco><worldbody><replicate count="100000000" offset="1 0 0"><geom size="0.1"/></replicate></worldbody></mujoco>',
-        "bad.xml",
+        "time to compile model bad.xml is 'too long'; valid: a smaller model",
     ),
     "huge field": (
-        '<mujoco><asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>' + BODY + "</mujoco>", "bad.xml",
+        '<mujoco><asset><hfield name="h" nrow="100000" ncol="100000" size="1 1 1 1"/></asset>' + BODY + "</mujoco>",
+        "valid: a model that MuJoCo's compiler takes",
     ),
 }
 """Name -> text of a file bad.xml, and what its sentence holds."""

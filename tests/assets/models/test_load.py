@@ -10,6 +10,7 @@ import avatarsim as av
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.body import Role
 from tests.assets.meshes.solids import cube, ell
+from tests.assets.models.mujoco_twin import Twin, greatest_difference
 from tests.assets.models.test_links_of_tree import GEOM, written
 from tests.assets.models.test_pieces_of_geoms import obj_of
 
@@ -31,6 +32,26 @@ def test_the_avatar_is_the_tree_with_most_joints_or_the_one_asked_for(tmp_path: 
     (big,) = asked.bodies
     assert (big.name, big.role, len(big.pieces)) == ("big", Role.SIMULATED, 2)
     np.testing.assert_allclose(big.pieces[1].position, (0.0, 0.0, -1.0))
+
+
+def test_two_arms_can_be_one_avatar(tmp_path: Path) -> None:
+    arm = f'<body name="{{0}}" pos="{{1}} 0 0">{GEOM}' \
+          f'<body name="{{0}} arm" pos="0 0.5 0.5"><joint name="{{0}}"/>{GEOM}</body></body>'
+    path = written(tmp_path, arm.format("left", -1) + arm.format("right", 1))
+    model = av.load_avatar(path, avatar=("left", "right arm"))
+    assert model.avatar is not None and model.coordinates is not None and not model.bodies
+    assert [link.name for link in model.avatar.links] == ["world", "left", "left arm", "right", "right arm"]
+    assert model.coordinates.names == ("left", "right")
+    assert greatest_difference(Twin(path), model, 5) <= 1e-12
+    assert frozenset(("left arm", "right arm")) not in {frozenset(pair) for pair in model.avatar.ignore}
+
+
+def test_trees_that_go_apart_are_not_one_avatar(tmp_path: Path) -> None:
+    path = written(tmp_path, TWO)
+    with pytest.raises(InvalidFile, match=r"trees of the avatar in model\.xml is 'free'; .*root=\"fixed\""):
+        av.load_avatar(path, avatar=("small", "big"))
+    model = av.load_avatar(path, avatar=("small", "big"), root="fixed")
+    assert model.avatar is not None and len(model.avatar.links) == 4
 
 
 def test_a_room_has_no_avatar(tmp_path: Path) -> None:
@@ -83,7 +104,27 @@ def test_links_without_mass_get_one_and_it_is_said(tmp_path: Path) -> None:
     assert model.avatar.links[2].mass.mass == 1e-3
 
 
-def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path) -> None:
+ROD = '<inertial><mass value="{}"/><inertia ixx="{}" iyy="{}" izz="{}" ixy="{}" ixz="0" iyz="0"/></inertial>'
+
+
+@pytest.mark.parametrize("numbers", [
+    (1, 1, 1, 5, 0), (1, 0, 0, 0, 0), (2, -1, 1, 1, 0), (1, 1, 1, 1, 3), (0, 0, 0, 0, 0), (1e-3, 1e-9, 0, 1e-9, 0),
+])
+def test_moments_that_no_solid_has_are_raised_and_it_is_said(numbers: tuple[float, ...], tmp_path: Path) -> None:
+    ball = '<collision><geometry><sphere radius="0.1"/></geometry></collision>'
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/></joint>'
+    text = f'<robot name="r"><link name="a">{ball}</link><link name="b">{ROD.format(*numbers)}{ball}</link>{joint}</robot>'
+    (tmp_path / "r.urdf").write_text(text)
+    model = av.load_avatar(tmp_path / "r.urdf")
+    assert model.avatar is not None and any("b" in said.split(": ")[-1].split(", ") for said in model.said)
+    mass = model.avatar.links[1].mass
+    assert mass.mass == pytest.approx(numbers[0] or 1000.0 * 4.0 / 3.0 * np.pi * 1e-3)
+    moments = np.linalg.eigvalsh(mass.inertia)
+    assert 0.0 < moments[0] and moments[2] <= (moments[0] + moments[1]) * (1.0 + 1e-9)
+
+
+def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("AVATARSIM_CACHE_DIR", str(tmp_path / "cache"))
     obj_of(tmp_path, "ell.obj", *ell())
     room = av.load_room(tmp_path / "ell.obj", scale=0.5)
     (body,) = room.bodies

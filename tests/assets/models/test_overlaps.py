@@ -44,6 +44,15 @@ def test_a_free_avatar_and_a_loose_body_are_raised_out_of_the_floor(tmp_path: Pa
     assert loaded(model).shown.positions[1, 2] == pytest.approx(0.2, abs=1e-3)
 
 
+def test_an_avatar_whose_root_lies_in_the_ground_is_put_on_its_feet(tmp_path: Path) -> None:
+    leg = '<body pos="0 0 -0.5"><joint/><geom type="capsule" size="0.05 0.2"/>' \
+          '<body pos="0 0 -0.5"><joint/><geom type="box" size="0.1 0.05 0.05"/></body></body>'
+    model = av.load_avatar(written(tmp_path, f'<body name="hip"><freejoint/><geom size="0.1"/>{leg}</body>' + FLOOR))
+    assert model.start is not None and not model.exclude
+    assert model.start.positions[0, 2] == pytest.approx(1.05, abs=2e-3)
+    loaded(model)
+
+
 def test_what_hangs_deep_in_a_wall_stays_and_never_touches_it(tmp_path: Path) -> None:
     cube = '<body name="cube" pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body>'
     body = f'<geom name="wall" type="box" size="5 5 5"/>{cube}'

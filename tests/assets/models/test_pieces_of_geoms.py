@@ -105,14 +105,57 @@ def test_a_hull_of_fewer_vertices_loses_what_is_said(tmp_path: Path) -> None:
     assert "at most 0 mm" in " ".join(whole.said) and volume(few) < volume(all_of_them)
 
 
+@pytest.fixture
+def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Convex pieces are kept in a folder of this test."""
+    monkeypatch.setenv("AVATARSIM_CACHE_DIR", str(tmp_path / "cache"))
+
+
+@pytest.mark.usefixtures("own_cache")
 def test_a_mesh_is_decomposed_when_asked(tmp_path: Path) -> None:
     vertices, triangles = ell()
     obj_of(tmp_path, "ell.obj", vertices, triangles)
     head = '<asset><mesh file="ell.obj"/></asset>'
     path = written(tmp_path, '<geom name="it" type="mesh" mesh="ell"/>', head=head)
     pieces = av.load_room(path, meshes="decompose").bodies[0].pieces
+    named = av.load_room(path, meshes=("ell",))
+    assert len(named.bodies[0].pieces) == len(pieces) and "1 meshes are decomposed into" in named.said[0]
     whole = av.load_room(path).bodies[0].pieces
     assert len(pieces) >= 2 and sum(volume(piece.shape) for piece in pieces) < 0.95 * volume(whole[0].shape)
+
+
+@pytest.mark.usefixtures("own_cache")
+def test_an_open_mesh_is_not_decomposed_unless_it_is_wrapped(tmp_path: Path) -> None:
+    vertices, triangles = ell()
+    obj_of(tmp_path, "ell.obj", vertices, triangles[1:])
+    head = '<asset><mesh file="ell.obj"/></asset>'
+    path = written(tmp_path, '<geom name="it" type="mesh" mesh="ell"/>', head=head)
+    with pytest.raises(InvalidFile, match=r"mesh of it: number of border edges .*repair=\"remesh\".*meshes=\"hull\""):
+        av.load_room(path, meshes="decompose")
+    assert len(av.load_room(path).bodies[0].pieces) == 1
+
+
+@pytest.mark.parametrize("ending", ["ply", "off", "glb", "stl"])
+def test_meshes_that_mujoco_does_not_read_are_read_for_it(ending: str, tmp_path: Path) -> None:
+    import trimesh
+
+    shape = trimesh.Trimesh(*ell(), process=False)
+    shape.export(tmp_path / f"ell.{ending}", file_type="stl_ascii" if ending == "stl" else ending)
+    head = f'<asset><mesh name="m" file="ell.{ending}"/></asset>'
+    body = room_of(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head)["it"]
+    (piece,) = body.pieces
+    assert isinstance(piece.shape, av.ConvexHull)
+    corners = rotation.rotate(piece.orientation, piece.shape.vertices) + np.array(piece.position)
+    np.testing.assert_allclose(corners.min(axis=0), np.asarray(ell()[0]).min(axis=0), atol=1e-6)
+    np.testing.assert_allclose(corners.max(axis=0), np.asarray(ell()[0]).max(axis=0), atol=1e-6)
+
+
+def test_of_a_mesh_in_another_format_the_copy_beside_it_is_taken(tmp_path: Path) -> None:
+    path = written(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head='<asset><mesh name="m" file="ell.dae"/></asset>')
+    with pytest.raises(InvalidFile, match=r"mesh m of model\.xml is 'ell\.dae'; .*put the copy beside it"):
+        av.load_room(path)
+    obj_of(tmp_path, "ell.obj", *ell())
+    assert len(av.load_room(path).bodies[0].pieces) == 1
 
 
 def test_what_is_only_to_be_looked_at_is_left_unless_a_pair_names_it(tmp_path: Path) -> None:

@@ -200,12 +200,14 @@ def test_other_ways_to_write_it_are_read(tmp_path: Path) -> None:
     assert again.count(b"\r\n") == again.count(b"\n") and b"8.333e-3" in again
 
 
-def test_latin_names_come_back(tmp_path: Path) -> None:
-    path = tmp_path / "latin.bvh"
-    path.write_bytes(bvh(WALKER.replace("Spine", "R\xfccken 1"), rows()).encode("latin-1"))
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-8", "utf-8-sig"])
+def test_names_of_any_encoding_come_back(tmp_path: Path, encoding: str) -> None:
+    content = bvh(WALKER.replace("Spine", "R\xfccken 1"), rows()).encode(encoding)
+    path = tmp_path / "named.bvh"
+    path.write_bytes(content)
     file = read_bvh(path)
     assert file.recording.skeleton.bones[1].name == "R\xfccken 1"
-    assert file.written(file.motion(file.model()), file.model()).startswith(file.head.encode("latin-1"))
+    assert file.written(file.motion(file.model()), file.model()) == content
 
 
 def test_a_root_says_only_what_it_has_channels_for(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from avatarsim.assets.motions.bvh import read_bvh
-from avatarsim.assets.motions.caps import LONGEST_LINE, MOST_JOINTS
+from avatarsim.assets.motions.caps import LONGEST_LINE, MOST_JOINTS, MOST_LINES
 from avatarsim.errors import InvalidFile
 from tests.assets.motions.files import WALKER, bvh
 
@@ -95,3 +95,10 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
         read_bvh(tmp_path / "gone.bvh")
     with pytest.raises(InvalidFile, match="a folder"):
         read_bvh(tmp_path)
+
+
+def test_lines_are_counted_before_they_are_parted(tmp_path: Path) -> None:
+    path = tmp_path / "bad.bvh"
+    path.write_bytes(b"1\n" * (MOST_LINES + 1))
+    with pytest.raises(InvalidFile, match=f"lines of bad.bvh is {MOST_LINES + 1}; valid: up to {MOST_LINES}"):
+        read_bvh(path)

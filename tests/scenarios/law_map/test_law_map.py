@@ -63,7 +63,7 @@ def test_bad_input(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_an_engine_that_dies_is_rows_without_figures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from scenarios.running.processes import Died
+    from avatarsim.running.processes import Died
 
     monkeypatch.setattr(command, "side_by_side", lambda function, todo, workers: [(job, Died("it fell over")) for job in todo])
     assert command.main(["--run", str(tmp_path / "latest"), *ASKED]) == 0

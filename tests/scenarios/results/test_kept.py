@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import UnknownName
+from avatarsim.running.processes import Died
 from runfiles import record
 from runfiles.record import LAYOUT, Recording
 from scenarios import catalog
@@ -18,7 +19,6 @@ from scenarios.beside.__main__ import main as beside
 from scenarios.job import Job
 from scenarios.nearest.__main__ import main as nearest
 from scenarios.results.kept import recordings, scenes_of
-from scenarios.running.processes import Died
 from scenarios.running.run import accuracy
 from tests.scenarios.beside.test_pair import shown
 from tests.scenarios.examples import fist

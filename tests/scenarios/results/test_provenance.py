@@ -1,7 +1,8 @@
 from dataclasses import replace
 from pathlib import Path
 
-from scenarios.results.provenance import commit_of, cpu, hash_of_sources, provenance, scene_hash, version
+from avatarsim.running.sources import cpu, version
+from scenarios.results.provenance import commit_of, hash_of_sources, provenance, scene_hash
 from tests.scenarios.examples import arm_scene, drop_scene, fist_scene
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from avatarsim.errors import InvalidInput
 from scenarios.__main__ import main
-from scenarios.results.resume import command_to_go_on, earlier_run, stoppable
+from scenarios.results.resume import command_to_go_on, earlier_run
 from tests.scenarios.bad_engines import joined
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -105,14 +105,3 @@ def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals)
     assert said.strip().splitlines()[-1].startswith("avatarsim: exit code 130 (stopped before the end)")
     found = json.loads((folder / "results.json").read_text())
     assert found["exit_code"] is None and {row["engine"] for row in found["rows"]} == {"frozen"}
-
-
-def test_a_request_to_end_that_is_ignored_stays_ignored() -> None:
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
-    try:
-        with stoppable():
-            # as `nohup` has it: the run goes on
-            os.kill(os.getpid(), signal.SIGHUP)
-        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGHUP, before)

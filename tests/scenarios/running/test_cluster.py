@@ -11,11 +11,13 @@ import pytest
 from distributed import LocalCluster
 
 from avatarsim.errors import InvalidInput
+from avatarsim.running import cluster as generic
+from avatarsim.running.processes import THREADS, Died
 from scenarios.__main__ import main
 from scenarios.results.provenance import provenance
 from scenarios.running import cluster as module
-from scenarios.running.cluster import Cluster
-from scenarios.running.processes import THREADS, Died, side_by_side
+from scenarios.running.cluster import cluster
+from scenarios.running.processes import side_by_side
 from scenarios.stability.finished import NAME as FINISHED
 from tests.scenarios.killed import differing, of_run, of_sweep, run_of
 
@@ -49,7 +51,7 @@ def test_each_task_has_its_answer_and_a_death_is_told(address: str) -> None:
     from tests.scenarios.running import test_cluster
 
     words = ["one", "die", "two", "raise", "one", "threads"]
-    found = list(side_by_side(test_cluster.act, words, Cluster(address)))
+    found = list(side_by_side(test_cluster.act, words, cluster(address)))
     assert sorted(word for word, _ in found) == sorted(words)
     said = {word: str(answer) for word, answer in found}
     assert said["die"] == "its process was killed by signal 9" and said["raise"].startswith("ValueError: no such luck")
@@ -61,10 +63,10 @@ def test_each_task_has_its_answer_and_a_death_is_told(address: str) -> None:
 def test_what_is_left_early_leaves_the_cluster_to_the_next(address: str) -> None:
     from tests.scenarios.running import test_cluster
 
-    work = side_by_side(test_cluster.act, ["one"] * 8, Cluster(address))
+    work = side_by_side(test_cluster.act, ["one"] * 8, cluster(address))
     next(work)
     work.close()
-    assert len(list(side_by_side(test_cluster.act, ["two"] * 3, Cluster(address)))) == 3
+    assert len(list(side_by_side(test_cluster.act, ["two"] * 3, cluster(address)))) == 3
 
 
 def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,7 +97,7 @@ def test_sweep_and_stability_on_a_cluster_find_the_same(address: str, tmp_path: 
 def test_a_cluster_that_runs_other_sources_is_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "provenance", lambda words: {**provenance(words), "code": "0123456789abcdef"})
     with pytest.raises(InvalidInput, match="--scheduler .*workers of the same code"):
-        next(side_by_side(str, [1], Cluster(address)))
+        next(side_by_side(str, [1], cluster(address)))
 
 
 @pytest.mark.parametrize(("told", "said"), [
@@ -107,11 +109,11 @@ def test_workers_that_would_find_something_else_are_refused(told: dict[str, obje
     here = {**module.about(None), "folder": (Path("run"), 12)}
     found = {worker: {**here, **about} if isinstance(about, dict) else about for worker, about in told.items()}
     with pytest.raises(InvalidInput, match=said):
-        Cluster("tcp://127.0.0.1:8786").same(here, found)
+        cluster("tcp://127.0.0.1:8786").require_same(here, found)
 
 
 def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "ANSWERS_WITHIN", 0.5)
+    monkeypatch.setattr(generic, "ANSWERS_WITHIN", 0.5)
     for wrong in ("tcp://127.0.0.1:1", "nowhere://", "tcp://127.0.0.1"):
         with pytest.raises(InvalidInput, match="--scheduler"):
-            next(side_by_side(str, [1], Cluster(wrong)))
+            next(side_by_side(str, [1], cluster(wrong)))

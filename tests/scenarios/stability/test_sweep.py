@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
+from avatarsim.running.processes import Died
 from runfiles.csv_rows import csv_text
 from scenarios.__main__ import main as scenarios_main
-from scenarios.running.processes import Died
 from scenarios.stability import __main__ as command
 from scenarios.stability import side_by_side
 from scenarios.stability.finished import NAME, Finished, key_of

@@ -103,7 +103,7 @@ def test_known_runs_are_not_asked_again(tmp_path: Path, monkeypatch: pytest.Monk
 def test_an_engine_that_raises_or_dies_has_that_for_its_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     entry = limit.ran(job_of("driven_10cm_wall", "mujoco", "nobody", 60, frames=2), tmp_path / "x.npy")
     assert "nobody" in entry["note"] and entry["overlap"] is None and not (tmp_path / "x.npy").exists()
-    from scenarios.running.processes import Died
+    from avatarsim.running.processes import Died
 
     monkeypatch.setattr(limits_run, "side_by_side", lambda function, todo, workers: [(job, Died("killed")) for job in todo])
     found = limits_run.converge(["driven_10cm_wall"], {"mujoco": ("tuned",)}, Store(tmp_path), 2, False, 2)

@@ -1,8 +1,8 @@
 """What is kept of an outcome."""
 
+from avatarsim.running.processes import Died
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
-from scenarios.running.processes import Died
 from scenarios.studies.sweep.measure import entry_of, errors, told
 
 

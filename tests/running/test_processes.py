@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.running.processes import THREADS, Died, alone, side_by_side
+from avatarsim.running.processes import THREADS, Died, alone, side_by_side
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 LARGE = 40_000_000
 """Bytes of an answer that takes a while to send."""
 
@@ -47,12 +47,12 @@ def act(word: str) -> str:
 
 
 # children find the function by its module, which is this file under the name that pytest gave it
-act.__module__ = "tests.scenarios.running.test_processes"
+act.__module__ = "tests.running.test_processes"
 
 
 @pytest.fixture(scope="module")
 def found() -> dict[str, str | Died]:
-    from tests.scenarios.running import test_processes
+    from tests.running import test_processes
 
     words = ["one", "raise", "die", "two", "leave", "print", "threads", "collector", "dawdle"]
     return dict(side_by_side(test_processes.act, words, 3, patience=8.0))
@@ -84,7 +84,7 @@ def tidy(word: str) -> bool:
 
 
 def test_tidy_tasks_share_processes_until_one_fails() -> None:
-    from tests.scenarios.running import test_processes
+    from tests.running import test_processes
 
     words = ["a1", "a2", "raise", "a3", "die", "a4", "b1", "a5"]
     found = dict(side_by_side(test_processes.act, words, 1, tidy))
@@ -95,7 +95,7 @@ def test_tidy_tasks_share_processes_until_one_fails() -> None:
 
 @pytest.mark.parametrize("shared", [alone, tidy])
 def test_a_process_that_is_killed_while_it_sends_takes_no_other_along(shared: Callable[[str], bool]) -> None:
-    from tests.scenarios.running import test_processes
+    from tests.running import test_processes
 
     words = ["half", "one", "half ", "two", "three"]
     found = dict(side_by_side(test_processes.act, words, 2, shared, patience=20.0))
@@ -105,7 +105,7 @@ def test_a_process_that_is_killed_while_it_sends_takes_no_other_along(shared: Ca
 
 @pytest.mark.parametrize("shared", [alone, tidy])
 def test_a_hang_in_compiled_code_is_ended(shared: Callable[[str], bool]) -> None:
-    from tests.scenarios.running import test_processes
+    from tests.running import test_processes
 
     before = {child.pid for child in multiprocessing.active_children()}
     [(_, how)] = side_by_side(test_processes.act, ["hang"], 1, shared, patience=0.5)
@@ -115,7 +115,7 @@ def test_a_hang_in_compiled_code_is_ended(shared: Callable[[str], bool]) -> None
 
 @pytest.mark.parametrize("shared", [alone, tidy])
 def test_no_process_is_left_when_the_results_are_left_early(shared: Callable[[str], bool]) -> None:
-    from tests.scenarios.running import test_processes
+    from tests.running import test_processes
 
     before = {child.pid for child in multiprocessing.active_children()}
     several = side_by_side(test_processes.act, ["one", "dawdle", "two", "three"], 2, shared)
@@ -127,8 +127,8 @@ def test_no_process_is_left_when_the_results_are_left_early(shared: Callable[[st
 PARENT = """
 import time
 from contextlib import closing
-from scenarios.running.processes import side_by_side
-from tests.scenarios.running import test_processes
+from avatarsim.running.processes import side_by_side
+from tests.running import test_processes
 with closing(side_by_side(test_processes.act, ["one", "two"], 2, test_processes.tidy)) as work:
     print(next(work)[1], next(work)[1], flush=True)
     # in pieces: a signal between the print and the sleep is handled when the piece is over, not after a minute

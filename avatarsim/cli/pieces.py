@@ -1,4 +1,4 @@
-"""Command line of the convex decomposition, `python -m avatarsim.assets.meshes MESH ...`: pieces of meshes, with error bounds."""
+"""`avatarsim pieces MESH ...`: convex decomposition of mesh files from the command line, with error bounds."""
 
 import argparse
 import json
@@ -6,10 +6,9 @@ import sys
 
 from avatarsim.assets.meshes.convex_pieces import Pieces, pieces_of_mesh
 from avatarsim.assets.meshes.decompose import REPAIRS
-from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError
 
-REFUSED = 1
+REFUSED = 3
 """Exit code when a mesh was refused; the others are still treated."""
 STOPPED = 130
 """Exit code of a program that the user stopped."""
@@ -20,8 +19,9 @@ HEAD = f"{'mesh':24} {'source':13} pieces vertices most  Hausdorff of size secon
 def parser() -> argparse.ArgumentParser:
     """The options; each is one argument of `pieces_of_mesh`."""
     options = argparse.ArgumentParser(
-        prog="python -m avatarsim.assets.meshes",
+        prog="avatarsim pieces",
         description="Convex pieces of mesh files, with a bound of their Hausdorff distance; kept in the cache folder.",
+        epilog="example: avatarsim pieces duck.obj --scale 0.1. Exit codes: 0; 2 wrong usage; 3 a mesh was refused.",
     )
     options.add_argument("meshes", nargs="+", metavar="MESH", help=".obj .stl .ply .off .glb .gltf")
     options.add_argument("--scale", type=float, default=1.0, help="metres per unit of the file (default 1)")
@@ -39,7 +39,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(words: list[str] | None = None) -> int:
-    """0, or 1 when a mesh was refused, which the error stream explains."""
+    """0, or REFUSED when a mesh was refused, which the error stream explains."""
     asked = parser().parse_args(words)
     code = 0
     if not asked.json:
@@ -80,6 +80,3 @@ def as_json(path: str, found: Pieces) -> str:
         "repairs": found.repairs, "from_cache": found.from_cache, "cache_note": found.cache_note, "seconds": found.seconds,
     })
 
-
-if __name__ == "__main__":
-    sys.exit(ended(main))

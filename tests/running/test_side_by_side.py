@@ -8,7 +8,7 @@ import threading
 import pytest
 
 from avatarsim.errors import InvalidInput
-from scenarios.running.processes import Died, side_by_side
+from avatarsim.running.processes import Died, side_by_side
 
 
 def answer(task: int) -> int:
@@ -47,5 +47,5 @@ def test_who_stops_leaves_no_child_behind() -> None:
 
 
 def test_fewer_workers_than_none_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="--jobs.*-1"):
+    with pytest.raises(InvalidInput, match="number of workers is -1"):
         list(side_by_side(answer, [1], -1))

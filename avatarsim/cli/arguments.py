@@ -1,0 +1,154 @@
+"""Words of the command line: every option of every command, with its help (argparse)."""
+
+import argparse
+from pathlib import Path
+
+from avatarsim.console import path_option
+from avatarsim.files import VARIABLE
+
+RAW = argparse.RawDescriptionHelpFormatter
+
+MOTION = ".bvh .amc .npz .csv .txt, or a folder of them"
+
+CLEAN = """\
+The nearest motions without overlap, within joint limits, in the format they came in. Every written frame is proved free, and so
+is every way from one frame to the next, as a player shows it. Folders are taken whole; clips that are done are not done again.
+
+examples:
+  avatarsim clean walk.bvh --room floor -o cleaned
+      a recording on its own skeleton, on level ground
+  avatarsim clean retargeted/ --avatar robot.xml --room kitchen.glb --room-up y -o cleaned --workers 8
+      a folder of clips of a robot, in a scanned room
+  avatarsim clean 02_01.amc --asf 02.asf --room floor --rate 30 -o cleaned"""
+
+CLEAN_END = """\
+in the output folder: the motions, with the layout of the folders that were named; certificate.json, with what was measured of
+each clip; index.html, which leads to a page that plays each clip before and after.
+
+exit codes: 0 clean; 1 overlap is left, or no free posture was found; 2 wrong usage; 3 something could not be read or done, which
+is named, and the rest is done; 130 stopped, and the same command goes on."""
+
+AUDIT = """\
+Measures of motions as they are: frames and depth in overlap, ways between frames that are not certified free, joints outside
+their limits, jerk. Nothing is written, unless -o names a folder for audit.json.
+
+examples:
+  avatarsim audit walk.bvh --room floor
+  avatarsim audit retargeted/ --avatar robot.xml -o measures"""
+
+AUDIT_END = """\
+exit codes: 0 clean; 1 overlap was found; 2 wrong usage; 3 something could not be read, which is named, and the rest is done."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """The whole command line."""
+    top = argparse.ArgumentParser(prog="avatarsim", description="Without a command: as `avatarsim compile`.")
+    top.add_argument("--parts", metavar="PART", nargs="+", help=argparse.SUPPRESS)
+    commands = top.add_subparsers(dest="command", title="commands", metavar="COMMAND")
+    clean = commands.add_parser(
+        "clean", help="motions made free of overlap, with a certificate", description=CLEAN, epilog=CLEAN_END,
+        formatter_class=RAW, usage="avatarsim clean MOTION ... -o DIR [--avatar FILE] [--room FILE | floor] [options]",
+    )
+    clean.add_argument("motions", nargs="+", metavar="MOTION", type=path_option, help=MOTION)
+    clean.add_argument("-o", "--out", required=True, metavar="DIR", type=path_option, help="folder of what is written")
+    _scene(clean)
+    _cleaning(clean)
+    _opinion(clean)
+    clean.add_argument("--no-page", action="store_true", help="no pages that play clips")
+    clean.add_argument("--force", action="store_true", help="do again what is done, and write over files of other programs")
+    _running(clean)
+    _reading(clean)
+    audit = commands.add_parser(
+        "audit", help="what is wrong with motions, measured", description=AUDIT, epilog=AUDIT_END, formatter_class=RAW,
+        usage="avatarsim audit MOTION ... [--avatar FILE] [--room FILE | floor] [-o DIR] [options]",
+    )
+    audit.add_argument("motions", nargs="+", metavar="MOTION", type=path_option, help=MOTION)
+    audit.add_argument("-o", "--out", metavar="DIR", type=path_option, help="folder for audit.json")
+    _opinion(audit)
+    _scene(audit)
+    _running(audit)
+    _reading(audit)
+    pieces = commands.add_parser("pieces", help="convex pieces of mesh files, with error bounds", add_help=False)
+    pieces.add_argument("rest", nargs=argparse.REMAINDER)
+    _compiling(commands)
+    return top
+
+
+def _scene(one: argparse.ArgumentParser) -> None:
+    scene = one.add_argument_group("scene")
+    scene.add_argument("--avatar", metavar="FILE", type=path_option,
+                       help="MJCF or URDF model of the avatar; a BVH or AMC recording brings its own skeleton")
+    scene.add_argument("--room", metavar="FILE", type=path_option,
+                       help="MJCF, URDF or mesh (.obj .stl .ply .glb) of what stands still, or the word floor")
+    scene.add_argument("--loose", action="store_true",
+                       help="leave out the loose bodies of files; else they stand still where they are")
+
+
+def _cleaning(one: argparse.ArgumentParser) -> None:
+    cleaning = one.add_argument_group("cleaning")
+    cleaning.add_argument("--margin", type=float, default=None, metavar="M", help="gap that is kept [m] (default 0.001)")
+    cleaning.add_argument("--blend", type=float, default=None, metavar="S",
+                          help="how long before and after contact limbs give way [s] (default 0.1)")
+
+
+def _opinion(one: argparse.ArgumentParser) -> None:
+    one.add_argument("--no-opinion", action="store_true",
+                     help="do not ask coal, an independent library, for a second opinion where it is installed: twice as fast")
+
+
+def _running(one: argparse.ArgumentParser) -> None:
+    running = one.add_argument_group("running")
+    running.add_argument("--workers", type=int, metavar="N",
+                         help="clips at a time; 0: one after the other, in this process (default: one a processor)")
+    running.add_argument("--scheduler", metavar="ADDRESS",
+                         help="do the clips on the Dask cluster of this scheduler, as tcp://HOST:8786")
+
+
+def _reading(one: argparse.ArgumentParser) -> None:
+    motion = one.add_argument_group("how motions are read")
+    motion.add_argument("--rate", type=float, metavar="HZ", help="frames a second of what is written (default: the file's)")
+    motion.add_argument("--file-rate", type=float, metavar="HZ", help="frames a second of files that state none")
+    motion.add_argument("--scale", type=float, metavar="M", help="metres a unit of length (default: guessed and said)")
+    motion.add_argument("--up", choices=("y", "z"), help="the axis that points up (default: guessed and said)")
+    motion.add_argument("--asf", metavar="FILE", type=path_option, help="skeleton of AMC files (default: the one beside them)")
+    motion.add_argument("--mass", type=float, metavar="KG", help="of a human of a recorded skeleton (default: a mean one)")
+    motion.add_argument("--no-limits", action="store_true", help="recorded skeletons without limits of joints")
+    motion.add_argument("--quaternion", choices=("wxyz", "xyzw"), help="order of quaternions of trajectories")
+    motion.add_argument("--joints", metavar="A,B,...", help="names of a trajectory's joints, where it has none")
+    motion.add_argument("--offsets", metavar="FILE", help="rest joints of an SMPL body; or the word mean, of BVH")
+    motion.add_argument("--stature", type=float, metavar="M", help="height of an SMPL body without offsets")
+    model = one.add_argument_group("how models are read")
+    model.add_argument("--fix", default="", metavar="A,B,...",
+                       help="hold these joints at the file's reference; all: those that an avatar cannot have")
+    model.add_argument("--couplings", choices=("refuse", "leave"), help="joints coupled by an equality (default refuse)")
+    model.add_argument("--root", choices=("file", "free", "fixed"), help="whether the avatar's root moves (default: file)")
+    model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
+    model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
+    model.add_argument("--meshes", choices=("hull", "decompose"), help="meshes by their hulls (default), or by convex pieces")
+    model.add_argument("--room-scale", type=float, metavar="M", help="metres a unit of a room that is a mesh (default 1)")
+    model.add_argument("--room-up", choices=("y", "z"), help="the axis that points up in a room that is a mesh (default z)")
+
+
+def _compiling(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    what = "compile the engine's kernels ahead of their first use"
+    compiling = commands.add_parser("compile", help=what, description=f"{what.capitalize()}; later starts find them.")
+    compiling.add_argument(
+        "--to", metavar="DIR", type=Path,
+        help=f"make a folder to carry elsewhere: with {VARIABLE} set to it any user starts without compiling, on any machine "
+        "with the stated processor",
+    )
+    compiling.add_argument(
+        "--cpu", choices=("baseline", "host"),
+        help="with --to: for the stated baseline, x86-64-v3 (the default), or for this very kind of processor",
+    )
+
+
+def parsed(arguments: list[str] | None) -> argparse.Namespace:
+    """The command line; argparse ends the process if it is wrong."""
+    top = parser()
+    found = top.parse_args(arguments)
+    if found.command is not None and found.parts is not None:
+        top.error("--parts goes without a command")
+    if found.command == "compile" and found.cpu is not None and found.to is None:
+        top.error("--cpu goes with --to")
+    return found

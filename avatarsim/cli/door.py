@@ -1,0 +1,30 @@
+"""The door of the command line: which command runs, and in which exit code it ends."""
+
+import sys
+
+from avatarsim.cli.arguments import parsed
+from avatarsim.console import USAGE
+from avatarsim.errors import AvatarsimError
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """The exit code: 0 when all is well, 1 where overlap is or something could not be compiled, 2 when what was asked for is
+    impossible, 3 where something could not be read."""
+    words = sys.argv[1:] if arguments is None else arguments
+    if words[:1] == ["pieces"]:
+        # its options are those of a room of its own
+        from avatarsim.cli.pieces import main as pieces
+
+        return pieces(words[1:])
+    asked = parsed(words)
+    try:
+        if asked.command in ("clean", "audit"):
+            from avatarsim.cli.motions import run
+
+            return run(asked)
+        from avatarsim.cli.compiling import run as compiling
+
+        return compiling(asked)
+    except AvatarsimError as error:
+        print(f"avatarsim: {error}", file=sys.stderr)
+        return USAGE

@@ -1,0 +1,160 @@
+"""All clips of a command: one task each, side by side (Pebble, Dask) or here, and what the whole of them leaves.
+
+A batch can be killed at any time and be gone on with by the same command: clips that are done are known by their certificates,
+and what is left in the folder in the end are the same bytes.
+"""
+
+from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from avatarsim.clips import certificate
+from avatarsim.clips.found import Clip
+from avatarsim.clips.page.index_page import index_page
+from avatarsim.clips.page.layout import GENERATOR
+from avatarsim.clips.task import CERTIFICATES, REFUSED, Outcome, Task, outcome
+from avatarsim.clips.whole_files import require_ours, write_whole
+from avatarsim.clips.wishes import Wishes
+from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.running.sources import about, code_hash
+
+if TYPE_CHECKING:
+    from avatarsim.running.processes import Workers
+
+INDEX, WHOLE = "index.html", "certificate.json"
+"""Page and certificate of the whole folder."""
+
+PATIENCE = 6 * 3600.0
+"""Longest a clip may take [s]. A million frames take some two hours; an endless loop must end somewhere."""
+
+PRELOADED = ("numpy", "numba", "scipy.spatial", "avatarsim.clips.task")
+"""What processes of clips have loaded. No engine is opened in it."""
+
+
+@dataclass
+class Batch:
+    """What has become of the clips so far."""
+
+    outcomes: list[Outcome] = field(default_factory=list)
+    """One of each clip, in the order in which they ended."""
+    troubles: list[tuple[str, str, str]] = field(default_factory=list)
+    """(name, kind, why) of what could not be done."""
+
+    @property
+    def entries(self) -> list[Mapping[str, object]]:
+        """Entries of the certificate."""
+        return [one.entry for one in self.outcomes if one.entry is not None]
+
+
+def run(
+    tasks: Sequence[Task], workers: "Workers", batch: Batch, told: Callable[[Outcome], None],
+    progress: Callable[[float], None] | None = None,
+) -> None:
+    """Do the tasks, and put what becomes of them into `batch`, one by one; `told` of each as it ends.
+
+    `progress` is called with the share of a clip that is done, where clips are done here. Raises MissingPackage without pebble
+    for more workers than 0, InvalidInput for a cluster that does not fit."""
+    with closing(_answers(tasks, workers, progress)) as answers:
+        for task, found in answers:
+            if not isinstance(found, Outcome):
+                found = Outcome(task.clip.place, trouble=(REFUSED, str(found)))
+            batch.outcomes.append(found)
+            if found.trouble is not None:
+                batch.troubles.append((found.place, *found.trouble))
+            told(found)
+
+
+def _answers(
+    tasks: Sequence[Task], workers: "Workers", progress: Callable[[float], None] | None
+) -> Generator[tuple[Task, object], None, None]:
+    if workers == 0:
+        # here, and without what processes are run by
+        yield from ((task, _here(task, progress)) for task in tasks)
+        return
+    try:
+        from avatarsim.running.processes import side_by_side
+    except ImportError as error:
+        raise MissingPackage("pebble", "parallel", "more than one clip at a time") from error
+    yield from side_by_side(answer, tasks, workers, shares_its_process, PATIENCE, PRELOADED)
+
+
+def _here(task: Task, progress: Callable[[float], None] | None) -> object:
+    try:
+        return outcome(task, progress)
+    except OSError as error:
+        return _refused(error)
+    except AvatarsimError:
+        # of no clip alone: a package that is missing
+        raise
+    except Exception as error:
+        # as of a process, whose end costs its clip alone
+        return f"{type(error).__name__}: {error}"
+
+
+def answer(task: Task) -> Outcome:
+    """The life of a clip in a process of its own or on another machine."""
+    try:
+        return outcome(task)
+    except OSError as error:
+        return Outcome(task.clip.place, trouble=(REFUSED, _refused(error)))
+
+
+def _refused(error: OSError) -> str:
+    return f"the system refused {error.filename or 'a file'}: {error.strerror or error}"
+
+
+def shares_its_process(task: Task) -> bool:
+    """Clips leave nothing behind: the next one has a process whose kernels and model are loaded."""
+    return True
+
+
+def workers_of(count: int, scheduler: str | None, folder: Path) -> "Workers":
+    """Where clips are done: in `count` processes here, or on the cluster of a scheduler whose workers see `folder`."""
+    if scheduler is None:
+        return count
+    try:
+        from avatarsim.running.cluster import Cluster
+    except ImportError as error:
+        raise MissingPackage("pebble", "parallel", "--scheduler") from error
+    from avatarsim.running.sources import SAME
+
+    return Cluster(scheduler, code_hash, partial(about, folder.resolve()), SAME, PRELOADED)
+
+
+def tasks_of(clips: Sequence[Clip], wishes: Wishes, out: Path | None, force: bool) -> list[Task]:
+    """One task a clip; with paths that hold in any folder, since a worker may have another one."""
+    whole = None if out is None else out.absolute()
+    return [Task(Clip(clip.place, clip.path.absolute()), wishes, whole, force) for clip in clips]
+
+
+def require_place(out: Path, force: bool) -> None:
+    """Raise InvalidInput where a file of another program stands in the place of the folder's page or certificate."""
+    require_ours(out / INDEX, GENERATOR, force)
+    require_ours(out / WHOLE, certificate.MARK, force)
+
+
+def has_clips(out: Path) -> bool:
+    """Whether a folder holds certificates of clips."""
+    return (out / CERTIFICATES).is_dir()
+
+
+def leave(out: Path, batch: Batch) -> dict[str, object]:
+    """Write `certificate.json` and `index.html` of all clips in the folder, of earlier commands too; the former's value."""
+    entries = {str(one["motion"]): one for one in earlier(out)}
+    entries.update({str(one["motion"]): one for one in batch.entries})
+    whole = certificate.summary("clean", list(entries.values()), batch.troubles)
+    write_whole(out / INDEX, index_page(whole))
+    write_whole(out / WHOLE, certificate.text(whole))
+    return whole
+
+
+def earlier(out: Path) -> Iterator[Mapping[str, object]]:
+    """Entries of the certificates in a folder."""
+    base = out / CERTIFICATES
+    for path in sorted(base.rglob("*.json")):
+        found = certificate.read(path)
+        if found is not None and f"{found['motion']}.json" == path.relative_to(base).as_posix():
+            yield found

@@ -1,0 +1,200 @@
+"""Certificates: what was measured of a clip, of which files, with which options and versions; as JSON, and the same bytes always.
+
+No time, no machine and no path is in them, so that two runs of one command leave equal files. The layout is
+`certificate.schema.json` (JSON Schema 2020-12), beside this file.
+"""
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from functools import cache
+from importlib.resources import files as resources
+from pathlib import Path
+from typing import Any
+
+from avatarsim.cleaning import Audit, Cleaned, Moved, Opinion
+from avatarsim.cleaning.result import OVERLAP
+from avatarsim.clips.inputs import Hashes
+from avatarsim.clips.schema_check import fault
+from avatarsim.clips.wishes import Wishes
+from avatarsim.errors import InvalidFile
+from avatarsim.files import parsed_json, read_text
+from avatarsim.running.sources import code_hash, versions
+from avatarsim.scene.motion import Motion
+
+LAYOUT = 1
+"""Version of the layout."""
+LINES = 3
+"""Levels of a certificate whose members have a line each."""
+MARK = '{\n "layout": '
+"""What the certificate of a folder begins with."""
+
+LARGEST = 2**27
+"""Bytes of a certificate at most. An entry has some 20 kB, so this is a folder of 6,000 clips."""
+
+OPINIONS = ("coal",)
+"""Distributions of the independent judge."""
+
+
+def key(motion: Hashes, avatar: Hashes, room: Hashes, wishes: Wishes) -> dict[str, object]:
+    """What decides the outputs of a clip: hashes of its inputs, options, and versions."""
+
+    def listed(files: Hashes) -> list[dict[str, str]]:
+        return [{"name": name, "sha256": content} for name, content in files]
+
+    return {
+        "inputs": {"motion": listed(motion), "avatar": listed(avatar), "room": listed(room)},
+        "options": wishes.told(),
+        "versions": {**versions(OPINIONS), "code": code_hash()},
+    }
+
+
+def entry(
+    place: str, format_: str, decides: Mapping[str, object], motion: Motion, before: Audit, after: Audit | None = None,
+    cleaned: Cleaned | None = None, said: Sequence[str] = (), outputs: Mapping[str, tuple[str, str]] | None = None,
+) -> dict[str, object]:
+    """The entry of one clip. `before` is of its input, `after` of what was written and read back, `decides` its `key`."""
+    last = after or before
+    sentences = [*said, *last.said]
+    found: dict[str, object] = {
+        "motion": place, "format": format_, "frames": len(motion), "rate_hz": _rate(motion), **decides,
+        "is_clean": last.is_clean,
+        "overlap": {"tolerance_m": OVERLAP, "before": _overlap(before), "after": _overlap(after) if after else None},
+        "second_opinion": {"before": _opinion(before.opinion), "after": _opinion(after.opinion) if after else None},
+        "between_frames": {
+            "chords": max(len(motion) - 1, 0), "not_certified_before": before.unproven,
+            "not_certified_after": after.unproven if after else None,
+        },
+        "limits": {"excess_before_rad": before.limit_excess, "excess_after_rad": after.limit_excess if after else None},
+        "jerk_p95_m_s3": {"before": _jerk(before), "after": _jerk(after) if after else None},
+        "excluded": [{"a": one.a, "b": one.b, "depth_m": one.depth} for one in last.excluded],
+        "said": list(dict.fromkeys(sentences)),
+    }
+    if cleaned is not None:
+        found["moved"] = _moved(cleaned.moved)
+        found["held_frames"] = int(cleaned.held.sum())
+        found["changed_frames"] = int(cleaned.changed.sum())
+        found["flagged"] = [
+            {"first": one.first, "last": one.last, "why": one.why, "pair": list(one.pair) if one.pair else None}
+            for one in cleaned.flagged
+        ]
+    if outputs is not None:
+        found["outputs"] = {name: {"name": path, "sha256": content} for name, (path, content) in outputs.items()}
+    return plain(found)
+
+
+def summary(command: str, entries: Sequence[Mapping[str, object]], troubles: Sequence[tuple[str, str, str]]) -> dict[str, object]:
+    """The certificate of a folder: its clips by their places, and (name, kind, why) of what could not be done."""
+    return {
+        "layout": LAYOUT, "command": command,
+        "clips": sorted(entries, key=lambda one: str(one["motion"])),
+        "not_done": [{"name": name, "kind": kind, "why": why} for name, kind, why in sorted(troubles)],
+    }
+
+
+def _rate(motion: Motion) -> float | None:
+    # steps of recorded instants sum up to a rate with a tail of rounding
+    return None if len(motion) < 2 else float(f"{motion.rate:.9g}")
+
+
+def _overlap(one: Audit) -> dict[str, object]:
+    return {"frames": one.overlapping, "deepest_m": one.deepest, "pair": list(one.deepest_pair) if one.deepest_pair else None}
+
+
+def _opinion(one: Opinion | None) -> dict[str, object] | None:
+    if one is None:
+        return None
+    return {
+        "by": one.by, "frames": one.frames, "frames_overlapping": one.frames_overlapping, "frames_deepest_m": one.frames_deepest,
+        "between": one.between, "between_overlapping": one.between_overlapping, "between_deepest_m": one.between_deepest,
+    }
+
+
+def _jerk(one: Audit) -> dict[str, object]:
+    return {"where_free": one.jerk_free, "elsewhere": one.jerk_held}
+
+
+def _moved(one: Moved) -> dict[str, object]:
+    links = zip(one.links, one.link_rms, one.link_p95, strict=True)
+    joints = zip(one.joints, one.joint_rms, one.joint_p95, strict=True)
+    return {
+        "links": [{"name": name, "rms_m": float(rms), "p95_m": float(p95)} for name, rms, p95 in links],
+        "joints": [{"name": name, "rms_rad": float(rms), "p95_rad": float(p95)} for name, rms, p95 in joints],
+    }
+
+
+def plain(value: Mapping[str, object]) -> dict[str, object]:
+    """The value as JSON gives it back: tuples as lists, and numbers that JSON has no word for as null."""
+    found: dict[str, object] = json.loads(json.dumps(_finite(value), allow_nan=False))
+    return found
+
+
+def _finite(value: object) -> object:
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Mapping):
+        return {str(name): _finite(one) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    return value
+
+
+def text(value: Mapping[str, object]) -> bytes:
+    """A certificate as bytes: equal values give equal bytes, and names that are no text stay what they are."""
+    return (_in_lines(_finite(value), LINES, "\n") + "\n").encode()
+
+
+def _in_lines(value: object, deep: int, end: str) -> str:
+    """`value` as JSON, with a line for each member of its first `deep` levels: an entry has one for each of its parts, in a third
+    of the bytes."""
+    if deep and value and isinstance(value, dict | list):
+        parts = value.values() if isinstance(value, dict) else value
+        names = [f"{json.dumps(name)}: " for name in value] if isinstance(value, dict) else [""] * len(value)
+        lines = [name + _in_lines(part, deep - 1, f"{end} ") for name, part in zip(names, parts, strict=True)]
+        begin, close = "{}" if isinstance(value, dict) else "[]"
+        return f"{begin}{end} " + f",{end} ".join(lines) + f"{end}{close}"
+    return json.dumps(value, allow_nan=False)
+
+
+def read(path: Path) -> dict[str, object] | None:
+    """A certificate of one clip; None where there is none, or what is there is none of this layout."""
+    thing = f"certificate {path.name}"
+    try:
+        found = parsed_json(read_text(path, thing, "the whole file", LARGEST), thing, "the whole file", _no_number)
+    except InvalidFile:
+        return None
+    whole = schema()
+    parts = whole["$defs"]
+    assert isinstance(parts, dict)
+    return found if isinstance(found, dict) and not fault(found, parts["clip"], whole) and _is_of_clean(found) else None
+
+
+def _is_of_clean(one: Mapping[str, Any]) -> bool:
+    """Whether an entry that keeps to the schema is of a clip that was cleaned, and not audited alone."""
+    after = (one["overlap"]["after"], one["between_frames"]["not_certified_after"], one["jerk_p95_m_s3"]["after"])
+    return None not in after and {"moved", "held_frames", "changed_frames", "flagged", "outputs"} <= set(one)
+
+
+def _no_number(text: str) -> object:
+    """JSON has no word for what is no number, and Python's reader takes three."""
+    raise ValueError(f"{text} is no JSON")
+
+
+def output_hashes(one: Mapping[str, object] | None) -> dict[str, str]:
+    """SHA-256 of each output that an entry names; none where it names none."""
+    outputs = one.get("outputs") if one else None
+    if not isinstance(outputs, dict):
+        return {}
+    return {str(name): str(about.get("sha256")) for name, about in outputs.items() if isinstance(about, dict)}
+
+
+def output_hash(one: Mapping[str, object] | None, name: str) -> str | None:
+    """SHA-256 of one output of an entry; None where it names none."""
+    return output_hashes(one).get(name)
+
+
+@cache
+def schema() -> dict[str, object]:
+    """The JSON schema of `summary`."""
+    found: dict[str, object] = json.loads(resources("avatarsim.clips").joinpath("certificate.schema.json").read_text("utf-8"))
+    return found

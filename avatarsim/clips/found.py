@@ -1,0 +1,111 @@
+"""Clips that a command line names: files, and folders taken whole (recursive, sorted), each with its place below the output."""
+
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from avatarsim.errors import InvalidInput
+
+MOTIONS = (".amc", ".bvh", ".csv", ".npz", ".txt")
+"""Ends of the names of motion files."""
+PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
+"""Ends of the names of files that hold motions elsewhere, and are refused with a sentence."""
+OURS = ("certificate.json", "index.html", "certificates", "pages")
+"""Names in the output folder that no clip may have there."""
+CLIPS = 1_000_000
+"""Most clips of a command. The largest collection known here has 150,000. More: their names alone fill the memory."""
+
+
+@dataclass(frozen=True, order=True)
+class Clip:
+    """A motion file at `path`, whose result goes to `place` below the output folder."""
+
+    place: str
+    path: Path
+
+
+@dataclass(frozen=True)
+class Found:
+    """The clips of a command in the order of their places, files of folders that are `left` alone since they are no motions, and
+    folders that could not be read: (name, why)."""
+
+    clips: tuple[Clip, ...]
+    left: tuple[Path, ...]
+    unreadable: tuple[tuple[str, str], ...]
+
+
+def found(named: Sequence[Path], out: Path | None) -> Found:
+    """The clips that `named` files and folders stand for; what lies in the folder `out` is none of them.
+
+    A file's place is its name, that of a file in a folder its path in that folder. Raises InvalidInput where two clips would have
+    one place, where a result would take the place of a file that was named, and for names that the output uses itself."""
+    clips: list[Clip] = []
+    left: list[Path] = []
+    unreadable: list[tuple[str, str]] = []
+    for path in named:
+        # by os.path, which takes names that are too long for the system as names of nothing
+        if not os.path.isdir(path):
+            clips.append(Clip(path.name, path))
+            continue
+        for file in _files(path, out, unreadable):
+            if is_motion(file):
+                clips.append(Clip(file.relative_to(path).as_posix(), file))
+            else:
+                left.append(file)
+            if len(clips) > CLIPS:
+                raise InvalidInput("number of clips", f"above {CLIPS}", f"up to {CLIPS} in one command")
+    clips = sorted(set(clips))
+    _require_places(clips, out)
+    return Found(tuple(clips), tuple(left), tuple(unreadable))
+
+
+def _files(folder: Path, out: Path | None, unreadable: list[tuple[str, str]]) -> Iterator[Path]:
+    """Files in and below a folder, sorted; links to folders are not followed, since they may lead in a circle."""
+
+    def refused(error: OSError) -> None:
+        unreadable.append((str(error.filename), error.strerror or str(error)))
+
+    inside = _real(out) if out is not None else None
+    for place, folders, files in os.walk(folder, onerror=refused):
+        folders[:] = sorted(name for name in folders if not name.startswith(".") and _real(Path(place, name)) != inside)
+        yield from (Path(place, name) for name in sorted(files) if not name.startswith("."))
+
+
+def is_motion(path: Path) -> bool:
+    """Whether a file of a folder is taken for a motion: by the end of its name, and a text by its first character as well, since
+    notes lie beside clips."""
+    suffix = path.suffix.lower()
+    if suffix != ".txt":
+        return suffix in (*MOTIONS, *PICKLES)
+    try:
+        # not to wait for a writer, should the name lead to a pipe
+        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+            return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"["))
+    except OSError:
+        # named later, as what cannot be read
+        return True
+
+
+def _require_places(clips: Sequence[Clip], out: Path | None) -> None:
+    if out is None:
+        return
+    taken: dict[str, Path] = {}
+    sources = {_real(clip.path) for clip in clips}
+    for clip in clips:
+        if clip.place in taken:
+            valid = "one clip for each name in the output folder; name the folder above both in their place"
+            raise InvalidInput("clips of one name", [str(taken[clip.place]), str(clip.path)], valid)
+        taken[clip.place] = clip.path
+        if PurePosixPath(clip.place).parts[0] in OURS:
+            raise InvalidInput("name of a clip", clip.place, f"a name that is none of {', '.join(OURS)}")
+        if _real(out / clip.place) in sources:
+            raise InvalidInput("output folder", str(out), f"a folder in which {clip.place} is no file that is read")
+
+
+def _real(path: Path) -> Path:
+    """The path with links followed, as far as the system takes it."""
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError, ValueError):
+        return path.absolute()

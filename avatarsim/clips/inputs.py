@@ -1,0 +1,152 @@
+"""Inputs of a clip: its motion, the avatar and the room, each with the SHA-256 of every file that it was read from."""
+
+import inspect
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from importlib import import_module
+from pathlib import Path, PurePosixPath
+from xml.etree import ElementTree
+
+from avatarsim.assets.models import doors
+from avatarsim.assets.models.load import load_avatar, load_room
+from avatarsim.assets.models.mesh_files import candidates
+from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.load import READERS, load_motion
+from avatarsim.assets.motions.motion_file import MotionFile
+from avatarsim.clips.whole_files import sha256_of
+from avatarsim.clips.wishes import FLOOR, Reading, Wishes
+from avatarsim.errors import InvalidFile
+from avatarsim.files import check
+
+FILE_BYTES = 2**28
+"""Bytes of a motion file at most; readers have limits of their own, this one is for hashing what is read."""
+
+Hashes = tuple[tuple[str, str], ...]
+"""(name, SHA-256) of files."""
+
+MEAN = "mean"
+"""The word that stands for a way to read BVH in place of a file of offsets."""
+
+
+@dataclass(frozen=True)
+class Files:
+    """Hashes of the files of the avatar and of the room of a command; of none, and of level ground, there are none."""
+
+    avatar: Hashes
+    room: Hashes
+
+
+def files_of(wishes: Wishes) -> Files:
+    """Hashes of what avatar and room are read from. Raises InvalidFile for what cannot be read."""
+    folder = wishes.reading.folder
+    avatar = () if wishes.avatar is None else _files(wishes.avatar, folder)
+    room = () if wishes.room is None or str(wishes.room) == FLOOR else _files(wishes.room, folder)
+    return Files(avatar, room)
+
+
+def given(wishes: Wishes, files: Files) -> tuple[Model | None, Model | None]:
+    """Avatar and room of a command, read once by each process as long as their files stay. Raises InvalidFile, InvalidInput."""
+    avatar = None if wishes.avatar is None else _avatar(wishes.avatar, wishes.reading, files.avatar)
+    return avatar, None if wishes.room is None else _room(wishes.room, wishes.reading, files.room)
+
+
+@lru_cache(maxsize=2)
+def _avatar(path: Path, reading: Reading, files: Hashes) -> Model:
+    model = load_avatar(path, **reading.of_avatar())  # type: ignore[arg-type]
+    if model.avatar is None:
+        raise InvalidFile(f"avatar in {path.name}", "none", "a file with joints; a room goes with --room")
+    return model
+
+
+@lru_cache(maxsize=2)
+def _room(path: Path, reading: Reading, files: Hashes) -> Model:
+    if str(path) == FLOOR:
+        return load_room(FLOOR)
+    return load_room(path, **reading.of_room(path.suffix.lower() in doors.MODELS))  # type: ignore[arg-type]
+
+
+def _hashed(path: Path, name: str) -> tuple[str, str]:
+    check(path, f"file {name}", "a readable file", FILE_BYTES)
+    try:
+        status = path.stat()
+        return name, _sha256(path, status.st_ino, status.st_size, status.st_mtime_ns)
+    except OSError as error:
+        raise InvalidFile(f"file {name}", error.strerror or str(error), "a readable file") from error
+
+
+@lru_cache(maxsize=4096)
+def _sha256(path: Path, number: int, size: int, written: int) -> str:
+    """The hash of a file as it was when it had this number, size and time: a model of a thousand clips is hashed once."""
+    return sha256_of(path)
+
+
+def _files(path: Path, folder: str | None) -> Hashes:
+    """A model's or a mesh's file and all that it names. Raises InvalidFile for what cannot be read."""
+    if path.suffix.lower() not in doors.MODELS:
+        return (_hashed(path, path.name),)
+    base = doors.folder_of(path, folder)
+    texts = doors.texts_of(path, base)
+    found = {name: base / name for name in texts.texts}
+    for name, place in _named(texts):
+        found[name] = place
+    return tuple(_hashed(place, name) for name, place in sorted(found.items()))
+
+
+def _named(texts: doors.Texts) -> Iterator[tuple[str, Path]]:
+    """Mesh files that a model names: (path below its folder, place). What is not there its reader refuses."""
+    trees = [ElementTree.fromstring(content) for content in texts.texts.values()]
+    folders = {node.get("meshdir") or node.get("assetdir") or "" for tree in trees for node in tree.iter("compiler")} | {""}
+    bases = [PurePosixPath(name).parent for name in texts.texts]
+    for mesh in (node for tree in trees for node in tree.iter("mesh")):
+        file = mesh.get("file") or mesh.get("filename")
+        if not file:
+            continue
+        for meshdir in sorted(folders):
+            try:
+                yield doors.existing(f"mesh {file}", candidates(file, meshdir, True, bases), texts.folder)
+            except InvalidFile:
+                continue
+            break
+
+
+def motion_files(path: Path, reading: Reading) -> Hashes:
+    """Hashes of a motion file and of the skeleton beside it. Raises InvalidFile."""
+    suffix = path.suffix.lower()
+    beside = [skeleton_of(path, reading)] if suffix == ".amc" else []
+    if reading.offsets is not None and suffix == ".npz" and reading.offsets != MEAN:
+        beside.append(Path(reading.offsets))
+    return tuple(_hashed(one, one.name) for one in [path, *beside] if one is not None)
+
+
+def skeleton_of(path: Path, reading: Reading) -> Path | None:
+    """The ASF file of an AMC file: the one that was asked for, else by its name: 02_01.asf or 02.asf beside 02_01.amc."""
+    if reading.asf is not None:
+        return Path(reading.asf)
+    names = dict.fromkeys([path.stem, path.stem.partition("_")[0]])
+    found = (path.with_name(name + end) for name in names for end in (".asf", ".ASF"))
+    return next((one for one in found if one.is_file()), None)
+
+
+def options_for(path: Path, reading: Reading) -> dict[str, object]:
+    """What is asked of the reader of a motion; the skeleton of an AMC file by its path, so that a copy elsewhere has the same."""
+    asked = reading.of_motion()
+    skeleton = skeleton_of(path, reading) if path.suffix.lower() == ".amc" else None
+    return asked if skeleton is None else {**asked, "skeleton": str(skeleton)}
+
+
+def read(path: Path, asked: Mapping[str, object]) -> tuple[MotionFile, tuple[str, ...]]:
+    """The motion at `path`, and those of the options `asked` that its format does not have. Raises InvalidFile, InvalidInput."""
+    known = options_of(path.suffix.lower())
+    used = {name: value for name, value in asked.items() if name in known}
+    return load_motion(path, **used), tuple(sorted(set(asked) - set(used)))
+
+
+@lru_cache
+def options_of(suffix: str) -> tuple[str, ...]:
+    """Names of the options of the reader for files whose names end so; none for an ending that no reader takes."""
+    if suffix not in READERS:
+        return ()
+    module, function = READERS[suffix]
+    reader = getattr(import_module(f"avatarsim.assets.motions.{module}"), function)
+    return tuple(name for name, one in inspect.signature(reader).parameters.items() if one.kind is one.KEYWORD_ONLY)

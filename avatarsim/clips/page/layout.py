@@ -1,0 +1,94 @@
+"""HTML of a page that asks nothing of any place: one style, one script known by its hash, and data (Content Security Policy 3).
+
+Every text that comes from a file goes through `html.escape`; data goes as JSON in which `<` is written as its code.
+"""
+
+import base64
+import hashlib
+import html
+import json
+import math
+import os
+from importlib.resources import files as resources
+from urllib.parse import quote
+
+from avatarsim.console import printable
+
+GENERATOR = '<meta name="generator" content="avatarsim clean">'
+"""Near the beginning of each page: what has it may be written over."""
+
+ROUNDING = 1e-9
+"""Angle that is none [rad]: within it joints count as within their limits."""
+
+
+def resource(name: str) -> str:
+    """A file of this folder, as the wheel holds it."""
+    return resources("avatarsim.clips.page").joinpath(name).read_text("utf-8")
+
+
+def esc(text: object) -> str:
+    """Any text as HTML, also within attributes; what cannot be printed by its code."""
+    return html.escape(printable(str(text)), quote=True)
+
+
+def address(name: str) -> str:
+    """The path of a file below the folder as an address; its separators stay."""
+    try:
+        return esc(quote(os.fsencode(name)))
+    except UnicodeEncodeError:
+        # no file has such a name
+        return esc(quote(name, errors="replace"))
+
+
+def data(name: str, value: object) -> str:
+    """A value that the page's script reads."""
+    content = json.dumps(value, allow_nan=False, separators=(",", ":"))
+    for letter in "<>&":
+        content = content.replace(letter, f"\\u{ord(letter):04x}")
+    return f'<script type="application/json" id="{esc(name)}">{content}</script>'
+
+
+def _hash(content: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()}'"
+
+
+def page(title: str, body: str, script: str = "") -> bytes:
+    """A whole page. `body` is HTML, `script` JavaScript; the policy lets this style and script work, and nothing be fetched."""
+    style = resource("page.css")
+    scripts = _hash(script) if script else "'none'"
+    policy = f"default-src 'none'; style-src {_hash(style)}; script-src {scripts}; base-uri 'none'; form-action 'none'"
+    code = f"<script>{script}</script>\n" if script else ""
+    whole = (
+        f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{esc(title)}</title>\n'
+        f'{GENERATOR}\n<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{esc(policy)}">\n<style>{style}</style>\n</head>\n'
+        f"<body>\n{body}\n{code}</body>\n</html>\n"
+    )
+    return whole.encode()
+
+
+def length(metres: object) -> str:
+    """A length with three digits, in the unit that suits it."""
+    if not isinstance(metres, int | float):
+        return "—"
+    for unit, size in (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6)):
+        if abs(metres) >= size:
+            return f"{metres / size:.3g} {unit}"
+    return "0" if metres == 0 else f"{metres / 1e-9:.3g} nm"
+
+
+def angle(radians: object) -> str:
+    """An angle in degrees with three digits; what rounding leaves is 0."""
+    if not isinstance(radians, int | float):
+        return "—"
+    return "0" if abs(radians) <= ROUNDING else f"{math.degrees(radians):.3g}°"
+
+
+def table(head: list[str], rows: list[list[str]]) -> str:
+    """A table of cells that are HTML already; on a narrow screen each cell has its head beside it."""
+    top = "".join(f"<th scope=col>{cell}</th>" for cell in head)
+    lines = [
+        "<tr>" + "".join(f'<td data-label="{esc(label)}">{cell}</td>' for label, cell in zip(head, row, strict=True)) + "</tr>"
+        for row in rows
+    ]
+    return f"<div class=scroll><table><thead><tr>{top}</tr></thead><tbody>\n" + "\n".join(lines) + "\n</tbody></table></div>"

@@ -1,0 +1,190 @@
+"""One clip from its file to its outputs: read, cleaned, written, read back, measured and certified; or audited alone.
+
+The certificate of a clip is written last, and names its inputs, its options and its outputs by their hashes: a clip whose
+certificate still agrees with all of them is done.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.assets.models.model import Model
+from avatarsim.cleaning import Audit, Cleaned, audit, clean
+from avatarsim.clips import certificate
+from avatarsim.clips.found import Clip
+from avatarsim.clips.inputs import files_of, given, motion_files, options_for, options_of, read
+from avatarsim.clips.page.clip_page import Shown, clip_page
+from avatarsim.clips.page.layout import GENERATOR
+from avatarsim.clips.whole_files import beside, moved, put, require_ours, sha256_of, write_whole
+from avatarsim.clips.wishes import Wishes
+from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
+from avatarsim.scene.body import Body
+from avatarsim.scene.motion import Motion
+
+CERTIFICATES, PAGES = "certificates", "pages"
+"""Folders of the output for what belongs to one clip each."""
+
+WORDS = {"rate": "file-rate", "skeleton": "asf", "limits": "no-limits"}
+"""Options of readers that have another name on the command line."""
+
+UNREADABLE, REFUSED, OVERLAPS = "unreadable", "refused", "no free posture"
+"""Kinds of trouble."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """A clip, what is asked, where outputs go (None: an audit, which writes nothing), and whether it is done again all the same
+    (`force`), or in place of a file that another program wrote."""
+
+    clip: Clip
+    wishes: Wishes
+    out: Path | None
+    force: bool = False
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a clip: its entry in the certificate, or the trouble (its kind and a sentence). `kept`: it was done before.
+    `said` are sentences for the user that belong in no certificate."""
+
+    place: str
+    entry: Mapping[str, object] | None = None
+    trouble: tuple[str, str] | None = None
+    kept: bool = False
+    said: tuple[str, ...] = ()
+
+
+def outcome(task: Task, progress: Callable[[float], None] | None = None) -> Outcome:
+    """The task done. What is wrong with files is in the outcome. Raises MissingPackage, and OSError where an output cannot be
+    written."""
+    place = task.clip.place
+    try:
+        return _Clip(task).done(progress)
+    except StartOverlaps as error:
+        return Outcome(place, trouble=(OVERLAPS, str(error)))
+    except InvalidFile as error:
+        return Outcome(place, trouble=(UNREADABLE, str(error)))
+    except InvalidInput as error:
+        return Outcome(place, trouble=(REFUSED, str(error)))
+
+
+class _Clip:
+    """One clip on its way."""
+
+    def __init__(self, task: Task) -> None:
+        self.task, self.wishes = task, task.wishes
+        self.place, self.path = task.clip.place, task.clip.path
+        self.asked = options_for(task.clip.path, task.wishes.reading)
+
+    def done(self, progress: Callable[[float], None] | None) -> Outcome:
+        files = files_of(self.wishes)
+        key = certificate.key(motion_files(self.path, self.wishes.reading), files.avatar, files.room, self.wishes)
+        if self.task.out is not None and not self.task.force:
+            kept = finished(self.task.out, self.place, key, self.wishes.page)
+            if kept is not None:
+                return Outcome(self.place, kept, kept=True)
+        avatar, room = given(self.wishes, files)
+        file, unused = read(self.path, self.asked)
+        model = _model(avatar, file.model(), self.path)
+        motion = file.motion(model)
+        said = [*(room.said if room else ()), *model.said, *file.said]
+        if self.wishes.rate is not None:
+            motion = motion.resampled(self.wishes.rate)
+        bodies = room.bodies if room else ()
+        told = (*(f"--{WORDS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
+        if self.task.out is None:
+            before = audit(motion, model, bodies, self.wishes.cleaning)
+            measured = certificate.entry(self.place, file.format, key, motion, before, said=said)
+            return Outcome(self.place, measured, said=told)
+        cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress)
+        entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, bodies, said)
+        return Outcome(self.place, entry, said=told)
+
+    def _written(
+        self, content: bytes, format_: str, key: Mapping[str, object], motion: Motion, cleaned: Cleaned, model: Model,
+        bodies: tuple[Body, ...], said: list[str],
+    ) -> Mapping[str, object]:
+        """Write the outputs; the entry of the certificate, which is of what is read back."""
+        out = self.task.out
+        assert out is not None
+        target = out / self.place
+        with beside(target) as path:
+            put(content, path)
+            back, after = self._read_back(path, motion, cleaned, model, bodies)
+            outputs = {"motion": (self.place, sha256_of(path))}
+            self._require_free(target, outputs["motion"][1])
+            entry = certificate.entry(self.place, format_, key, motion, cleaned.before, after, cleaned, said, outputs)
+            if self.wishes.page:
+                shown = Shown(model, bodies, motion, back, cleaned.before, after, cleaned.flagged)
+                page = page_of(self.place)
+                require_ours(out / page, GENERATOR, self.task.force)
+                write_whole(out / page, clip_page(entry, shown, page))
+            moved(path, target)
+        write_whole(out / certificate_of(self.place), certificate.text(entry))
+        return entry
+
+    def _read_back(
+        self, path: Path, motion: Motion, cleaned: Cleaned, model: Model, bodies: tuple[Body, ...]
+    ) -> tuple[Motion, Audit]:
+        """The motion that was written, as a reader finds it, and its measures."""
+        asked = dict(self.asked)
+        if self.wishes.rate is not None and "rate" in options_of(self.path.suffix.lower()):
+            # of a file that states none
+            asked["rate"] = self.wishes.rate
+        back = read(path, asked)[0].motion(model)
+        if len(back) != len(motion):
+            raise InvalidFile(f"frames of {self.place} as it was written", len(back), f"{len(motion)}, as it was cleaned")
+        kept = ("positions", "rotations", "angles")
+        same = all(np.array_equal(getattr(back, name), getattr(cleaned.motion, name)) for name in kept)
+        if same:
+            return back, cleaned.after
+        found = audit(back, model, bodies, self.wishes.cleaning)
+        # over the frames where the input was free, which is not to be seen in what was written; rounding moves no digit of it
+        return back, replace(found, jerk_free=cleaned.after.jerk_free, jerk_held=cleaned.after.jerk_held)
+
+    def _require_free(self, target: Path, content: str) -> None:
+        """Raise InvalidInput where a file stands in the place of the result that no command of ours wrote."""
+        if self.task.force or not target.exists():
+            return
+        assert self.task.out is not None
+        before = certificate.read(self.task.out / certificate_of(self.place))
+        ours = {content, certificate.output_hash(before, "motion")}
+        if not target.is_file() or sha256_of(target) not in ours:
+            valid = "a place without a file that something else wrote; take another folder, or --force to write over it"
+            raise InvalidInput("place of the result", str(target), valid)
+
+
+def _model(avatar: Model | None, own: Model | None, path: Path) -> Model:
+    """The avatar that was asked for, else the one that the motion brings."""
+    if avatar is not None:
+        return avatar
+    if own is None:
+        raise InvalidFile(f"avatar for {path.name}", "none", "--avatar with an MJCF or URDF file: this format brings no skeleton")
+    return own
+
+
+def certificate_of(place: str) -> str:
+    """Where the certificate of a clip lies below the output folder."""
+    return f"{CERTIFICATES}/{place}.json"
+
+
+def page_of(place: str) -> str:
+    """Where the page of a clip lies below the output folder."""
+    return f"{PAGES}/{place}.html"
+
+
+def finished(out: Path, place: str, key: Mapping[str, object], page: bool) -> Mapping[str, object] | None:
+    """The entry of a clip that is done already with the same inputs, options and versions, its outputs whole; else None."""
+    entry = certificate.read(out / certificate_of(place))
+    if entry is None or any(entry.get(name) != value for name, value in certificate.plain(key).items()):
+        return None
+    if page and not (out / page_of(place)).is_file():
+        return None
+    written = out / place
+    try:
+        whole = written.is_file() and sha256_of(written) == certificate.output_hash(entry, "motion")
+    except OSError:
+        return None
+    return entry if whole else None

@@ -1,0 +1,140 @@
+"""Atomic replacement of output files (temporary file in the same folder, fsync, rename), and one writer at a time (flock).
+
+A killed command leaves no half of a file. What it was writing lies in a folder of its own beside the place, and the next command
+that has the output folder removes it.
+"""
+
+import errno
+import fcntl
+import hashlib
+import os
+import shutil
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from avatarsim.errors import InvalidInput
+
+BEGUN, PART = ".avatarsim-", ".part"
+"""How the name of a folder begins and ends in which a file is being written."""
+
+BEGINNING = 4096
+"""Bytes of a file in which its mark stands."""
+
+AT_ONCE = 2**20
+"""Bytes of a file that are hashed at once."""
+
+
+@contextmanager
+def beside(place: Path) -> Iterator[Path]:
+    """A path for a file that is to become `place`: of the same name, in a new folder beside it, which is removed at the end.
+
+    Raises OSError where none can be made."""
+    place.parent.mkdir(parents=True, exist_ok=True)
+    folder = Path(tempfile.mkdtemp(prefix=BEGUN, suffix=PART, dir=place.parent))
+    try:
+        yield folder / place.name
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def put(content: bytes, at: Path) -> None:
+    """Write a new file and hand it to the disk."""
+    try:
+        with at.open("xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+    except OSError as error:
+        # a disk that is full names no file
+        error.filename = error.filename or str(at)
+        raise
+
+
+def moved(written: Path, place: Path) -> None:
+    """Give a file that is written whole its place, and hand the folder to the disk."""
+    os.replace(written, place)
+    # not every file system can
+    with suppress(OSError):
+        handle = os.open(place.parent, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+
+
+def write_whole(place: Path, content: bytes) -> None:
+    """After it, `place` holds all of `content`, or what it held before, even if the machine loses power. Raises OSError."""
+    with beside(place) as path:
+        put(content, path)
+        moved(path, place)
+
+
+def clear_halves(out: Path) -> None:
+    """Remove, in and below a folder, what commands were writing when they were killed."""
+    for folder, names, _ in os.walk(out):
+        for name in [name for name in names if name.startswith(BEGUN) and name.endswith(PART)]:
+            shutil.rmtree(Path(folder, name), ignore_errors=True)
+            names.remove(name)
+
+
+@contextmanager
+def alone_in(out: Path) -> Iterator[None]:
+    """Hold the folder `out`, made if need be, against other commands. The lock goes with the process, however that ends.
+
+    Raises InvalidInput where another command has it or it takes no file."""
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        handle = os.open(out, os.O_RDONLY | os.O_DIRECTORY)
+    except (OSError, ValueError) as error:
+        raise InvalidInput("output folder", str(out), f"a folder that can be written to ({_why(error)})") from error
+    try:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError as error:
+            if error.errno in (errno.EWOULDBLOCK, errno.EACCES):
+                valid = "a folder that no other command is writing into; wait for it, or take another folder"
+                raise InvalidInput("output folder", str(out), valid) from error
+            # a file system without locks
+        try:
+            tempfile.TemporaryFile(dir=out).close()
+        except OSError as error:
+            raise InvalidInput("output folder", str(out), f"a folder that can be written to ({_why(error)})") from error
+        clear_halves(out)
+        try:
+            yield
+        finally:
+            # of what was stopped in the middle of writing
+            clear_halves(out)
+    finally:
+        os.close(handle)
+
+
+def require_ours(place: Path, mark: str, force: bool) -> None:
+    """Raise InvalidInput where a file stands in the place of one of ours that does not have `mark` near its beginning; with
+    `force` it is written over."""
+    if force or not os.path.lexists(place):
+        return
+    try:
+        with open(place, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+            ours = mark.encode() in file.read(BEGINNING)
+    except OSError:
+        ours = False
+    if not ours:
+        valid = "a place without a file that something else wrote; take another folder, or --force to write over it"
+        raise InvalidInput("place of a result", str(place), valid)
+
+
+def _why(error: OSError | ValueError) -> str:
+    return (getattr(error, "strerror", None) or str(error)).lower()
+
+
+def sha256_of(path: Path) -> str:
+    """SHA-256 of a file, in hexadecimal digits. Raises OSError."""
+    digest = hashlib.sha256()
+    # not to wait for a writer, should the name lead to a pipe
+    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+        while part := file.read(AT_ONCE):
+            digest.update(part)
+    return digest.hexdigest()

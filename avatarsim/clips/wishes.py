@@ -1,0 +1,96 @@
+"""What a command asks for: which avatar and room, how files are read, and how motions are cleaned."""
+
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+from avatarsim.cleaning import Options
+
+FLOOR = "floor"
+"""The word that stands for level ground in place of a room's file."""
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How files are read; None leaves it to the file, or to the reader's guess.
+
+    scale, up       metres of a unit of length, and "y" or "z", of motions
+    file_rate       frames a second of motions that state none [1/s]
+    quaternion      "wxyz" or "xyzw"
+    joints          names of a trajectory's joints, with commas between
+    offsets         a file with the rest joints of a body, or "mean" (BVH)
+    stature         [m] of a body without offsets
+    asf             the skeleton of AMC motions
+    mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
+    fix, couplings, root, leave, folder, meshes    of the avatar's model, as in `load_avatar`
+    room_scale, room_up    of a room that is a mesh"""
+
+    scale: float | None = None
+    up: str | None = None
+    file_rate: float | None = None
+    quaternion: str | None = None
+    joints: str | None = None
+    offsets: str | None = None
+    stature: float | None = None
+    asf: str | None = None
+    mass: float | None = None
+    limits: bool = True
+    fix: tuple[str, ...] = ()
+    couplings: str | None = None
+    root: str | None = None
+    leave: tuple[str, ...] = ()
+    folder: str | None = None
+    meshes: str | None = None
+    room_scale: float | None = None
+    room_up: str | None = None
+
+    def of_motion(self) -> dict[str, object]:
+        """Options for readers of motions, by the readers' names."""
+        asked = {
+            "scale": self.scale, "up": self.up, "rate": self.file_rate, "quaternion": self.quaternion, "joints": self.joints,
+            "offsets": self.offsets, "stature": self.stature, "skeleton": self.asf,
+            "mass": self.mass, "limits": None if self.limits else False,
+        }
+        return {name: value for name, value in asked.items() if value is not None}
+
+    def of_avatar(self) -> dict[str, object]:
+        """Options of `load_avatar`."""
+        asked = {"fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave, "couplings": self.couplings,
+                 "root": self.root, "folder": self.folder, "meshes": self.meshes}
+        return {name: value for name, value in asked.items() if value}
+
+    def of_room(self, is_model: bool) -> dict[str, object]:
+        """Options of `load_room`, for a model or for a mesh."""
+        asked: dict[str, object] = {"meshes": self.meshes}
+        asked.update({"folder": self.folder} if is_model else {"scale": self.room_scale, "y_up": self.room_up == "y"})
+        return {name: value for name, value in asked.items() if value}
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """All that decides what becomes of a motion.
+
+    avatar, room   files; None for the skeleton that a motion brings, and for no room
+    rate           frames a second at which motions are cleaned and written [1/s]; None: their own
+    reading        how files are read
+    cleaning       how motions are cleaned
+    page           whether a page is made of each clip"""
+
+    avatar: Path | None = None
+    room: Path | None = None
+    rate: float | None = None
+    reading: Reading = Reading()
+    cleaning: Options = Options()
+    page: bool = True
+
+    def told(self) -> dict[str, object]:
+        """All of it as JSON holds it, files by their names: a certificate says nothing of a machine."""
+        reading = {field.name: getattr(self.reading, field.name) for field in fields(Reading)}
+        for name in ("asf", "folder", "offsets"):
+            if reading[name] is not None:
+                reading[name] = Path(reading[name]).name
+        return {
+            "avatar": self.avatar.name if self.avatar else None, "room": self.room.name if self.room else None,
+            "rate_hz": self.rate,
+            "reading": {name: list(value) if isinstance(value, tuple) else value for name, value in reading.items()},
+            "cleaning": {field.name: getattr(self.cleaning, field.name) for field in fields(Options)}, "page": self.page,
+        }

@@ -1,0 +1,107 @@
+"""A command that is killed in the middle is gone on with by the same command, and ends with the same bytes."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.clips.made import bvh
+
+ROOT = Path(__file__).resolve().parents[2]
+CLIPS = 14
+
+
+def command(folder: Path, out: str, workers: int) -> list[str]:
+    words = ["clean", str(folder / "in"), "--room", "floor", "-o", str(folder / out), "--workers", str(workers)]
+    return [sys.executable, "-m", "avatarsim", *words]
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def of_session(session: int) -> list[int]:
+    """Processes of a session that are not over."""
+    found = []
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            state, _, _, number = path.read_text().rpartition(")")[2].split()[:4]
+        except OSError:
+            continue
+        if int(number) == session and state != "Z":
+            found.append(int(path.parent.name))
+    return found
+
+
+def killed(line: list[str], out: Path, after: int) -> None:
+    """Run a command, kill it by SIGKILL once so many clips are done, and wait until what it had started is over."""
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(line, cwd=ROOT, start_new_session=True, **quiet) as running:
+        until = time.monotonic() + 120.0
+        while len(list(out.glob("certificates/*.json"))) < after and running.poll() is None and time.monotonic() < until:
+            time.sleep(0.002)
+        assert running.poll() is None, "over before it was killed"
+        running.kill()
+        assert running.wait() == -signal.SIGKILL
+    require_over(running.pid)
+
+
+def require_over(session: int) -> None:
+    """Wait until all processes of a session are over."""
+    until = time.monotonic() + 60.0
+    while of_session(session) and time.monotonic() < until:
+        time.sleep(0.02)
+    assert of_session(session) == []
+
+
+@pytest.mark.parametrize("workers", [0, 2])
+def test_a_killed_command_goes_on_and_ends_with_the_same_bytes(tmp_path: Path, workers: int) -> None:
+    for k in range(CLIPS):
+        bvh(tmp_path / "in" / f"c{k:02}.bvh", seed=k)
+    whole = subprocess.run(command(tmp_path, "whole", 0), cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert whole.returncode == 0, whole.stderr
+    line, out = command(tmp_path, "out", workers), tmp_path / "out"
+    killed(line, out, 2)
+    # what is there is whole, and as it will be
+    wanted, halves = content(tmp_path / "whole"), [name for name in content(out) if ".avatarsim-" in name]
+    assert {name: one for name, one in content(out).items() if name not in halves}.items() <= wanted.items()
+    first = {name: (out / name).stat().st_mtime_ns for name in content(out) if name.startswith("certificates/")}
+    killed(line, out, len(first) + 2)
+    last = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert last.returncode == 0, last.stderr
+    assert content(out) == wanted
+    assert sum(row.endswith("done before") for row in last.stdout.splitlines()) >= 4
+    assert {name: (out / name).stat().st_mtime_ns for name in first} == first
+
+
+def test_a_command_that_is_stopped_says_how_to_go_on(tmp_path: Path) -> None:
+    for k in range(CLIPS):
+        bvh(tmp_path / "in" / f"c{k:02}.bvh", seed=k)
+    line, out = command(tmp_path, "out", 1), tmp_path / "out"
+    with subprocess.Popen(line, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+                          preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)) as running:
+        until = time.monotonic() + 120.0
+        while not list(out.glob("certificates/*.json")) and time.monotonic() < until:
+            time.sleep(0.002)
+        os.kill(running.pid, signal.SIGINT)
+        said, err = running.communicate(timeout=120.0)
+    assert running.returncode == 130, err
+    assert "the same command goes on from there" in err and "Traceback" not in err
+    assert (out / "certificate.json").exists() and 1 <= len(list(out.glob("certificates/*.json"))) < CLIPS
+    require_over(running.pid)
+    assert not [path for path in out.rglob("*") if ".avatarsim-" in path.name]
+
+
+def test_of_two_commands_at_once_one_has_the_folder(tmp_path: Path) -> None:
+    for k in range(CLIPS):
+        bvh(tmp_path / "in" / f"c{k:02}.bvh", seed=k)
+    line = command(tmp_path, "out", 0)
+    both = [subprocess.Popen(line, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) for _ in range(2)]
+    ends = sorted((one.communicate(timeout=300.0)[1], one.returncode) for one in both)
+    assert sorted(code for _, code in ends) == [0, 2]
+    assert sum("no other command is writing into" in said for said, _ in ends) == 1
+    assert len(list((tmp_path / "out" / "certificates").iterdir())) == CLIPS

@@ -1,0 +1,311 @@
+"""`avatarsim clean` and `avatarsim audit`: what they leave, exit codes, and folders of anything at all."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from avatarsim.assets.motions.load import load_motion
+from avatarsim.cli import main
+from avatarsim.clips import certificate
+from avatarsim.clips.whole_files import alone_in
+from tests.clips.made import bvh, csv, robot
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def clean(*words: object) -> int:
+    return main(["clean", *map(str, words), "--room", "floor", "--workers", "0"])
+
+
+def ended(*words: object) -> int:
+    """The exit code, also where argparse ends the process."""
+    try:
+        return main([*map(str, words)])
+    except SystemExit as end:
+        return int(str(end.code))
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
+
+
+def certified(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "certificate.json").read_text())
+    jsonschema.validate(found, certificate.schema())
+    return found
+
+
+def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bvh(tmp_path / "in" / "b.bvh", frames=60)
+    bvh(tmp_path / "in" / "deep" / "a.bvh", frames=50, seed=1)
+    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
+    said, _ = capsys.readouterr()
+    assert re.search(r"^b\.bvh .* [1-9]\d* frames, .*0 frames, 0 .* clean$", said, re.MULTILINE)
+    assert set(content(tmp_path / "out")) == {
+        "b.bvh", "deep/a.bvh", "certificate.json", "index.html", "certificates/b.bvh.json", "certificates/deep/a.bvh.json",
+        "pages/b.bvh.html", "pages/deep/a.bvh.html",
+    }
+    whole = certified(tmp_path / "out")
+    assert [one["motion"] for one in whole["clips"]] == ["b.bvh", "deep/a.bvh"] and whole["not_done"] == []
+    for one in whole["clips"]:
+        assert one["is_clean"] and one["overlap"]["before"]["frames"] > 0 and one["overlap"]["after"]["frames"] == 0
+        assert 0 < one["changed_frames"] < one["frames"] and one["flagged"]
+        json.loads((tmp_path / "out" / f"certificates/{one['motion']}.json").read_text())
+    # in the format that it came in, and what was free is what it was
+    before, after = (load_motion(tmp_path / folder / "b.bvh") for folder in ("in", "out"))
+    model = before.model()
+    assert model is not None
+    old, new = before.motion(model), after.motion(model)
+    assert len(old) == len(new) and (old.positions[0] == new.positions[0]).all()
+    assert (old.positions[30] != new.positions[30]).any()
+
+
+def test_what_is_cleaned_is_found_clean_and_what_was_not_is_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bvh(tmp_path / "a.bvh")
+    audit = ["audit", "--room", "floor", "--workers", "0"]
+    assert main([*audit, str(tmp_path / "a.bvh"), "-o", str(tmp_path / "measures")]) == 1
+    assert [path.name for path in (tmp_path / "measures").iterdir()] == ["audit.json"]
+    jsonschema.validate(json.loads((tmp_path / "measures" / "audit.json").read_text()), certificate.schema())
+    assert clean(tmp_path / "a.bvh", "-o", tmp_path / "out") == 0
+    before = content(tmp_path)
+    assert main([*audit, str(tmp_path / "out" / "a.bvh")]) == 0
+    assert content(tmp_path) == before and "clean" in capsys.readouterr().out
+
+
+def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> None:
+    csv(tmp_path / "a.csv")
+    assert clean(tmp_path / "a.csv", "--avatar", robot(tmp_path), "-o", tmp_path / "out", "--no-page", "--rate", "60") == 0
+    (one,) = certified(tmp_path / "out")["clips"]
+    assert one["rate_hz"] == 60.0 and one["frames"] == 19 and one["overlap"]["before"]["deepest_m"] > 0.02
+    assert [file["name"] for file in one["inputs"]["avatar"]] == ["robot.xml"]
+    assert not (tmp_path / "out" / "pages").exists()
+    assert len((tmp_path / "out" / "a.csv").read_text().splitlines()) == 19
+
+
+def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    source, out = bvh(tmp_path / "in" / "a.bvh"), tmp_path / "out"
+    bvh(tmp_path / "in" / "b.bvh", seed=2)
+    assert clean(tmp_path / "in", "-o", out) == 0
+    first = content(out)
+
+    def again(*more: str) -> set[str]:
+        """Clips that were done anew."""
+        capsys.readouterr()
+        assert clean(tmp_path / "in", "-o", out, *more) == 0
+        lines = capsys.readouterr().out.splitlines()[1:-1]
+        return {line.split()[0] for line in lines if not line.endswith("done before")}
+
+    assert again() == set() and content(out) == first
+    (out / "a.bvh").write_text("damaged")
+    # nothing wrote that but something else
+    capsys.readouterr()
+    assert clean(tmp_path / "in", "-o", out) == 3
+    assert "place of the result" in capsys.readouterr().err and (out / "a.bvh").read_text() == "damaged"
+    assert again("--force") == {"a.bvh", "b.bvh"} and content(out) == first
+    (out / "a.bvh").unlink()
+    (out / "pages" / "b.bvh.html").unlink()
+    assert again() == {"a.bvh", "b.bvh"} and content(out) == first
+    (out / "certificates" / "b.bvh.json").write_text("{}")
+    assert again() == {"b.bvh"} and content(out) == first
+    assert again("--margin", "0.002") == {"a.bvh", "b.bvh"} and content(out) != first
+    assert again() == {"a.bvh", "b.bvh"} and content(out) == first
+    bvh(source, seed=3)
+    assert again() == {"a.bvh"}
+
+
+def test_clips_of_earlier_commands_stay_in_the_certificate(tmp_path: Path) -> None:
+    assert clean(bvh(tmp_path / "a.bvh"), "-o", tmp_path / "out") == 0
+    assert clean(bvh(tmp_path / "b.bvh", seed=1), "-o", tmp_path / "out") == 0
+    assert [one["motion"] for one in certified(tmp_path / "out")["clips"]] == ["a.bvh", "b.bvh"]
+
+
+@pytest.mark.parametrize("frames", [1, 2])
+@pytest.mark.parametrize("sinks", [-0.3, 0.2])
+def test_the_shortest_clips_are_cleaned_too(tmp_path: Path, frames: int, sinks: float) -> None:
+    path = bvh(tmp_path / "a.bvh", frames=3, sinks=sinks)
+    head, _, rows = path.read_text().partition("Frames: 3")
+    # from its deepest frame on
+    step, *lines = rows.strip().splitlines()
+    path.write_text("\n".join([f"{head}Frames: {frames}", step, *lines[1 : 1 + frames]]) + "\n")
+    assert clean(path, "-o", tmp_path / "out", "--no-opinion") == 0
+    (one,) = certified(tmp_path / "out")["clips"]
+    assert one["frames"] == frames and (one["rate_hz"] is None) == (frames == 1) and one["between_frames"]["chords"] == frames - 1
+    assert (one["overlap"]["before"]["frames"] > 0) == (sinks > 0.0) and one["second_opinion"] == {"before": None, "after": None}
+
+
+def test_rubbish_among_the_certificates_is_left_alone(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    assert clean(bvh(tmp_path / "a.bvh"), "-o", out) == 0
+    first = content(out)
+    good = json.loads((out / "certificates" / "a.bvh.json").read_text())
+    more = {"b.bvh.json": "{}", "c.bvh.json": "[" * 9999, "d.bvh.json": json.dumps(good), "e.bvh.json": json.dumps(
+        good | {"motion": "e.bvh", "moved": None}), "f.json": "\0"}
+    for name, text in more.items():
+        (out / "certificates" / name).write_text(text)
+    assert clean(tmp_path / "a.bvh", "-o", out) == 0
+    assert {name: one for name, one in content(out).items() if Path(name).name not in more} == first
+
+
+def rubbish(folder: Path) -> dict[str, str]:
+    """Files that no reader takes, and what is said of each."""
+    good = bvh(folder / "good.bvh").read_text()
+    (folder / "cut.bvh").write_text(good[: len(good) // 3])
+    (folder / "empty.bvh").write_bytes(b"")
+    (folder / "binary.bvh").write_bytes(bytes(range(256)) * 40)
+    (folder / "nan.bvh").write_text(good.replace("0.000000", "nan", 1))
+    (folder / "table.csv").write_text("a,b\n1,x\n")
+    (folder / "zip.npz").write_bytes(b"PK\3\4rubbish")
+    (folder / "clip.txt").write_text('{"Frames": [[1, 2]]}')
+    (folder / "motion.pkl").write_bytes(b"\x80\x04cos\nsystem\n.")
+    (folder / "alone.amc").write_text("#!OML\n:DEGREES\n1\nroot 0 0 0 0 0 0\n")
+    os.mkfifo(folder / "pipe.bvh")
+    (folder / "gone.bvh").symlink_to(folder / "nowhere")
+    return {"motion.pkl": "pickle", "pipe.bvh": "pipe", "gone.bvh": "No such file", "empty.bvh": "empty.bvh"}
+
+
+def test_a_folder_of_rubbish_is_named_and_the_rest_is_done(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = tmp_path / "in"
+    folder.mkdir()
+    said = rubbish(folder)
+    (folder / "NOTES.md").write_text("notes")
+    assert clean(folder, tmp_path / "missing.bvh", "-o", tmp_path / "out") == 3
+    _, err = capsys.readouterr()
+    whole = certified(tmp_path / "out")
+    assert [one["motion"] for one in whole["clips"]] == ["good.bvh"]
+    refused = {one["name"]: one["why"] for one in whole["not_done"]}
+    assert set(refused) == {path.name for path in folder.iterdir()} - {"good.bvh", "NOTES.md"} | {"missing.bvh"}
+    assert [name for name, words in said.items() if words not in refused[name]] == []
+    assert [name for name in refused if f"avatarsim: {name}: " not in err] == [] and "Traceback" not in err
+    assert "left alone, no motions: NOTES.md" in err
+    assert set(content(tmp_path / "out")) == {
+        "good.bvh", "certificate.json", "index.html", "certificates/good.bvh.json", "pages/good.bvh.html",
+    }
+
+
+NAMES = ["<img src=x onerror=alert(1)>.bvh", "a&b \"c\" 'd'.bvh", "line\nbreak\x1b[31m.bvh", "über 漢.bvh", "100%#?.bvh",
+         "bad\udcff.bvh"]
+
+
+def test_names_from_anywhere_are_data_and_nothing_else(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for k, name in enumerate(NAMES):
+        bvh(tmp_path / "in" / name, frames=4, seed=k)
+    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
+    out, err = capsys.readouterr()
+    assert "\x1b" not in out + err and "\udcff" not in out
+    assert sorted(os.listdir(tmp_path / "in")) == sorted(
+        path.name for path in (tmp_path / "out").glob("*.bvh"))
+    pages = [path.read_text("utf-8") for path in (tmp_path / "out").rglob("*.html")]
+    assert len(pages) == len(NAMES) + 1
+    for page in pages:
+        assert "<img" not in page and "\x1b" not in page
+    assert "100%25%23%3F.bvh.html" in (tmp_path / "out" / "index.html").read_text("utf-8")
+    certified(tmp_path / "out")
+
+
+CLEAN = ["clean", "a.bvh", "-o", "out"]
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["clean"], "required"), (["clean", "a.bvh"], "-o/--out"), (["clean", "a.bvh", "-o", ""], "empty name"),
+    ([*CLEAN, "--no-such"], "--no-such"), ([*CLEAN, "--up", "x"], "--up"), ([*CLEAN, "--margin", "wide"], "--margin"),
+    ([*CLEAN, "--margin", "5"], "margin"), ([*CLEAN, "--margin", "nan"], "margin"), ([*CLEAN, "--blend", "-1"], "blend"),
+    ([*CLEAN, "--rate", "nan"], "--rate"), ([*CLEAN, "--rate", "0"], "--rate"), ([*CLEAN, "--scale", "inf"], "--scale"),
+    ([*CLEAN, "--workers", "-1"], "--workers"), ([*CLEAN, "--scheduler", "nowhere"], "--scheduler"),
+    (["clean", "a.bvh", "-o", "a.bvh"], "output folder"), (["clean", "a.bvh", "-o", "a.bvh/b"], "output folder"),
+    (["clean", "a.bvh", "-o", "/proc/out"], "output folder"), (["clean", "a.bvh", "-o", "."], "no file that is read"),
+    (["clean", "empty", "-o", "out"], "folders with clips"), (["audit"], "required"), (["audit", "a.bvh", "--force"], "--force"),
+    (["tidy"], "tidy"), ([*CLEAN, "--fix", "all"], "beside --avatar"), ([*CLEAN, "--room-up", "y"], "beside --room"),
+])
+def test_wrong_usage_is_a_sentence_and_code_2(
+    words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("avatarsim.running.cluster.ANSWERS_WITHIN", 0.5)
+    bvh(tmp_path / "a.bvh", frames=2)
+    (tmp_path / "empty").mkdir()
+    before = content(tmp_path)
+    assert ended(*words) == 2
+    err = capsys.readouterr().err
+    assert said in err and "Traceback" not in err
+    assert {name: one for name, one in content(tmp_path).items() if name in before} == before
+    assert not (tmp_path / "out" / "a.bvh").exists()
+
+
+@pytest.mark.parametrize(("option", "name", "text", "said"), [
+    ("--avatar", "absent.xml", None, "absent.xml"), ("--avatar", "a.xml", "<mujoco><worldbody>", "a.xml"),
+    ("--avatar", "a.xml", "<mujoco/>", "a.xml"), ("--avatar", "a.xml", '<!DOCTYPE x [<!ENTITY a "b">]><mujoco/>', "DOCTYPE"),
+    ("--avatar", "a.fbx", "x", ".glb"), ("--room", "a.pkl", "x", "pickle"), ("--room", "absent.obj", None, "absent.obj"),
+    ("--avatar", "a.xml", '<mujoco><asset><mesh file="/etc/passwd"/></asset></mujoco>', "relative"),
+])
+def test_an_avatar_or_a_room_that_cannot_be_read_ends_it(
+    option: str, name: str, text: str | None, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if text is not None:
+        (tmp_path / name).write_text(text)
+    clip = bvh(tmp_path / "a.bvh", frames=2)
+    assert ended("clean", clip, "-o", tmp_path / "out", option, tmp_path / name, "--workers", "0") == 3
+    err = capsys.readouterr().err
+    assert said in err and "Traceback" not in err and content(tmp_path / "out") == {}
+
+
+@pytest.mark.parametrize(("name", "code"), [("index.html", 2), ("certificate.json", 2), ("pages/a.bvh.html", 3), ("a.bvh", 3)])
+def test_files_of_other_programs_stay(tmp_path: Path, name: str, code: int, capsys: pytest.CaptureFixture[str]) -> None:
+    clip, place = bvh(tmp_path / "a.bvh", frames=4), tmp_path / "out" / name
+    place.parent.mkdir(parents=True)
+    place.write_text("mine")
+    assert ended("clean", clip, "-o", tmp_path / "out", "--room", "floor", "--workers", "0") == code
+    assert place.read_text() == "mine" and "something else wrote" in capsys.readouterr().err
+    assert clean(clip, "-o", tmp_path / "out", "--force") == 0 and place.read_text() != "mine"
+    # now it is ours
+    assert clean(clip, "-o", tmp_path / "out") == 0 and clean(clip, "-o", tmp_path / "out", "--margin", "0.002") == 0
+    (tmp_path / "audit.json").write_text("mine")
+    assert ended("audit", clip, "-o", tmp_path) == 2 and (tmp_path / "audit.json").read_text() == "mine"
+
+
+def test_an_option_that_is_not_for_a_format_is_said_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    bvh(tmp_path / "in" / "a.bvh", frames=3)
+    bvh(tmp_path / "in" / "b.bvh", frames=3, seed=1)
+    assert clean(tmp_path / "in", "-o", tmp_path / "out", "--quaternion", "xyzw", "--scale", "1") == 0
+    assert capsys.readouterr().err.count("--quaternion is not for .bvh files") == 1
+
+
+def test_a_second_command_in_one_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    clip = bvh(tmp_path / "a.bvh", frames=3)
+    with alone_in(tmp_path / "out"):
+        assert ended("clean", clip, "-o", tmp_path / "out", "--workers", "0") == 2
+    assert "no other command is writing into" in capsys.readouterr().err and content(tmp_path / "out") == {}
+    assert clean(clip, "-o", tmp_path / "out") == 0
+
+
+def test_a_full_disk_costs_no_earlier_result(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert clean(bvh(tmp_path / "a.bvh", frames=4), "-o", tmp_path / "out") == 0
+    before = content(tmp_path / "out")
+
+    def full(*words: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr("avatarsim.clips.whole_files.os.fsync", full)
+        with pytest.raises(OSError, match="No space left"):
+            clean(bvh(tmp_path / "b.bvh", frames=4), "-o", tmp_path / "out")
+    assert content(tmp_path / "out") == before
+    assert "b.bvh: the system refused" in capsys.readouterr().err
+
+
+def test_the_module_is_the_command(tmp_path: Path) -> None:
+    shutil.copy(bvh(tmp_path / "in.bvh", frames=3), tmp_path / "a.bvh")
+    line = [sys.executable, "-m", "avatarsim", "audit", str(tmp_path / "a.bvh"), "--workers", "0"]
+    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert done.returncode in (0, 1) and "a.bvh" in done.stdout and "Traceback" not in done.stderr
+    wrong = subprocess.run([*line[:4], str(tmp_path / "absent.bvh")], cwd=ROOT, capture_output=True, text=True, timeout=300)
+    assert wrong.returncode == 3 and "absent.bvh" in wrong.stderr

@@ -1,0 +1,74 @@
+"""Certificates keep to their schema, are of the same bytes every time, and name no machine and no time."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from avatarsim.cleaning import Options
+from avatarsim.clips import certificate
+from avatarsim.clips.wishes import Wishes
+from tests.clips.entries import audit, entry, motion
+
+
+def valid(value: dict[str, object]) -> None:
+    schema = certificate.schema()
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.Draft202012Validator(schema).validate(value)
+
+
+def test_a_certificate_keeps_to_its_schema() -> None:
+    whole = certificate.summary("clean", [entry()], [("bad.bvh", "unreadable", "cut off")])
+    valid(json.loads(certificate.text(whole)))
+    decides = certificate.key((("a.csv", "0" * 64),), (), (), Wishes())
+    measured = certificate.entry("a.csv", "csv", decides, motion(), audit(0.02, False))
+    valid(json.loads(certificate.text(certificate.summary("audit", [measured], []))))
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("frames", 0), ("is_clean", 1), ("format", "fbx"), ("rate_hz", 0.0), ("seconds", 12.0), ("motion", None),
+    ("overlap", {"tolerance_m": 1e-6, "before": {"frames": -1, "deepest_m": 0.0, "pair": None}, "after": None}),
+])
+def test_the_schema_refuses_what_is_no_certificate(name: str, value: object) -> None:
+    whole = certificate.summary("clean", [entry() | {name: value}], [])
+    with pytest.raises(jsonschema.ValidationError):
+        valid(json.loads(json.dumps(whole)))
+
+
+def test_figures_stand_where_they_belong() -> None:
+    one: Any = entry()
+    assert one["overlap"]["before"] == {"frames": 1, "deepest_m": 0.03, "pair": ["hand", "table"]}
+    assert one["overlap"]["after"] == {"frames": 0, "deepest_m": 0.0, "pair": None} and one["is_clean"] is True
+    assert one["between_frames"] == {"chords": 3, "not_certified_before": 1, "not_certified_after": 0}
+    assert one["jerk_p95_m_s3"]["before"] == {"where_free": 12.5, "elsewhere": None}
+    assert one["moved"]["links"][1] == {"name": "arm", "rms_m": 0.02, "p95_m": 0.04} and one["changed_frames"] == 2
+    assert one["held_frames"] == 1
+    assert one["flagged"][0] == {"first": 1, "last": 2, "why": "overlap", "pair": ["hand", "table"]}
+    assert one["said"] == ["read so", "said of the audit"] and one["rate_hz"] == 30.0
+    assert one["inputs"]["avatar"][1] == {"name": "assets/a.stl", "sha256": "2" * 64}
+
+
+def test_equal_runs_leave_equal_bytes_without_machine_or_time() -> None:
+    text = certificate.text(certificate.summary("clean", [entry()], []))
+    assert text == certificate.text(certificate.summary("clean", [entry()], [])) and text.endswith(b"}\n")
+    assert b"/home" not in text and b"/tmp" not in text
+    one: Any = entry()
+    assert one["options"]["avatar"] == "robot.xml" and one["options"]["reading"]["asf"] == "02.asf"
+    assert set(one["versions"]) >= {"avatarsim", "code", "numpy", "coal"}
+
+
+def test_options_of_cleaning_are_all_there() -> None:
+    one: Any = certificate.plain(Wishes(cleaning=Options(margin=0.002)).told())
+    assert one["cleaning"]["margin"] == 0.002 and set(one["cleaning"]) == set(vars(Options()))
+
+
+@pytest.mark.parametrize("content", [b"", b"{", b"[]", b'{"motion": 3}', b"\xff\xfe", b'{"motion": NaN', b"[" * 5000])
+def test_what_is_no_certificate_counts_as_none(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "a.json").write_bytes(content)
+    assert certificate.read(tmp_path / "a.json") is None and certificate.read(tmp_path / "absent.json") is None
+    (tmp_path / "b.json").write_bytes(certificate.text(entry()))
+    found = certificate.read(tmp_path / "b.json")
+    assert found == entry() and certificate.output_hash(found, "motion") == "3" * 64
+    assert certificate.output_hash(None, "motion") is None and certificate.output_hash({"outputs": 3}, "motion") is None

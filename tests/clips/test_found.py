@@ -1,0 +1,62 @@
+"""Folders are taken whole, sorted, with their layout; what is no motion is left alone; no result takes another file's place."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from avatarsim.clips.found import found
+from avatarsim.errors import InvalidInput
+
+
+def touch(folder: Path, *names: str) -> None:
+    for name in names:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text("{}" if name.endswith(".txt") else "")
+
+
+def test_folders_are_taken_whole_and_sorted_with_their_layout(tmp_path: Path) -> None:
+    touch(tmp_path, "in/b/2.bvh", "in/a.csv", "in/b/1.BVH", "in/b/c/x.npz", "in/t.txt", "one.amc", "in/p.pkl")
+    clips = found([tmp_path / "one.amc", tmp_path / "in"], None).clips
+    assert [clip.place for clip in clips] == ["a.csv", "b/1.BVH", "b/2.bvh", "b/c/x.npz", "one.amc", "p.pkl", "t.txt"]
+    assert clips[1].path == tmp_path / "in" / "b" / "1.BVH"
+
+
+def test_what_is_no_motion_is_left_alone(tmp_path: Path) -> None:
+    touch(tmp_path, "README.md", "a.bvh", ".hidden.bvh", ".git/b.bvh", "skeleton.asf", "out/old.bvh")
+    (tmp_path / "LICENCE.txt").write_text("All rights\n")
+    (tmp_path / "clip.txt").write_text('\n {"Loop": "none"')
+    one = found([tmp_path], tmp_path / "out")
+    assert [clip.place for clip in one.clips] == ["a.bvh", "clip.txt"]
+    assert sorted(path.name for path in one.left) == ["LICENCE.txt", "README.md", "skeleton.asf"]
+
+
+def test_links_that_lead_in_circles_and_pipes_end_nothing(tmp_path: Path) -> None:
+    touch(tmp_path, "a.bvh")
+    (tmp_path / "circle").symlink_to(tmp_path, target_is_directory=True)
+    os.mkfifo(tmp_path / "pipe.txt")
+    one = found([tmp_path], None)
+    assert [clip.place for clip in one.clips] == ["a.bvh"] and [path.name for path in one.left] == ["pipe.txt"]
+
+
+def test_a_file_that_is_named_twice_is_one_clip(tmp_path: Path) -> None:
+    touch(tmp_path, "a.bvh")
+    assert len(found([tmp_path / "a.bvh", tmp_path / "a.bvh", tmp_path], None).clips) == 1
+
+
+@pytest.mark.parametrize(("named", "out", "said"), [
+    (["x/a.bvh", "y/a.bvh"], "out", "clips of one name"), (["x", "y"], "out", "clips of one name"),
+    (["x/a.bvh"], "x", "no file that is read"), (["x"], "x", "no file that is read"), (["pages"], "out", None),
+    (["top"], "out", "name of a clip is 'pages/a.bvh'"),
+])
+def test_no_result_takes_the_place_of_another_file(tmp_path: Path, named: list[str], out: str, said: str | None) -> None:
+    touch(tmp_path, "x/a.bvh", "y/a.bvh", "pages/a.bvh", "top/pages/a.bvh")
+    paths = [tmp_path / one for one in named]
+    if said is None:
+        assert len(found(paths, tmp_path / out).clips) == 1
+        return
+    if named == ["x"]:
+        # what lies in the output folder is no input
+        assert found(paths, tmp_path / "x" / "deeper").clips != ()
+    with pytest.raises(InvalidInput, match=said):
+        found(paths, tmp_path / out)

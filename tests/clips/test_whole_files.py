@@ -1,0 +1,71 @@
+"""Outputs are whole or absent, halves of killed commands go, and a folder has one writer."""
+
+import hashlib
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from avatarsim.clips.whole_files import BEGUN, PART, alone_in, beside, clear_halves, sha256_of, write_whole
+from avatarsim.errors import InvalidInput
+
+ROOT = Path(__file__).resolve().parents[2]
+
+HOLDS = """
+import sys
+from pathlib import Path
+from avatarsim.clips.whole_files import alone_in
+with alone_in(Path(sys.argv[1])):
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_file_is_whole_or_what_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    place = tmp_path / "deep" / "a.txt"
+    write_whole(place, b"one")
+    assert place.read_bytes() == b"one" and sha256_of(place) == hashlib.sha256(b"one").hexdigest()
+
+    def full(*words: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("avatarsim.clips.whole_files.os.fsync", full)
+    with pytest.raises(OSError, match="No space left") as caught:
+        write_whole(place, b"two")
+    assert place.read_bytes() == b"one" and [path.name for path in place.parent.iterdir()] == ["a.txt"]
+    assert str(caught.value.filename).endswith("a.txt")
+
+
+def test_halves_go_and_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / "b" / f"{BEGUN}x{PART}").mkdir(parents=True)
+    (tmp_path / "b" / f"{BEGUN}x{PART}" / "half.bvh").write_text("ha")
+    (tmp_path / f"{BEGUN}notes").mkdir()
+    (tmp_path / f"mine{PART}").write_text("mine")
+    clear_halves(tmp_path)
+    assert sorted(path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*")) == [f"{BEGUN}notes", "b", f"mine{PART}"]
+
+
+def test_what_is_beside_has_the_name_of_its_place(tmp_path: Path) -> None:
+    with beside(tmp_path / "a.bvh") as path:
+        assert path.name == "a.bvh" and path.parent.parent == tmp_path
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_has_one_writer_until_its_process_is_gone(tmp_path: Path) -> None:
+    line = [sys.executable, "-c", HOLDS, str(tmp_path)]
+    with subprocess.Popen(line, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
+        assert other.stdout is not None and other.stdout.readline() == "held\n"
+        with pytest.raises(InvalidInput, match="no other command is writing"), alone_in(tmp_path):
+            pass
+        other.kill()
+        other.wait()
+    with alone_in(tmp_path):
+        assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["a_file", "a_file/below", "/proc/none"])
+def test_a_folder_that_takes_no_file_is_refused(tmp_path: Path, name: str) -> None:
+    (tmp_path / "a_file").write_text("")
+    with pytest.raises(InvalidInput, match="output folder.*can be written to"), alone_in(tmp_path / name):
+        pass

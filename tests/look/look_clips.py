@@ -1,0 +1,171 @@
+"""Pages of cleaned clips in a browser: opened from disk they complain of nothing, request nothing, draw, play, lead to moments.
+
+Not part of `make test`, which needs no browser: `make look` runs it on clips made here, and leaves screenshots in
+reports/out/look/ for eyes.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from avatarsim.cli import main
+from tests.clips.made import bvh, csv, robot
+from tests.look.browser import Browser, browser
+
+SCREENSHOTS = Path(__file__).resolve().parents[2] / "reports" / "out" / "look"
+SIZES = {"wide": (1400, 900), "narrow": (390, 900)}
+WINDOWS = [f"{size}-{colours}" for size in SIZES for colours in ("light", "dark")]
+
+COLOURS = """
+(() => {
+  const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
+  return new Set(new Uint32Array(pen.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
+})()
+"""
+"""How many different colours the picture has."""
+SHOWN = "Number(document.getElementById('stage').dataset.frame)"
+TOLD = "document.getElementById('told').textContent"
+HOSTILE = "</script><script>document.title='taken'</script>.bvh"
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Cleaned clips: of a figure that goes into the floor in the middle, one in a folder, one with a name that is a script, and
+    one of a robot; with a file that is none."""
+    base = tmp_path_factory.mktemp("look")
+    bvh(base / "in" / "sinks.bvh", frames=40)
+    bvh(base / "in" / "deep" / "er" / "free.bvh", frames=6, sinks=-0.3)
+    bvh(base / "in" / HOSTILE.replace("/", "_"), frames=8, seed=1)
+    (base / "in" / "cut.bvh").write_text("HIERARCHY")
+    assert main(["clean", str(base / "in"), "--room", "floor", "-o", str(base / "out"), "--workers", "0"]) == 3
+    robot_clip = [str(csv(base / "robot.csv")), "--avatar", str(robot(base)), "--room", "floor"]
+    assert main(["clean", *robot_clip, "-o", str(base / "out"), "--workers", "0"]) == 0
+    return base / "out"
+
+
+@pytest.fixture(scope="module", params=WINDOWS)
+def opened(request: pytest.FixtureRequest) -> Iterator[tuple[Browser, str]]:
+    """A browser with a window of each size, in each taste, and a name for its screenshots."""
+    size, _, colours = request.param.partition("-")
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    with browser(*SIZES[size], dark=colours == "dark") as one:
+        yield one, request.param
+
+
+def quiet(one: Browser, page: Path) -> None:
+    """Nothing on the console, no address asked for but the page's own, and nothing wider than the window."""
+    assert one.errors == []
+    assert [address for address in one.requests if address != page.resolve().as_uri()] == []
+    assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
+    assert one.value("document.title") != "taken"
+
+
+def test_the_summary_leads_to_every_clip_and_back(folder: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    one.open(folder / "index.html")
+    quiet(one, folder / "index.html")
+    links = one.value("[...document.querySelectorAll('tbody a')].map((one) => decodeURIComponent(one.getAttribute('href')))")
+    clips: list[dict[str, Any]] = json.loads((folder / "certificate.json").read_text())["clips"]
+    assert links == [f"pages/{clip['motion']}.html" for clip in clips] and len(links) == 4
+    assert all((folder / link).is_file() for link in links)
+    one.picture(SCREENSHOTS / f"clips-index-{name}.png")
+    for link in links:
+        one.open(folder / link)
+        assert one.value("new URL(document.querySelector('a').href).pathname").endswith("/out/index.html")
+        quiet(one, folder / link)
+
+
+def test_a_clip_opens_at_its_deepest_moment_and_says_so(folder: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    page = folder / "pages" / "sinks.bvh.html"
+    one.open(page)
+    one.until(f"{SHOWN} > 0")
+    clip = json.loads((folder / "certificates" / "sinks.bvh.json").read_text())
+    assert clip["overlap"]["before"]["frames"] > 0
+    first = one.value("document.querySelector('.moments button').textContent")
+    assert first.startswith("deepest overlap before")
+    assert one.value(f"{SHOWN} === Number(document.querySelector('.moments button').dataset.frame)")
+    assert "before: overlap" in one.value(TOLD) and "after: no overlap" in one.value(TOLD)
+    assert one.value("document.getElementById('stage').classList.contains('overlaps')")
+    assert one.value(COLOURS) > 30
+    # both figures, the room, and the time line with what overlaps in red in the row above and nowhere in the one below
+    red = one.value("[...document.querySelectorAll('#line .red')].map((one) => one.getAttribute('y'))")
+    assert red and set(red) == {"4"}
+    quiet(one, page)
+    one.picture(SCREENSHOTS / f"clips-clip-{name}.png")
+
+
+def test_a_clip_plays_and_is_led_by_slider_keys_and_line(folder: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    page = folder / "pages" / "sinks.bvh.html"
+    one.open(folder / "index.html")
+    one.open(page, "#f=3")
+    one.until(f"{SHOWN} === 3")
+    assert "no overlap" in one.value(TOLD) and not one.value("document.getElementById('stage').classList.contains('overlaps')")
+    one.value("document.getElementById('play').click()")
+    one.until(f"{SHOWN} > 8")
+    one.value("document.getElementById('play').click()")
+    assert one.value("document.getElementById('stage').dataset.state") == "paused"
+
+    def press(key: str) -> None:
+        one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {json.dumps(key)}, bubbles: true}}))")
+
+    press("End")
+    assert one.value(f"{SHOWN} === 39 && document.getElementById('bar').value === '39'")
+    press("ArrowLeft")
+    press("ArrowLeft")
+    assert one.value(f"{SHOWN}") == 37
+    one.value("(() => { const bar = document.getElementById('bar'); bar.value = 11; bar.dispatchEvent(new Event('input')); })()")
+    assert one.value(f"{SHOWN}") == 11
+    box = "document.getElementById('line').getBoundingClientRect()"
+    click = f"new MouseEvent('click', {{clientX: {box}.left + {box}.width * 0.51}})"
+    one.value(f"document.getElementById('line').dispatchEvent({click})")
+    assert one.value(f"{SHOWN}") == 20
+    # to the end by itself, and again from the start
+    press("End")
+    press(" ")
+    one.until(f"{SHOWN} < 30 && {SHOWN} > 0")
+    quiet(one, page)
+
+
+def test_what_is_not_asked_for_is_not_drawn(folder: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    one.open(folder / "pages" / "robot.csv.html")
+    one.until(f"{SHOWN} >= 0")
+    pictures = [one.value("document.getElementById('view').toDataURL()")]
+    for part in ("show-before", "show-room", "show-after"):
+        one.value(f"document.getElementById('{part}').click()")
+        pictures.append(one.value("document.getElementById('view').toDataURL()"))
+    assert len(set(pictures)) == 4
+    # the lines on the ground are left
+    lines = one.value(COLOURS)
+    one.value("document.getElementById('show-after').click()")
+    assert lines < one.value(COLOURS)
+    quiet(one, folder / "pages" / "robot.csv.html")
+
+
+def test_the_view_turns_by_dragging(folder: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    page = folder / "pages" / "sinks.bvh.html"
+    one.open(page)
+    one.until(f"{SHOWN} > 0")
+    picture = "document.getElementById('view').toDataURL()"
+    before = one.value(picture)
+    left, top = (one.value(f"document.getElementById('view').getBoundingClientRect().{side}") for side in ("left", "top"))
+    for kind, x in (("mousePressed", 60), ("mouseMoved", 130), ("mouseReleased", 130)):
+        one.tell("Input.dispatchMouseEvent", type=kind, x=left + x, y=top + 60, button="left", buttons=1, clickCount=1)
+    assert one.value(picture) != before
+    quiet(one, page)
+
+
+def test_a_clip_that_was_free_has_nothing_red(folder: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    page = folder / "pages" / "deep" / "er" / "free.bvh.html"
+    one.open(page)
+    one.until(f"{SHOWN} >= 0")
+    assert one.value("document.querySelectorAll('#line .red, #line .chord').length") == 0
+    assert one.value("document.querySelector('h2 + p').textContent") == "Nothing was flagged."
+    quiet(one, page)
