@@ -20,9 +20,7 @@ BY_PLACE = {
     "row": "the same", "_job": "the same",
     "lead": "the fourth column of the broad phase's room to move",
     "node": "the target of a followed path is the node AIM of its tree",
-    "known": "a mask of bits, no place", "height": "a capacity, no place", "points": "a kind of shape, no field",
-    "content": "bytes of a file", "raw": "bytes of a file", "whole": "bytes of a snapshot", "found": "a slice", "text": "a slice",
-    "names": "a slice", "items()]": "a slice",
+    "known": "a mask of bits, no place", "height": "a capacity, no place",
 }
 """Arrays that a constant may index, and why."""
 
