@@ -10,6 +10,7 @@ from pkgutil import walk_packages
 from types import MappingProxyType
 
 from avatarsim.errors import InvalidInput, UnknownName
+from scenarios import own_scenes
 from scenarios.scenario import Scenario
 
 
@@ -29,13 +30,14 @@ def _found() -> MappingProxyType[str, Scenario]:
 
 
 def scenarios() -> dict[str, Scenario]:
-    """Every scenario by name, sorted; none is built, which may need data that is not installed."""
-    return dict(_found())
+    """Every scenario by name, sorted; none is built, which may need data that is not installed. Where a user brings scenes, these
+    alone."""
+    return own_scenes.scenarios() or dict(_found())
 
 
 def get(name: str) -> Scenario:
     """The scenario called `name`; UnknownName lists those that exist."""
-    try:
-        return _found()[name]
-    except KeyError:
-        raise UnknownName("scenario", name, _found()) from None
+    found = scenarios()
+    if name not in found:
+        raise UnknownName("scenario", name, found)
+    return found[name]

@@ -3,7 +3,9 @@
 import argparse
 from collections.abc import Sequence
 
+from avatarsim.errors import InvalidInput
 from runfiles.naming import GATED
+from scenarios import own_scenes
 from scenarios.cli.commands import Plan, carried_out, plan
 from scenarios.engines import known
 from scenarios.running.harness import Run
@@ -14,19 +16,34 @@ from scenarios.studies.sweep import short
 
 STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, stability.STUDY, judge_trust.STUDY)
 """The studies of a comparison, in the order in which they run."""
+OWN_STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, judge_trust.STUDY)
+"""Those of a comparison in scenes that a user brings; hard cases are the catalogue's."""
 
 
 def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
     """Both passes over everything, the studies, the report, the table, the exit code.
 
     A run that is cut short by `--frames` proves nothing about a scene, and is not studied."""
+    asked.own = None
+    if getattr(asked, "scene", None):
+        take(asked)
     made = plan(asked, asked.engine or list(known()), False)
 
     def studied(ran: Run) -> list[str]:
-        return [] if asked.frames is not None else asked_in_turn(STUDIES, request_of(asked, ran))
+        studies = OWN_STUDIES if asked.own else STUDIES
+        return [] if asked.frames is not None else asked_in_turn(studies, request_of(asked, ran))
 
     gated = Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED}))
     return carried_out(asked, words, gated, timed=True, report=True, also=studied)
+
+
+def take(asked: argparse.Namespace) -> None:
+    """Take the user's own scenes. Raises InvalidInput with options that need the catalogue, and for files as `own_scenes.ask`."""
+    for option in ("filter", "resume", "scheduler"):
+        if getattr(asked, option, None) is not None:
+            raise InvalidInput(f"--{option} with --scene", str(getattr(asked, option)), "none: own scenes run whole, anew, here")
+    own_scenes.ask(asked.scene, asked.avatar, asked.room, asked.motion, asked.seconds)
+    asked.own, asked.scene = asked.scene, None
 
 
 def request_of(asked: argparse.Namespace, ran: Run) -> Request:

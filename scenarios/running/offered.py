@@ -5,7 +5,7 @@ from fnmatch import fnmatchcase
 from typing import TypeVar
 
 from avatarsim.errors import UnknownName
-from scenarios import catalog, unseen
+from scenarios import catalog, own_scenes, unseen
 from scenarios.job import CATALOGUE, Job
 from scenarios.scenario import Scenario
 from scenarios.unseen import seeds
@@ -42,7 +42,7 @@ NAMED = ("check", "bench")
 def scenarios(command: str, patterns: str | None = None) -> dict[str, Scenario]:
     """Every scene that `command` offers, the unseen ones last; `patterns` is the text of its filter, None without one."""
     named = any(pattern.startswith(unseen.PREFIX) for pattern in patterns_of(patterns or ""))
-    beside = unseen.scenarios() if command in MIXED or (command in NAMED and named) else {}
+    beside = {} if own_scenes.scenarios() else unseen.scenarios() if command in MIXED or (command in NAMED and named) else {}
     return {**catalog.scenarios(), **beside}
 
 

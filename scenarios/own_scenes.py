@@ -1,0 +1,163 @@
+"""Scenes from a user's files in the catalogue: MJCF, URDF and meshes, driven by a recorded motion or left to gravity.
+
+Each process of a run reads the files again, so what is asked for travels in the environment, which every process inherits.
+"""
+
+import json
+import os
+import re
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from functools import cached_property, lru_cache
+from pathlib import Path
+
+from avatarsim.assets.models.model import Model
+from avatarsim.engine import Settings
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.scene.body import Body
+from avatarsim.scene.checks import within
+from avatarsim.scene.scene import Scene
+from scenarios.building.promises import FINITE, NO_OVERLAP, WITHIN_LIMITS
+from scenarios.motion.track import Track
+from scenarios.scenario import RENDERED, Motion, Scenario
+
+VARIABLE = "AVATARSIM_OWN_SCENES"
+"""Environment variable that holds what was asked for, as JSON; empty or absent without own scenes."""
+PREFIX = "own_"
+"""How names of own scenes begin, so that none is one of the catalogue's."""
+QUICK = 600
+"""Frames of a quick comparison at most, ten seconds: three engines with some thirty settings take a minute for them."""
+LONGEST = 3600.0
+"""[s] of a scene at most, an hour; longer ones are not kept in memory."""
+MODELS = (".xml", ".mjcf", ".urdf")
+"""Endings of files that may hold joints."""
+MARGIN = 1e-3
+"""[m] the first posture is looked for with so much room about it, as in cleaning."""
+
+
+@dataclass(frozen=True)
+class OwnScene:
+    """A scene as its user asks for it: `file` with whatever is in it, an `avatar` beside it, a `room`, a `motion`; empty words
+    for what is not there. `seconds` how long it runs without a motion, at most how long with one."""
+
+    name: str
+    file: str
+    avatar: str = ""
+    room: str = ""
+    motion: str = ""
+    seconds: float = 5.0
+
+    @cached_property
+    def model(self) -> Model:
+        """The avatar with the bodies about it. Raises InvalidFile for what cannot be read."""
+        from avatarsim.assets.models.load import load_avatar, load_room
+
+        if self.avatar:
+            return load_avatar(self.avatar)
+        if Path(self.file).suffix.lower() not in MODELS:
+            return load_room(self.file)
+        found = load_avatar(self.file)
+        # a loose body is an avatar only where a motion drives it
+        is_loose = found.avatar is None or len(found.avatar.links) == 1
+        return load_room(self.file) if is_loose and not self.motion else found
+
+    def parts(self) -> tuple[Scene, Track | None]:
+        """The scene with a first posture that is free, and the motion from there; None without one."""
+        # here and not above: to list the catalogue needs no compiler
+        from avatarsim.assets.models.load import load_room
+        from avatarsim.assets.motions.load import load_motion
+        from avatarsim.cleaning.chords import Chords
+        from avatarsim.cleaning.start import free_posture
+
+        model: Model = self.model
+        beside: tuple[Body, ...] = ()
+        if self.avatar:
+            beside = load_room(self.file).bodies
+        if self.room:
+            beside = (*beside, *load_room(self.room).bodies)
+        taken = {body.name for body in model.bodies}
+        beside = tuple(replace(body, name=f"room_{body.name}") if body.name in taken else body for body in beside)
+        scene = replace(model, bodies=(*model.bodies, *beside)).scene(self.name)
+        if model.avatar is None:
+            if self.motion:
+                raise InvalidFile(f"avatar in {Path(self.file).name}", "none", "a file with joints, which --motion drives")
+            return scene, None
+        chords = Chords(scene)
+        if not self.motion:
+            return replace(scene, start=free_posture(chords, scene.first_sample, MARGIN)), None
+        recorded = load_motion(self.motion).motion(model).resampled(1.0 / RENDERED)
+        start = free_posture(chords, recorded.sample(0), MARGIN)
+        track = Track(recorded.positions, recorded.rotations, recorded.angles).led_in(start)
+        return replace(scene, start=start), track
+
+    def scenario(self) -> Scenario:
+        """The question that is put to every engine: nothing overlaps, limits hold, all is finite; the rest is measured."""
+        has_avatar, frames = self.model.avatar is not None, max(1, round(self.seconds / RENDERED))
+        if self.motion:
+            track = _parts(self)[1]
+            frames = min(frames, len(track)) if track is not None else frames
+
+        def motion(scene: Scene, seed: int) -> Motion:
+            track = _parts(self)[1]
+            return held(scene) if track is None else track.motion()
+
+        kept = (NO_OVERLAP, FINITE, WITHIN_LIMITS) if _parts(self)[0].derived_effects.limits else (NO_OVERLAP, FINITE)
+        what = " with ".join(filter(None, (Path(self.file).name, Path(self.motion).name if self.motion else "")))
+        return Scenario(
+            name=self.name, title=f"A user's own scene: {what}.",
+            judged="Overlap, numbers and limits, as promised; all else is measured without a bound.",
+            build=lambda: _parts(self)[0], motion=motion, frames=frames, short=min(frames, QUICK), bounds=kept,
+            metrics=("chatter_frames", "reversal_p95", "jerk_ratio") if has_avatar else (), everyday=True, family=self.name,
+        )
+
+
+def held(scene: Scene) -> Motion:
+    """A user that stays as the scene begins."""
+    return lambda frame: replace(scene.first_sample, time=(frame + 1) * RENDERED)
+
+
+@lru_cache(maxsize=8)
+def _parts(own: OwnScene) -> tuple[Scene, Track | None]:
+    return own.parts()
+
+
+def named(file: str, taken: Sequence[str]) -> str:
+    """A scene's name from its file's: letters, digits and underscores, one that is not `taken`."""
+    plain = PREFIX + (re.sub(r"[^a-z0-9]+", "_", Path(file).stem.lower()).strip("_")[:40] or "scene")
+    number = next(k for k in range(1, len(taken) + 2) if (plain if k == 1 else f"{plain}_{k}") not in taken)
+    return plain if number == 1 else f"{plain}_{number}"
+
+
+def ask(files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float) -> None:
+    """Take these files as the scenes of this process and of those that it starts, once each is read and its start is free.
+
+    Raises InvalidFile for what cannot be read, InvalidInput for a duration without sense, StartOverlaps where bodies overlap."""
+    within("--seconds [s]", seconds, RENDERED, LONGEST, InvalidInput)
+    from avatarsim.simulator import AvatarsimEngine
+
+    found: list[OwnScene] = []
+    for file in files:
+        own = OwnScene(
+            named(file, [one.name for one in found]), whole(file), whole(avatar), room if room == "floor" else whole(room),
+            whole(motion), seconds,
+        )
+        scene, _ = _parts(own)
+        with AvatarsimEngine() as engine:
+            engine.load(scene, Settings(), RENDERED)
+        found.append(own)
+    os.environ[VARIABLE] = json.dumps([asdict(own) for own in found])
+
+
+def whole(path: str | None) -> str:
+    """A path that holds in other processes too; empty for none."""
+    return str(Path(path).absolute()) if path else ""
+
+
+def scenarios() -> dict[str, Scenario]:
+    """Own scenes by name; none where none was asked for."""
+    return dict(_of(os.environ.get(VARIABLE, "")))
+
+
+@lru_cache(maxsize=2)
+def _of(text: str) -> dict[str, Scenario]:
+    return {own.name: own.scenario() for own in (OwnScene(**fields) for fields in json.loads(text or "[]"))}
