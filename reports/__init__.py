@@ -74,7 +74,7 @@ def _texts(
     from reports.summaries.summary import summary
 
     laid_out = layout(results, judged)
-    yield SUMMARY, summary(results, judged, extras.two, extras.close, damage)
+    yield SUMMARY, summary(results, judged, extras.two, extras.close, damage, extras.sweep)
     yield JUNIT, junit(judged)
     courses, pictures, instants = {}, {}, {}
     for made in scene_pages(run_dir, results, judged, laid_out.by_scene()):

@@ -4,6 +4,7 @@ no command writes costs its section alone, and is named."""
 from collections.abc import Callable, Mapping, MutableSequence, Sequence
 from dataclasses import dataclass
 from functools import partial
+from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 from jinja2 import UndefinedError
@@ -32,10 +33,13 @@ class Section(Generic[Kept]):
     otherwise: Callable[[], Names] = dict
 
 
-def drawn(sections: Sequence[Section[Any]], render: Callable[[str, Names], str], damage: MutableSequence[str]) -> dict[str, str]:
+def drawn(
+    sections: Sequence[Section[Any]], render: Callable[[str, Names], str], damage: MutableSequence[str],
+    before: Mapping[str, str] = MappingProxyType({}),
+) -> dict[str, str]:
     """The text of each section by its name, as `render` makes it of a template and names; a template finds the sections before
-    its own under `drawn`. Of one that cannot be drawn what stands without its files; why goes to `damage`."""
-    texts: dict[str, str] = {}
+    its own under `drawn`, and `before`. Of one that cannot be drawn what stands without its files; why goes to `damage`."""
+    texts = dict(before)
     for section in sections:
         begun = partial(render, section.template)
         text = tried(section.files, partial(_whole, section, begun, texts), damage) if section.kept else None

@@ -3,6 +3,7 @@
 from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -30,7 +31,7 @@ from reports.deciding.verdict import Verdict, loosest, reading_order, scenes_sen
 from reports.drawing.charts import Panel, overlap_panels, time_panels, time_percentiles
 from reports.drawing.palette import Stroke, dark_rules, strokes
 from reports.page import gallery, glossary
-from reports.page.extra_sections import Section, drawn
+from reports.page.extra_sections import Section, drawn, tried
 from reports.page.finished import labelled, linked
 from reports.page.gallery import Picture
 from reports.page.scene_page import environment, strokes_data
@@ -50,6 +51,7 @@ from reports.sections import (
     judge,
     law_map,
     narrow_phase,
+    own_scenes,
     paper_figures,
     stability,
     summary_charts,
@@ -183,8 +185,10 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
     scripts = [source("gallery.js"), *([source("quantity.js"), source("courses.js")] if courses else [])]
     found = gallery.cards(results, shown, verdict, pictures or {})
     ranking, splits = ranks(shown), first_contact.splits(results)
+    is_own = own_scenes.are_own(results)
     template = environment().get_template("index.html.j2")
     return labelled(linked(template.render(
+        own_said=_own(results, extras, damage) if is_own else (),
         verdict=verdict, results=results, damage=damage, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
         bad_news=bad_news.news(results, verdict.ranked, verdict.gated, instants),
@@ -192,8 +196,9 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),
         promised_said=bounds_by_kind.promised(bounded), loose_said=bounds_by_kind.loose(bounded),
         cut_said=cut_short.sentence(results),
-        loosest_said=loosest(results, verdict), not_for=your_project.not_for(),
-        answers=your_project.answers(results, verdict.gated, extras.growth), glossary=glossary.terms(extras.sweep),
+        loosest_said=loosest(results, verdict), not_for="" if is_own else your_project.not_for(),
+        answers=() if is_own else your_project.answers(results, verdict.gated, extras.growth),
+        glossary=glossary.terms(extras.sweep),
         downloads=_downloads(extras), again=_again(results.provenance),
         table_sentence=table_sentence(shown, verdict.gated, by_family(verdict.ranked, results.families)),
         cell_note=lambda cell: cell_note(cell, verdict.gated),
@@ -220,7 +225,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(tuple(words(metric) for metric in more_truths(results, block))),
         disagreement=_disagreement(results, verdict), ratio=ratio, **SHARED,
-        drawn=drawn(_sections(results, extras), _rendered, damage),
+        drawn=_drawn(results, extras, damage, is_own),
     )))
 
 
@@ -232,6 +237,19 @@ def _times(results: Results, verdict: Verdict, percentiles: Mapping[str, Mapping
         percentiles, verdict.gated, losses.best_in(verdict.ranked, results.families, COUNTED["p95"]),
         {row.scenario: row.value for row in slowest if row.value is not None}, len({row.scenario for row in own}),
         max((repeats_of(row.note) for row in slowest), default=0))
+
+
+def _own(results: Results, extras: Extras, damage: list[str]) -> tuple[str, ...]:
+    """What stands beside the verdict of a user's own scenes."""
+    found = tried(sweep.FILES, partial(own_scenes.least, results, extras.sweep), damage)
+    return (*(found or ()), own_scenes.STANDS_ALONE)
+
+
+def _drawn(results: Results, extras: Extras, damage: list[str], is_own: bool) -> dict[str, str]:
+    """The text of each section by its name; in a run of own scenes of what it lacks there is none."""
+    every = _sections(results, extras)
+    empty = {section.name: "" for section in every}
+    return empty | drawn([one for one in every if one.kept or not is_own], _rendered, damage, empty)
 
 
 def _sections(results: Results, extras: Extras) -> tuple[Section[Any], ...]:

@@ -4,8 +4,7 @@ The settings, their errors and their times are those of the run's own sweep: a w
 Wanner, Solving Ordinary Differential Equations I, section II.10) of one scene.
 """
 
-from collections.abc import Sequence
-
+from reports.deciding.alike import Basis
 from reports.reading.load import Results
 from reports.sections.sweep.cheapest import Attempt, Block, table
 from reports.sections.sweep.points import Sweep
@@ -15,10 +14,15 @@ from runfiles.naming import OWN_PREFIX
 
 LEVEL = 1e-3
 """[m] what is left at most: less than a millimetre is hardly seen in a rendered scene."""
+TIMES = {
+    Basis.MEDIAN: "median of all frames", Basis.MOVING: "median of frames in motion",
+    Basis.TAIL: "95th percentile, as the median frame rests", Basis.SLOWEST: "slowest frame, as all others rest",
+}
+"""Which time of a frame is meant, in few words."""
 
 STANDS_ALONE = (
-    "These are scenes from files: every engine is built from them by the adapters that build the catalogue's scenes. Sections that "
-    "need the catalogue are left out."
+    "These are scenes from files: every engine is built from them by the adapters that build the catalogue's scenes. Sections "
+    "that need the catalogue are left out."
 )
 """What is said once in place of every section that such a run has not."""
 
@@ -43,18 +47,14 @@ def _said(block: Block) -> str:
     """The fastest setting that reaches LEVEL, and the fastest of each other engine, or how near it comes."""
     level = LEVELS.index(LEVEL)
     reached = {line.engine: cell.attempt for line in block.lines if (cell := line.cells[level]).attempt is not None}
-    missed = [f"{line.engine} {line.at_best} ({line.of} settings measured)" for line in block.lines if line.engine not in reached]
+    missed = [f"{line.engine} {line.at_best} (measured: {line.of})" for line in block.lines if line.engine not in reached]
     order = sorted(reached.values(), key=lambda attempt: attempt.time)
     if not order:
-        return f"{block.scenario}: no setting of any engine leaves less than {limit(LEVEL, 'm')}: {'; '.join(missed)}."
-    said = f"{block.scenario}: less than {limit(LEVEL, 'm')} is left for the least time by {_one(order[0])}"
-    others = [*_each(order[1:]), *missed]
+        return f"{block.scenario}: no setting of any engine leaves at most {limit(LEVEL, 'm')}: {'; '.join(missed)}."
+    said = f"{block.scenario}: at most {limit(LEVEL, 'm')} is left for the least time by {_one(order[0])}"
+    others = [*map(_one, order[1:]), *missed]
     beside = "; our avatar is kinematic and theirs have dynamics, so times stand side by side" if block.avatar else ""
-    return f"{said}{'; then ' if others else ''}{'; '.join(others)}{beside}."
-
-
-def _each(attempts: Sequence[Attempt]) -> list[str]:
-    return [_one(attempt) for attempt in attempts]
+    return f"{said}{'; then ' if others else ''}{'; '.join(others)}. Time: {TIMES[block.basis]}{beside}."
 
 
 def _one(attempt: Attempt) -> str:

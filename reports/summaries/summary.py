@@ -11,8 +11,10 @@ from reports.deciding.tables import Block, Line, blocks
 from reports.deciding.verdict import Verdict, believed, loosest, reading_order, scenes_sentence
 from reports.page.extra_sections import tried
 from reports.reading.load import Results
-from reports.sections import closeness, table_2
+from reports.sections import closeness, own_scenes, table_2
 from reports.sections.closeness import Closeness, near_sentence, pair_sentence
+from reports.sections.sweep import points
+from reports.sections.sweep.points import Sweep
 from reports.sections.table_2 import Table2, markdown
 from reports.words.markdown import code, escaped
 from reports.words.metric_words import words
@@ -24,10 +26,12 @@ MOST_LOSSES = 20
 
 
 def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close: Closeness | None = None,
-            damage: MutableSequence[str] | None = None) -> str:
-    """The document as Markdown text, ending in a newline; to `damage` comes why `two` or `close` cannot be told."""
+            damage: MutableSequence[str] | None = None, sweep: Sweep | None = None) -> str:
+    """The document as Markdown text, ending in a newline; to `damage` comes why a part cannot be told. `sweep`: what
+    names the cheapest settings of a user's own scenes."""
     damage = [] if damage is None else damage
-    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}", KINEMATIC, _counts(verdict),
+    parts = [f"## {verdict.word.upper()}: {escaped(verdict.sentence)}",
+             *_own(results, sweep, damage), KINEMATIC, _counts(verdict),
              escaped(" · ".join(loosest(results, verdict))), *_troubles(verdict), *_losses(results, verdict)]
     shown = blocks(results, reading_order(results, verdict))
     if shown:
@@ -42,6 +46,10 @@ def summary(results: Results, verdict: Verdict, two: Table2 | None = None, close
     told = [f"{key} {value}" for key, value in results.provenance.items() if isinstance(value, str | int | float)]
     parts.append(f"{escaped('; '.join(told))}." if told else "The results say nothing about where they come from.")
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def _own(results: Results, sweep: Sweep | None, damage: MutableSequence[str]) -> list[str]:
+    return [escaped(said) for said in tried(points.FILES, partial(own_scenes.least, results, sweep), damage) or ()]
 
 
 def _paper(two: Table2) -> list[str]:
