@@ -17,7 +17,9 @@ from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.body import Body
 from avatarsim.scene.checks import within
 from avatarsim.scene.scene import Scene
+from runfiles.naming import GATED
 from scenarios.building.promises import FINITE, NO_OVERLAP, WITHIN_LIMITS
+from scenarios.engines import opened
 from scenarios.motion.track import Track
 from scenarios.scenario import RENDERED, Motion, Scenario
 
@@ -128,13 +130,13 @@ def named(file: str, taken: Sequence[str]) -> str:
     return plain if number == 1 else f"{plain}_{number}"
 
 
-def ask(files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float) -> None:
+def ask(files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float) -> list[str]:
     """Take these files as the scenes of this process and of those that it starts, once each is read and its start is free.
+
+    Returns what readers say of each: units guessed, bodies raised and pairs left out of contact since they overlap in the file.
 
     Raises InvalidFile for what cannot be read, InvalidInput for a duration without sense, StartOverlaps where bodies overlap."""
     within("--seconds [s]", seconds, RENDERED, LONGEST, InvalidInput)
-    from avatarsim.simulator import AvatarsimEngine
-
     found: list[OwnScene] = []
     for file in files:
         own = OwnScene(
@@ -142,10 +144,14 @@ def ask(files: Sequence[str], avatar: str | None, room: str | None, motion: str 
             whole(motion), seconds,
         )
         scene, _ = _parts(own)
-        with AvatarsimEngine() as engine:
+        engine = opened(GATED[0])
+        try:
             engine.load(scene, Settings(), RENDERED)
+        finally:
+            engine.close()
         found.append(own)
     os.environ[VARIABLE] = json.dumps([asdict(own) for own in found])
+    return [f"{own.name}: {said}" for own in found for said in own.model.said]
 
 
 def whole(path: str | None) -> str:

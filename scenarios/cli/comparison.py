@@ -1,6 +1,7 @@
 """`python -m scenarios compare`: both passes over every scene in every engine, the short studies, the report, the table."""
 
 import argparse
+import sys
 from collections.abc import Sequence
 
 from avatarsim.errors import InvalidInput
@@ -42,7 +43,8 @@ def take(asked: argparse.Namespace) -> None:
     for option in ("filter", "resume", "scheduler"):
         if getattr(asked, option, None) is not None:
             raise InvalidInput(f"--{option} with --scene", str(getattr(asked, option)), "none: own scenes run whole, anew, here")
-    own_scenes.ask(asked.scene, asked.avatar, asked.room, asked.motion, asked.seconds)
+    for said in own_scenes.ask(asked.scene, asked.avatar, asked.room, asked.motion, asked.seconds):
+        print(said, file=sys.stderr)
     asked.own, asked.scene = asked.scene, None
 
 

@@ -1,0 +1,105 @@
+"""Scenes from a user's files: what is read, where it starts, what drives it, and what is refused."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
+from scenarios import catalog, own_scenes
+from scenarios.__main__ import main
+from scenarios.running import offered
+
+BOXES = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
+<body name="a" pos="0 0 {height}"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body>
+<body name="ball" pos="0 0 1"><freejoint/><geom type="sphere" size=".08" mass="0.5"/></body>
+</worldbody></mujoco>"""
+ARM = """<mujoco><worldbody><body name="upper" pos="0 1 1"><joint name="shoulder" axis="0 1 0" range="-90 90" limited="true"/>
+<geom type="capsule" size=".03" fromto="0 0 0 .3 0 0" mass="1"/><body name="lower" pos=".35 0 0">
+<joint name="elbow" axis="0 1 0" range="0 120" limited="true"/>
+<geom type="capsule" size=".03" fromto="0.05 0 0 .3 0 0" mass="1"/></body></body></worldbody></mujoco>"""
+
+
+@pytest.fixture(autouse=True)
+def nothing_asked(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.setenv(own_scenes.VARIABLE, "")
+    yield
+
+
+@pytest.fixture
+def boxes(tmp_path: Path) -> str:
+    (tmp_path / "Two boxes.xml").write_text(BOXES.format(height=0.15))
+    return str(tmp_path / "Two boxes.xml")
+
+
+@pytest.fixture
+def arm(tmp_path: Path) -> tuple[str, str]:
+    (tmp_path / "arm.xml").write_text(ARM)
+    np.savez(tmp_path / "reach.npz", qpos=np.stack([np.linspace(0.0, 1.0, 40), np.linspace(0.2, 0.8, 40)], axis=1), fps=60.0)
+    return str(tmp_path / "arm.xml"), str(tmp_path / "reach.npz")
+
+
+def test_own_scenes_stand_in_the_place_of_the_catalogue(boxes: str) -> None:
+    own_scenes.ask([boxes, boxes], None, None, None, 2.0)
+    assert set(catalog.scenarios()) == {"own_two_boxes", "own_two_boxes_2"} == set(offered.scenarios("compare"))
+    scenario = catalog.get("own_two_boxes")
+    assert scenario.frames == 120 and scenario.everyday and "Two boxes.xml" in scenario.title
+    scene = scenario.build()
+    assert {"a", "ball"} <= set(scene.names) and scene.avatars == () and scene.effects.dynamics
+
+
+def test_a_motion_drives_the_avatar_from_a_free_start(arm: tuple[str, str]) -> None:
+    own_scenes.ask([arm[0]], None, "floor", arm[1], 60.0)
+    (scenario,) = catalog.scenarios().values()
+    scene = scenario.build()
+    assert len(scene.avatars[0].links) >= 2 and scenario.frames == 40 + 30
+    motion = scenario.motion(scene, 0)
+    assert motion(scenario.frames - 1).angles == pytest.approx([1.0, 0.8])
+    assert any(bound.metric == "joint_limit_excess_max" for bound in scenario.bounds)
+
+
+def test_without_a_motion_the_avatar_holds_its_first_posture(arm: tuple[str, str]) -> None:
+    own_scenes.ask([arm[0]], None, None, None, 1.0)
+    (scenario,) = catalog.scenarios().values()
+    scene = scenario.build()
+    held = scenario.motion(scene, 0)(30)
+    assert held.angles.tolist() == scene.first_sample.angles.tolist() and held.time == pytest.approx(31 / 60)
+
+
+def test_an_avatar_goes_into_a_room_of_another_file(boxes: str, arm: tuple[str, str]) -> None:
+    own_scenes.ask([boxes], arm[0], None, arm[1], 1.0)
+    (scenario,) = catalog.scenarios().values()
+    scene = scenario.build()
+    assert scene.avatars and {"a", "ball"} <= {body.name.removeprefix("room_") for body in scene.bodies}
+
+
+def test_what_cannot_be_run_is_refused_at_the_door(tmp_path: Path, boxes: str, arm: tuple[str, str]) -> None:
+    (tmp_path / "arm_in_ball.xml").write_text(ARM.replace("0 1 1", "0 0 1"))
+    with pytest.raises(StartOverlaps, match="ball"):
+        own_scenes.ask([boxes], str(tmp_path / "arm_in_ball.xml"), None, None, 1.0)
+    with pytest.raises(InvalidFile):
+        own_scenes.ask([str(tmp_path / "absent.xml")], None, None, None, 1.0)
+    with pytest.raises(InvalidInput, match="seconds"):
+        own_scenes.ask([boxes], None, None, None, float("nan"))
+    with pytest.raises(InvalidInput):
+        own_scenes.ask([boxes], None, None, arm[1], 1.0)
+    assert own_scenes.scenarios() == {}
+
+
+def test_what_was_changed_for_a_free_start_is_said(tmp_path: Path) -> None:
+    (tmp_path / "sunk.xml").write_text(BOXES.format(height=0.05))
+    said = own_scenes.ask([str(tmp_path / "sunk.xml")], None, None, None, 1.0)
+    assert any(one.startswith("own_sunk: ") and "raised" in one for one in said)
+
+
+def test_the_command_runs_them_and_says_what_is_wrong(
+    tmp_path: Path, boxes: str, capsys: pytest.CaptureFixture[str],
+) -> None:
+    short = ["--engine", "avatarsim", "--jobs", "0", "--frames", "5", "--out", str(tmp_path / "out")]
+    assert main(["compare", "--scene", boxes, *short]) == 0
+    assert "own_two_boxes" in capsys.readouterr().out
+    assert main(["compare", "--scene", str(tmp_path / "none.xml"), *short]) == 2
+    assert "none.xml" in capsys.readouterr().err
+    assert main(["compare", "--scene", boxes, "--filter", "ball*", *short]) == 2
+    assert "--filter with --scene" in capsys.readouterr().err
