@@ -8,16 +8,16 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from avatarsim.assets.models.model import Model
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput
-from avatarsim.scene.body import Body
 from avatarsim.scene.checks import within
 from avatarsim.scene.scene import Scene
-from runfiles.naming import GATED
+from runfiles.naming import GATED, OWN_PREFIX
 from scenarios.building.promises import FINITE, NO_OVERLAP, WITHIN_LIMITS
 from scenarios.engines import opened
 from scenarios.motion.track import Track
@@ -25,8 +25,6 @@ from scenarios.scenario import RENDERED, Motion, Scenario
 
 VARIABLE = "AVATARSIM_OWN_SCENES"
 """Environment variable that holds what was asked for, as JSON; empty or absent without own scenes."""
-PREFIX = "own_"
-"""How names of own scenes begin, so that none is one of the catalogue's."""
 QUICK = 600
 """Frames of a quick comparison at most, ten seconds: three engines with some thirty settings take a minute for them."""
 LONGEST = 3600.0
@@ -35,6 +33,10 @@ MODELS = (".xml", ".mjcf", ".urdf")
 """Endings of files that may hold joints."""
 MARGIN = 1e-3
 """[m] the first posture is looked for with so much room about it, as in cleaning."""
+
+
+if TYPE_CHECKING:
+    from avatarsim.assets.motions.motion_file import MotionFile
 
 
 @dataclass(frozen=True)
@@ -50,51 +52,60 @@ class OwnScene:
     seconds: float = 5.0
 
     @cached_property
-    def model(self) -> Model:
-        """The avatar with the bodies about it. Raises InvalidFile for what cannot be read."""
+    def recorded(self) -> "MotionFile | None":
+        """The motion file; None without one. Raises InvalidFile for what cannot be read."""
+        from avatarsim.assets.motions.load import load_motion
+
+        return load_motion(self.motion) if self.motion else None
+
+    @cached_property
+    def models(self) -> tuple[Model, ...]:
+        """What has the avatar, if anything has, then what stands about it. Raises InvalidFile for what cannot be read."""
         from avatarsim.assets.models.load import load_avatar, load_room
 
+        rooms = [load_room(self.room)] if self.room else []
         if self.avatar:
-            return load_avatar(self.avatar)
-        if Path(self.file).suffix.lower() not in MODELS:
-            return load_room(self.file)
-        found = load_avatar(self.file)
+            return load_avatar(self.avatar), load_room(self.file), *rooms
+        found = load_avatar(self.file) if Path(self.file).suffix.lower() in MODELS else load_room(self.file)
+        if found.avatar is not None and len(found.avatar.links) > 1:
+            return found, *rooms
+        brought = None if self.recorded is None else self.recorded.model()
+        if brought is not None:
+            # a recording on its own skeleton
+            return brought, load_room(self.file), *rooms
         # a loose body is an avatar only where a motion drives it
-        is_loose = found.avatar is None or len(found.avatar.links) == 1
-        return load_room(self.file) if is_loose and not self.motion else found
+        return (found if self.motion else load_room(self.file)), *rooms
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """What readers say: units guessed, bodies raised, pairs left out of contact since they overlap in the file."""
+        heard = [*(() if self.recorded is None else self.recorded.said), *(said for model in self.models for said in model.said)]
+        return tuple(dict.fromkeys(heard))
 
     def parts(self) -> tuple[Scene, Track | None]:
         """The scene with a first posture that is free, and the motion from there; None without one."""
         # here and not above: to list the catalogue needs no compiler
-        from avatarsim.assets.models.load import load_room
-        from avatarsim.assets.motions.load import load_motion
         from avatarsim.cleaning.chords import Chords
         from avatarsim.cleaning.start import free_posture
 
-        model: Model = self.model
-        beside: tuple[Body, ...] = ()
-        if self.avatar:
-            beside = load_room(self.file).bodies
-        if self.room:
-            beside = (*beside, *load_room(self.room).bodies)
-        taken = {body.name for body in model.bodies}
-        beside = tuple(replace(body, name=f"room_{body.name}") if body.name in taken else body for body in beside)
-        scene = replace(model, bodies=(*model.bodies, *beside)).scene(self.name)
+        model, *rooms = self.models
+        together = reduce(beside, rooms, model)
+        scene = together.scene(self.name)
         if model.avatar is None:
             if self.motion:
                 raise InvalidFile(f"avatar in {Path(self.file).name}", "none", "a file with joints, which --motion drives")
             return scene, None
         chords = Chords(scene)
-        if not self.motion:
+        if self.recorded is None:
             return replace(scene, start=free_posture(chords, scene.first_sample, MARGIN)), None
-        recorded = load_motion(self.motion).motion(model).resampled(1.0 / RENDERED)
+        recorded = self.recorded.motion(model).resampled(1.0 / RENDERED)
         start = free_posture(chords, recorded.sample(0), MARGIN)
         track = Track(recorded.positions, recorded.rotations, recorded.angles).led_in(start)
         return replace(scene, start=start), track
 
     def scenario(self) -> Scenario:
         """The question that is put to every engine: nothing overlaps, limits hold, all is finite; the rest is measured."""
-        has_avatar, frames = self.model.avatar is not None, max(1, round(self.seconds / RENDERED))
+        frames = max(1, round(self.seconds / RENDERED))
         if self.motion:
             track = _parts(self)[1]
             frames = min(frames, len(track)) if track is not None else frames
@@ -109,8 +120,17 @@ class OwnScene:
             name=self.name, title=f"A user's own scene: {what}.",
             judged="Overlap, numbers and limits, as promised; all else is measured without a bound.",
             build=lambda: _parts(self)[0], motion=motion, frames=frames, short=min(frames, QUICK), bounds=kept,
-            metrics=("chatter_frames", "reversal_p95", "jerk_ratio") if has_avatar else (), everyday=True, family=self.name,
+            everyday=True, family=self.name,
         )
+
+
+def beside(model: Model, room: Model) -> Model:
+    """A model with what stands about it; of names that both have the room's are changed."""
+    taken = {body.name for body in model.bodies}
+    names = {body.name: f"room_{body.name}" if body.name in taken else body.name for body in room.bodies}
+    bodies = tuple(replace(body, name=names[body.name]) for body in room.bodies)
+    apart = tuple((names.get(a, a), names.get(b, b)) for a, b in room.exclude)
+    return replace(model, bodies=(*model.bodies, *bodies), exclude=(*model.exclude, *apart))
 
 
 def held(scene: Scene) -> Motion:
@@ -125,7 +145,7 @@ def _parts(own: OwnScene) -> tuple[Scene, Track | None]:
 
 def named(file: str, taken: Sequence[str]) -> str:
     """A scene's name from its file's: letters, digits and underscores, one that is not `taken`."""
-    plain = PREFIX + (re.sub(r"[^a-z0-9]+", "_", Path(file).stem.lower()).strip("_")[:40] or "scene")
+    plain = OWN_PREFIX + (re.sub(r"[^a-z0-9]+", "_", Path(file).stem.lower()).strip("_")[:40] or "scene")
     number = next(k for k in range(1, len(taken) + 2) if (plain if k == 1 else f"{plain}_{k}") not in taken)
     return plain if number == 1 else f"{plain}_{number}"
 
@@ -151,7 +171,7 @@ def ask(files: Sequence[str], avatar: str | None, room: str | None, motion: str 
             engine.close()
         found.append(own)
     os.environ[VARIABLE] = json.dumps([asdict(own) for own in found])
-    return [f"{own.name}: {said}" for own in found for said in own.model.said]
+    return [f"{own.name}: {said}" for own in found for said in own.said]
 
 
 def whole(path: str | None) -> str:

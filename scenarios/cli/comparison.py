@@ -28,6 +28,8 @@ def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
     asked.own = None
     if getattr(asked, "scene", None):
         take(asked)
+    else:
+        alone(asked)
     made = plan(asked, asked.engine or list(known()), False)
 
     def studied(ran: Run) -> list[str]:
@@ -36,6 +38,13 @@ def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
     gated = Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED}))
     return carried_out(asked, words, gated, timed=True, report=True, also=studied)
+
+
+def alone(asked: argparse.Namespace) -> None:
+    """Refuse what says something of a scene of one's own where none is named: the catalogue would run without it."""
+    for option in ("avatar", "room", "motion"):
+        if getattr(asked, option, None) is not None:
+            raise InvalidInput(f"--{option}", str(getattr(asked, option)), "with --scene FILE, the scene that it belongs to")
 
 
 def take(asked: argparse.Namespace) -> None:

@@ -103,3 +103,31 @@ def test_the_command_runs_them_and_says_what_is_wrong(
     assert "none.xml" in capsys.readouterr().err
     assert main(["compare", "--scene", boxes, "--filter", "ball*", *short]) == 2
     assert "--filter with --scene" in capsys.readouterr().err
+    assert main(["compare", "--motion", boxes, *short]) == 2
+    assert "--motion" in capsys.readouterr().err
+
+
+def test_an_avatar_that_meets_nothing_is_whole(arm: tuple[str, str], tmp_path: Path) -> None:
+    short = ["--engine", "avatarsim", "--jobs", "0", "--frames", "5", "--out", str(tmp_path / "out")]
+    assert main(["compare", "--scene", arm[0], *short]) == 0
+
+
+def test_a_recording_brings_its_own_skeleton(boxes: str, tmp_path: Path) -> None:
+    walk = tmp_path / "walk.bvh"
+    frames = "\n".join(f"0 {90 + k} 0 0 0 0 {k} 0 0" for k in range(20))
+    walk.write_text(
+        "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
+        "JOINT Spine\n{\nOFFSET 0 20 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 30 0\n}\n}\n}\n"
+        f"MOTION\nFrames: 20\nFrame Time: 0.033333\n{frames}\n")
+    own_scenes.ask([boxes], None, None, str(walk), 5.0)
+    (scenario,) = catalog.scenarios().values()
+    scene = scenario.build()
+    assert len(scene.avatars[0].links) == 2 and {"a", "ball"} <= set(scene.names)
+
+
+def test_pairs_that_a_room_keeps_apart_stay_apart_under_new_names(boxes: str, arm: tuple[str, str], tmp_path: Path) -> None:
+    stuck = tmp_path / "stuck.xml"
+    stuck.write_text(BOXES.format(height=0.15).replace('pos="0 0 1"', 'pos="0 0 0.3"'))
+    own_scenes.ask([boxes], arm[0], str(stuck), None, 1.0)
+    (scenario,) = catalog.scenarios().values()
+    assert ("room_a", "room_ball") in {tuple(sorted(pair)) for pair in scenario.build().exclude}
