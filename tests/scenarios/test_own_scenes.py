@@ -1,5 +1,7 @@
 """Scenes from a user's files: what is read, where it starts, what drives it, and what is refused."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -8,9 +10,9 @@ import pytest
 
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from scenarios import catalog, own_scenes
-from scenarios.__main__ import main
 from scenarios.running import offered
 
+HOUSE = Path(__file__).resolve().parents[2]
 BOXES = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
 <body name="a" pos="0 0 {height}"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body>
 <body name="ball" pos="0 0 1"><freejoint/><geom type="sphere" size=".08" mass="0.5"/></body>
@@ -93,23 +95,27 @@ def test_what_was_changed_for_a_free_start_is_said(tmp_path: Path) -> None:
     assert any(one.startswith("own_sunk: ") and "raised" in one for one in said)
 
 
-def test_the_command_runs_them_and_says_what_is_wrong(
-    tmp_path: Path, boxes: str, capsys: pytest.CaptureFixture[str],
-) -> None:
-    short = ["--engine", "avatarsim", "--jobs", "0", "--frames", "5", "--out", str(tmp_path / "out")]
-    assert main(["compare", "--scene", boxes, *short]) == 0
-    assert "own_two_boxes" in capsys.readouterr().out
-    assert main(["compare", "--scene", str(tmp_path / "none.xml"), *short]) == 2
-    assert "none.xml" in capsys.readouterr().err
-    assert main(["compare", "--scene", boxes, "--filter", "ball*", *short]) == 2
-    assert "--filter with --scene" in capsys.readouterr().err
-    assert main(["compare", "--motion", boxes, *short]) == 2
-    assert "--motion" in capsys.readouterr().err
+def compared(out: Path, *words: str) -> "subprocess.CompletedProcess[str]":
+    """`compare` in a process of its own: the processes that it starts inherit what was asked for, and outlive a test."""
+    short = ("--engine", "avatarsim", "--jobs", "0", "--frames", "5", "--out", str(out))
+    command = [sys.executable, "-m", "scenarios", "compare", *words, *short]
+    return subprocess.run(command, cwd=HOUSE, capture_output=True, text=True, check=False)
+
+
+def test_the_command_runs_them_and_says_what_is_wrong(tmp_path: Path, boxes: str) -> None:
+    good = compared(tmp_path / "out", "--scene", boxes)
+    assert good.returncode == 0 and "own_two_boxes" in good.stdout
+    absent = compared(tmp_path / "out", "--scene", str(tmp_path / "none.xml"))
+    assert absent.returncode == 2 and "none.xml" in absent.stderr
+    mixed = compared(tmp_path / "out", "--scene", boxes, "--filter", "ball*")
+    assert mixed.returncode == 2 and "--filter with --scene" in mixed.stderr
+    lone = compared(tmp_path / "out", "--motion", boxes)
+    assert lone.returncode == 2 and "--motion" in lone.stderr
 
 
 def test_an_avatar_that_meets_nothing_is_whole(arm: tuple[str, str], tmp_path: Path) -> None:
-    short = ["--engine", "avatarsim", "--jobs", "0", "--frames", "5", "--out", str(tmp_path / "out")]
-    assert main(["compare", "--scene", arm[0], *short]) == 0
+    held = compared(tmp_path / "out", "--scene", arm[0])
+    assert held.returncode == 0, held.stdout
 
 
 def test_a_recording_brings_its_own_skeleton(boxes: str, tmp_path: Path) -> None:
@@ -127,7 +133,7 @@ def test_a_recording_brings_its_own_skeleton(boxes: str, tmp_path: Path) -> None
 
 def test_pairs_that_a_room_keeps_apart_stay_apart_under_new_names(boxes: str, arm: tuple[str, str], tmp_path: Path) -> None:
     stuck = tmp_path / "stuck.xml"
-    stuck.write_text(BOXES.format(height=0.15).replace('pos="0 0 1"', 'pos="0 0 0.3"'))
+    stuck.write_text(BOXES.format(height=0.15).replace('pos="0 0 1"', 'pos="0 0 0.3"').replace('pos="0', 'pos="3'))
     own_scenes.ask([boxes], arm[0], str(stuck), None, 1.0)
     (scenario,) = catalog.scenarios().values()
     assert ("room_a", "room_ball") in {tuple(sorted(pair)) for pair in scenario.build().exclude}
