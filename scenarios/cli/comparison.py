@@ -51,7 +51,8 @@ def take(asked: argparse.Namespace) -> None:
     """Take the user's own scenes. Raises InvalidInput with options that need the catalogue, and for files as `own_scenes.ask`."""
     for option in ("filter", "scheduler"):
         if getattr(asked, option, None) is not None:
-            raise InvalidInput(f"--{option} with --scene", str(getattr(asked, option)), "none: own scenes run whole, and on this machine")
+            valid = "none: own scenes run whole, and on this machine"
+            raise InvalidInput(f"--{option} with --scene", str(getattr(asked, option)), valid)
     for said in own_scenes.ask(asked.scene, asked.avatar, asked.room, asked.motion, asked.seconds):
         print(said, file=sys.stderr)
     asked.own, asked.scene = asked.scene, None
