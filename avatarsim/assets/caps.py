@@ -42,6 +42,15 @@ ten of them fills a screen."""
 ENTRIES = 1_000
 """Arrays of an archive. The most known here has 30. More: each has a header to parse, 50 microseconds and more."""
 
+LINES = 4_000_000
+"""Lines of a text. AMC has one for each bone and frame, CMU's longest 600,000. More: each takes 50 bytes and up."""
+
+LINE = 2**18
+"""Characters of a line of a skeleton's motion: six numbers of 80 characters for each of LINKS joints. More: one line is all."""
+
+NUMBER = 1e9
+"""Largest magnitude of a number in any unit of a file: angles of more turns, and places farther away, have lost their digits."""
+
 COLUMNS = 10_000
 """Numbers of a frame in a table: 512 links with their poses need 3,600. More: one line of text fills the memory with words."""
 

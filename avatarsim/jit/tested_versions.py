@@ -9,9 +9,7 @@ import llvmlite
 import numba
 
 from avatarsim.errors import UnsupportedVersion
-
-TESTED = {"numba": (0, 68), "llvmlite": (0, 50)}
-"""Minor versions that the test suite runs with; pyproject.toml lets no later ones be installed."""
+from avatarsim.jit.packages import TESTED
 
 PRIVATE = {
     "numba.core": ("cgutils", "compiler", "sigutils"),

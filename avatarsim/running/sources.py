@@ -9,12 +9,13 @@ from functools import cache
 from importlib import metadata
 from pathlib import Path
 
+from avatarsim.jit.packages import TESTED
 from avatarsim.version import VERSION
 
 PACKAGE = Path(__file__).resolve().parents[1]
 """The folder of this package."""
 
-FIGURES = ("numpy", "numba", "llvmlite", "scipy")
+FIGURES = ("numpy", *TESTED, "scipy")
 """Distributions beside our own whose versions can change a figure."""
 
 SAME = ("code", "python", "versions", "folder")

@@ -33,7 +33,7 @@ def entry(**changed: Any) -> dict[str, object]:
                       np.array([False, True, False, False]), (
         Flagged(1, 2, "overlap", ("hand", "table")), Flagged(3, 3, "blend")))
     files = (("walk.bvh", "0" * 64),)
-    wishes = Wishes(Path("/home/x/robot.xml"), Path("floor"), reading=Reading(asf="/tmp/y/02.asf", fix=("a", "b")))
+    wishes = Wishes(Path("/models/deep/robot.xml"), Path("floor"), reading=Reading(asf="/skeletons/02.asf", fix=("a", "b")))
     decides = certificate.key(files, (("robot.xml", "1" * 64), ("assets/a.stl", "2" * 64)), (), wishes)
     outputs = {"motion": ("deep/walk.bvh", "3" * 64)}
     return certificate.entry(

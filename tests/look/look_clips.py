@@ -5,7 +5,6 @@ reports/out/look/ for eyes.
 """
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +12,8 @@ import pytest
 
 from avatarsim.cli import main
 from tests.clips.made import bvh, csv, robot
-from tests.look.browser import Browser, browser
-
-SCREENSHOTS = Path(__file__).resolve().parents[2] / "reports" / "out" / "look"
-SIZES = {"wide": (1400, 900), "narrow": (390, 900)}
-WINDOWS = [f"{size}-{colours}" for size in SIZES for colours in ("light", "dark")]
+from tests.look.browser import Browser
+from tests.look.conftest import SCREENSHOTS
 
 COLOURS = """
 (() => {
@@ -44,15 +40,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     robot_clip = [str(csv(base / "robot.csv")), "--avatar", str(robot(base)), "--room", "floor"]
     assert main(["clean", *robot_clip, "-o", str(base / "out"), "--workers", "0"]) == 0
     return base / "out"
-
-
-@pytest.fixture(scope="module", params=WINDOWS)
-def opened(request: pytest.FixtureRequest) -> Iterator[tuple[Browser, str]]:
-    """A browser with a window of each size, in each taste, and a name for its screenshots."""
-    size, _, colours = request.param.partition("-")
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    with browser(*SIZES[size], dark=colours == "dark") as one:
-        yield one, request.param
 
 
 def quiet(one: Browser, page: Path) -> None:

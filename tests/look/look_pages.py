@@ -7,7 +7,6 @@ screenshots in reports/out/look/ for eyes.
 import json
 import re
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy
@@ -18,14 +17,12 @@ from reports import write_report
 from reports.words.wording import quantity as words_of
 from runfiles import array_file
 from runfiles.metrics import METRICS
-from tests.look.browser import Browser, browser
+from tests.look.browser import Browser
+from tests.look.conftest import SCREENSHOTS, SIZES, WINDOWS
 from tests.reports.conftest import whole_run
 from tests.reports.recorded import recording, scene
 
 OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
-SCREENSHOTS = OUT / "look"
-SIZES = {"wide": (1400, 900), "narrow": (390, 900)}
-WINDOWS = [f"{size}-{colours}" for size in SIZES for colours in ("light", "dark")]
 TALLEST = 12_000
 """Height [px] of the index of a full run that is still read to its end, at the width of `wide`."""
 LARGEST_GIF = 20_000_000
@@ -148,15 +145,6 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
         return by_hand(tmp_path_factory.mktemp("look") / "run")
     write_report(last)
     return last
-
-
-@pytest.fixture(scope="module", params=WINDOWS)
-def opened(request: pytest.FixtureRequest) -> Iterator[tuple[Browser, str]]:
-    """A browser with a window of each size, in each taste, and a name for its screenshots."""
-    size, _, colours = request.param.partition("-")
-    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-    with browser(*SIZES[size], dark=colours == "dark") as one:
-        yield one, request.param
 
 
 def quiet(one: Browser, page: Path) -> None:

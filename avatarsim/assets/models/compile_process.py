@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from avatarsim.assets import caps
 from avatarsim.assets.models import doors
 from avatarsim.assets.models.mesh_files import MeshFiles
 from avatarsim.assets.models.spec_repairs import bare, with_solid_moments
@@ -95,8 +96,8 @@ def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for kind, (code, count) in kinds.items():
         names = [mujoco.mj_id2name(model, code, k) or "" for k in range(count)]
-        if longest := max((name for name in names if len(name) > doors.NAME), key=len, default=""):
-            raise InvalidFile(f"characters of a name in {path.name}", len(longest), f"up to {doors.NAME}")
+        if longest := max((name for name in names if len(name) > caps.NAME), key=len, default=""):
+            raise InvalidFile(f"characters of a name in {path.name}", len(longest), f"up to {caps.NAME}")
         found[f"{kind}_name"] = np.array(names, dtype=np.str_)
     for name in (
         "body_parentid body_mocapid body_pos body_quat body_mass body_ipos body_iquat body_inertia jnt_type jnt_bodyid jnt_pos "

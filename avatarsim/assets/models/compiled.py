@@ -18,6 +18,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets import caps
 from avatarsim.assets.models import doors
 from avatarsim.errors import ROOT, InvalidFile, MissingPackage
 
@@ -27,14 +28,8 @@ Indices = NDArray[np.int64]
 LONGEST_RUN = 300.0
 """Real time [s] after which the process is ended from outside, should its own limits fail."""
 
-LINKS = 512
-"""Bodies of a model with joints. The largest known here, a body with hands, has 120. More: a frame takes a second."""
-
 BODIES, GEOMS = 20_000, 20_000
 """Bodies and shapes of a model at most: a kitchen has 300. More: loading takes minutes."""
-
-VERTICES = 2_000_000
-"""Vertices of the meshes that bodies collide with. A humanoid has 200,000. More: their hulls take minutes."""
 
 
 class JointKind(IntEnum):
@@ -209,7 +204,7 @@ def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
     counts = {kind: len(arrays[f"{kind}_name"]) for kind in ("body", "jnt", "geom", "eq", "mesh")}
     for thing, count, most in (
         ("bodies", counts["body"], BODIES), ("shapes", counts["geom"], GEOMS), ("joints", counts["jnt"], BODIES),
-        ("vertices", len(arrays["mesh_vert"]), VERTICES),
+        ("vertices", len(arrays["mesh_vert"]), caps.VERTICES),
     ):
         if count > most:
             raise InvalidFile(f"number of {thing} of {name}", count, f"up to {most}")

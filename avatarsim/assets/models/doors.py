@@ -26,13 +26,6 @@ ELEMENTS = 200_000
 DEEPEST_XML = 200
 """Elements within elements: twice the longest chain of bodies known here. More: MuJoCo's parser recurses as deep as the file."""
 
-ASSET_BYTES = 2**28
-"""Bytes of all mesh files of a model together (268 MB). The largest known here has 60 MB. More: the compiler passes 2 GB."""
-
-NAME = 200
-"""Characters of a name: of a body, a joint, a geom. The longest known here has 60. More: a message that names ten of them fills a
-screen, and a table of thousands the memory."""
-
 CONVERSION = {
     ".pkl": "a pickle runs code of its author when it is opened: open it where you trust it, save an .xml, .urdf or mesh file",
     ".pickle": "as .pkl: open it where you trust it, and save an .xml, .urdf or mesh file",

@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.models.compiled import LINKS, Compiled, EqualityKind, GeomKind, JointKind, compiled
+from avatarsim.assets import caps
+from avatarsim.assets.models.compiled import Compiled, EqualityKind, GeomKind, JointKind, compiled
 from avatarsim.assets.models.links_of_tree import JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.model import Model
@@ -123,8 +124,8 @@ class _Reading:
         return root == "free" or (root == "file" and self._m.free_root)
 
     def _tree(self, bodies: tuple[int, ...]) -> Tree:
-        if len(bodies) > LINKS:
-            raise InvalidFile(f"bodies of the avatar in {self._file}", len(bodies), f"up to {LINKS}")
+        if len(bodies) > caps.LINKS:
+            raise InvalidFile(f"bodies of the avatar in {self._file}", len(bodies), f"up to {caps.LINKS}")
         wanted = self._options.joints
         if self._free_root():
             wanted = replace(wanted, root="free")

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from avatarsim.assets import caps
 from avatarsim.assets.meshes.mesh import STL_HEADER, STL_TRIANGLE, read_mesh
 from avatarsim.assets.models import doors
 from avatarsim.errors import InvalidFile, MissingPackage
@@ -65,7 +66,7 @@ class MeshFiles:
 
     def _give(self, mesh: Any, thing: str, place: Path) -> None:
         if place not in self._names:
-            content = read_bytes(place, thing, "a readable mesh file", doors.ASSET_BYTES - self._bytes)
+            content = read_bytes(place, thing, "a readable mesh file", caps.BYTES - self._bytes)
             self._bytes += len(content)
             self.read(self._bytes)
             ending = place.suffix.lower()

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets import caps
 from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.assets.motions import euler
-from avatarsim.assets.motions.caps import LONGEST_LINE, LONGEST_NAME, MOST_JOINTS
 from avatarsim.assets.motions.recording import Axes
 from avatarsim.assets.motions.text import lines_of, number, quoted, readable, vector, without_mark
 from avatarsim.errors import InvalidFile
@@ -132,8 +132,8 @@ def read_asf(path: str | Path) -> Asf:
 def _lines(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """(line, text) without comments and what is empty; lines count from 1."""
     for number_of, line in enumerate(lines, 1):
-        if len(line) > LONGEST_LINE:
-            raise InvalidFile(f"length of line {number_of} of {name}", len(line), f"up to {LONGEST_LINE} characters")
+        if len(line) > caps.LINE:
+            raise InvalidFile(f"length of line {number_of} of {name}", len(line), f"up to {caps.LINE} characters")
         said = (line if number_of > 1 else without_mark(line)).partition("#")[0].strip()
         if said:
             yield number_of, said
@@ -227,8 +227,8 @@ def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None
     """One line of a bone."""
     if word == "name":
         bone.name = said[len(word) :].strip()
-        if not bone.name or len(bone.name) > LONGEST_NAME or bone.name.lower() == ROOT:
-            raise InvalidFile(f"name of a bone in {at}", quoted(bone.name), f"1 to {LONGEST_NAME} characters, not {ROOT}")
+        if not bone.name or len(bone.name) > caps.NAME or bone.name.lower() == ROOT:
+            raise InvalidFile(f"name of a bone in {at}", quoted(bone.name), f"1 to {caps.NAME} characters, not {ROOT}")
     elif word == "direction":
         bone.direction = _triple(at, words)
     elif word == "length":
@@ -257,8 +257,8 @@ def _whole(name: str, bone: AsfBone, before: list[AsfBone]) -> AsfBone:
     same = [other.line for other in before if other.name == bone.name]
     if same:
         raise InvalidFile(f"name of {at}", bone.name, f"another than that of line {same[0]}")
-    if len(before) >= MOST_JOINTS - 1:
-        raise InvalidFile(f"bones of {name}", f"more than {MOST_JOINTS - 1} in line {bone.line}", f"up to {MOST_JOINTS - 1}")
+    if len(before) >= caps.LINKS - 1:
+        raise InvalidFile(f"bones of {name}", f"more than {caps.LINKS - 1} in line {bone.line}", f"up to {caps.LINKS - 1}")
     if bone.length < 0.0:
         raise InvalidFile(f"length of {bone.name}, {at}", bone.length, "0 or more")
     if bone.limits and len(bone.limits) != len(bone.dof):
@@ -274,7 +274,7 @@ def _tree(name: str, bones: list[AsfBone], lines: list[tuple[int, str]]) -> tupl
     for line, said in lines:
         if said.lower() in ("begin", "end"):
             continue
-        words = said.split(None, MOST_JOINTS + 1)
+        words = said.split(None, caps.LINKS + 1)
         for word in words:
             if word not in by_name:
                 raise InvalidFile(f"bone in line {line} of {name}", quoted(word), "root or a name of :bonedata")

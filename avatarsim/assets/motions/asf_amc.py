@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets import caps
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.asf import DOFS, Asf, AsfBone, angle_unit, read_asf
-from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, MOST_FRAMES
 from avatarsim.assets.motions.measures import SHORTEST, TALLEST, guessed, standing
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
@@ -137,8 +137,8 @@ def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list
         if not text or text.isspace() or text.startswith("#"):
             continue
         at = f"line {line} of {name}"
-        if len(text) > LONGEST_LINE:
-            raise InvalidFile(f"length of {at}", len(text), f"up to {LONGEST_LINE} characters")
+        if len(text) > caps.LINE:
+            raise InvalidFile(f"length of {at}", len(text), f"up to {caps.LINE} characters")
         words = text.split()
         if len(words) == 1 and words[0].isdecimal():
             _require_whole(name, order, seen, len(rows), line)
@@ -176,8 +176,8 @@ def _require_whole(name: str, order: dict[str, slice], seen: set[str], frames: i
 
 def _frame_number(at: str, word: str, frames: int, first: int) -> int:
     """The number of the first frame; InvalidFile unless this frame follows the one before, and for too many."""
-    if len(word) > 12 or frames >= MOST_FRAMES:
-        raise InvalidFile(f"number of a frame in {at}", quoted(word), f"at most {MOST_FRAMES} frames")
+    if len(word) > 12 or frames >= caps.FRAMES:
+        raise InvalidFile(f"number of a frame in {at}", quoted(word), f"at most {caps.FRAMES} frames")
     if frames and int(word) != first + frames:
         raise InvalidFile(f"number of a frame in {at}", int(word), f"{first + frames}, after the one before")
     return first if frames else int(word)
@@ -191,7 +191,7 @@ def _numbers(at: str, words: list[str], bone: AsfBone) -> Array:
         found = np.array(words[1:], dtype=np.float64)
     except ValueError:
         found = np.full(len(bone.dof), np.nan)
-    if not (np.abs(found) <= LARGEST_NUMBER).all():
+    if not (np.abs(found) <= caps.NUMBER).all():
         for word in words[1:]:
             number(at, word)
     return found

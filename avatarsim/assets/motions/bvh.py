@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets import caps
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Bone, Skeleton
-from avatarsim.assets.motions.caps import LARGEST_NUMBER, LONGEST_LINE, LONGEST_NAME, MOST_FRAMES, MOST_JOINTS
 from avatarsim.assets.motions.measures import guessed
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
@@ -126,8 +126,8 @@ def read_bvh(
 def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """(line, statement) of a hierarchy, braces by themselves; lines count from 1."""
     for line, text in enumerate(lines, 1):
-        if len(text) > LONGEST_LINE:
-            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {LONGEST_LINE} characters")
+        if len(text) > caps.LINE:
+            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {caps.LINE} characters")
         for piece in re.split(r"([{}])", text if line > 1 else without_mark(text)):
             if piece.strip():
                 yield line, piece.strip()
@@ -177,14 +177,14 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
 def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack: list[int], line: int) -> int:
     """A joint begins: its number."""
     called = readable(said[len(word) :].strip())
-    if not called or len(called) > LONGEST_NAME:
-        raise InvalidFile(f"name of a joint in {at}", quoted(called), f"1 to {LONGEST_NAME} characters")
+    if not called or len(called) > caps.NAME:
+        raise InvalidFile(f"name of a joint in {at}", quoted(called), f"1 to {caps.NAME} characters")
     if (word == "root") != (not joints):
         raise InvalidFile(at, quoted(said), "one ROOT, before every JOINT")
     if word == "joint" and (not stack or stack[-1] == END):
         raise InvalidFile(at, quoted(said), "a JOINT within the braces of another")
-    if len(joints) >= MOST_JOINTS:
-        raise InvalidFile(f"joints of {name}", f"more than {MOST_JOINTS} in line {line}", f"up to {MOST_JOINTS}")
+    if len(joints) >= caps.LINKS:
+        raise InvalidFile(f"joints of {name}", f"more than {caps.LINKS} in line {line}", f"up to {caps.LINKS}")
     same = [joint.line for joint in joints if joint.name == called]
     if same:
         raise InvalidFile(f"name of a joint in {at}", called, f"another than that of line {same[0]}")
@@ -247,8 +247,8 @@ def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tu
     rest = [(k, line) for k, line in enumerate(lines[first:], first + 1) if line and not line.isspace()]
     count, at_count = _said(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
     step, at_step = _said(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
-    if not (re.fullmatch(r"\+?\d{1,12}", count) and 1 <= int(count) <= MOST_FRAMES):
-        raise InvalidFile(f"number of frames in {at_count}", quoted(count), f"1 to {MOST_FRAMES}")
+    if not (re.fullmatch(r"\+?\d{1,12}", count) and 1 <= int(count) <= caps.FRAMES):
+        raise InvalidFile(f"number of frames in {at_count}", quoted(count), f"1 to {caps.FRAMES}")
     rows = rest[2:]
     if len(rows) != int(count):
         raise InvalidFile(f"lines of frames in {name}", len(rows), f"{int(count)}, as {at_count} says")
@@ -273,8 +273,8 @@ def table(name: str, rows: list[tuple[int, str]], columns: int) -> Array:
     """The numbers (rows, columns) of rows (line, text). InvalidFile names the line that has others than so many numbers."""
     found = np.empty((len(rows), columns))
     for k, (line, text) in enumerate(rows):
-        if len(text) > LONGEST_LINE:
-            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {LONGEST_LINE} characters")
+        if len(text) > caps.LINE:
+            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {caps.LINE} characters")
         words = text.split()
         if len(words) != columns:
             raise InvalidFile(f"numbers in line {line} of {name}", len(words), f"{columns}, as many as there are channels")
@@ -282,7 +282,7 @@ def table(name: str, rows: list[tuple[int, str]], columns: int) -> Array:
             found[k] = words
         except ValueError:
             found[k] = np.nan
-        if "_" in text or not (np.abs(found[k]) <= LARGEST_NUMBER).all():
+        if "_" in text or not (np.abs(found[k]) <= caps.NUMBER).all():
             for word in words:
                 number(f"line {line} of {name}", word)
     return found

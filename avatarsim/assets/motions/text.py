@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.motions.caps import LARGEST_NUMBER, MOST_BYTES, MOST_LINES
+from avatarsim.assets import caps
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_bytes
 
@@ -26,10 +26,10 @@ def quoted(text: str) -> str:
 def lines_of(path: Path, kind: str) -> tuple[list[str], str]:
     """The lines of a file, `kind` in words, and how they end. Each character is one byte: whatever the encoding, what is written
     back by `in_bytes` is the same. Raises InvalidFile for what is no file, and for too many bytes or lines."""
-    content = read_bytes(path, path.name, kind, MOST_BYTES)
+    content = read_bytes(path, path.name, kind, caps.BYTES)
     count = content.count(b"\n") + content.count(b"\r")
-    if count > MOST_LINES:
-        raise InvalidFile(f"lines of {path.name}", count, f"up to {MOST_LINES}")
+    if count > caps.LINES:
+        raise InvalidFile(f"lines of {path.name}", count, f"up to {caps.LINES}")
     newline = "\r\n" if b"\r\n" in content else "\n"
     return content.decode("latin-1").replace("\r\n", "\n").replace("\r", "\n").split("\n"), newline
 
@@ -58,8 +58,8 @@ def number(at: str, word: str) -> float:
         found = float(word) if "_" not in word else np.nan
     except ValueError:
         found = np.nan
-    if not abs(found) <= LARGEST_NUMBER:
-        raise InvalidFile(f"number in {at}", quoted(word), f"a finite number from {-LARGEST_NUMBER:g} to {LARGEST_NUMBER:g}")
+    if not abs(found) <= caps.NUMBER:
+        raise InvalidFile(f"number in {at}", quoted(word), f"a finite number from {-caps.NUMBER:g} to {caps.NUMBER:g}")
     return found
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from avatarsim.assets import caps
 from avatarsim.assets.motions.bvh import read_bvh
-from avatarsim.assets.motions.caps import LONGEST_LINE, MOST_JOINTS, MOST_LINES
 from avatarsim.errors import InvalidFile
 from tests.assets.motions.files import WALKER, bvh
 
@@ -66,10 +66,10 @@ CASES = {
     "a joint in an end site": (lambda: GOOD.replace("OFFSET 0 25 0", "OFFSET 0 25 0\nJOINT x\n{\n}"), "valid: a JOINT within"),
     "a line of another kind": (lambda: GOOD.replace("OFFSET 0 10 0", "SCALE 3"), "line 8 of bad.bvh is 'SCALE 3'; valid: ROOT"),
     "ten thousand levels": (
-        lambda: GOOD.replace("JOINT Spine", DEEP + "JOINT Spine"), f"joints of bad.bvh is 'more than {MOST_JOINTS}",
+        lambda: GOOD.replace("JOINT Spine", DEEP + "JOINT Spine"), f"joints of bad.bvh is 'more than {caps.LINKS}",
     ),
-    "a line without end": (lambda: GOOD.replace("9.0\n", "9.0 " * LONGEST_LINE), "length of line 68 of bad.bvh is 1049"),
-    "a name without end": (lambda: GOOD.replace("Spine", "S" * 2 * LONGEST_LINE), "length of line 6 of bad.bvh is 5242"),
+    "a line without end": (lambda: GOOD.replace("9.0\n", "9.0 " * caps.LINE), "length of line 68 of bad.bvh is 1049"),
+    "a name without end": (lambda: GOOD.replace("Spine", "S" * 2 * caps.LINE), "length of line 6 of bad.bvh is 5242"),
     "bytes": (lambda: "\x00\x01\x02" * 100, "line 1 of bad.bvh is "),
 }
 
@@ -99,6 +99,6 @@ def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
 
 def test_lines_are_counted_before_they_are_parted(tmp_path: Path) -> None:
     path = tmp_path / "bad.bvh"
-    path.write_bytes(b"1\n" * (MOST_LINES + 1))
-    with pytest.raises(InvalidFile, match=f"lines of bad.bvh is {MOST_LINES + 1}; valid: up to {MOST_LINES}"):
+    path.write_bytes(b"1\n" * (caps.LINES + 1))
+    with pytest.raises(InvalidFile, match=f"lines of bad.bvh is {caps.LINES + 1}; valid: up to {caps.LINES}"):
         read_bvh(path)
