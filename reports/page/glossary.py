@@ -16,8 +16,8 @@ TERMS = (
     ("jitter in contact", "To-and-fro motion below what counts as shaking, 3 mm a frame at 60 Hz (0.18 m/s): the root mean "
      "square, over frames in contact in which a link's target rests or slides below that speed, of the displacement taken back, "
      "at most 3 mm, and 0 in frames without any; of the link that has most."),
-    ("jump", "What a link or the root moves in one frame more than its user does. Of our root it ends at a cap, "
-     "catch_up_move times the frame (83 mm at 60 Hz as set), which is reached where an avatar that was held back catches up."),
+    ("jump", "What a link or the root moves in one frame more than its user does. An avatar of ours that "
+     "was held back catches up by catch_up_move times the frame (83 mm at 60 Hz as set); a frame can show more."),
     ("turn", "What a joint turns in one frame more than its user does, in the frame of its parent; a root, or a body without "
      "joints such as the rigid hand of thin_wall_hand, turns in the world. Of an avatar the largest turn of any joint, less the "
      "largest of its user's."),

@@ -151,7 +151,8 @@ def forced_sentence(found: Ablation) -> str:
     if changed:
         return f"Forced on where nothing calls for them, the other effects change the result of {listed(changed)}."
     cost = [-100.0 * line.share for line in found.forced if line.share is not None]
-    dearer = f", and lengthen the frame by {_span(cost, '.0f')} % (negative: they shorten it)" if cost else ""
+    shorter = " (negative: they shorten it)" if any(round(part) < 0 for part in cost) else ""
+    dearer = f", and lengthen the frame by {_span(cost, '.0f')} %{shorter}" if cost else ""
     most = max((line.moved or 0.0 for line in found.forced), default=0.0)
     moved = f"by more than {quantity(most, 'm')}" if most else "at all"
     where = f"in {count(len(found.forced), 'scene')}{dearer}"

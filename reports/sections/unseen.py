@@ -291,13 +291,9 @@ def smoother(found: Unseen) -> str:
 
 
 def smoother_in_short(found: Unseen) -> str:
-    """The same in one sentence: how many presets of the other engines are smoother, and the most that their joints go beyond."""
+    """The same in one sentence: how many presets of the other engines are smoother."""
     runs = _smoother_runs(found)
-    if not runs:
-        return ""
-    beyond = max(_beyond(lines) for lines in runs.values())
-    most = f" (with joints up to {quantity(beyond, 'deg')} beyond their limits)" if beyond > 0.0 else ""
-    return f"Smoother than ours in a room at least: {count(len(runs), 'preset')} of the other engines{most}."
+    return f"Smoother than ours in a room at least: {count(len(runs), 'preset')} of the other engines." if runs else ""
 
 
 def _smoother_runs(found: Unseen) -> dict[str, list[Line]]:

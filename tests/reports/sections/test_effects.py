@@ -96,7 +96,7 @@ def test_a_forced_effect_that_changes_something_is_named(tmp_path: Path, bad: Js
 def test_forced_effects_that_change_nothing_are_said_with_their_cost(tmp_path: Path) -> None:
     assert forced_sentence(fill(tmp_path, LINES)) == (
         "Forced on where nothing calls for them, all other effects together move no body at all in 1 scene, and lengthen the "
-        "frame by 2 % (negative: they shorten it)."
+        "frame by 2 %."
     )
     both = [row("forced", share, scene=f"s{k}") for k, share in enumerate((0.22, -0.06))]
     assert "lengthen the frame by -22 to 6 % (negative: they shorten it)." in forced_sentence(fill(tmp_path, both))

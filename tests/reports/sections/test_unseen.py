@@ -102,8 +102,7 @@ def test_the_verdict_names_the_worst_room_and_the_best_other_engine(run_dir: Wri
         f"stays on its side; but a link jumps in one frame by up to 500 mm more than its user's (wall; {TUNED} 30.0 mm), the "
         f"root jumps by up to 300 mm (wall; {TUNED} 20.0 mm), the largest displacement to and fro is 470 mm (wall; {TUNED} "
         f"10.0 mm), the farthest from the user 900 mm (wall; {TUNED} 800 mm), up to 15.0 % of the frames in contact shake "
-        f"(door; {TUNED} 0 %). Smoother than ours in a room at least: 1 preset of the other engines (with joints up to 0.4° "
-        "beyond their limits)."
+        f"(door; {TUNED} 0 %). Smoother than ours in a room at least: 1 preset of the other engines."
     )
     assert unseen.smoother(found) == (
         f"{RULE}: {TUNED} in 2 of 2 rooms (joints up to 0.4° beyond their limits; adapter: twist unlimited)."
