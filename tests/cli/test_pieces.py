@@ -10,6 +10,7 @@ import pytest
 from avatarsim.cli import pieces as command
 from avatarsim.cli.pieces import main
 from tests.assets.meshes.solids import cube, ell, obj_text
+from tests.own_cache import keep_pieces_in
 
 HOUSE = Path(__file__).resolve().parents[2]
 
@@ -17,8 +18,7 @@ HOUSE = Path(__file__).resolve().parents[2]
 @pytest.fixture(autouse=True)
 def cache_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Every test has a cache folder of its own."""
-    monkeypatch.delenv("AVATARSIM_CACHE_DIR", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    keep_pieces_in(tmp_path / "cache", monkeypatch)
 
 
 def files(folder: Path) -> tuple[str, str]:

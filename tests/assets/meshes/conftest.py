@@ -4,10 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.own_cache import keep_pieces_in
+
 
 @pytest.fixture(autouse=True)
 def cache_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The folder in which entries land."""
-    monkeypatch.delenv("AVATARSIM_CACHE_DIR", raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    return tmp_path / "cache" / "avatarsim-pieces"
+    return keep_pieces_in(tmp_path / "cache", monkeypatch)

@@ -13,6 +13,7 @@ from tests.assets.meshes.solids import cube, ell
 from tests.assets.models.mujoco_twin import Twin, greatest_difference
 from tests.assets.models.test_links_of_tree import GEOM, written
 from tests.assets.models.test_pieces_of_geoms import obj_of
+from tests.own_cache import keep_pieces_in
 
 TWO = (
     f'<body name="small"><joint name="a"/>{GEOM}</body><body name="big" pos="1 0 0"><freejoint/>{GEOM}'
@@ -124,7 +125,7 @@ def test_moments_that_no_solid_has_are_raised_and_it_is_said(numbers: tuple[floa
 
 
 def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("AVATARSIM_CACHE_DIR", str(tmp_path / "cache"))
+    keep_pieces_in(tmp_path / "cache", monkeypatch)
     obj_of(tmp_path, "ell.obj", *ell())
     room = av.load_room(tmp_path / "ell.obj", scale=0.5)
     (body,) = room.bodies

@@ -13,6 +13,7 @@ from avatarsim.scene.body import volume
 from avatarsim.spatial import rotation
 from tests.assets.meshes.solids import ell, torus
 from tests.assets.models.test_links_of_tree import written
+from tests.own_cache import keep_pieces_in
 
 
 def room_of(folder: Path, geoms: str, head: str = "", **options: object) -> dict[str, av.Body]:
@@ -108,7 +109,7 @@ def test_a_hull_of_fewer_vertices_loses_what_is_said(tmp_path: Path) -> None:
 @pytest.fixture
 def own_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Convex pieces are kept in a folder of this test."""
-    monkeypatch.setenv("AVATARSIM_CACHE_DIR", str(tmp_path / "cache"))
+    keep_pieces_in(tmp_path / "cache", monkeypatch)
 
 
 @pytest.mark.usefixtures("own_cache")
