@@ -1,0 +1,199 @@
+"""Fixed-timestep loop of one engine, in a process of its own (Fiedler 2004; periodic tasks: Liu and Layland 1973).
+
+Frame k is due at a fixed instant of the monotonic clock. It takes the newest target; where none has come since the last frame,
+the last one is held. What is late is counted and never made up for: the slots that were missed are left out, so that a slow
+frame is followed by no burst of quick ones. Python's collector runs only where a frame has time left.
+"""
+
+import gc
+import os
+import time
+from contextlib import suppress
+from dataclasses import replace
+from importlib import import_module
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.engine import Engine, FrameRecord
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.live.channel import Channel
+from avatarsim.live.messages import Answer, Array, Command, Order, Plan, State, Target
+from avatarsim.live.orders import World
+from avatarsim.live.recording import Recorder
+from avatarsim.scene.tracker import TrackerSample, checked
+from avatarsim.simulator import AvatarsimEngine
+
+COLLECTED = 64
+"""Frames between two runs of Python's collector over the youngest objects: at 60 Hz one a second, of some 20 us."""
+AHEAD = -10
+"""Niceness of the loop, where the system allows it: a page that is drawn on the same processors waits rather than a frame."""
+NO_CONTACTS = np.zeros((0, 6))
+"""What is said of contacts by an engine that cannot name them."""
+
+
+def run(plan: Plan, channel: Channel, orders: Connection) -> None:
+    """The process: load, say so, loop until told to stop or the door is gone.
+
+    Sends down `orders` the first thing an `Answer` whose sentence says why nothing could be loaded; empty when all is well."""
+    try:
+        world = World(plan, engine_of(plan.engine))
+    except AvatarsimError as error:
+        orders.send(Answer(0, Order.RESET, 0, str(error)))
+        return
+    with suppress(OSError):
+        os.nice(AHEAD)
+    orders.send(Answer(0, Order.RESET, 0))
+    gc.collect()
+    gc.freeze()
+    gc.disable()
+    # a door that is gone ends the loop, as does a break that a terminal sends to all of its processes
+    with suppress(EOFError, BrokenPipeError, KeyboardInterrupt):
+        Loop(world, channel, orders).run()
+
+
+def engine_of(words: str) -> type[Engine]:
+    """The class that "module:class" names. Raises UnknownName for what is not there."""
+    module, _, name = words.partition(":")
+    try:
+        found = getattr(import_module(module), name)
+    except (ImportError, AttributeError, ValueError) as error:
+        raise UnknownName("engine of a loop", words, ["avatarsim.simulator:AvatarsimEngine"]) from error
+    if not isinstance(found, type):
+        raise InvalidInput("engine of a loop", words, "the class of an engine")
+    return found
+
+
+class Loop:
+    """The state of a loop: which frame is next, what the user wants, what has been kept and recorded."""
+
+    def __init__(self, world: World, channel: Channel, orders: Connection) -> None:
+        self.world, self._channel, self._orders = world, channel, orders
+        self._period = round(1e9 * world.dt)
+        self._sample: TrackerSample = world.scene.first_sample
+        self._target, self._stamp, self._used = 0, 0, True
+        self._frame = self._skipped = self._steps = 0
+        self._is_paused = self._is_over = False
+        self._log: Recorder | None = None
+        self._logs = 0
+        self._begin_log()
+
+    def run(self) -> None:
+        """Frames at their instants, until an order ends them."""
+        due = time.monotonic_ns()
+        self._publish(self.world.shown, 0, due)
+        while not self._is_over:
+            due += self._period
+            now = time.monotonic_ns()
+            if now > due:
+                missed = (now - due) // self._period
+                self._skipped += 0 if self._is_paused else missed
+                due += missed * self._period
+            if now < due:
+                time.sleep(1e-9 * (due - now))
+            self._obey()
+            self._listen()
+            if not self._is_paused or self._steps:
+                self._steps = max(0, self._steps - 1)
+                self._one(due)
+        self._close()
+
+    def _one(self, due: int) -> None:
+        """A frame: advance, publish, log, and collect garbage where there is time."""
+        begun = time.monotonic_ns()
+        record = self.world.advance(self._sample)
+        cost = time.monotonic_ns() - begun
+        self._frame += 1
+        self._publish(record, cost, due)
+        if self._log is not None:
+            self._log.frame(self._sample, record.state_hash())
+        if self._frame % COLLECTED == 0 and time.monotonic_ns() < due + self._period // 2:
+            gc.collect(0 if self._frame % COLLECTED**2 else 1)
+
+    def _publish(self, record: FrameRecord, cost: int, due: int) -> None:
+        """Send what is shown; the time it is sent at counts."""
+        contacts, engine = NO_CONTACTS, self.world.engine
+        if isinstance(engine, AvatarsimEngine):
+            contacts = rows(engine)
+        shown, now = record.shown, time.monotonic_ns()
+        latency = -1 if self._used else now - self._stamp
+        self._used = True
+        self._channel.send(State(
+            self._frame, shown.time, shown.positions, shown.orientations, record.angles, self._target, latency, cost,
+            now > due + self._period and not self._is_paused, self._skipped, contacts, dict(record.statuses), dict(record.counts),
+            dict(record.stage_ns), record.state_hash(), self._is_paused, self._log is not None and self._log.is_open,
+        ))
+
+    def _listen(self) -> None:
+        """Take the newest target; one that fits no avatar of the scene is a fault of the door, which checks them all."""
+        target: Target | None = self._channel.newest()
+        if target is not None:
+            with suppress(AvatarsimError):
+                self._sample = checked(target.sample, self.world.scene.avatars)
+                self._target, self._stamp, self._used = target.number, target.stamp, False
+
+    def _obey(self) -> None:
+        """Do what has been ordered, and answer."""
+        while self._orders.poll():
+            command: Command = self._orders.recv()
+            self._orders.send(Answer(command.number, command.order, self._frame, *self._done(command)))
+
+    def _done(self, command: Command) -> tuple[str, str]:
+        """Why a command was refused, or empty, and what it asked for."""
+        order = command.order
+        if order is Order.STOP:
+            self._is_over = True
+        elif order in (Order.PAUSE, Order.GO_ON):
+            self._is_paused, self._steps = order is Order.PAUSE, 0
+        elif order is Order.STEP:
+            self._is_paused, self._steps = True, self._steps + 1
+        elif order is Order.SAVE:
+            return self._saved()
+        else:
+            return self._applied(command), ""
+        return "", ""
+
+    def _applied(self, command: Command) -> str:
+        """Empty, or why what a frame would show was refused."""
+        refused = self.world.apply(command)
+        if refused:
+            return refused
+        if command.order is Order.RESET:
+            self._begin_log()
+        elif self._log is not None:
+            self._log.command(command)
+        gc.collect()
+        gc.freeze()
+        self._publish(self.world.shown, 0, time.monotonic_ns())
+        return ""
+
+    def _begin_log(self) -> None:
+        """A new log, of the world as it is, which has just begun; without one where no folder is named or no file can be made."""
+        self._close()
+        if not self.world.plan.logs:
+            return
+        self._logs += 1
+        path = Path(self.world.plan.logs) / f"{self._logs}.live"
+        plan = replace(self.world.plan, scene=self.world.scene, settings=self.world.settings)
+        with suppress(OSError):
+            self._log = Recorder(path, plan, self.world.shown.state_hash())
+
+    def _saved(self) -> tuple[str, str]:
+        """Why the log cannot be had, or where it is, with all that has been written in it on the disk."""
+        if self._log is None:
+            return "there is no log of what was driven: its folder takes no files", ""
+        self._log.flush()
+        return "", str(self._log.path)
+
+    def _close(self) -> None:
+        """End the log, if there is one."""
+        if self._log is not None:
+            self._log.close()
+        self._log = None
+
+
+def rows(engine: AvatarsimEngine) -> Array:
+    """(k, 6) points [m] and normals of all contacts of the state that an engine shows."""
+    found = [(*contact.point, *contact.normal) for contact in engine.contacts()]
+    return np.array(found, dtype=np.float64).reshape(-1, 6)

@@ -1,0 +1,135 @@
+"""Commands of a driven world, applied between two frames: by the loop while it runs, and by a replay in the same order.
+
+Command pattern (Gamma et al. 1994): what the user does to a world, besides moving, is an object, so that it can be refused,
+recorded and done again. Whatever is refused leaves the world as it was.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.errors import AvatarsimError, InvalidInput
+from avatarsim.live.messages import RATES, Command, Order, Plan, Switch
+from avatarsim.scene.body import Body, Role
+from avatarsim.scene.checks import within
+from avatarsim.scene.joint import Ball, Free
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial import rotation
+
+COMING_BACK = "an engine that takes snapshots: avatarsim"
+"""What can go back to a kept state."""
+
+
+class World:
+    """An engine with its scene, loaded, and what commands have made of both.
+
+    `shown` is what the last frame, or the last command, left. Raises what the engine's `load` raises."""
+
+    def __init__(self, plan: Plan, make: Callable[[], Engine] = AvatarsimEngine) -> None:
+        within("frames a second of a loop [1/s]", plan.rate, *RATES, InvalidInput)
+        self.plan, self._make, self.dt = plan, make, 1.0 / plan.rate
+        self.scene, self.settings, self._kept = plan.scene, plan.settings, b""
+        self.engine = make()
+        self.shown: FrameRecord = self.engine.load(self.scene, self.settings, self.dt)
+
+    def advance(self, sample: TrackerSample) -> FrameRecord:
+        """One frame."""
+        self.shown = self.engine.advance(sample, self.dt)
+        return self.shown
+
+    def apply(self, command: Command) -> str:
+        """Do what a command says; empty, or the sentence that says why it was refused. Those of pauses, logs and the end are the
+        loop's own: no frame shows them, and they do nothing here."""
+        try:
+            if command.order is Order.RESET:
+                self._reset()
+            elif command.order is Order.KEEP:
+                self._kept = self._ours("to keep a state of").snapshot()
+            elif command.order is Order.BACK:
+                self._back()
+            elif command.order is Order.SWITCH:
+                self._switch(command.value)
+        except AvatarsimError as error:
+            return str(error)
+        return ""
+
+    def _ours(self, what: str) -> AvatarsimEngine:
+        if not isinstance(self.engine, AvatarsimEngine):
+            raise InvalidInput(f"engine {what}", self.plan.name, COMING_BACK)
+        return self.engine
+
+    def _reset(self) -> None:
+        scene = replace(self.plan.scene, narrow=self.scene.narrow)
+        self.shown, self._kept = self._loaded(scene, self.settings), b""
+
+    def _back(self) -> None:
+        engine = self._ours("to come back to a state of")
+        if self._kept:
+            self.shown = engine.restore(self._kept)
+        else:
+            self._reset()
+
+    def _switch(self, value: object) -> None:
+        if not isinstance(value, Switch):
+            raise InvalidInput("switch of a loop", value, "a Switch(off, preset, options)")
+        author = self.plan.scene.narrow
+        scene = replace(self.scene, narrow=author + tuple(name for name in value.off if name not in author))
+        settings = replace(self.settings, preset=value.preset, options=value.options)
+        same = settings.preset == self.settings.preset and dict(settings.options) == dict(self.settings.options)
+        if same and isinstance(self.engine, AvatarsimEngine):
+            self.shown, self.scene = self.engine.change(scene), scene
+        else:
+            self.shown = self._loaded(scene_at(scene, self.shown), settings)
+        # a snapshot is of one scene and one set of settings
+        self._kept = b""
+
+    def _loaded(self, scene: Scene, settings: Settings) -> FrameRecord:
+        """What a fresh engine shows of a scene; the old one goes once the new one has loaded."""
+        engine = self._make()
+        shown = engine.load(scene, settings, self.dt)
+        self.engine.close()
+        self.engine, self.scene, self.settings = engine, scene, settings
+        return shown
+
+
+def scene_at(scene: Scene, shown: FrameRecord) -> Scene:
+    """The scene as it begins where `shown` has its bodies and avatars: poses and velocities, joints as they are."""
+    state = shown.shown
+    bodies = tuple(_body_at(body, shown, k) for k, body in enumerate(scene.bodies))
+    if not scene.avatars:
+        return replace(scene, bodies=bodies)
+    first = len(scene.bodies)
+    start = posture_of(scene, state.positions[first:], state.orientations[first:], shown.angles)
+    return replace(scene, bodies=bodies, start=start)
+
+
+def _body_at(body: Body, shown: FrameRecord, k: int) -> Body:
+    if body.role is not Role.SIMULATED:
+        return body
+    state = shown.shown
+    x, y, z = state.positions[k].tolist()
+    a, b, c, d = rotation.normalised(state.orientations[k]).tolist()
+    u, v, w = state.velocities[k].tolist()
+    p, q, r = state.angular_velocities[k].tolist()
+    return replace(body, position=(x, y, z), orientation=(a, b, c, d), velocity=(u, v, w), angular_velocity=(p, q, r))
+
+
+def posture_of(scene: Scene, positions: np.ndarray, orientations: np.ndarray, angles: np.ndarray) -> TrackerSample:
+    """The sample whose forward kinematics gives the links of all avatars their poses: positions (links, 3) [m], orientations
+    (links, 4), and the hinges' angles [rad]. The inverse of `avatarsim.scene.tracker.link_poses`."""
+    sample, first = rest(scene.avatars), 0
+    for avatar in scene.avatars:
+        index = {link.name: first + k for k, link in enumerate(avatar.links)}
+        for k, link in enumerate(avatar.links, start=first):
+            if isinstance(link.joint, Free):
+                sample.positions[k], sample.rotations[k] = positions[k], rotation.normalised(orientations[k])
+            elif isinstance(link.joint, Ball):
+                frame = np.array(rotation.IDENTITY) if link.parent is None else orientations[index[link.parent]]
+                resting = rotation.multiply(frame, np.asarray(link.orientation))
+                sample.rotations[k] = rotation.normalised(rotation.multiply(rotation.conjugate(resting), orientations[k]))
+        first += len(avatar.links)
+    return replace(sample, angles=np.array(angles, dtype=np.float64))

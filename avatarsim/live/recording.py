@@ -1,0 +1,254 @@
+"""Append-only log of what a loop was told and what it showed (write-ahead logging; Gray and Reuter 1993, ch. 9).
+
+A file is `MAGIC`, a format number, a head in JSON, then rows: kind, length, payload, CRC-32. A frame's row holds the sample as
+the engine got it and the hash of the state that it showed; a command's row what was ordered between two frames. A log whose
+process was killed ends in a torn row and is read up to the last whole one. Nothing in a file is run or imported.
+"""
+
+import json
+import platform
+import struct
+import zlib
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from avatarsim.assets.caps import BYTES, FRAMES, content
+from avatarsim.engine import Settings
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.live.messages import RATES, Array, Command, Order, Plan, Switch
+from avatarsim.scene.checks import within
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.written import scene_from, written
+from avatarsim.version import VERSION
+
+MAGIC = b"avatarsim live\r\n\0"
+"""First bytes of a recording; the line's end shows files that were sent as text."""
+FORMAT = 1
+"""Number of this layout. What else is written than before, or otherwise, gets the next one."""
+HEAD, ROW, SUM = struct.Struct("<II"), struct.Struct("<BI"), struct.Struct("<I")
+"""Format and bytes of the head; kind and bytes of a row; a CRC-32."""
+FRAME, COMMAND = 1, 2
+"""Kinds of rows."""
+DIGEST = 8
+"""Bytes of a state's hash."""
+VALID = "a recording of avatarsim live"
+OURS = "avatarsim.simulator:AvatarsimEngine"
+"""The one engine whose recordings replay to the same bits, and the only one that a file can ask for."""
+KEPT = (Order.KEEP, Order.BACK, Order.SWITCH)
+"""Orders that stand in a file: those that change what later frames show. With a reset begins another file."""
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """A frame: the `sample` as the engine got it, and the hash of the state that was shown then."""
+
+    sample: TrackerSample
+    state_hash: str
+
+
+@dataclass(frozen=True, eq=False)
+class Recorded:
+    """A recording: what ran, the hash of the state it began with, its rows in order, by what versions; is its end torn?"""
+
+    plan: Plan
+    first_hash: str
+    rows: tuple[Frame | Command, ...]
+    versions: Mapping[str, str]
+    is_torn: bool
+
+    @property
+    def frames(self) -> int:
+        """How many frames there are."""
+        return sum(isinstance(row, Frame) for row in self.rows)
+
+
+class Recorder:
+    """A log that is being written at `path`: of a world that has just begun as `plan` says and shows the state of `first_hash`.
+
+    Raises OSError where no file can be made. Later the log says no more to the loop than `is_open`: it closes where the disk
+    refuses, or at the limits within which a file is read again."""
+
+    def __init__(self, path: Path, plan: Plan, first_hash: str) -> None:
+        self.path, self.is_open = path, True
+        head = json.dumps({
+            "engine": plan.engine, "name": plan.name, "rate": plan.rate, "preset": plan.settings.preset,
+            "options": dict(plan.settings.options), "seed": plan.settings.seed, "first_hash": first_hash,
+            "versions": versions(), "scene": written(plan.scene),
+        }, allow_nan=False).encode()
+        self._file = path.open("wb")
+        self._room = BYTES - len(head) - 64
+        self._frames = 0
+        self._put(MAGIC + HEAD.pack(FORMAT, len(head)) + head + SUM.pack(zlib.crc32(head)))
+
+    def frame(self, sample: TrackerSample, state_hash: str) -> None:
+        """One more frame."""
+        self._frames += 1
+        if self._frames > FRAMES:
+            self.close()
+        numbers = np.concatenate([[sample.time], sample.positions.ravel(), sample.rotations.ravel(), sample.angles])
+        self._row(FRAME, bytes.fromhex(state_hash) + numbers.astype("<f8").tobytes())
+
+    def command(self, command: Command) -> None:
+        """What was ordered before the next frame."""
+        if command.order in KEPT:
+            self._row(COMMAND, json.dumps(_order(command)).encode())
+
+    def _row(self, kind: int, payload: bytes) -> None:
+        row = ROW.pack(kind, len(payload)) + payload
+        self._put(row + SUM.pack(zlib.crc32(row)))
+
+    def _put(self, data: bytes) -> None:
+        if not self.is_open:
+            return
+        self._room -= len(data)
+        if self._room < 0:
+            self.close()
+            return
+        try:
+            self._file.write(data)
+        except OSError:
+            self.close()
+
+    def flush(self) -> None:
+        """Hand all that has been written to the system."""
+        with suppress(OSError, ValueError):
+            self._file.flush()
+
+    def close(self) -> None:
+        """No more rows."""
+        self.is_open = False
+        with suppress(OSError):
+            self._file.close()
+
+
+def versions() -> dict[str, str]:
+    """What has a say in the last bits: of the package, its compiler and the processor."""
+    import llvmlite
+    import numba
+
+    return {
+        "avatarsim": VERSION, "numpy": np.__version__, "numba": numba.__version__, "llvmlite": llvmlite.__version__,
+        "python": platform.python_version(), "machine": platform.machine(),
+    }
+
+
+def read(path: Path) -> Recorded:
+    """The recording in a file. Raises InvalidFile for what is none, is damaged, or is larger than any that is written."""
+    thing = f"recording {path.name}"
+    data = content(path, thing, VALID)
+    if not data.startswith(MAGIC) or len(data) < len(MAGIC) + HEAD.size:
+        raise InvalidFile(thing, data[: len(MAGIC)], f"{VALID}, which begins with {MAGIC!r}")
+    number, length = HEAD.unpack_from(data, len(MAGIC))
+    if number != FORMAT:
+        raise InvalidFile(f"format of {thing}", number, f"{FORMAT}; another version of avatarsim reads others")
+    at = len(MAGIC) + HEAD.size
+    head, at = data[at: at + length], at + length
+    if len(data) < at + SUM.size or SUM.unpack_from(data, at)[0] != zlib.crc32(head):
+        raise InvalidFile(f"head of {thing}", f"{len(head)} bytes", "bytes that agree with their CRC-32")
+    plan, first_hash, said = _plan(_parsed(head, f"head of {thing}"), thing)
+    rows, is_torn = _rows(data, at + SUM.size, plan.scene, thing)
+    return Recorded(plan, first_hash, rows, said, is_torn)
+
+
+def _parsed(data: bytes, thing: str) -> dict[str, Any]:
+    """A JSON object of finite numbers."""
+    def refused(word: str) -> None:
+        raise ValueError(f"{word} is no number")
+
+    try:
+        found = json.loads(data, parse_constant=refused)
+    except (ValueError, RecursionError) as error:
+        raise InvalidFile(thing, str(error), "JSON") from error
+    if not isinstance(found, dict):
+        raise InvalidFile(thing, found, "a JSON object")
+    return found
+
+
+def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
+    """What the head says: the plan, the first hash, the versions."""
+    kinds = {
+        "engine": str, "name": str, "rate": float, "preset": str, "options": dict, "seed": int, "first_hash": str,
+        "versions": dict, "scene": dict,
+    }
+    for name, kind in kinds.items():
+        if not isinstance(head.get(name), kind) or isinstance(head[name], bool):
+            raise InvalidFile(f"{name} in the head of {thing}", head.get(name), f"a {kind.__name__}")
+    if head["engine"] != OURS:
+        raise InvalidFile(f"engine of {thing}", head["engine"], f"{OURS}, whose recordings alone replay to the same bits")
+    try:
+        settings = Settings(head["preset"], head["options"], head["seed"])
+        rate = within(f"rate of {thing} [1/s]", head["rate"], *RATES, InvalidInput)
+        scene = scene_from(head["scene"], thing)
+    except InvalidFile:
+        raise
+    except (InvalidInput, RecursionError) as error:
+        raise InvalidFile(f"head of {thing}", str(error), VALID) from error
+    said = {str(name): str(value) for name, value in head["versions"].items()}
+    return Plan(OURS, scene, settings, rate, name=head["name"]), head["first_hash"], said
+
+
+def _rows(data: bytes, at: int, scene: Scene, thing: str) -> tuple[tuple[Frame | Command, ...], bool]:
+    """All whole rows, and whether a torn one follows them. Raises InvalidFile for a row within the file that is damaged."""
+    rows: list[Frame | Command] = []
+    while at < len(data):
+        number = len(rows)
+        if len(data) - at < ROW.size:
+            return tuple(rows), True
+        kind, length = ROW.unpack_from(data, at)
+        end = at + ROW.size + length
+        if end + SUM.size > len(data):
+            # a length that was damaged points beyond the end as well: of a torn row the kind at least is right
+            if kind in (FRAME, COMMAND):
+                return tuple(rows), True
+            raise InvalidFile(f"row {number} of {thing}", f"kind {kind}", "a frame or a command")
+        if SUM.unpack_from(data, end)[0] != zlib.crc32(data[at:end]):
+            raise InvalidFile(f"row {number} of {thing}", f"{length} bytes", "bytes that agree with their CRC-32")
+        payload, place = data[at + ROW.size: end], f"row {number} of {thing}"
+        rows.append(_frame(payload, scene, place) if kind == FRAME else _command(payload, place))
+        if len(rows) > FRAMES:
+            raise InvalidFile(f"rows of {thing}", f"more than {FRAMES}", f"{FRAMES} at most")
+        at = end + SUM.size
+    return tuple(rows), False
+
+
+def _frame(payload: bytes, scene: Scene, place: str) -> Frame:
+    links = sum(len(avatar.links) for avatar in scene.avatars)
+    hinges = sum(avatar.hinge_count for avatar in scene.avatars)
+    numbers = 1 + 7 * links + hinges
+    if len(payload) != DIGEST + 8 * numbers:
+        raise InvalidFile(f"bytes of {place}", len(payload), f"{DIGEST + 8 * numbers}, for {links} links and {hinges} hinges")
+    values: Array = np.frombuffer(payload, dtype="<f8", offset=DIGEST).astype(np.float64)
+    positions, rotations, angles = np.split(values[1:], [3 * links, 7 * links])
+    sample = TrackerSample(float(values[0]), positions.reshape(links, 3), rotations.reshape(links, 4), angles)
+    return Frame(sample, payload[:DIGEST].hex())
+
+
+def _order(command: Command) -> dict[str, Any]:
+    """A command as JSON."""
+    said: dict[str, Any] = {"order": command.order.name}
+    if isinstance(command.value, Switch):
+        said |= {"off": list(command.value.off), "preset": command.value.preset, "options": dict(command.value.options)}
+    return said
+
+
+def _command(payload: bytes, place: str) -> Command:
+    said = _parsed(payload, place)
+    names = [order.name for order in KEPT]
+    if said.get("order") not in names:
+        raise InvalidFile(f"order of {place}", said.get("order"), "one of " + ", ".join(names))
+    order = Order[said["order"]]
+    if order is not Order.SWITCH:
+        return Command(order)
+    off, preset, options = said.get("off"), said.get("preset"), said.get("options")
+    if not (isinstance(off, list) and all(isinstance(one, str) for one in off)):
+        raise InvalidFile(f"effects of {place}", off, "a list of names")
+    if not isinstance(preset, str) or not isinstance(options, dict):
+        raise InvalidFile(f"settings of {place}", (preset, options), "the name of a preset and an object of options")
+    return Command(order, Switch(tuple(off), preset, options))
+

@@ -1,0 +1,212 @@
+"""A session: one loop process per engine, all of which follow the same targets, and what the door knows of each.
+
+Supervisor of worker processes that share nothing (Armstrong 2003): a loop that dies is said by name and ends nothing but itself,
+unless it is the one that the user drives.
+"""
+
+import multiprocessing
+import shutil
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import count
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput
+from avatarsim.live.channel import pair
+from avatarsim.live.figures import Figures, Window
+from avatarsim.live.loop import run
+from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target
+from avatarsim.scene.tracker import TrackerSample, checked
+
+LOADING = 180.0
+"""[s] in which a loop must have loaded: a first compile of all kernels takes one to two minutes."""
+ANSWERED = 10.0
+"""[s] in which a loop must answer a command; a switch takes some 20 ms, of a method that is compiled first much longer."""
+ENDING = 2.0
+"""[s] that a loop has to end by itself."""
+
+
+class LoopDied(AvatarsimError):
+    """The process of a loop ended, or did not answer; the text says which, and how."""
+
+
+class Driven:
+    """A loop process, as its session knows it: the newest state, its figures, what it refused."""
+
+    def __init__(self, plan: Plan) -> None:
+        self.plan = plan
+        self._channel, other = pair()
+        self._orders, theirs = multiprocessing.get_context("spawn").Pipe()
+        self._process = multiprocessing.get_context("spawn").Process(
+            target=run, args=(plan, other, theirs), name=f"avatarsim live: {plan.name}", daemon=True
+        )
+        self._process.start()
+        other.close()
+        theirs.close()
+        self._window = Window(plan.rate)
+        self.state: State | None = None
+
+    def is_loaded(self) -> bool:
+        """Whether it has begun, once it says so. Raises LoopDied with its sentence where it could not."""
+        answer = self.answered(0, LOADING)
+        if answer.refused:
+            raise LoopDied(f"{self.plan.name} could not begin: {answer.refused}")
+        return True
+
+    @property
+    def is_alive(self) -> bool:
+        """Whether its process runs."""
+        return self._process.is_alive()
+
+    def look(self) -> State | None:
+        """Take all states that have come; the newest."""
+        for state in self._channel.drain():
+            self._window.add(state)
+            self.state = state
+        return self.state
+
+    def figures(self) -> Figures:
+        """Of its last seconds."""
+        return self._window.figures()
+
+    def send(self, target: Target) -> bool:
+        """Hand a target on; False where the loop has not taken the last ones."""
+        return self._channel.send(target)
+
+    def order(self, command: Command) -> None:
+        """Give a command. Raises LoopDied where none is taken."""
+        try:
+            self._orders.send(command)
+        except OSError as error:
+            raise self._dead() from error
+
+    def answered(self, number: int, patience: float = ANSWERED) -> Answer:
+        """The answer to a command. Raises LoopDied where none comes."""
+        until = time.monotonic() + patience
+        while (left := until - time.monotonic()) > 0.0:
+            try:
+                if self._orders.poll(min(left, 0.1)):
+                    answer: Answer = self._orders.recv()
+                    if answer.number == number:
+                        return answer
+                elif not self.is_alive:
+                    break
+            except (EOFError, OSError):
+                break
+        raise self._dead()
+
+    def _dead(self) -> LoopDied:
+        code = self._process.exitcode
+        return LoopDied(f"{self.plan.name} " + ("does not answer" if code is None else f"ended with exit code {code}"))
+
+    def close(self) -> None:
+        """End the process, with force where it does not end by itself."""
+        try:
+            self._orders.send(Command(Order.STOP))
+        except OSError:
+            pass
+        self._process.join(ENDING)
+        if self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._orders.close()
+        self._channel.close()
+
+
+class Session:
+    """All loops of one live scene. `plans`: the first is the one that the user drives, the others follow the same targets.
+
+    Use it as a context manager: it ends its processes. Raises LoopDied where a loop cannot begin."""
+
+    def __init__(self, plans: Sequence[Plan]) -> None:
+        if not plans:
+            raise InvalidInput("plans of a session", 0, "at least 1")
+        names = [plan.name for plan in plans]
+        if len(set(names)) < len(names):
+            raise InvalidInput("names of the plans of a session", names, "each another")
+        self._folder = Path(tempfile.mkdtemp(prefix="avatarsim-live-"))
+        self._numbers, self._commands = count(1), count(1)
+        self.loops: dict[str, Driven] = {}
+        try:
+            for k, plan in enumerate(plans):
+                self.loops[plan.name] = Driven(replace(plan, logs=str(self._folder) if k == 0 else ""))
+            for loop in self.loops.values():
+                loop.is_loaded()
+        except BaseException:
+            self.close()
+            raise
+        self.first = self.loops[names[0]]
+        self.scene = self.first.plan.scene
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def send(self, sample: TrackerSample, source: str, stamp: int | None = None) -> None:
+        """Hand what the user wants to all loops; `stamp` [ns] of the monotonic clock, now by default.
+
+        Raises InvalidSample for what does not fit the avatars or is not finite."""
+        sample = checked(sample, self.scene.avatars)
+        target = Target(sample, time.monotonic_ns() if stamp is None else stamp, next(self._numbers), source)
+        for loop in self.loops.values():
+            loop.send(target)
+
+    def command(self, order: Order, value: object = None) -> dict[str, Answer]:
+        """Give all loops a command; their answers by name. Raises LoopDied where the first one does not answer."""
+        number = next(self._commands)
+        for name, loop in list(self.loops.items()):
+            try:
+                loop.order(Command(order, value, number))
+            except LoopDied:
+                self._lost(name)
+        answers = {}
+        for name, loop in list(self.loops.items()):
+            try:
+                answers[name] = loop.answered(number)
+            except LoopDied:
+                self._lost(name)
+        return answers
+
+    def _lost(self, name: str) -> None:
+        """A loop beside the first one is left out from now on; without the first one there is no session."""
+        if self.loops[name] is self.first:
+            raise self.loops[name]._dead()
+        self.loops.pop(name).close()
+
+    def look(self) -> dict[str, State]:
+        """The newest state of each loop, once it has shown one. Raises LoopDied where the first one has ended."""
+        states = {}
+        for name, loop in list(self.loops.items()):
+            state = loop.look()
+            if not loop.is_alive:
+                self._lost(name)
+            elif state is not None:
+                states[name] = state
+        return states
+
+    def save(self, path: Path) -> None:
+        """Save what was driven since the scene began, as a file that `avatarsim replay` takes.
+
+        Raises InvalidFile where there is nothing to save, or the place takes no file; a file that is there stays then."""
+        answer = self.command(Order.SAVE)[self.first.plan.name]
+        if answer.refused:
+            raise InvalidFile("recording", str(path), answer.refused)
+        part = path.with_name(path.name + ".part")
+        try:
+            shutil.copyfile(answer.told, part)
+            part.replace(path)
+        except OSError as error:
+            part.unlink(missing_ok=True)
+            raise InvalidFile("recording", str(path), f"a place that takes a file ({error.strerror})") from error
+
+    def close(self) -> None:
+        """End all processes, and remove their logs."""
+        for loop in self.loops.values():
+            loop.close()
+        shutil.rmtree(self._folder, ignore_errors=True)
