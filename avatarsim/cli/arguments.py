@@ -125,7 +125,8 @@ def _reading(one: argparse.ArgumentParser) -> None:
     model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
     model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
     model.add_argument("--meshes", choices=("hull", "decompose"), help="meshes by their hulls (default), or by convex pieces")
-    model.add_argument("--room-scale", type=float, metavar="M", help="metres a unit of a room that is a mesh (default 1)")
+    model.add_argument("--avatar-scale", type=float, metavar="M", help="metres a unit of length of the avatar's file (default 1)")
+    model.add_argument("--room-scale", type=float, metavar="M", help="metres a unit of length of the room's file (default 1)")
     model.add_argument("--room-up", choices=("y", "z"), help="the axis that points up in a room that is a mesh (default z)")
 
 

@@ -147,11 +147,11 @@ def exit_code(batch: Batch) -> int:
 
 def wishes_of(asked: argparse.Namespace) -> Wishes:
     """The options as what a clip asks for. Raises InvalidInput for numbers out of range."""
-    for name in ("rate", "file_rate", "scale", "stature", "mass", "room_scale"):
+    for name in ("rate", "file_rate", "scale", "stature", "mass", "avatar_scale", "room_scale"):
         value = getattr(asked, name)
         if value is not None and not 0.0 < value < math.inf:
             raise InvalidInput(f"--{name.replace('_', '-')}", value, "a finite number above 0")
-    for names, what in ((("fix", "couplings", "root", "leave"), "avatar"), (("room_scale", "room_up"), "room")):
+    for names, what in ((("fix", "couplings", "root", "leave", "avatar_scale"), "avatar"), (("room_scale", "room_up"), "room")):
         for name in names:
             if getattr(asked, name) and getattr(asked, what) is None:
                 raise InvalidInput(f"--{name.replace('_', '-')}", getattr(asked, name), f"an option beside --{what}")
@@ -163,7 +163,8 @@ def wishes_of(asked: argparse.Namespace) -> Wishes:
         mass=asked.mass, limits=not asked.no_limits,
         offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
         asf=_absolute(asked.asf), fix=_listed(asked.fix), couplings=asked.couplings, root=asked.root, leave=_listed(asked.leave),
-        folder=_absolute(asked.folder), meshes=asked.meshes, room_scale=asked.room_scale, room_up=asked.room_up,
+        folder=_absolute(asked.folder), meshes=asked.meshes,
+        avatar_scale=asked.avatar_scale, room_scale=asked.room_scale, room_up=asked.room_up,
     )
     room = asked.room if asked.room is None or str(asked.room) == FLOOR else asked.room.absolute()
     return Wishes(

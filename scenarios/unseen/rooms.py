@@ -21,6 +21,9 @@ FRAMES = 600
 """Ten seconds: four to eight pieces of clips."""
 FACE = 0.55
 """Where the endless wall begins along x [m]: a step ahead of the start, within reach of an arm."""
+ENDLESS = 200.0
+"""Width of the endless wall and of its floor [m]. A path round an end of it is 100 m long, of which an avatar goes 50 m in the
+ten seconds (5 m/s, the setting catch_up_move). Round a wall of 20 m an avatar was led to a user beyond it."""
 NARROW, LOW = 0.5, 1.5
 """Width of the corridor and height of its ceiling [m]: the avatar is 1.6 m high and 0.5 m wide with its arms."""
 MOUTH, LONG = 0.5, 15.0
@@ -41,7 +44,11 @@ def floor() -> tuple[Body, ...]:
 
 def wall() -> tuple[Body, ...]:
     """A floor, and a wall that nothing can walk round."""
-    return stage.floor(), stage.wall_ahead(FACE)
+    thick = stage.THICK
+    return (
+        _box("floor", (ENDLESS, ENDLESS, thick), (0.0, 0.0, -0.5 * thick)),
+        _box("wall", (thick, ENDLESS, stage.HIGH), (FACE + 0.5 * thick, 0.0, 0.5 * stage.HIGH)),
+    )
 
 
 def corridor() -> tuple[Body, ...]:

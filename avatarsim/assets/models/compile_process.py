@@ -20,6 +20,7 @@ from avatarsim.assets import caps
 from avatarsim.assets.models import doors
 from avatarsim.assets.models.mesh_files import MeshFiles
 from avatarsim.assets.models.spec_repairs import bare, with_solid_moments
+from avatarsim.assets.models.spec_scale import in_metres
 from avatarsim.errors import InvalidFile
 
 MEMORY = 2**31
@@ -50,8 +51,9 @@ def limit(seconds: float) -> None:
     signal.setitimer(signal.ITIMER_REAL, WALL * seconds)
 
 
-def compiled(path: Path, folder: Path) -> dict[str, Any]:
-    """Arrays of the model of a file, all of whose files lie in `folder`. Raises InvalidFile."""
+def compiled(path: Path, folder: Path, scale: float = 1.0) -> dict[str, Any]:
+    """Arrays of the model of a file, all of whose files lie in `folder`, with `scale` metres a unit of length. Raises
+    InvalidFile."""
     texts = doors.texts_of(path, folder)
     import mujoco
 
@@ -63,6 +65,7 @@ def compiled(path: Path, folder: Path) -> dict[str, Any]:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
         MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)
         bare(spec, mujoco)
+        in_metres(spec, scale, mujoco.mjtJoint.mjJNT_SLIDE)
         mended = with_solid_moments(spec)
         # links of a robot stay links, and nothing of the URDF file is merged into the world
         spec.compiler.fusestatic = False
@@ -133,7 +136,7 @@ def main(arguments: list[str]) -> int:
     os.dup2(2, 1)
     limit(SECONDS)
     try:
-        numbers = compiled(path, doors.folder_of(path, arguments[1] if len(arguments) > 1 else None))
+        numbers = compiled(path, doors.folder_of(path, arguments[1]), float(arguments[2]))
     except InvalidFile as error:
         value = error.value if isinstance(error.value, str | int | float) else repr(error.value)
         numbers = {"refused": np.array(json.dumps([error.thing, value, error.valid]))}

@@ -135,15 +135,16 @@ WIDTHS = {
 """Columns of an array, by the end of its name."""
 
 
-def compiled(path: Path, folder: str | Path | None = None) -> Compiled:
-    """The model of an MJCF or URDF file, compiled by MuJoCo in a process of its own, with limits.
+def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0) -> Compiled:
+    """The model of an MJCF or URDF file, with `scale` metres a unit of length, compiled by MuJoCo in a process of its own, with
+    limits.
 
     All files that it names must lie in `folder`; see `doors.folder_of`. Raises InvalidFile for a file that is refused, with the
     reason; MissingPackage without mujoco."""
     doors.require_model(path)
     if find_spec("mujoco") is None:
         raise MissingPackage("mujoco", "assets", f"reading {path.name}")
-    return received(path.name, _run(path, doors.folder_of(path, folder)))
+    return received(path.name, _run(path, doors.folder_of(path, folder), scale))
 
 
 def received(name: str, content: bytes) -> Compiled:
@@ -156,9 +157,9 @@ def received(name: str, content: bytes) -> Compiled:
     return _checked(name, arrays)
 
 
-def _run(path: Path, folder: Path) -> bytes:
+def _run(path: Path, folder: Path, scale: float) -> bytes:
     """What the process writes. Raises InvalidFile where it ends otherwise than by itself."""
-    command = [sys.executable, "-m", "avatarsim.assets.models.compile_process", str(path.absolute()), str(folder)]
+    command = [sys.executable, "-m", "avatarsim.assets.models.compile_process", str(path.absolute()), str(folder), repr(scale)]
     # threads and their heaps reserve address space, which is limited
     calm = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1", "MUJOCO_GL": "disable"}
     calm["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))

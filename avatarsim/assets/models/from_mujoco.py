@@ -17,9 +17,11 @@ from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.pairs import Filter, Part
 from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
-from avatarsim.errors import InvalidFile, InvalidScene, InvalidShape, UnknownName
+from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
+from avatarsim.errors import InvalidFile, InvalidInput, InvalidScene, InvalidShape, UnknownName
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
 from avatarsim.scene.body import Body, Role, fixed, simulated
+from avatarsim.scene.checks import within
 from avatarsim.scene.joint import Hinges
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
@@ -46,12 +48,14 @@ class Options:
     masks: bool = True
     materials: tuple[str, str] = ("human", "wood")
     size_range: tuple[float, float] = PLAUSIBLE_SIZE
+    scale: float = 1.0
 
 
 def model_of_file(path: Path, options: Options) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file. Raises InvalidFile for what cannot be said, by name."""
+    scale = within(f"metres a unit of length of {path.name}", options.scale, SMALLEST, LARGEST, InvalidInput)
     try:
-        return _Reading(compiled(path, options.folder), path, options).model()
+        return _Reading(compiled(path, options.folder, scale), path, options).model()
     except (InvalidScene, InvalidShape) as error:
         # a number of the file that no scene takes
         raise InvalidFile(f"{error.thing} in {path.name}", error.value, error.valid) from error

@@ -25,7 +25,7 @@ def load_avatar(
     path: str | Path, *, avatar: str | tuple[str, ...] | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
     couplings: str = "refuse", meshes: str | tuple[str, ...] = "hull", most_vertices: int = 64, repair: str = "auto",
     leave: tuple[str, ...] = (), masks: bool = True, folder: str | Path | None = None,
-    size_range: tuple[float, float] = PLAUSIBLE_SIZE,
+    size_range: tuple[float, float] = PLAUSIBLE_SIZE, scale: float = 1.0,
 ) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
 
@@ -43,16 +43,17 @@ def load_avatar(
     masks       False: links touch whatever contype and conaffinity say
     folder      the folder in which all files of the model must lie; by default the file's own, of URDF the one with package.xml
     size_range  [m] what the avatar's span must be in
+    scale       metres a unit of length of the file: all of it, room and loose bodies too; stated masses stay as they are
 
     Trees with a free joint beside the avatar are loose bodies, those without joints the fixed room. Pairs that overlap at the
-    reference never touch; `said` lists them with their depths, and all else that is not as in the file. Lengths are metres.
+    reference never touch; `said` lists them with their depths, and all else that is not as in the file.
     Raises InvalidFile for what is refused, with file, place and what to do; UnknownName and InvalidInput for options that do not
     fit; MissingPackage without mujoco."""
     return model_of_file(
         Path(path),
         Options(
             avatar, True, folder, JointWishes(fix, couplings, root), MeshWishes(meshes, most_vertices, repair), leave, masks,
-            size_range=size_range,
+            size_range=size_range, scale=scale,
         ),
     )
 
@@ -65,15 +66,16 @@ def load_room(
     """A room from MJCF or URDF, from a mesh (.obj .stl .ply .off .glb .gltf), or the word "floor": level ground, its top at 0.
 
     Of a model all bodies are taken, jointed ones as they are at the reference: with a free joint loose, else fixed. The options
-    are those of `load_avatar`. A mesh is one fixed body of convex pieces: `scale` in metres per unit of the file, `y_up` where y
-    points up in it, `threshold` and `repair` as in `pieces_of_mesh`. Raises what `load_avatar` and `pieces_of_mesh` raise."""
+    are those of `load_avatar`, `scale` is metres a unit of length of any file. A mesh is one fixed body of convex pieces: `y_up`
+    where y points up in it, `threshold` and `repair` as in `pieces_of_mesh`. Raises what `load_avatar` and `pieces_of_mesh`
+    raise."""
     if str(path) == FLOOR:
         top = Piece(Box(PLANE), (0.0, 0.0, -0.5 * PLANE[2]))
         return Model(None, None, (fixed(FLOOR, (top,), "wood"),), ())
     path = Path(path)
     if path.suffix.lower() in doors.MODELS:
         wanted = MeshWishes(meshes, most_vertices, repair)
-        return model_of_file(path, Options(driven=False, folder=folder, pieces=wanted, leave=leave))
+        return model_of_file(path, Options(driven=False, folder=folder, pieces=wanted, leave=leave, scale=scale))
     if path.suffix.lower() not in MESHES:
         advice = doors.CONVERSION.get(path.suffix.lower())
         valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"

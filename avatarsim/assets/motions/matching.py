@@ -103,6 +103,10 @@ def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, fre
         unused = [joint for joint in layout.joints if joint not in kinds]
         valid = f"all joints of the avatar; missing: {shortened(missing)}; not the avatar's: {shortened(unused) or 'none'}"
         raise InvalidFile(f"joints of {name}", f"{len(layout.joints)} names", valid)
+    if layout.joints and not any(joint in kinds for joint in layout.joints):
+        # a root alone fits anything that is free: another body would be driven, and nothing of what was recorded
+        valid = f"at least one of the avatar's: {shortened(list(kinds))}"
+        raise InvalidFile(f"joints of {name}", shortened(layout.joints), valid)
     if column != width:
         raise InvalidFile(f"columns of {name}", width, f"{column}, as its joint names say")
     return starts

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets.models.coordinates import Coordinates
+from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.matching import (
     Layout,
@@ -61,6 +61,14 @@ def test_a_fixed_robot_has_joints_alone() -> None:
 def test_what_does_not_fit_is_named(layout: Layout, width: int, says: str) -> None:
     with pytest.raises(InvalidFile, match=says):
         columns("a", layout, width, of(robot()))
+
+
+def test_a_body_without_joints_is_driven_by_no_robots_motion() -> None:
+    cube = Coordinates((Slot("cube", "free", 0),), 1, 0)
+    with pytest.raises(InvalidFile, match="joints of a is '?waist, .*at least one of the avatar's: cube"):
+        columns("a", Layout(JOINTS, "wxyz"), 11, cube)
+    assert columns("a", Layout(("cube",), "wxyz"), 7, cube).tolist() == [*range(7)]
+    assert columns("a", Layout((), "wxyz"), 7, cube).tolist() == [*range(7)]
 
 
 def test_a_room_has_no_joints() -> None:

@@ -1,0 +1,40 @@
+"""Another unit of length for a model, before MuJoCo compiles it: similarity (geometric scaling) of places, shapes and moments.
+
+A file in centimetres, or drawn four times too large, states true masses and wrong lengths: masses that it states stay, moments of
+inertia go with the square of lengths, and what MuJoCo makes of a density follows by itself. Works on an MjSpec without importing
+MuJoCo.
+"""
+
+from typing import Any
+
+import numpy as np
+
+SMALLEST, LARGEST = 1e-4, 1e4
+"""Metres a unit of length of a model: a tenth of a millimetre to ten kilometres. Beyond, it is no unit of any file."""
+
+
+def in_metres(spec: Any, scale: float, slide: Any) -> None:
+    """Multiply all lengths of a spec by `scale`, metres a unit of the file; `slide` is MuJoCo's kind of joints that slide."""
+    if scale == 1.0:
+        return
+    for kind in (spec.bodies, spec.frames, spec.geoms, spec.joints, spec.sites):
+        for one in kind:
+            one.pos = scale * np.asarray(one.pos)
+    for body in spec.bodies:
+        if body.explicitinertial:
+            body.ipos = scale * np.asarray(body.ipos)
+            body.inertia = scale**2 * np.asarray(body.inertia)
+            # not a number where the file has none
+            body.fullinertia = scale**2 * np.asarray(body.fullinertia)
+    for geom in spec.geoms:
+        geom.size = scale * np.asarray(geom.size)
+        geom.fromto = scale * np.asarray(geom.fromto)
+    for joint in spec.joints:
+        if joint.type == slide:
+            joint.range = scale * np.asarray(joint.range)
+            joint.ref = scale * joint.ref
+    for mesh in spec.meshes:
+        mesh.scale = scale * np.asarray(mesh.scale)
+        mesh.refpos = scale * np.asarray(mesh.refpos)
+    for field in spec.hfields:
+        field.size = scale * np.asarray(field.size)
