@@ -15,8 +15,7 @@ ROOT = Path(__file__).resolve().parent.parent
 LOCK = ROOT / "requirements.lock"
 # A newer uv may order or mark the pins differently: raise it in a commit of its own.
 RESOLVER = "uv==0.13.8"
-# All extras but `view`, which nothing in `make compare` or `make test` reads.
-EXTRAS = ("compare", "report", "assets", "hand", "parallel", "cluster", "docs", "dev")
+EXTRAS = ("compare", "report", "assets", "hand", "parallel", "cluster", "view", "docs", "dev")
 HEADER = """\
 # Every package of the checkout, for Python 3.11 to 3.13, with the hashes of all files of each version.
 # Written by `make lock` from pyproject.toml; do not edit. `make setup` installs it, pybullet last and apart.

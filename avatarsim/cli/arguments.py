@@ -40,6 +40,35 @@ AUDIT_END = """\
 exit codes: 0 clean; 1 overlap was found; 2 wrong usage; 3 something could not be read, which is named, and the rest is done."""
 
 
+LIVE = """\
+Drive an avatar by mouse, keys, clips or a tracker, among things that it touches and never overlaps. Opens a page in the browser;
+nothing listens beyond this machine unless --listen says so.
+
+examples:
+  avatarsim live
+      a hand over a table: drag it with the mouse, push it into the wood
+  avatarsim live --scene body --dark
+      a human in two rooms
+  avatarsim live --avatar robot.xml --room kitchen.glb --motion retargeted/reach.csv
+      a robot of your own, in your own room, and a clip to take over from
+  avatarsim live --udp 9870
+      driven by your own tracker; docs/live_ports.md has a client of ten lines"""
+
+LIVE_END = """\
+exit codes: 0 ended by Ctrl-C; 1 the engine's process ended by itself; 2 wrong usage, or a port that is taken; 3 a file that could
+not be read."""
+
+REPLAY = """\
+Run a recording of `avatarsim live` again, without a page: the same samples and commands, and after each frame the hash of what is
+shown, against the one that was recorded.
+
+example:
+  avatarsim replay hand-20260101-120000.live"""
+
+REPLAY_END = """\
+exit codes: 0 the same to the bit; 1 another state was shown, and the first such frame is named; 2 wrong usage; 3 no recording."""
+
+
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
     top = argparse.ArgumentParser(prog="avatarsim", description="Without a command: as `avatarsim compile`.")
@@ -70,8 +99,43 @@ def parser() -> argparse.ArgumentParser:
     _reading(audit)
     pieces = commands.add_parser("pieces", help="convex pieces of mesh files, with error bounds", add_help=False)
     pieces.add_argument("rest", nargs=argparse.REMAINDER)
+    _live(commands)
     _compiling(commands)
     return top
+
+
+def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+    live = commands.add_parser(
+        "live", help="drive an avatar in the browser", description=LIVE, epilog=LIVE_END, formatter_class=RAW,
+        usage="avatarsim live [--scene hand | body] [--avatar FILE] [--room FILE | floor] [options]",
+    )
+    live_options(live)
+    live.add_argument("--scene", choices=("hand", "body"), help="a scene that is built in (default: hand)")
+    live.add_argument("--avatar", metavar="FILE", type=path_option, help="an avatar of your own: MJCF, URDF")
+    live.add_argument("--room", metavar="FILE", type=path_option, help="a room of your own: MJCF, URDF, a mesh, or the word floor")
+    replay = commands.add_parser(
+        "replay", help="run a recording again, and compare it bit for bit", description=REPLAY, epilog=REPLAY_END,
+        formatter_class=RAW,
+    )
+    replay.add_argument("recording", metavar="FILE", type=path_option, help="as `avatarsim live` saves it")
+    replay.add_argument("--json", action="store_true", help="one JSON object instead of sentences")
+
+
+def live_options(live: argparse.ArgumentParser) -> None:
+    """Options of all commands that drive an avatar live."""
+    live.add_argument("--motion", metavar="FILE", nargs="+", type=path_option, default=[], help=f"clips to play: {MOTION}")
+    live.add_argument("--rate", type=float, default=60.0, metavar="HZ", help="frames a second (default 60)")
+    live.add_argument("--method", choices=("default", "paper"), default="default", help="of our engine (default: default)")
+    live.add_argument("--port", type=int, default=8080, metavar="N", help="of the page (default 8080, or the next that is free)")
+    live.add_argument("--ws", type=int, metavar="PORT", help="take tracker samples and give poses by WebSocket at this port")
+    live.add_argument("--udp", type=int, metavar="PORT", help="take tracker samples by UDP at this port")
+    live.add_argument("--listen", metavar="ADDRESS", default="127.0.0.1",
+                      help="where page and ports listen (default 127.0.0.1, this machine alone; on another address "
+                      "whatever reaches it drives your avatar)")
+    live.add_argument("--dark", action="store_true", help="begin with a dark page")
+    live.add_argument("--save", metavar="DIR", type=path_option, default=Path(), help="folder for recordings (default: here)")
+    live.add_argument("--no-browser", action="store_true", help="print the address only")
+    live.add_argument("--seconds", type=float, metavar="S", help="end after so long (default: at Ctrl-C)")
 
 
 def _scene(one: argparse.ArgumentParser) -> None:

@@ -22,6 +22,14 @@ def main(arguments: list[str] | None = None) -> int:
             from avatarsim.cli.motions import run
 
             return run(asked)
+        if asked.command == "live":
+            from avatarsim.cli.live import run as live
+
+            return live(asked)
+        if asked.command == "replay":
+            from avatarsim.cli.replay import run as again
+
+            return again(asked)
         from avatarsim.cli.compiling import run as compiling
 
         return compiling(asked)

@@ -19,7 +19,7 @@ import numpy as np
 from avatarsim.engine import Engine, FrameRecord
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.live.channel import Channel
-from avatarsim.live.messages import Answer, Array, Command, Order, Plan, State, Target
+from avatarsim.live.messages import Answer, Array, Command, Order, Plan, State, Target, Touching
 from avatarsim.live.orders import World
 from avatarsim.live.recording import Recorder
 from avatarsim.scene.tracker import TrackerSample, checked
@@ -29,8 +29,8 @@ COLLECTED = 64
 """Frames between two runs of Python's collector over the youngest objects: at 60 Hz one a second, of some 20 us."""
 AHEAD = -10
 """Niceness of the loop, where the system allows it: a page that is drawn on the same processors waits rather than a frame."""
-NO_CONTACTS = np.zeros((0, 6))
-"""What is said of contacts by an engine that cannot name them."""
+TOUCHED = 2
+"""Frames between two queries of contacts, 30 a second at 60 Hz: a page draws no more."""
 
 
 def run(plan: Plan, channel: Channel, orders: Connection) -> None:
@@ -108,22 +108,26 @@ class Loop:
         self._publish(record, cost, due)
         if self._log is not None:
             self._log.frame(self._sample, record.state_hash())
+        if self._frame % TOUCHED == 0 and time.monotonic_ns() < due + self._period // 2:
+            self._touch()
         if self._frame % COLLECTED == 0 and time.monotonic_ns() < due + self._period // 2:
             gc.collect(0 if self._frame % COLLECTED**2 else 1)
 
     def _publish(self, record: FrameRecord, cost: int, due: int) -> None:
         """Send what is shown; the time it is sent at counts."""
-        contacts, engine = NO_CONTACTS, self.world.engine
-        if isinstance(engine, AvatarsimEngine):
-            contacts = rows(engine)
         shown, now = record.shown, time.monotonic_ns()
         latency = -1 if self._used else now - self._stamp
         self._used = True
         self._channel.send(State(
             self._frame, shown.time, shown.positions, shown.orientations, record.angles, self._target, latency, cost,
-            now > due + self._period and not self._is_paused, self._skipped, contacts, dict(record.statuses), dict(record.counts),
+            now > due + self._period and not self._is_paused, self._skipped, due + self._period, dict(record.statuses), dict(record.counts),
             dict(record.stage_ns), record.state_hash(), self._is_paused, self._log is not None and self._log.is_open,
         ))
+
+    def _touch(self) -> None:
+        """Send where bodies touch, of an engine that can tell."""
+        if isinstance(self.world.engine, AvatarsimEngine):
+            self._channel.send(Touching(self._frame, rows(self.world.engine)))
 
     def _listen(self) -> None:
         """Take the newest target; one that fits no avatar of the scene is a fault of the door, which checks them all."""

@@ -108,6 +108,15 @@ class Answer:
 
 
 @dataclass(frozen=True, eq=False)
+class Touching:
+    """Where bodies touch in the state of a frame, `contacts` (k, 6): points [m], and unit normals out of the second body into the
+    first. Sent after the state, where the frame has time left: nothing waits for it."""
+
+    frame: int
+    contacts: Array
+
+
+@dataclass(frozen=True, eq=False)
 class State:
     """What is shown after a frame, and what it cost. Bodies are in the scene's canonical order.
 
@@ -117,7 +126,7 @@ class State:
                   where it was used before
     engine_ns     how long the engine took, in `advance`
     is_late       published after the next frame was due; `skipped` frames that were due and left out, since the loop began
-    contacts      (k, 6): points [m] and unit normals out of the second body into the first
+    due           [ns] of the monotonic clock at which the next frame begins
     statuses      as in FrameRecord, and counts, stage_ns
     state_hash    of the frame record
     is_paused     whether time stands still; `is_logged` whether this frame is in the log
@@ -133,7 +142,7 @@ class State:
     engine_ns: int
     is_late: bool
     skipped: int
-    contacts: Array
+    due: int
     statuses: Mapping[str, int]
     counts: Mapping[str, int]
     stage_ns: Mapping[str, int]

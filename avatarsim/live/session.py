@@ -19,7 +19,7 @@ from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput
 from avatarsim.live.channel import pair
 from avatarsim.live.figures import Figures, Window
 from avatarsim.live.loop import run
-from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target
+from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target, Touching
 from avatarsim.scene.tracker import TrackerSample, checked
 
 LOADING = 180.0
@@ -49,6 +49,7 @@ class Driven:
         theirs.close()
         self._window = Window(plan.rate)
         self.state: State | None = None
+        self.touching: Touching | None = None
 
     def is_loaded(self) -> bool:
         """Whether it has begun, once it says so. Raises LoopDied with its sentence where it could not."""
@@ -64,14 +65,21 @@ class Driven:
 
     def look(self) -> State | None:
         """Take all states that have come; the newest."""
-        for state in self._channel.drain():
-            self._window.add(state)
-            self.state = state
+        for told in self._channel.drain():
+            if isinstance(told, Touching):
+                self.touching = told
+            else:
+                self._window.add(told)
+                self.state = told
         return self.state
 
     def figures(self) -> Figures:
         """Of its last seconds."""
         return self._window.figures()
+
+    def times(self) -> list[int]:
+        """Frame times [ns] of its last seconds."""
+        return self._window.times()
 
     def send(self, target: Target) -> bool:
         """Hand a target on; False where the loop has not taken the last ones."""

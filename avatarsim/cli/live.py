@@ -1,0 +1,138 @@
+"""The command `avatarsim live`: a session, its page and its ports, until it is stopped."""
+
+import argparse
+import sys
+import time
+import webbrowser
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import replace
+from importlib.util import find_spec
+from pathlib import Path
+
+from avatarsim.assets.models.model import Model
+from avatarsim.cleaning.chords import Chords, with_own_names
+from avatarsim.cleaning.start import free_posture
+from avatarsim.engine import Settings
+from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, MissingPackage
+from avatarsim.live.messages import RATES, Array, Plan
+from avatarsim.live.orders import posture_of
+from avatarsim.live.recording import OURS
+from avatarsim.live.session import LoopDied, Session
+from avatarsim.live.stages import Stage, stage, stage_of
+from avatarsim.live.view.depth import Depth
+from avatarsim.scene.body import Role
+from avatarsim.scene.checks import within
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
+
+ENDED, DIED, UNREADABLE = 0, 1, 3
+"""Exit codes."""
+HAND = "hand"
+"""The scene that is shown where none is asked for."""
+MARGIN = 1e-3
+"""[m] about the first posture of an avatar of one's own, as in cleaning."""
+PACKAGES = ("viser", "websockets")
+"""What the extra `view` brings."""
+
+def run(asked: argparse.Namespace) -> int:
+    """The exit code. Raises InvalidInput for options that do not fit, MissingPackage without the page's library."""
+    require_page()
+    try:
+        found, model = _stage(asked)
+        clips = clips_of(asked.motion, found.scene, model)
+    except InvalidFile as error:
+        print(f"avatarsim: {error}", file=sys.stderr)
+        return UNREADABLE
+    return drive(asked, found, clips, (), own_depth(found.scene))
+
+
+def require_page() -> None:
+    """MissingPackage where the page cannot be shown."""
+    for package in PACKAGES:
+        if find_spec(package) is None:
+            raise MissingPackage(package, "view", "the page of a live session")
+
+
+def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
+    """The scene that is asked for, and the model of a user's own avatar. Raises InvalidInput for both a built-in one and a file,
+    InvalidFile for what cannot be read."""
+    if asked.avatar is None:
+        if asked.room is not None:
+            raise InvalidInput("--room", str(asked.room), "an option beside --avatar, which goes about in it")
+        return stage(asked.scene or HAND), None
+    if asked.scene is not None:
+        raise InvalidInput("--scene", asked.scene, "no option beside --avatar")
+    from avatarsim.assets.models.load import load_avatar, load_room
+
+    model = load_avatar(asked.avatar)
+    rooms = () if asked.room is None else (load_room(asked.room),)
+    for said in (*model.said, *(said for room in rooms for said in room.said)):
+        print(f"avatarsim: {said}", file=sys.stderr)
+    if model.avatar is None:
+        raise InvalidFile(f"avatar in {asked.avatar.name}", "none", "a file with joints; a room goes with --room")
+    bodies = (*model.bodies, *with_own_names((body for room in rooms for body in room.bodies), set(model.scene().names)))
+    own = stage_of(model.avatar, bodies, model.start, exclude=model.exclude, name=asked.avatar.stem)
+    start = free_posture(Chords(still(own.scene)), own.scene.first_sample, MARGIN)
+    return replace(own, scene=replace(own.scene, start=start)), model
+
+
+def clips_of(paths: Sequence[Path], scene: Scene, model: Model | None) -> Mapping[str, Motion]:
+    """The motions of files for an avatar, by the files' names. Raises InvalidFile for what cannot be read or does not fit."""
+    from avatarsim.assets.motions.load import load_motion
+
+    clips = {}
+    for path in paths:
+        if model is None:
+            raise InvalidFile(f"motion {path.name}", scene.name, "one beside --avatar, whose joints it moves")
+        clips[path.name] = load_motion(path).motion(model)
+    return clips
+
+
+def still(scene: Scene) -> Scene:
+    """The scene without its loose bodies."""
+    bodies = tuple(body for body in scene.bodies if body.role is Role.FIXED)
+    names = {*(body.name for body in bodies), *scene.names[len(scene.bodies):]}
+    exclude = tuple(pair for pair in scene.exclude if names.issuperset(pair))
+    return replace(scene, bodies=bodies, exclude=exclude, require=(), force=())
+
+
+def own_depth(scene: Scene) -> Depth:
+    """How deep avatars are in what is fixed and in themselves, by our own distances; those of loose bodies are not among them."""
+    chords = Chords(still(scene))
+
+    def depth(scene: Scene, positions: Array, orientations: Array, angles: Array) -> float:
+        first = len(scene.bodies)
+        return max(0.0, -chords.nearest(posture_of(scene, positions[first:], orientations[first:], angles), 0.0)[0])
+
+    return depth
+
+
+def drive(
+    asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], rivals: Sequence[Plan], depth: Depth | None
+) -> int:
+    """Run a session of our engine and of rivals until it is stopped; the exit code."""
+    from avatarsim.live.drive.driver import Driver
+    from avatarsim.live.view.page import Page, Shows
+
+    rate = within("--rate", asked.rate, *RATES, InvalidInput)
+    seconds = None if asked.seconds is None else within("--seconds", asked.seconds, 0.0, 1e6, InvalidInput)
+    ours = Plan(OURS, found.scene, Settings(preset=asked.method, time_stages=True), rate)
+    print("avatarsim: loading", file=sys.stderr)
+    try:
+        with ExitStack() as stack:
+            session = stack.enter_context(Session([ours, *rivals]))
+            shows = Shows(found, clips, depth, asked.listen, asked.port, asked.dark, asked.save)
+            page = Page(session, Driver(found.scene), shows)
+            stack.callback(page.close)
+            print(f"avatarsim: {page.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
+            if not asked.no_browser:
+                webbrowser.open(page.address)
+            end = None if seconds is None else time.monotonic() + seconds
+            page.rounds(lambda: end is not None and time.monotonic() >= end)
+    except KeyboardInterrupt:
+        return ENDED
+    except LoopDied as error:
+        print(f"avatarsim: {error}", file=sys.stderr)
+        return DIED
+    return ENDED

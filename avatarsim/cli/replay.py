@@ -1,0 +1,65 @@
+"""The command `avatarsim replay`: a recording run again, and its states compared bit for bit."""
+
+import argparse
+import json
+import sys
+import time
+
+from avatarsim.console import Progress
+from avatarsim.engine import FrameRecord
+from avatarsim.errors import AvatarsimError
+from avatarsim.live.recording import Recorded, read, versions
+from avatarsim.live.replaying import Replayed, replay
+
+SAME, DIFFERS, UNREADABLE = 0, 1, 3
+"""Exit codes."""
+
+
+def run(asked: argparse.Namespace) -> int:
+    """The exit code."""
+    begun = time.monotonic()
+    try:
+        recorded = read(asked.recording)
+        with Progress("replay", sys.stderr) as progress:
+            def one(frame: int, record: FrameRecord) -> None:
+                if progress.due:
+                    progress.step(frame / max(1, recorded.frames), f"frame {frame} of {recorded.frames}")
+
+            done = replay(recorded, one)
+    except AvatarsimError as error:
+        print(f"avatarsim: {error}", file=sys.stderr)
+        return UNREADABLE
+    others = {name: (said, versions().get(name, "")) for name, said in recorded.versions.items() if versions().get(name) != said}
+    if asked.json:
+        print(json.dumps(_told(recorded, done, others), indent=2))
+    else:
+        _say(recorded, done, others, time.monotonic() - begun)
+    return SAME if done.difference is None else DIFFERS
+
+
+def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]]) -> dict[str, object]:
+    """What became of it, as JSON."""
+    difference = done.difference
+    return {
+        "scene": recorded.plan.scene.name, "preset": recorded.plan.settings.preset, "rate_hz": recorded.plan.rate,
+        "frames": done.frames, "is_torn": recorded.is_torn, "is_same": difference is None,
+        "first_difference": None if difference is None else {
+            "frame": difference.frame, "recorded": difference.recorded, "replayed": difference.replayed
+        },
+        "other_versions": {name: {"recorded": a, "here": b} for name, (a, b) in others.items()},
+    }
+
+
+def _say(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> None:
+    plan = recorded.plan
+    print(f"{plan.scene.name}, method {plan.settings.preset}, {done.frames} frames at {plan.rate:g} Hz in {seconds:.1f} s")
+    if recorded.is_torn:
+        print("its end is torn: the program that wrote it was stopped; all whole frames were run")
+    if done.difference is None:
+        print("every state is the same to the bit")
+        return
+    where = "the state before the first frame" if done.difference.frame == 0 else f"frame {done.difference.frame}"
+    print(f"{where} is another: {done.difference.replayed}, recorded was {done.difference.recorded}")
+    if others:
+        said = ", ".join(f"{name} {a} (here {b})" for name, (a, b) in others.items())
+        print(f"it was recorded with {said}; other versions or processors may give other last bits")

@@ -1,0 +1,126 @@
+"""What is drawn of a session: the room once, what moves at each draw, the user's own posture as a ghost, contacts as short normals.
+
+Retained-mode scene graph (viser): a mesh is sent once, later only where it is.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from avatarsim.live.messages import State, Touching
+from avatarsim.live.view.surfaces import surface
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Piece
+
+Array = NDArray[np.float64]
+Colour = tuple[int, int, int]
+
+SHOWN: tuple[Colour, ...] = ((46, 134, 222), (230, 145, 56), (120, 94, 240), (0, 158, 115))
+"""Of the avatar as each engine shows it, the driven one's first: apart for eyes that see no red or no green too (Okabe and Ito)."""
+OVERLAPPING: Colour = (214, 39, 40)
+"""Of an avatar that overlaps more than a micrometre."""
+LOOSE: Colour = (196, 160, 110)
+"""Of bodies that are loose."""
+ROOM: dict[bool, Colour] = {False: (205, 208, 212), True: (88, 94, 104)}
+"""Of what is fixed, by whether the page is dark."""
+GHOST: dict[bool, Colour] = {False: (90, 90, 90), True: (220, 220, 220)}
+"""Of the user's own posture."""
+FAINT, BESIDE = 0.25, 0.55
+"""How opaque the ghost is, and bodies of engines beside the driven one."""
+NORMAL = 0.05
+"""Length of a drawn normal [m]."""
+CONTACT: Colour = (214, 39, 140)
+"""Of normals."""
+
+
+class Drawn:
+    """Meshes of one engine's state: links, and loose bodies; the room only for the driven one, the ghost likewise."""
+
+    def __init__(self, server: viser.ViserServer, scene: Scene, name: str, number: int) -> None:
+        self._scene, self._name, self._number = scene, name, number
+        self._is_driven = number == 0
+        self._first = len(scene.bodies)
+        self._links = [link for avatar in scene.avatars for link in avatar.links]
+        names = scene.names
+        self._room = {
+            body.name: self._mesh(server, f"/room/{body.name}", body.pieces, ROOM[False], None)
+            for body in scene.bodies if self._is_driven and body.role is Role.FIXED
+        }
+        for body in scene.bodies:
+            if body.name in self._room:
+                self._room[body.name].position = np.asarray(body.position)
+                self._room[body.name].wxyz = np.asarray(body.orientation)
+        opacity = None if self._is_driven else BESIDE
+        loose = LOOSE if self._is_driven else SHOWN[number % len(SHOWN)]
+        self.moving = {
+            k: self._mesh(server, f"/{name}/{names[k]}", body.pieces, loose, opacity)
+            for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED
+        }
+        self.links = {
+            self._first + k: self._mesh(server, f"/{name}/{names[self._first + k]}", link.pieces, self.colour, opacity)
+            for k, link in enumerate(self._links) if link.pieces
+        }
+        self._ghost = {
+            self._first + k: self._mesh(server, f"/ghost/{names[self._first + k]}", link.pieces, GHOST[False], FAINT)
+            for k, link in enumerate(self._links) if link.pieces and self._is_driven
+        }
+        self._normals = server.scene.add_line_segments(
+            f"/{name}/normals", np.zeros((1, 2, 3)), CONTACT, thickness=3.0, thickness_units="screen"
+        ) if self._is_driven else None
+        self._overlaps, self._touched = False, -1
+
+    @property
+    def colour(self) -> Colour:
+        """Of its avatar, where nothing overlaps."""
+        return SHOWN[self._number % len(SHOWN)]
+
+    @staticmethod
+    def _mesh(
+        server: viser.ViserServer, place: str, pieces: Sequence[Piece], colour: Colour, opacity: float | None
+    ) -> viser.MeshHandle:
+        vertices, faces = surface(pieces)
+        return server.scene.add_mesh_simple(place, vertices, faces, color=colour, opacity=opacity, flat_shading=False)
+
+    def show(self, state: State, touching: Touching | None) -> None:
+        """Move everything to where a state has it."""
+        for group in (self.moving, self.links):
+            for k, mesh in group.items():
+                mesh.position, mesh.wxyz = state.positions[k], state.orientations[k]
+        if self._normals is not None and touching is not None and touching.frame != self._touched:
+            self._touched = touching.frame
+            points, normals = touching.contacts[:, :3], touching.contacts[:, 3:]
+            # one segment at least, without length, for the node is never taken away
+            segments = np.stack([points, points + NORMAL * normals], axis=1) if len(points) else np.zeros((1, 2, 3))
+            self._normals.points = segments.astype(np.float32)
+
+    def show_ghost(self, positions: Array, orientations: Array) -> None:
+        """Move the ghost to the poses of all links, (links, 3) [m] and (links, 4)."""
+        for k, mesh in self._ghost.items():
+            mesh.position, mesh.wxyz = positions[k - self._first], orientations[k - self._first]
+
+    def mark(self, overlaps: bool) -> None:
+        """Draw the avatar red while it overlaps."""
+        if overlaps != self._overlaps:
+            self._overlaps = overlaps
+            for mesh in self.links.values():
+                mesh.color = OVERLAPPING if overlaps else self.colour
+
+    def see(self, visible: bool) -> None:
+        """Draw it, or not."""
+        for mesh in (*self.moving.values(), *self.links.values()):
+            mesh.visible = visible
+
+    def see_ghost(self, visible: bool) -> None:
+        """Draw the ghost, or not."""
+        for mesh in self._ghost.values():
+            mesh.visible = visible
+
+    def darken(self, dark: bool) -> None:
+        """Colours for a dark page, or for a light one."""
+        for mesh in self._room.values():
+            mesh.color = ROOM[dark]
+        for mesh in self._ghost.values():
+            mesh.color = GHOST[dark]

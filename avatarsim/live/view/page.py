@@ -1,0 +1,230 @@
+"""The page and its rounds: events of pointers, keys and the panel in, targets out just before each frame, then what is shown.
+
+One thread owns driver and session; what viser calls from its own thread is only put in a queue (active object; Lavender and Schmidt
+1996). Targets are handed over a few milliseconds before the loop's next frame, so that they wait for nothing; to draw comes after.
+"""
+
+import queue
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from avatarsim.errors import AvatarsimError, InvalidInput
+from avatarsim.live.drive.driver import Driver
+from avatarsim.live.messages import State
+from avatarsim.live.session import Session
+from avatarsim.live.stages import Stage
+from avatarsim.live.view.depth import Depth
+from avatarsim.live.view.drawn import Drawn
+from avatarsim.live.view.panel import Panel
+from avatarsim.live.view.telling import sentence, table
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.tracker import TrackerSample, link_poses
+
+Array = NDArray[np.float64]
+AHEAD = 3e-3
+"""[s] before a frame at which its target is handed over: a tick, a datagram and a late wake-up fit in. More: older targets."""
+DRAWN = 2
+"""Frames between two drawings: 30 a second at 60 Hz. Fewer: the browser's messages take the time of the ticks."""
+TOLD = 15
+"""Frames between two looks at the figures: four a second, as fast as they can be read."""
+SOONEST = 1e-3
+"""[s] of a round at least, where the loop has told nothing yet."""
+DEEPER = 2.0
+"""[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shows:
+    """What a page shows: the session's stage, clips to play, how penetration is measured, where it is served and saved."""
+
+    stage: Stage
+    clips: Mapping[str, Motion]
+    depth: Depth | None = None
+    host: str = "127.0.0.1"
+    port: int = 8080
+    dark: bool = False
+    folder: Path = Path(".")
+
+
+class Page:
+    """The page of a session. Raises InvalidInput where its port is taken."""
+
+    def __init__(self, session: Session, driver: Driver, shows: Shows) -> None:
+        self.session, self.driver, self.shows = session, driver, shows
+        self._events: queue.SimpleQueue[tuple[int, Callable[[], None]]] = queue.SimpleQueue()
+        self._scene = session.scene
+        try:
+            self.server = viser.ViserServer(host=shows.host, port=shows.port, label="avatarsim live", verbose=False)
+        except OSError as error:
+            raise InvalidInput("port of the page", shows.port, f"a port that is free ({error.strerror})") from error
+        self.server.scene.set_up_direction("+z")
+        camera = self.server.initial_camera
+        camera.position, camera.look_at = np.asarray(shows.stage.camera.position), np.asarray(shows.stage.camera.look_at)
+        self.drawn = {name: Drawn(self.server, self._scene, name, k) for k, name in enumerate(session.loops)}
+        self.panel = Panel(self.server, self, list(session.loops), list(shows.clips), shows.dark)
+        self._names = {name: k for k, name in enumerate(self._scene.names)}
+        self._grabbed: dict[str, tuple[Array, Array, Array]] = {}
+        self._gizmos = self._make_gizmos()
+        self._bind_drags()
+        self._sample: TrackerSample = self._scene.first_sample
+        self._stamp = 0
+        self.frames = 0
+
+    @property
+    def address(self) -> str:
+        """Where a browser finds it."""
+        return f"http://{self.server.get_host()}:{self.server.get_port()}"
+
+    def post(self, event: Callable[[], None]) -> None:
+        """Have something done in the page's own thread, before the next target; from any thread."""
+        self._events.put((time.monotonic_ns(), event))
+
+    def link(self, name: str) -> int:
+        """Place of a link of the driven avatar among all bodies and links."""
+        avatar = self._scene.avatars[0]
+        return self._names[avatar.name if len(avatar.links) == 1 else f"{avatar.name}/{name}"]
+
+    def rounds(self, until: Callable[[], bool]) -> None:
+        """Go on until told otherwise. Raises LoopDied where the driven loop ends."""
+        while not until():
+            self.one()
+
+    def one(self) -> None:
+        """One round: wait until shortly before the next frame, hand its target over, draw what was shown."""
+        states = self.session.look()
+        first = states.get(self.session.first.plan.name)
+        period = 1.0 / self.session.first.plan.rate
+        wait = SOONEST
+        if first is not None:
+            behind = time.monotonic() - 1e-9 * first.due
+            # a loop that says nothing, in a pause, is met at its next instant
+            wait = -AHEAD - behind if behind < -AHEAD else period - (behind + AHEAD) % period
+        time.sleep(max(SOONEST, wait))
+        self._stamp = time.monotonic_ns()
+        self._drain()
+        self._sample = self.driver.tick(period)
+        self.session.send(self._sample, self.driver.source, self._stamp)
+        self.frames += 1
+        if self.frames % DRAWN == 0:
+            self._draw(self.session.look())
+        if self.frames % TOLD == 0:
+            self._tell(self.session.look())
+
+    def _drain(self) -> None:
+        """Do what has been posted; the oldest of it is as old as the target is."""
+        while True:
+            try:
+                stamp, event = self._events.get_nowait()
+            except queue.Empty:
+                return
+            self._stamp = min(self._stamp, stamp)
+            try:
+                event()
+            except AvatarsimError as error:
+                self.panel.say(str(error))
+
+    def _draw(self, states: Mapping[str, State]) -> None:
+        with self.server.atomic():
+            for name, state in states.items():
+                self.drawn[name].show(state, self.session.loops[name].touching)
+            positions, orientations = link_poses(self._scene.avatars, self._sample)
+            first = self.drawn[self.session.first.plan.name]
+            first.show_ghost(positions, orientations)
+            offset = len(self._scene.bodies)
+            for name, gizmo in self._gizmos.items():
+                if name not in self._grabbed:
+                    gizmo.position, gizmo.wxyz = positions[self.link(name) - offset], orientations[self.link(name) - offset]
+
+    def _tell(self, states: Mapping[str, State]) -> None:
+        """Figures and depths."""
+        figures = {name: self.session.loops[name].figures() for name in states}
+        depths, target = dict[str, float](), float("nan")
+        if self.shows.depth is not None:
+            for name, state in states.items():
+                depths[name] = self.shows.depth(self._scene, state.positions, state.orientations, state.angles)
+                self.drawn[name].mark(depths[name] > 1e-6)
+            first = states.get(self.session.first.plan.name)
+            if first is not None:
+                positions, orientations = link_poses(self._scene.avatars, self._sample)
+                at, count = len(self._scene.bodies), len(self._scene.bodies) + len(positions)
+                raw = np.array(first.positions), np.array(first.orientations)
+                raw[0][at:count], raw[1][at:count] = positions, orientations
+                target = self.shows.depth(self._scene, *raw, self._sample.angles)
+        name = self.session.first.plan.name
+        if name in states:
+            self.panel.tell(table(figures, depths, target), sentence(states[name], figures[name]))
+            self.panel.plot({n: self.session.loops[n].times() for n in states})
+
+    def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
+        """A gizmo for each handle of the stage, for those who want axes and turns."""
+        made = {}
+        for name in self.shows.stage.handles:
+            gizmo = self.server.scene.add_transform_controls(
+                f"/gizmos/{name}", scale=0.18, depth_test=False, opacity=0.8, visible=False
+            )
+
+            # async, so that phases keep their order
+            async def moved(event: viser.TransformControlsEvent, name: str = name) -> None:
+                position, turn, phase = np.array(event.target.position), np.array(event.target.wxyz), event.phase
+                self.post(lambda: self._by_gizmo(name, phase, position, turn))
+
+            gizmo.on_update(moved)
+            made[name] = gizmo
+        return made
+
+    def _by_gizmo(self, name: str, phase: str, position: Array, turn: Array) -> None:
+        if phase == "end":
+            self._grabbed.pop(name, None)
+            self.driver.release(name)
+            return
+        self._grabbed[name] = (position, position, position)
+        self.driver.drag(name, position, turn)
+
+    def _bind_drags(self) -> None:
+        """Links are dragged by the pointer: on the plane of the view, with shift away from the eye."""
+        avatar = self._scene.avatars[0]
+        for link in avatar.links:
+            mesh = self.drawn[self.session.first.plan.name].links.get(self.link(link.name))
+            if mesh is None:
+                continue
+
+            async def dragged(event: viser.SceneNodeDragEvent[viser.MeshHandle], name: str = link.name) -> None:
+                start, end = np.array(event.start_position), np.array(event.end_position)
+                eye, down = np.array(event.client.camera.position), event.end_screen_pos[1] - event.start_screen_pos[1]
+                phase, is_depth = event.phase, event.modifier == "shift"
+                self.post(lambda: self._by_pointer(name, phase, start, end, eye, -down if is_depth else None))
+
+            mesh.on_drag("left")(dragged)
+            mesh.on_drag("left", modifier="shift")(dragged)
+
+    def _by_pointer(self, name: str, phase: str, start: Array, end: Array, eye: Array, up: float | None) -> None:
+        """A drag of a link: what was grabbed follows the pointer, whatever the link does meanwhile."""
+        if phase == "end":
+            self._grabbed.pop(name, None)
+            self.driver.release(name)
+            return
+        if phase == "start" or name not in self._grabbed:
+            state = self.session.first.state
+            if state is None:
+                return
+            at = state.positions[self.link(name)]
+            away = (start - eye) / max(1e-9, float(np.linalg.norm(start - eye)))
+            self._grabbed[name] = (np.array(at), start, away)
+        at, grabbed, away = self._grabbed[name]
+        goal = at + (end - grabbed if up is None else DEEPER * up * away)
+        self.driver.drag(name, goal, None)
+
+    def see_gizmos(self, visible: bool) -> None:
+        """Show the gizmos, or not."""
+        for gizmo in self._gizmos.values():
+            gizmo.visible = visible
+
+    def close(self) -> None:
+        """The end of the page."""
+        self.server.stop()

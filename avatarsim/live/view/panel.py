@@ -1,0 +1,166 @@
+"""The panel beside the scene: figures, a plot of frame times, switches, clips, keys, and what has gone wrong (viser's widgets)."""
+
+from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import viser
+import viser.uplot
+
+from avatarsim.live.drive.keys import KEYS
+from avatarsim.live.messages import Order, Switch
+from avatarsim.live.view.drawn import SHOWN
+from avatarsim.live.view.telling import BUDGETS
+
+if TYPE_CHECKING:
+    from avatarsim.live.view.page import Page
+
+EFFECTS = {
+    "friction": "friction", "restitution": "restitution (bounces)", "coupling": "coupling (what is struck pushes back)",
+    "self_contact": "self-contact", "limits": "joint limits", "dynamics": "loose bodies move",
+}
+"""Effects that can be switched, and what the panel calls them."""
+METHODS = {"default": "default: certified", "paper": "paper: equations as printed"}
+"""Presets of the driven engine, and what the panel calls them."""
+PLOTTED = 300
+"""Points of the plot: five seconds at 60 Hz, and no more than the panel is wide."""
+
+
+class Panel:
+    """The widgets, and what they do to their page's session and driver; each in the page's own thread."""
+
+    def __init__(self, server: viser.ViserServer, page: "Page", engines: Sequence[str], clips: Sequence[str], dark: bool) -> None:
+        self._server, self._page = server, page
+        gui = server.gui
+        gui.set_panel_label("avatarsim live")
+        self._theme(dark)
+        self._words = gui.add_markdown("**Loading**")
+        self._table = gui.add_markdown("")
+        self._plot = self._add_plot(engines)
+        self._trouble = gui.add_markdown("", visible=False)
+        with gui.add_folder("Run"):
+            self._run_buttons()
+        with gui.add_folder("Effects and method", expand_by_default=False):
+            self._effects = {name: gui.add_checkbox(said, True) for name, said in EFFECTS.items()}
+            self._method = gui.add_dropdown("Method", tuple(METHODS.values()), initial_value=METHODS["default"])
+            for widget in (*self._effects.values(), self._method):
+                self._on(widget.on_update, self._switch)
+        if len(engines) > 1:
+            with gui.add_folder("Engines"):
+                for name in engines:
+                    box = gui.add_checkbox(name, True)
+                    self._on(box.on_update, lambda name=name, box=box: page.drawn[name].see(box.value))
+        if clips:
+            with gui.add_folder("Clips", expand_by_default=False):
+                self._clip_buttons(clips)
+        with gui.add_folder("View", expand_by_default=False):
+            self._view_boxes(dark)
+        with gui.add_folder("Keys", expand_by_default=False):
+            gui.add_markdown("\n".join(f"- **{key}** {what}" for key, what in KEYS.items()))
+            gui.add_markdown("Drag any part of the avatar with the mouse; with shift it goes away from you and back.")
+            for key, what in KEYS.items():
+                self._on(gui.add_command(what, hotkey=key).on_trigger, lambda key=key: page.driver.press(key))
+
+    def _on(self, bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
+        """Have `act` done in the page's thread whenever a widget fires."""
+        async def fired(event: object) -> None:
+            self._page.post(lambda: void(act()))
+
+        bind(fired)
+
+    def _theme(self, dark: bool) -> None:
+        self._server.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
+
+    def _add_plot(self, engines: Sequence[str]) -> viser.GuiUplotHandle:
+        """Frame times of all engines over the last seconds, beside what 60 and 90 Hz allow."""
+        series = [viser.uplot.Series(label="s")]
+        series += [
+            viser.uplot.Series(label=name, stroke=_css(SHOWN[k % len(SHOWN)]), width=1) for k, name in enumerate(engines)
+        ]
+        series += [viser.uplot.Series(label=rate, stroke="#999999", width=1, dash=(4, 4)) for rate in BUDGETS]
+        nothing = tuple(np.zeros(2) for _ in series)
+        return self._server.gui.add_uplot(
+            nothing, tuple(series), title="Frame time [ms]", aspect=2.4,
+            scales={"x": viser.uplot.Scale(time=False, auto=True), "y": viser.uplot.Scale(auto=True, distr=3)},
+        )
+
+    def _run_buttons(self) -> None:
+        gui = self._server.gui
+        acts: dict[str, Callable[[], object]] = {
+            "Pause / go on": self._pause, "Step": lambda: self._ordered(Order.STEP), "Reset": self._reset,
+            "Keep this state": lambda: self._ordered(Order.KEEP), "Back to it": lambda: self._ordered(Order.BACK),
+            "Save recording": self._save,
+        }
+        for label, act in acts.items():
+            self._on(gui.add_button(label).on_click, act)
+
+    def _clip_buttons(self, clips: Sequence[str]) -> None:
+        gui = self._server.gui
+        chosen = gui.add_dropdown("Clip", tuple(clips))
+        self._on(gui.add_button("Play").on_click, lambda: self._page.driver.play(self._page.shows.clips[chosen.value]))
+        self._on(gui.add_button("Take over").on_click, self._page.driver.take_over)
+
+    def _view_boxes(self, dark: bool) -> None:
+        gui, page = self._server.gui, self._page
+        night = gui.add_checkbox("Dark", dark)
+        self._on(night.on_update, lambda: self._darken(night.value))
+        ghost = gui.add_checkbox("Your own posture, as a ghost", True)
+        self._on(ghost.on_update, lambda: page.drawn[page.session.first.plan.name].see_ghost(ghost.value))
+        gizmos = gui.add_checkbox("Gizmos", False)
+        self._on(gizmos.on_update, lambda: page.see_gizmos(gizmos.value))
+
+    def _darken(self, dark: bool) -> None:
+        self._theme(dark)
+        for one in self._page.drawn.values():
+            one.darken(dark)
+
+    def _ordered(self, order: Order, value: object = None) -> bool:
+        """Give a command to all loops; what the driven one refuses is said."""
+        answer = self._page.session.command(order, value)[self._page.session.first.plan.name]
+        self.say(answer.refused)
+        return not answer.refused
+
+    def _pause(self) -> None:
+        state = self._page.session.first.look()
+        self._ordered(Order.GO_ON if state is not None and state.is_paused else Order.PAUSE)
+
+    def _reset(self) -> None:
+        if self._ordered(Order.RESET):
+            self._page.driver.reset()
+
+    def _switch(self) -> None:
+        off = tuple(name for name, box in self._effects.items() if not box.value)
+        preset = next(name for name, said in METHODS.items() if said == self._method.value)
+        self._ordered(Order.SWITCH, Switch(off, preset))
+
+    def _save(self) -> None:
+        path = self._page.shows.folder / f"{self._page.session.scene.name}-{datetime.now():%Y%m%d-%H%M%S}.live"
+        self._page.session.save(path)
+        self.say(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
+
+    def say(self, words: str) -> None:
+        """Say what went wrong, or was done; nothing where there are no words."""
+        self._trouble.content, self._trouble.visible = words, bool(words)
+
+    def tell(self, table: str, words: str) -> None:
+        """The figures."""
+        self._table.content, self._words.content = table, words
+
+    def plot(self, times: Mapping[str, Sequence[int]]) -> None:
+        """Frame times [ns] of each engine, the last ones."""
+        count = min([PLOTTED, *(len(of) for of in times.values())])
+        if count < 2:
+            return
+        rate = self._page.session.first.plan.rate
+        axis = np.arange(-count + 1, 1) / rate
+        rows = [1e-6 * np.asarray(of[-count:], dtype=np.float64) for of in times.values()]
+        self._plot.data = (axis, *rows, *(np.full(count, ms) for ms in BUDGETS.values()))
+
+
+def _css(colour: tuple[int, int, int]) -> str:
+    return "#" + "".join(f"{part:02x}" for part in colour)
+
+
+def void(value: object) -> None:
+    """Forget what an act answers."""

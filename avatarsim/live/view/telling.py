@@ -1,0 +1,58 @@
+"""What the panel says: frame times beside the rates that they allow, late frames, latency, penetration, statuses in words."""
+
+from collections.abc import Mapping
+from math import isnan
+
+from avatarsim.live.figures import Figures
+from avatarsim.live.messages import State
+
+BUDGETS = {"60 Hz": 16.667, "90 Hz": 11.111}
+"""[ms] that a frame has at the usual rates."""
+
+SAID = {
+    "planning": "looks for a way round", "following": "follows a way round", "waiting": "waits: no way is known yet",
+    "goal_not_reached": "held back by what it touches",
+}
+"""Statuses in words; others are said by their names."""
+
+
+def milliseconds(nanoseconds: float) -> str:
+    """Three digits of milliseconds."""
+    return f"{1e-6 * nanoseconds:.3g}"
+
+
+def depth(metres: float) -> str:
+    """A penetration in millimetres; below a micrometre there is none to an eye or to the promise."""
+    if isnan(metres):
+        return "?"
+    return "none" if metres <= 1e-6 else f"{1e3 * metres:.3g} mm"
+
+
+def table(figures: Mapping[str, Figures], depths: Mapping[str, float], target: float) -> str:
+    """A table of all engines in Markdown: frame time, late frames, penetration of what each shows."""
+    lines = ["| | p50 ms | p99 | worst | late % | overlap |", "|---|---:|---:|---:|---:|---:|"]
+    lines += [
+        f"| {name} | {milliseconds(of.p50)} | {milliseconds(of.p99)} | {milliseconds(of.worst)} | {100.0 * of.late:.2g} "
+        f"| {depth(depths.get(name, float('nan')))} |"
+        for name, of in figures.items()
+    ]
+    lines += [f"| your own posture | | | | | {depth(target)} |"]
+    budgets = ", ".join(f"{ms:.3g} ms at {rate}" for rate, ms in BUDGETS.items())
+    return "\n".join([*lines, "", f"Of the last 10 s. A frame has {budgets}."])
+
+
+def sentence(state: State, of: Figures) -> str:
+    """One line on the driven engine: latency, what was left out, what it reports."""
+    statuses = [SAID.get(name, name.replace("_", " ")) for name in state.statuses]
+    told = "; ".join(statuses) if statuses else "follows freely"
+    left = f", {of.skipped} frames left out" if of.skipped else ""
+    stages = ", ".join(f"{name} {1e-3 * cost:.0f} us" for name, cost in of.stages.items() if cost)
+    lines = [
+        f"**{'Paused. ' if state.is_paused else ''}{told}**",
+        f"Latency {milliseconds(of.latency_p50)} ms, p99 {milliseconds(of.latency_p99)} ms{left}.",
+    ]
+    if stages:
+        lines.append(f"Stages: {stages}.")
+    if not state.is_logged:
+        lines.append("The log is full: what is driven from here on is not saved. Reset begins another.")
+    return "\n\n".join(lines)

@@ -1,0 +1,96 @@
+"""`python -m scenarios.live`: scenes of the catalogue driven in the browser, other engines beside ours, measured by the judge.
+
+The page, the loops and the ports are those of `avatarsim live`; what is added is what alone the harness knows. A scene's own motion
+is a clip to play and to take over from.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+import numpy as np
+
+from avatarsim.cli.arguments import live_options
+from avatarsim.cli.live import drive, require_page
+from avatarsim.console import ended
+from avatarsim.engine import Settings
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.live.messages import Array, Plan
+from avatarsim.live.stages import staged
+from avatarsim.live.view.depth import Depth
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
+from reference.judging.judge import Judge
+from scenarios.engines import PRESETS, known
+from scenarios.catalog import get
+from scenarios.results.gate import USAGE
+from scenarios.scenario import RENDERED, Scenario
+
+NAMED = {"gallery": "walk_through_obstacles", "hand": "hand_over_table"}
+"""Scenes by what one would call them, and their names in the catalogue."""
+SCENE = "gallery"
+"""The scene that is shown where none is asked for: the paper's two rooms."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """All options."""
+    top = argparse.ArgumentParser(
+        prog="python -m scenarios.live", description="Scenes of the catalogue driven in the browser, other engines beside ours.",
+        epilog="examples: python -m scenarios.live; python -m scenarios.live --scene hand --engine mujoco/tuned pybullet/tuned",
+    )
+    live_options(top)
+    top.add_argument("--scene", default=SCENE, metavar="NAME", help=f"{', '.join(NAMED)}, or a scene of the catalogue")
+    top.add_argument("--engine", nargs="+", default=[], metavar="ENGINE/PRESET", help="other engines that follow the same targets")
+    return top
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The exit code: 0 ended by the user, 1 the engine's process ended by itself, 2 wrong usage."""
+    asked = parser().parse_args(arguments)
+    try:
+        require_page()
+        if asked.motion:
+            raise InvalidInput("--motion", str(asked.motion[0]), "an option of `avatarsim live --avatar FILE`")
+        scenario = get(NAMED.get(asked.scene, asked.scene))
+        scene = scenario.build()
+        if not scene.avatars:
+            raise InvalidInput("--scene", asked.scene, "a scene with an avatar")
+        rivals = [plan_of(words, scene, asked.rate) for words in asked.engine]
+        return drive(asked, staged(scene, scenario.title), {f"{scene.name}, seed 0": clip(scenario, scene)}, rivals, judged(scene))
+    except AvatarsimError as error:
+        print(f"scenarios.live: {error}", file=sys.stderr)
+        return USAGE
+
+
+def plan_of(words: str, scene: Scene, rate: float) -> Plan:
+    """The loop of another engine: "mujoco/tuned". Raises UnknownName for what there is not."""
+    name, _, preset = words.partition("/")
+    paths = known()
+    if name not in paths:
+        raise UnknownName("engine", name, paths)
+    preset = preset or PRESETS.get(name, ("default",))[-1]
+    return Plan(paths[name], scene, Settings(preset=preset), rate, name=f"{name}/{preset}")
+
+
+def clip(scenario: Scenario, scene: Scene) -> Motion:
+    """The scenario's own motion, as one that can be played."""
+    motion = scenario.motion(scene, 0)
+    samples = [scene.first_sample, *(motion(frame) for frame in range(scenario.frames))]
+    return Motion(
+        RENDERED * np.arange(len(samples)), np.array([one.positions for one in samples]),
+        np.array([one.rotations for one in samples]), np.array([one.angles for one in samples]),
+    )
+
+
+def judged(scene: Scene) -> Depth:
+    """Penetration by the independent judge, of all pairs that may not overlap."""
+    judge = Judge(scene)
+
+    def depth(scene: Scene, positions: Array, orientations: Array, angles: Array) -> float:
+        return judge.overlaps(positions, orientations).deepest
+
+    return depth
+
+
+if __name__ == "__main__":
+    sys.exit(ended(main))

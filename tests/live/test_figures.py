@@ -1,0 +1,52 @@
+"""Figures of a loop's last seconds, against numpy's."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.live.figures import SPAN, Window, rank
+from avatarsim.live.messages import State
+
+
+def state(frame: int, cost: int = 1000, latency: int = -1, late: bool = False, skipped: int = 0, paused: bool = False) -> State:
+    """A state of which only what it cost counts."""
+    nothing = np.zeros((0, 3))
+    return State(
+        frame, frame / 60.0, nothing, np.zeros((0, 4)), np.zeros(0), 0, latency, cost, late, skipped, 0, {"planning": 1}, {},
+        {"posture": cost // 2}, "", paused,
+    )
+
+
+@given(values=st.lists(st.integers(0, 10**9), min_size=1, max_size=200), percent=st.floats(0.0, 100.0))
+def test_the_nearest_rank_is_numpys(values: list[int], percent: float) -> None:
+    assert rank(sorted(values), percent) == np.percentile(values, percent, method="inverted_cdf")
+
+
+def test_nothing_has_figures_of_nothing() -> None:
+    assert Window(60.0).figures().frames == 0 and rank([], 50.0) == 0
+
+
+def test_figures_are_of_the_last_seconds() -> None:
+    window = Window(60.0)
+    for frame in range(2000):
+        window.add(state(frame, cost=10**9 if frame < 1000 else 1000 + frame % 100, latency=frame % 7 - 1, late=frame >= 1994))
+    found = window.figures()
+    assert found.frames == 60 * SPAN == len(window.times())
+    assert found.worst == 1099 and found.p50 == pytest.approx(1049, abs=1)
+    assert found.late == pytest.approx(6 / 600) and found.latency_p99 == 5
+    assert found.statuses == {"planning": 600} and found.stages["posture"] == pytest.approx(524, abs=1)
+
+
+def test_frames_left_out_are_counted_from_the_windows_start() -> None:
+    window = Window(60.0)
+    for frame in range(10):
+        window.add(state(frame, skipped=3 + frame // 5))
+    assert window.figures().skipped == 1
+
+
+def test_a_pause_says_nothing_about_time() -> None:
+    window = Window(60.0)
+    window.add(state(1, cost=5))
+    window.add(state(1, cost=0, paused=True))
+    assert window.figures().frames == 1 and window.figures().worst == 5

@@ -1,0 +1,147 @@
+"""Recordings: what was driven runs again to the same bits; what is damaged is refused by its place, and torn ends are read."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.errors import InvalidFile
+from avatarsim.live.messages import Command, Order, Switch
+from avatarsim.live.orders import World
+from avatarsim.live.recording import Recorder, read
+from avatarsim.live.replaying import Difference, replay
+from tests.live.small import plan, pushed
+
+BETWEEN = {
+    20: Command(Order.KEEP), 50: Command(Order.SWITCH, Switch(("friction", "self_contact"))), 80: Command(Order.KEEP),
+    100: Command(Order.BACK), 120: Command(Order.SWITCH, Switch((), "paper")), 150: Command(Order.SWITCH, Switch()),
+    170: Command(Order.BACK),
+}
+"""Commands before the frames of these numbers."""
+
+
+def recorded(path: Path, frames: int = 200, between: dict[int, Command] = BETWEEN) -> Path:
+    """A recording of a driven run with commands in it."""
+    world = World(plan())
+    recorder = Recorder(path, world.plan, world.shown.state_hash())
+    for frame in range(1, frames + 1):
+        if frame in between:
+            assert world.apply(between[frame]) == ""
+            recorder.command(between[frame])
+        recorder.frame(pushed(frame), world.advance(pushed(frame)).state_hash())
+    recorder.close()
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """The bytes of a recording of 200 frames."""
+    return recorded(tmp_path_factory.mktemp("whole") / "a.live").read_bytes()
+
+
+def test_what_was_driven_runs_again_to_the_same_bits(whole: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.live").write_bytes(whole)
+    found = read(tmp_path / "a.live")
+    assert found.frames == 200 and len(found.rows) == 207 and not found.is_torn and found.plan.rate == 60.0
+    seen = list[int]()
+    done = replay(found, lambda frame, record: seen.append(frame))
+    assert done.difference is None and done.frames == 200 and seen == list(range(1, 201))
+
+
+def test_another_sample_is_found_at_its_frame(tmp_path: Path) -> None:
+    world = World(plan())
+    recorder = Recorder(tmp_path / "a.live", world.plan, world.shown.state_hash())
+    for frame in range(1, 31):
+        shown = world.advance(pushed(frame)).state_hash()
+        recorder.frame(pushed(frame + (frame == 12)), shown)
+    recorder.close()
+    difference = replay(read(tmp_path / "a.live")).difference
+    assert isinstance(difference, Difference) and difference.frame == 12 and difference.recorded != difference.replayed
+
+
+def test_another_start_is_found_before_the_first_frame(tmp_path: Path) -> None:
+    recorder = Recorder(tmp_path / "a.live", plan(), "0" * 16)
+    recorder.close()
+    difference = replay(read(tmp_path / "a.live")).difference
+    assert difference is not None and difference.frame == 0
+
+
+def test_a_log_that_was_cut_is_read_up_to_its_last_whole_row(whole: bytes, tmp_path: Path) -> None:
+    for cut in (1, 3, 60, 700):
+        (tmp_path / "a.live").write_bytes(whole[:-cut])
+        found = read(tmp_path / "a.live")
+        assert found.is_torn and 190 < found.frames < 200 and replay(found).difference is None
+
+
+@given(data=st.data())
+def test_flipped_bytes_are_refused_or_a_torn_end(data: st.DataObject, whole: bytes, tmp_path_factory: pytest.TempPathFactory) -> None:
+    path = tmp_path_factory.mktemp("flipped") / "a.live"
+    at, value = data.draw(st.integers(0, len(whole) - 1)), data.draw(st.integers(0, 255))
+    path.write_bytes(whole[:at] + bytes([value]) + whole[at + 1:])
+    try:
+        found = read(path)
+    except InvalidFile as error:
+        assert "a.live" in str(error)
+    else:
+        assert found.is_torn or whole[at] == value
+
+
+@given(st.binary(max_size=200))
+def test_any_bytes_are_no_recording(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+    path = tmp_path_factory.mktemp("bytes") / "b.live"
+    path.write_bytes(data)
+    with pytest.raises(InvalidFile, match=r"b\.live"):
+        read(path)
+
+
+def headed(folder: Path, old: bytes, new: bytes) -> Path:
+    """A recording in whose head something is another, with its sum mended."""
+    import json
+    import struct
+    import zlib
+
+    from avatarsim.live.recording import FORMAT, MAGIC
+
+    data = recorded(folder / "c.live", 2, {}).read_bytes()
+    start = len(MAGIC) + 8
+    (length,) = struct.unpack_from("<I", data, len(MAGIC) + 4)
+    head = data[start: start + length].replace(old, new, 1)
+    assert head != data[start: start + length]
+    assert isinstance(json.loads(head.replace(b"NaN", b"0")), dict)
+    mended = MAGIC + struct.pack("<II", FORMAT, len(head)) + head + struct.pack("<I", zlib.crc32(head))
+    (folder / "c.live").write_bytes(mended + data[start + length + 4:])
+    return folder / "c.live"
+
+
+@pytest.mark.parametrize(("old", "new", "says"), [
+    (b'"avatarsim.simulator:AvatarsimEngine"', b'"os:system"', "engine of recording c.live is 'os:system'"),
+    (b'"rate": 60.0', b'"rate": 1e9', "rate of recording c.live"), (b'"rate": 60.0', b'"rate": true', "rate in the head"),
+    (b'"rate": 60.0', b'"rate": NaN', "NaN is no number"), (b'"seed": 0', b'"seed": 0.5', "seed in the head"),
+    (b'"radius": 0.04', b'"radius": -1.0', "sphere radius"), (b'"is": "Sphere"', b'"is": "Spherf"', "one of Sphere"),
+    (b'"bodies": [', b'"bodies": [1, ', r"scene\.bodies\[0\]"),
+])
+def test_a_head_that_is_none_is_refused_by_its_place(tmp_path: Path, old: bytes, new: bytes, says: str) -> None:
+    with pytest.raises(InvalidFile, match=says):
+        read(headed(tmp_path, old, new))
+
+
+def test_a_missing_file_and_a_folder_are_named(tmp_path: Path) -> None:
+    for path in (tmp_path / "none.live", tmp_path):
+        with pytest.raises(InvalidFile):
+            read(path)
+
+
+def test_a_recorder_stops_at_its_limit_and_what_it_has_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from avatarsim.live import recording
+
+    monkeypatch.setattr(recording, "BYTES", 20_000)
+    world = World(plan())
+    recorder = Recorder(tmp_path / "a.live", world.plan, world.shown.state_hash())
+    for frame in range(1, 301):
+        recorder.frame(pushed(frame), world.advance(pushed(frame)).state_hash())
+    assert not recorder.is_open
+    recorder.flush()
+    recorder.close()
+    found = read(tmp_path / "a.live")
+    assert 20 < found.frames < 300 and not found.is_torn and replay(found).difference is None

@@ -1,0 +1,136 @@
+"""Sessions: loops in processes of their own, what they show, what they are told, and what becomes of one that dies."""
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import InvalidFile, InvalidInput, InvalidSample
+from avatarsim.live.messages import Order, State, Switch
+from avatarsim.live.recording import read
+from avatarsim.live.replaying import replay
+from avatarsim.live.session import LoopDied, Session
+from avatarsim.scene.tracker import rest
+from tests.live.small import plan, pushed
+
+PATIENCE = 60.0
+"""[s] after which a loop that says nothing is a failure of the test."""
+
+
+@pytest.fixture(scope="module")
+def session() -> Iterator[Session]:
+    """One session of two loops, for all tests of this file that end nothing."""
+    with Session([plan(), replace(plan(), name="other")]) as one:
+        yield one
+
+
+def until(session: Session, frames: int, name: str = "avatarsim") -> State:
+    """The state of a loop once it is so many frames further."""
+    end, first = time.monotonic() + PATIENCE, None
+    while time.monotonic() < end:
+        state = session.look().get(name)
+        if state is not None:
+            first = state.frame if first is None else first
+            if state.frame >= first + frames:
+                return state
+        time.sleep(0.005)
+    raise AssertionError(f"{name} does not go on")
+
+
+def test_all_loops_follow_the_same_targets(session: Session) -> None:
+    session.command(Order.RESET)
+    for frame in range(40):
+        session.send(pushed(frame), "test")
+        until(session, 1)
+    states = until(session, 5), until(session, 5, "other")
+    for state in states:
+        assert state.positions[2][2] < 0.2 and state.target > 0 and not state.is_paused
+    np.testing.assert_allclose(states[0].positions, states[1].positions, atol=0.05)
+    figures = session.first.figures()
+    assert figures.frames > 0 and figures.worst >= figures.p99 >= figures.p50 > 0 and figures.latency_p99 > 0
+
+
+def test_a_target_that_fits_no_avatar_is_refused_at_the_door(session: Session) -> None:
+    for bad in (replace(pushed(0), angles=np.zeros(3)), replace(pushed(0), positions=np.full((2, 3), np.nan)), rest(())):
+        with pytest.raises(InvalidSample):
+            session.send(bad, "test")
+    until(session, 3)
+
+
+def test_a_pause_holds_and_a_step_is_one_frame(session: Session) -> None:
+    session.command(Order.PAUSE)
+    time.sleep(0.1)
+    held = session.first.look()
+    assert held is not None
+    time.sleep(0.1)
+    again = session.first.look()
+    assert again is not None and again.frame == held.frame
+    session.command(Order.STEP)
+    end = time.monotonic() + PATIENCE
+    while (one := session.first.look()) is not None and one.frame == held.frame and time.monotonic() < end:
+        time.sleep(0.01)
+    assert one is not None and one.frame == held.frame + 1
+    session.command(Order.GO_ON)
+    until(session, 3)
+
+
+def test_refusals_are_sentences_and_the_loop_goes_on(session: Session) -> None:
+    answers = session.command(Order.SWITCH, Switch(("nothing",)))
+    assert "effect is 'nothing'" in answers["avatarsim"].refused and answers["other"].refused
+    until(session, 3)
+
+
+def test_what_was_driven_is_saved_and_runs_again(session: Session, tmp_path: Path) -> None:
+    session.command(Order.RESET)
+    for frame in range(30):
+        session.send(pushed(2 * frame), "test")
+        until(session, 1)
+        if frame == 10:
+            assert not session.command(Order.KEEP)["avatarsim"].refused
+        if frame == 15:
+            assert not session.command(Order.SWITCH, Switch(("friction",), "paper"))["avatarsim"].refused
+        if frame == 25:
+            assert not session.command(Order.SWITCH, Switch())["avatarsim"].refused
+    session.save(tmp_path / "a.live")
+    found = read(tmp_path / "a.live")
+    assert found.frames >= 30 and not found.is_torn
+    assert replay(found).difference is None
+    assert [path.name for path in tmp_path.iterdir()] == ["a.live"]
+
+
+def test_a_place_that_takes_no_file_is_named(session: Session, tmp_path: Path) -> None:
+    (tmp_path / "a.live").write_text("mine")
+    with pytest.raises(InvalidFile, match="a place that takes a file"):
+        session.save(tmp_path / "none" / "a.live")
+    assert (tmp_path / "a.live").read_text() == "mine"
+
+
+def test_a_loop_that_cannot_begin_says_why() -> None:
+    with pytest.raises(LoopDied, match="avatarsim could not begin: .*'nowhere:Engine'"), Session([replace(plan(), engine="nowhere:Engine")]):
+        pass
+    with pytest.raises(LoopDied, match="could not begin: preset"), Session([plan(preset="other")]):
+        pass
+
+
+def test_sessions_without_plans_or_with_a_name_twice_are_refused() -> None:
+    for plans in ([], [plan(), plan()]):
+        with pytest.raises(InvalidInput, match="plans of a session"):
+            Session(plans)
+
+
+def test_a_loop_beside_that_dies_is_left_out_and_the_driven_one_ends_all() -> None:
+    with Session([plan(), replace(plan(), name="other")]) as one:
+        until(one, 2)
+        one.loops["other"]._process.kill()
+        end = time.monotonic() + PATIENCE
+        while "other" in one.loops and time.monotonic() < end:
+            one.look()
+            time.sleep(0.01)
+        assert list(one.loops) == ["avatarsim"]
+        until(one, 2)
+        one.first._process.kill()
+        with pytest.raises(LoopDied, match="avatarsim ended with exit code -9"):
+            until(one, 10**6)

@@ -1,0 +1,114 @@
+"""Scenes as JSON and back: all of the catalogue's to the bit, and what is no scene ends in a sentence that names its place."""
+
+import json
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.engine import Settings
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.written import TAG, TYPES, scene_from, written
+from avatarsim.simulator import AvatarsimEngine
+from scenarios.catalog import get, scenarios
+from tests.live.small import scene
+
+
+def again(one: Scene) -> Scene:
+    """The scene, through JSON."""
+    return scene_from(json.loads(json.dumps(written(one), allow_nan=False)), "x")
+
+
+@pytest.mark.parametrize("name", sorted(scenarios()))
+def test_every_scene_of_the_catalogue_comes_back(name: str) -> None:
+    one = get(name).build()
+    assert written(again(one)) == written(one)
+
+
+@pytest.mark.parametrize("name", ["hand_grasp", "ball_off_table", "limit_torture"])
+def test_what_comes_back_shows_the_same_states(name: str) -> None:
+    scenario = get(name)
+    one = scenario.build()
+    motion, hashes = scenario.motion(one, 0), []
+    for built in (one, again(one)):
+        with AvatarsimEngine() as engine:
+            engine.load(built, Settings(), scenario.dt)
+            hashes.append([engine.advance(motion(frame), scenario.dt).state_hash() for frame in range(30)])
+    assert hashes[0] == hashes[1]
+
+
+def at(data: Any, path: tuple[str | int, ...]) -> Any:
+    """What lies at a place."""
+    for part in path:
+        data = data[part]
+    return data
+
+
+LINK = ("avatars", 0, "links", 1)
+
+
+@pytest.mark.parametrize(("path", "name", "value", "says"), [
+    ((), "name", 3, "scene.name of x"),
+    ((), "gravity", [0.0, 0.0], r"scene.gravity of x.*a list of 3"),
+    ((), "gravity", [0.0, "0", 0.0], r"scene.gravity\[1\] of x.*a number"),
+    ((), "bodies", {"a": 1}, "scene.bodies of x.*a list"),
+    ((), "more", 1, "the entries name, bodies"),
+    ((), TAG, "Body", '"is": "Scene"'),
+    (("bodies", 0), "role", "DRIVER", "one of FIXED, SIMULATED, DRIVEN"),
+    (("bodies", 0), "role", ["FIXED"], "one of FIXED"),
+    (("bodies", 0, "pieces", 0), "shape", {TAG: "Scene"}, "one of Sphere"),
+    (("bodies", 0, "pieces", 0), "shape", None, "one of Sphere"),
+    (("bodies", 1, "mass"), "inertia", [[1.0], [1.0, 2.0]], "numbers in rows of one length"),
+    (("bodies", 1, "mass"), "inertia", "nan", "a list"),
+    (("bodies", 1, "mass"), "mass", True, "a number"),
+    (("bodies", 1, "mass"), "mass", 10**400, "mass"),
+    (LINK, "joint", {TAG: "Hinges", "hinges": [{TAG: "Hinge", "axis": [0, 1, 0], "lower": 1.0, "upper": -1.0}]}, "limits"),
+    (LINK, "parent", "nothing", "parent of link finger"),
+    (("materials",), "pairs", [[["a", "b", "c"], None]], r"pairs\[0\]\[0\] of x"),
+])
+def test_what_is_no_scene_is_named_by_its_place(path: tuple[str | int, ...], name: str, value: object, says: str) -> None:
+    data = json.loads(json.dumps(written(scene())))
+    at(data, path)[name] = value
+    with pytest.raises(InvalidInput, match=says):
+        scene_from(data, "x")
+
+
+@pytest.mark.parametrize("missing", ["name", "bodies", TAG])
+def test_what_is_missing_is_named(missing: str) -> None:
+    data = written(scene())
+    del data[missing]
+    with pytest.raises(InvalidFile):
+        scene_from(data, "x")
+
+
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5) | st.sampled_from(sorted(TYPES)),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5) | st.just(TAG), inner, max_size=4), max_leaves=8,
+)
+
+
+@given(data=st.data())
+def test_anything_at_any_place_is_a_scene_or_refused(data: st.DataObject) -> None:
+    whole = json.loads(json.dumps(written(scene())))
+    place, held = whole, None
+    for _ in range(data.draw(st.integers(1, 7))):
+        if isinstance(place, dict) and place:
+            held, key = place, data.draw(st.sampled_from(sorted(place)))
+        elif isinstance(place, list) and place:
+            held, key = place, data.draw(st.integers(0, len(place) - 1))
+        else:
+            break
+        place = held[key]
+    held[key] = data.draw(JSON)
+    try:
+        assert isinstance(scene_from(whole, "x"), Scene)
+    except InvalidInput:
+        pass
+
+
+def test_numbers_keep_all_their_bits() -> None:
+    numbers = np.random.default_rng(1).normal(size=(50, 3)) * 10.0 ** np.arange(-25, 25)[:, None]
+    np.testing.assert_array_equal(np.array(json.loads(json.dumps(written(numbers)))), numbers)
