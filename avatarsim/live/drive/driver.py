@@ -1,0 +1,447 @@
+"""What a user wants an avatar to do, as one posture a frame: drags, keys, clips and trackers, one source at a time.
+
+Shared control by precedence: a drag goes before keys, keys before a clip, a clip before a tracker. What is shown is continuous
+through every change of source: by hand one goes on from what is shown, and clips and trackers are met by an offset that decays
+(inertialization, Bollo 2016). No obstacles are known here; the engine keeps the avatar out of them.
+"""
+
+from dataclasses import dataclass, replace
+from math import hypot
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from avatarsim.errors import InvalidInput, InvalidSample, UnknownName
+from avatarsim.live.drive.ease import STEEPNESS, Offset, largest_turn, minimum_jerk, mixed, pulse, within_limits
+from avatarsim.live.drive.gait import Gait, planar, yaw_of_x
+from avatarsim.live.drive.keys import BY_NAME, KEYS, Speeds
+from avatarsim.live.drive.limbs import closing, fingers_of, limbs_of
+from avatarsim.live.drive.pull import Goal, Pull
+from avatarsim.live.drive.tree import Posture, Tree, posture_of
+from avatarsim.live.drive.turns import UP, about, add, norm, normalised, rotate, scaled, shortened, sub, turned_by, way
+from avatarsim.scene.checks import Quaternion, Vector, bounded, unit_quaternion, vector, within
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, checked
+
+__all__ = ["KEYS", "Driver"]
+
+FASTEST, FASTEST_TURN = 2.5, 8.0
+"""Speeds that driving by hand never passes: of a root and of what a gizmo pulls at [m/s], of a joint against its parent [rad/s].
+A hand that is thrown about reaches twice that; more: what is pulled through a wall goes too far in a frame to be seen."""
+
+FARTHEST = 100.0
+"""[m] from the avatar's root within which a gizmo's goal is meant."""
+
+LONGEST_TICK = 1.0
+"""[s] as the engine's longest frame."""
+
+TURNING = 1.5
+"""[rad/s] of the turn keys: half a turn in two seconds."""
+
+CLOSING, REACHING, STRIKE = 0.5, 0.6, 0.3
+"""[s] that a fist takes to close, arms take to reach out at least, and a flick takes at least."""
+
+STRIKE_SHARE, STRIKE_WAY = 0.6, 0.15
+"""How far a flick goes: as a share of the way to the reached-out arm, and of the avatar's span where it has no arms."""
+
+LEVER = 0.1
+"""Share of the avatar's span that a turn of a radian counts as: about a hand's length in a human."""
+
+
+@dataclass
+class _Drag:
+    """A link that is pulled: where its gizmo is, and how far the pull has come."""
+
+    goal: Vector
+    turn: Quaternion | None
+    at: Vector
+    turned: Quaternion
+
+
+@dataclass
+class _Clip:
+    motion: Motion
+    shift: Vector
+    time: float = 0.0
+
+
+@dataclass
+class _Swing:
+    """Joints on their way from one posture to another."""
+
+    start: Posture
+    end: Posture
+    links: list[int]
+    length: float
+    age: float = 0.0
+
+
+class Driver:
+    """Drives the first avatar of a scene; links of others move only where they are dragged, or a tracker moves them.
+
+    Raises InvalidInput for a scene without an avatar. The same calls in the same order give the same bits."""
+
+    def __init__(self, scene: Scene) -> None:
+        if not scene.avatars:
+            raise InvalidInput("avatars of the scene to drive", 0, "at least 1")
+        self._scene, self._tree = scene, Tree(scene.avatars)
+        names = scene.names[len(scene.bodies):]
+        self._index = {name: k for k, name in enumerate(names)}
+        self._first = len(scene.avatars[0].links)
+        self._span = scene.avatars[0].span if any(link.pieces for link in scene.avatars[0].links) else 1.0
+        self._start = posture_of(checked(scene.first_sample, scene.avatars))
+        limbs = limbs_of(self._tree, self._start)
+        self._arms = limbs.arms
+        self._gait = Gait(self._tree, limbs.legs, self._start, LEVER * self._span) if limbs.legs else None
+        own = tuple(one for one in fingers_of(self._tree) if self._tree.nodes[one.hand].avatar == 0)
+        self._closing = closing(self._tree, own)
+        self._pulls: dict[tuple[int, ...], Pull] = {}
+        self._arm_joints = [k for arm in self._arms for k in self._tree.moving(arm.links)]
+        self._reached = self._reached_out()
+        self._time = 0.0
+        self.reset()
+
+    def reset(self) -> None:
+        """Back to the start of the scene; time goes on."""
+        self._base, self._shown = self._start.copy(), self._start.copy()
+        self._speeds, self._drags = Speeds(), dict[int, _Drag]()
+        self._clip: _Clip | None = None
+        self._tracker: Posture | None = None
+        self._is_fresh = self._is_reached = self._was_moved = False
+        self._offset: Offset | None = None
+        self._swing: _Swing | None = None
+        self._flick = 0.0
+        self._source = "still"
+        if self._gait is not None:
+            self._gait.end()
+
+    @property
+    def source(self) -> str:
+        """What the last posture came from: "drag", "keys", "clip", "tracker", or "still" where nothing moves it."""
+        return self._source
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """Names of the links that can be dragged, as the scene calls them."""
+        return tuple(self._index)
+
+    @property
+    def period(self) -> float:
+        """[s] of two steps of the walk; 0 for an avatar without legs, which glides."""
+        return 0.0 if self._gait is None else self._gait.period
+
+    def pose(self, link: str) -> tuple[Vector, Quaternion]:
+        """Where a link's joint is [m] and how it is turned in the last posture. Raises UnknownName."""
+        return self._tree.pose(self._shown, self._number(link))
+
+    # --- what the user does
+
+    def drag(self, link: str, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
+        """Pull the joint of a link to `position` (3,) [m] and, unless None, turn it to `orientation` (4,), until `release`.
+
+        Root links go there as a whole. Others pull the chain up to the root along; the root itself follows where the goal is out
+        of reach. Raises UnknownName, and InvalidSample for what is not finite, no rotation, or farther than `FARTHEST`."""
+        k = self._number(link)
+        goal = vector(f"goal of {link} [m]", np.asarray(position, dtype=object).tolist(), InvalidSample)
+        root = self._tree.pose(self._shown, self._tree.chain(k)[0])[0]
+        bounded(f"way from the root to the goal of {link} [m]", sub(goal, root), FARTHEST, InvalidSample)
+        given = None if orientation is None else np.asarray(orientation, dtype=object).tolist()
+        turn = None if given is None else unit_quaternion(f"orientation of the goal of {link}", given, InvalidSample)
+        if k in self._drags:
+            self._drags[k].goal, self._drags[k].turn = goal, turn
+            return
+        self._take("drag")
+        place, turned = self._tree.pose(self._base, k)
+        self._drags[k] = _Drag(goal, turn, place, turned)
+
+    def release(self, link: str) -> None:
+        """Let go of a link, which stays where it is; nothing where it is not pulled. Raises UnknownName."""
+        self._drags.pop(self._number(link), None)
+
+    def press(self, key: str) -> str:
+        """A press, or a repeat, of a key of `KEYS`; empty, or the sentence that says why it does nothing. Raises UnknownName."""
+        if key not in BY_NAME:
+            raise UnknownName("key", str(key), BY_NAME)
+        said, axis = BY_NAME[key], BY_NAME[key].axis
+        if axis == "fist" and not self._closing:
+            return "this avatar has no fingers with hinges, so that there is no fist to open or close"
+        if key == "t" and not self._arms:
+            return "this avatar has no pair of arms, so that none reaches out"
+        if not self._tree.nodes[0].is_free and (axis and axis != "fist" or key == " " and not self._arms):
+            return "the root of this avatar is not free, so that it stays where it is"
+        if self._drags:
+            return "a link is being dragged, which goes before keys"
+        self._take("keys")
+        if axis:
+            self._speeds.press(axis, said.sign)
+        elif key == "t":
+            self._is_reached = not self._is_reached
+            self._swing = self._towards(self._reached if self._is_reached else self._start)
+        elif self._flick <= 0.0:
+            self._flick = 1.0
+        return ""
+
+    def play(self, motion: Motion, at: ArrayLike | None = None) -> None:
+        """Play a motion of the first avatar from its beginning; `at` (3,) [m]: where its root begins, None for as it was recorded.
+
+        It ends at its last frame, with `take_over`, or when a drag or a key takes over. Raises InvalidSample where its links or
+        hinges are not the avatar's, its rotations have no length, or `at` is no place."""
+        avatar = self._scene.avatars[0]
+        if motion.positions.shape[1] != len(avatar.links):
+            raise InvalidSample("links of the motion", motion.positions.shape[1], f"{len(avatar.links)}, as the avatar has")
+        if motion.angles.shape[1] != avatar.hinge_count:
+            raise InvalidSample("hinges of the motion", motion.angles.shape[1], f"{avatar.hinge_count}, as the avatar has")
+        lengths = np.linalg.norm(motion.rotations, axis=2)
+        if not (np.abs(lengths - 1.0) <= 1e-6).all():
+            frame = int(np.argmax(np.abs(lengths - 1.0).max(axis=1)))
+            raise InvalidSample(f"rotations of frame {frame} of the motion", motion.rotations[frame].tolist(), "of length 1")
+        shift: Vector = (0.0, 0.0, 0.0)
+        x, y, z = (float(value) for value in motion.positions[0, 0])
+        if at is not None:
+            shift = sub(vector("place where a motion begins [m]", np.asarray(at, dtype=object).tolist(), InvalidSample), (x, y, z))
+        bounded("place where the root of a motion begins [m]", add((x, y, z), shift), 1e6, InvalidSample)
+        self._drags.clear()
+        self._take("clip")
+        self._clip = _Clip(motion, shift)
+        self._offset = self._offset_to(self._of_clip(self._clip))
+
+    def take_over(self) -> None:
+        """End a clip: its posture now is where driving by hand goes on from."""
+        if self._clip is not None:
+            self._take("keys")
+            self._source = "still"
+
+    def set_sample(self, sample: TrackerSample) -> None:
+        """The newest posture of all avatars from a tracker; it counts while nothing goes before it, within the joints' limits.
+
+        Raises InvalidSample for what is not finite, does not fit the avatars, or is no rotation; what was sent before stays."""
+        sample = checked(sample, self._scene.avatars)
+        if not (np.abs(sample.positions) <= 1e6).all():
+            raise InvalidSample("tracker positions [m]", float(np.abs(sample.positions).max()), "components up to 1e6")
+        self._tracker, self._is_fresh = within_limits(self._tree, posture_of(sample)), True
+
+    def tick(self, dt: float) -> TrackerSample:
+        """Pass `dt` [s] and give the posture of all avatars. Raises InvalidInput for a time that no frame has."""
+        dt = within("time of a tick [s]", dt, 1e-6, LONGEST_TICK, InvalidInput)
+        self._time += dt
+        if self._drags:
+            self._source = "drag"
+            self._pulled(dt)
+        elif self._is_keyed:
+            self._source = "keys"
+            self._keyed(dt)
+        elif self._clip is not None:
+            self._source = "clip"
+            self._played(self._clip, dt)
+        elif self._tracker is not None and (self._is_fresh or self._source == "tracker"):
+            self._tracked()
+        else:
+            self._source = "still"
+        if self._source in ("drag", "keys"):
+            self._is_fresh = False
+        self._shown = self._finished(dt)
+        return self._shown.sample(self._time)
+
+    # --- how that becomes postures
+
+    def _number(self, link: str) -> int:
+        if link not in self._index:
+            raise UnknownName("link", str(link), self._index)
+        return self._index[link]
+
+    @property
+    def _is_keyed(self) -> bool:
+        stepping = self._gait is not None and self._gait.is_stepping
+        return self._speeds.is_moving or self._swing is not None or self._flick > 0.0 or stepping
+
+    def _take(self, source: str) -> None:
+        """Another source begins: from what is shown."""
+        if self._source != source or source in ("drag", "clip"):
+            self._base = self._shown.copy()
+            self._flick, self._swing = 0.0, None
+            self._speeds.stop()
+        if self._source in ("clip", "tracker") or source == "clip" or self._clip is not None:
+            self._was_moved = True
+            if self._gait is not None:
+                self._gait.end()
+        self._clip, self._offset = None, None
+        self._source = source
+
+    def _offset_to(self, first: Posture) -> Offset:
+        return Offset(self._tree, self._shown, first, 0.5 * FASTEST, 0.5 * FASTEST_TURN)
+
+    def _finished(self, dt: float) -> Posture:
+        """The base with what is laid over it: an offset that decays, a flick."""
+        if self._offset is not None:
+            if self._offset.advance(dt):
+                return self._offset.added(self._base)
+            self._offset = None
+        shown = self._base.copy()
+        if self._flick > 0.0:
+            self._struck(shown, dt)
+        return shown
+
+    def _pulled(self, dt: float) -> None:
+        """A frame of dragging."""
+        step, turn, before = FASTEST * dt, FASTEST_TURN * dt, self._base.roots[0]
+        limbs: dict[int, list[int]] = {}
+        for k, drag in sorted(self._drags.items()):
+            drag.at = add(drag.at, shortened(sub(drag.goal, drag.at), step))
+            if drag.turn is not None:
+                drag.turned = turned_by(shortened(way(drag.turned, drag.turn), turn), drag.turned)
+            root = self._tree.chain(k)[0]
+            if k == root and self._tree.nodes[k].is_free:
+                self._base.roots[k] = drag.at
+                self._base.turns[k] = drag.turned if drag.turn is not None else self._base.turns[k]
+            else:
+                limbs.setdefault(root, []).append(k)
+        if 0 in self._drags and self._gait is not None:
+            self._begin_gait()
+        for root, links in limbs.items():
+            self._pull_limbs(root, tuple(links), step, turn)
+        if self._gait is not None and self._gait.is_on and not any(self._gait.is_leg(k) for k in self._drags):
+            x, y, _ = scaled(sub(self._base.roots[0], before), 1.0 / dt)
+            self._gait.advance(self._base, (x, y), 0.0, dt, turn)
+
+    def _pull_limbs(self, root: int, links: tuple[int, ...], step: float, turn: float) -> None:
+        """Pull links of one avatar; its root follows where they stall."""
+        goals = [Goal(k, self._drags[k].at, self._drags[k].turned if self._drags[k].turn is not None else None) for k in links]
+        pull = self._pull(links)
+        is_stuck = pull.solve(self._base, goals, turn)
+        if not is_stuck or root in self._drags or not self._tree.nodes[root].is_free:
+            return
+        errors = pull.errors(self._base, goals)
+        mean = (0.0, 0.0, 0.0)
+        for error in errors:
+            mean = add(mean, scaled(error, 1.0 / len(errors)))
+        moved = shortened(mean, step)
+        place = add(self._base.roots[root], moved)
+        if root == 0 and self._gait is not None and not any(self._gait.is_leg(k) for k in links):
+            if norm(moved) < 1e-6:
+                return
+            self._begin_gait()
+            low, high = self._gait.heights()
+            height = self._gait.height(self._base)
+            lowered = min(max(height + moved[2], min(low, height)), max(high, height))
+            place = (place[0], place[1], self._base.roots[0][2] + lowered - height)
+        self._base.roots[root] = place
+
+    def _pull(self, links: tuple[int, ...]) -> Pull:
+        if links not in self._pulls:
+            self._pulls[links] = Pull(self._tree, links, LEVER * self._span)
+        return self._pulls[links]
+
+    def _begin_gait(self) -> None:
+        if self._gait is not None and not self._gait.is_on:
+            self._gait.begin(self._base, self._was_moved)
+            self._was_moved = False
+
+    def _keyed(self, dt: float) -> None:
+        """A frame of keys."""
+        self._speeds.advance(dt)
+        now, gait = self._speeds.now, self._gait
+        forward, side, rise, spin = now["forward"], now["side"], now["height"], TURNING * now["turn"]
+        for h, opened, closed in self._closing:
+            bent = self._base.angles[h] + now["fist"] * (closed - opened) / CLOSING * dt
+            self._base.angles[h] = min(max(bent, min(opened, closed)), max(opened, closed))
+        if self._swing is not None:
+            self._swung(self._swing, dt)
+        if not self._tree.nodes[0].is_free:
+            return
+        is_moving = any((forward, side, rise, spin))
+        if is_moving:
+            self._begin_gait()
+        speed = min(FASTEST, self._span if gait is None else gait.speed) / max(1.0, hypot(forward, side))
+        facing = yaw_of_x(self._base.turns[0]) if gait is None else gait.forward(self._base)
+        x, y = planar(facing, forward * speed, side * speed)
+        root = self._base.roots[0]
+        self._base.turns[0] = normalised(turned_by((0.0, 0.0, spin * dt), self._base.turns[0]))
+        height = root[2] + rise * min(FASTEST, self._span) * dt
+        if gait is not None and is_moving:
+            low, high = gait.heights()
+            now_at = gait.height(self._base)
+            # crouching takes a second
+            wanted = min(max(now_at + rise * gait.leg * dt, min(low, now_at)), max(high, now_at))
+            height = root[2] + wanted - now_at
+        self._base.roots[0] = (root[0] + x * dt, root[1] + y * dt, height)
+        if gait is not None and gait.is_on:
+            gait.advance(self._base, (x, y), spin, dt, FASTEST_TURN * dt)
+
+    def _reached_out(self) -> Posture:
+        """The start's posture with both arms forward."""
+        found = self._start.copy()
+        if not self._arms:
+            return found
+        facing = yaw_of_x(found.turns[0]) if self._gait is None else self._gait.forward(found)
+        tips = tuple(arm.tip for arm in self._arms)
+        held = frozenset(range(len(self._tree.nodes))) - frozenset(k for arm in self._arms for k in arm.links)
+        pull = Pull(self._tree, tips, LEVER * self._span, held)
+        poses = self._tree.poses(found, pull.needed)
+        goals = []
+        for arm in self._arms:
+            length = sum(norm(self._tree.nodes[k].anchor) for k in arm.links[2:])
+            shoulder = poses[arm.links[1]][0]
+            goals.append(Goal(arm.tip, add(shoulder, rotate(facing, (0.95 * length, 0.0, 0.0)))))
+        for _ in range(100):
+            pull.solve(found, goals, 1.0)
+        return found
+
+    def _towards(self, end: Posture) -> _Swing:
+        """The arms on their way, no faster than joints may turn."""
+        angles = [h for k in self._arm_joints for h in range(
+            self._tree.nodes[k].first_angle, self._tree.nodes[k].first_angle + len(self._tree.nodes[k].hinges))]
+        widest = largest_turn(self._base, end, self._arm_joints, angles)
+        return _Swing(self._base.copy(), end, self._arm_joints, max(REACHING, STEEPNESS * widest / FASTEST_TURN))
+
+    def _swung(self, swing: _Swing, dt: float) -> None:
+        swing.age += dt
+        mixed(self._tree, swing.start, swing.end, minimum_jerk(swing.age / swing.length), swing.links, self._base)
+        if swing.age >= swing.length:
+            self._swing = None
+
+    def _struck(self, shown: Posture, dt: float) -> None:
+        """Lay a frame of a flick over the posture; `_flick` is the share of it that is left."""
+        if self._arms:
+            joints = self._tree.moving(self._arms[1].links)
+            angles = [h for k in joints for h in range(
+                self._tree.nodes[k].first_angle, self._tree.nodes[k].first_angle + len(self._tree.nodes[k].hinges))]
+            way_there = STRIKE_SHARE * largest_turn(self._base, self._reached, joints, angles)
+            length = max(STRIKE, 2.0 * STEEPNESS * way_there / FASTEST_TURN)
+            self._flick = max(0.0, self._flick - dt / length)
+            mixed(self._tree, self._base, self._reached, STRIKE_SHARE * pulse(1.0 - self._flick), joints, shown)
+            return
+        far = STRIKE_WAY * self._span
+        self._flick = max(0.0, self._flick - dt / max(STRIKE, 2.0 * STEEPNESS * far / FASTEST))
+        ahead = rotate(yaw_of_x(shown.turns[0]), (far * pulse(1.0 - self._flick), 0.0, 0.0))
+        shown.roots[0] = add(shown.roots[0], ahead)
+
+    def _of_clip(self, clip: _Clip) -> Posture:
+        """The posture of a clip at its time, the other avatars as they are."""
+        times = clip.motion.times - clip.motion.times[0]
+        frame = min(int(np.searchsorted(times, clip.time, side="right")) - 1, len(times) - 1)
+        share = 0.0
+        if frame + 1 < len(times):
+            share = min(max(float((clip.time - times[frame]) / (times[frame + 1] - times[frame])), 0.0), 1.0)
+        own = posture_of(clip.motion.between(frame, share))
+        found = self._base.copy()
+        found.roots[: self._first] = [add(root, clip.shift) for root in own.roots]
+        found.turns[: self._first], found.angles[: len(own.angles)] = own.turns, own.angles
+        return within_limits(self._tree, found)
+
+    def _played(self, clip: _Clip, dt: float) -> None:
+        clip.time += dt
+        self._base = self._of_clip(clip)
+        if clip.time >= clip.motion.times[-1] - clip.motion.times[0] and self._offset is None:
+            self._clip = None
+
+    def _tracked(self) -> None:
+        if self._tracker is None:
+            return
+        if self._source != "tracker":
+            self._take("tracker")
+            self._was_moved = True
+            self._offset = self._offset_to(self._tracker)
+            if self._gait is not None:
+                self._gait.end()
+        self._base, self._is_fresh = self._tracker.copy(), False

@@ -1,0 +1,176 @@
+"""A walk of two legs under a root that moves: feet follow stance and swing of a fixed period (Bruderlin and Calvert 1989), legs by
+inverse kinematics.
+
+Stride length and speed are those of dynamic similarity (Alexander 1976): stride / leg = 2.3 Froude^0.3, speed^2 = Froude g leg.
+"""
+
+from math import atan2, exp, hypot, pi, sin, sqrt
+
+from avatarsim.live.drive.ease import minimum_jerk
+from avatarsim.live.drive.limbs import Limb
+from avatarsim.live.drive.pull import Goal, Pull, allowed
+from avatarsim.live.drive.tree import Posture, Tree
+from avatarsim.live.drive.turns import UP, about, conjugate, dot, multiply, norm, rotate, scaled, sub, turned_by
+from avatarsim.scene.checks import Quaternion, Vector
+
+GRAVITY = 9.81
+"""[m/s^2] that the speed of a walk is scaled by."""
+
+FROUDE = 0.1
+"""Froude number of the walk: a stroll. Walks end at 0.5; from 0.25 on, feet that stay flat, as here, do not reach."""
+
+STANCE = 0.6
+"""Share of a period for which a foot is on the ground."""
+
+LIFT = 0.08
+"""Height of a swinging foot, as a share of the leg: clears a door-sill."""
+
+DEEPEST = 0.45
+"""How far the root goes down in a crouch, as a share of the leg. More: knees meet the chest."""
+
+FOLLOW = 0.12
+"""[s] time constant with which strides follow the root's speed. Shorter: feet jerk when the root starts; longer: feet slide."""
+
+STRAIGHT, BEND = 0.999, 0.1
+"""Distance of hip and foot as a share of the leg's length from which the leg is straight, and the turn [rad] of its knee that ends
+that: a straight leg cannot be shortened to first order."""
+
+AT_REST = 1e-3
+"""[m/s] below which strides have ended."""
+
+
+class Gait:
+    """The legs of an avatar, and how far into a stride they are."""
+
+    def __init__(self, tree: Tree, legs: tuple[Limb, ...], start: Posture, lever: float) -> None:
+        self._tree, self._legs = tree, legs
+        self._own = {k for leg in legs for k in leg.links}
+        held = frozenset(range(len(tree.nodes))) - self._own
+        self._pull = Pull(tree, tuple(leg.tip for leg in legs), lever, held)
+        self._chains = self._pull.needed
+        back = conjugate(self._facing(start))
+        poses, root = tree.poses(start, self._chains), start.roots[0]
+        self._home = [rotate(back, sub(poses[leg.tip][0], root)) for leg in legs]
+        self._turned = [multiply(back, poses[leg.tip][1]) for leg in legs]
+        self._bent = [_knee_and_ankle(tree, leg) for leg in legs]
+        self.leg = sum(norm(tree.nodes[k].anchor) for k in self._bent[0])
+        self._floor = min(poses[leg.tip][0][2] for leg in legs)
+        self._stand = root[2] - self._floor
+        self.speed = sqrt(FROUDE * GRAVITY * self.leg)
+        self.period = 2.3 * FROUDE**0.3 * self.leg / self.speed
+        self._phase = self._drop = self._spin = 0.0
+        self._way: tuple[float, float] = (0.0, 0.0)
+        self.is_on = False
+
+    def is_leg(self, link: int) -> bool:
+        """Whether a link is part of a leg."""
+        return link in self._own
+
+    @property
+    def is_stepping(self) -> bool:
+        """Whether a stride has not yet ended."""
+        return self.is_on and max(hypot(*self._way), abs(self._spin) * self.leg) > AT_REST
+
+    def begin(self, posture: Posture, finds_floor: bool) -> None:
+        """Take the legs over as they are; `finds_floor`: the ground is where the lower foot is now."""
+        if self.is_on:
+            return
+        self.is_on, self._phase, self._drop, self._way, self._spin = True, 0.0, 0.0, (0.0, 0.0), 0.0
+        if finds_floor:
+            poses = self._tree.poses(posture, self._chains)
+            self._floor = min(poses[leg.tip][0][2] for leg in self._legs)
+
+    def end(self) -> None:
+        """Leave the legs to another source."""
+        self.is_on = False
+
+    def heights(self) -> tuple[float, float]:
+        """Lowest and highest place [m] of the root on this ground."""
+        return self._floor + self._stand - DEEPEST * self.leg, self._floor + self._stand
+
+    def height(self, posture: Posture) -> float:
+        """Where the root would be without the dip of a stride [m]."""
+        return posture.roots[0][2] + self._drop
+
+    def forward(self, posture: Posture) -> Quaternion:
+        """The turn about the vertical from x to where the body faces."""
+        return self._facing(posture)
+
+    def _facing(self, posture: Posture) -> Quaternion:
+        hips = self._tree.poses(posture, self._tree.chain(self._legs[0].links[0]) + self._tree.chain(self._legs[1].links[0]))
+        x, y, _ = sub(hips[self._legs[0].links[0]][0], hips[self._legs[1].links[0]][0])
+        # left is a quarter turn from forward
+        return about(UP, atan2(-x, y))
+
+    def advance(self, posture: Posture, velocity: tuple[float, float], spin: float, dt: float, most: float) -> None:
+        """Move the legs under a root that is where it is to be and goes at `velocity` (x, y) [m/s] and `spin` [rad/s]; no joint
+        turns by more than `most` [rad]."""
+        follow = 1.0 - exp(-dt / FOLLOW)
+        vx, vy = self._way
+        self._way = vx + follow * (velocity[0] - vx), vy + follow * (velocity[1] - vy)
+        self._spin += follow * (spin - self._spin)
+        self._phase = (self._phase + dt / self.period) % 1.0 if self.is_stepping else 0.0
+        x, y, z = posture.roots[0]
+        height, reach = z + self._drop, 0.5 * hypot(*self._way) * self.period * STANCE
+        self._drop = self.leg - sqrt(max(self.leg**2 - reach**2, (0.5 * self.leg) ** 2))
+        # a root above standing takes its ground along, as one below the deepest crouch does
+        ground = min(max(self._floor, height - self._stand), height - self._stand + DEEPEST * self.leg)
+        posture.roots[0] = (x, y, height - self._drop)
+        facing, goals = self._facing(posture), []
+        for number, leg in enumerate(self._legs):
+            goals.append(self._goal(number, leg, (x, y, ground + self._stand), facing))
+            self._unlock(posture, number, goals[-1].position, facing, 0.5 * most)
+        self._pull.solve(posture, goals, most)
+
+    def _goal(self, number: int, leg: Limb, root: Vector, facing: Quaternion) -> Goal:
+        """Where a foot is to be, under a root [m] that stands."""
+        home = rotate(facing, self._home[number])
+        ux, uy = self._way[0] - self._spin * home[1], self._way[1] + self._spin * home[0]
+        share = (self._phase + 0.25 + 0.5 * number) % 1.0
+        along, lift = 0.5 - share / STANCE, 0.0
+        if share >= STANCE:
+            swung = (share - STANCE) / (1.0 - STANCE)
+            along = minimum_jerk(swung) - 0.5
+            lift = LIFT * self.leg * sin(pi * swung) ** 2 * min(1.0, hypot(ux, uy) / (0.5 * self.speed))
+        stride = self.period * STANCE * along
+        place = root[0] + home[0] + ux * stride, root[1] + home[1] + uy * stride, root[2] + home[2] + lift
+        return Goal(leg.tip, place, multiply(facing, self._turned[number]))
+
+    def _unlock(self, posture: Posture, number: int, goal: Vector, facing: Quaternion, most: float) -> None:
+        """Bend the knee of a leg that is straight and must become shorter, the way that its limits allow."""
+        poses = self._tree.poses(posture, self._chains)
+        leg, (knee, ankle) = self._legs[number], self._bent[number]
+        hip, foot = poses[leg.links[0]][0], poses[leg.tip][0]
+        is_bent = norm(sub(poses[ankle][0], hip)) < STRAIGHT * self.leg
+        if is_bent or norm(sub(goal, hip)) >= norm(sub(foot, hip)):
+            return
+        node, left, bend = self._tree.nodes[knee], rotate(facing, (0.0, 1.0, 0.0)), min(BEND, most)
+        above = self._tree.above(knee, poses)
+        if node.is_ball:
+            turn = turned_by(rotate(conjugate(above), scaled(left, bend)), posture.turns[knee])
+            posture.turns[knee] = allowed(node.limits, node.orientation, turn)
+        elif node.hinges:
+            axes = [dot(rotate(above, hinge.axis), left) for hinge in node.hinges]
+            best = max(range(len(axes)), key=lambda h: abs(axes[h]))
+            hinge, at = node.hinges[best], node.first_angle + best
+            wanted = posture.angles[at] + (bend if axes[best] > 0.0 else -bend)
+            posture.angles[at] = min(max(wanted, hinge.lower), hinge.upper)
+
+
+def _knee_and_ankle(tree: Tree, leg: Limb) -> tuple[int, int]:
+    """The links at the lower ends of the two longest bones."""
+    longest = sorted(leg.links[1:], key=lambda k: -norm(tree.nodes[k].anchor))[:2]
+    knee, ankle = sorted(longest)
+    return knee, ankle
+
+
+def planar(turn: Quaternion, forward: float, side: float) -> tuple[float, float]:
+    """A velocity forward and to the left, in the world's x and y."""
+    x, y, _ = rotate(turn, (forward, side, 0.0))
+    return x, y
+
+
+def yaw_of_x(turn: Quaternion) -> Quaternion:
+    """The turn about the vertical to where a frame's x axis points; none where that is upright."""
+    x, y, _ = rotate(turn, (1.0, 0.0, 0.0))
+    return about(UP, atan2(y, x)) if hypot(x, y) > 0.1 else (1.0, 0.0, 0.0, 0.0)

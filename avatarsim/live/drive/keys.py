@@ -1,0 +1,81 @@
+"""Keys as velocities that decay: a page is told of presses and repeats of a key, never reliably of its release.
+
+A press asks for full speed; what is asked for decays with a time constant, and the speed follows it as a first-order lag, so that
+nothing starts or stops at once.
+"""
+
+from dataclasses import dataclass
+from math import exp
+from typing import Final
+
+DECAY = 0.25
+"""[s] time constant of what a press asks for. Shorter: the wait before a key repeats, half a second, is seen as a stop; longer: it
+goes on after the key is up."""
+
+EASE = 0.08
+"""[s] time constant with which speeds follow: a quarter of a step of a walk. Longer: keys feel like rubber."""
+
+STILL = 0.02
+"""Share of full speed below which a speed is zero."""
+
+
+@dataclass(frozen=True)
+class Key:
+    """A key, by the name that browsers give it, what it does, and which speed it sets to 1 or -1, if any."""
+
+    key: str
+    what: str
+    axis: str = ""
+    sign: float = 0.0
+
+
+KEYS: Final = (
+    Key("w", "walk forward", "forward", 1.0),
+    Key("s", "walk back", "forward", -1.0),
+    Key("a", "step left", "side", 1.0),
+    Key("d", "step right", "side", -1.0),
+    Key("q", "turn left", "turn", 1.0),
+    Key("e", "turn right", "turn", -1.0),
+    Key("r", "stand up; without legs: up", "height", 1.0),
+    Key("f", "crouch; without legs: down", "height", -1.0),
+    Key("t", "reach forward with both arms; again: arms back"),
+    Key("g", "close the fist", "fist", 1.0),
+    Key("h", "open the fist", "fist", -1.0),
+    Key(" ", "flick: a quick strike of the right arm, or of the hand"),
+)
+"""All keys, as the page lists them."""
+
+BY_NAME: Final = {key.key: key for key in KEYS}
+AXES: Final = ("forward", "side", "turn", "height", "fist")
+
+
+class Speeds:
+    """Shares of full speed, -1 to 1, by axis."""
+
+    def __init__(self) -> None:
+        self._asked = dict.fromkeys(AXES, 0.0)
+        self.now = dict.fromkeys(AXES, 0.0)
+
+    def press(self, axis: str, sign: float) -> None:
+        """Ask for full speed."""
+        self._asked[axis] = sign
+
+    def stop(self) -> None:
+        """Forget all."""
+        self._asked, self.now = dict.fromkeys(AXES, 0.0), dict.fromkeys(AXES, 0.0)
+
+    def advance(self, dt: float) -> None:
+        """Let time pass."""
+        decay, follow = exp(-dt / DECAY), 1.0 - exp(-dt / EASE)
+        for axis in AXES:
+            self._asked[axis] *= decay
+            if abs(self._asked[axis]) < STILL:
+                self._asked[axis] = 0.0
+            self.now[axis] += follow * (self._asked[axis] - self.now[axis])
+            if self._asked[axis] == 0.0 and abs(self.now[axis]) < STILL:
+                self.now[axis] = 0.0
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether any is not zero."""
+        return any(self._asked.values()) or any(self.now.values())

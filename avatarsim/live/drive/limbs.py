@@ -1,0 +1,143 @@
+"""Which links are legs, arms and fingers: by the tree and by names that mirror each other (bilateral symmetry).
+
+A link has a side if its name becomes another link's name when left and right change places in it: the words, or the letters l and
+r at its beginning or end. A limb is a row of at least `LIMB` links of one side, down to where it forks or ends. The legs are the
+pair of limbs that comes down lowest at the start and lower than the root; the arms are the pair that hangs on highest of the rest.
+Fingers are rows of links without a fork, at most `FINGER` long, at least `FINGERS` of which hang on one link.
+"""
+
+import re
+from dataclasses import dataclass
+
+from avatarsim.live.drive.tree import Posture, Tree
+from avatarsim.live.drive.turns import norm
+from avatarsim.scene.joint import MANY_TURNS
+
+LIMB = 3
+"""Links of a limb at least: thigh, shank, foot. Less: eyes would be limbs."""
+
+FINGER, FINGERS = 0.2, 3
+"""Length [m] of a finger at most, without its last bone, and how many make a hand: a gripper with three, an adult's middle finger
+of 0.1 m; longer ones are limbs."""
+
+ONE_WAY = 2.0
+"""How much farther a hinge must turn one way than the other for that way to be the one that closes it; a finger spreads both."""
+
+
+@dataclass(frozen=True)
+class Limb:
+    """The links of a limb, from the trunk to its `tip`."""
+
+    links: tuple[int, ...]
+
+    @property
+    def tip(self) -> int:
+        """Where it ends, or forks into fingers or toes."""
+        return self.links[-1]
+
+
+@dataclass(frozen=True)
+class Limbs:
+    """Of one avatar: left and right leg, left and right arm; none where it has none."""
+
+    legs: tuple[Limb, ...] = ()
+    arms: tuple[Limb, ...] = ()
+
+
+@dataclass(frozen=True)
+class Finger:
+    """A finger: the link that it hangs on and its own, in order."""
+
+    hand: int
+    links: tuple[int, ...]
+
+
+SIDES = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"))
+
+
+def mirrored(name: str) -> list[tuple[str, str]]:
+    """What a name may become when left and right change places, each with the side that the name says: "left" or "right"."""
+    found = []
+    for left, right in SIDES:
+        for here, there, side in ((left, right, "left"), (right, left, "right")):
+            if here in name:
+                found.append((name.replace(here, there), side))
+    for left, right in (("l", "r"), ("L", "R")):
+        for here, there, side in ((left, right, "left"), (right, left, "right")):
+            if name.startswith(here):
+                found.append((there + name[1:], side))
+            if re.search(f"[^a-zA-Z]{here}$", name):
+                found.append((name[:-1] + there, side))
+    return found
+
+
+def limbs_of(tree: Tree, posture: Posture) -> Limbs:
+    """Legs and arms of the first avatar, which has this posture at the start; no legs where its root is not free."""
+    own = [k for k, node in enumerate(tree.nodes) if node.avatar == 0]
+    index = {tree.nodes[k].name: k for k in own}
+    side: dict[int, str] = {}
+    other: dict[int, int] = {}
+    for k in own:
+        for name, which in mirrored(tree.nodes[k].name):
+            if name in index and k not in side:
+                side[k], other[k] = which, index[name]
+    pairs = []
+    for k in own:
+        if side.get(k) != "left" or side.get(tree.nodes[k].parent) == "left" or side.get(other[k]) != "right":
+            continue
+        left, right = _row(tree, side, k), _row(tree, side, other[k])
+        if min(len(left), len(right)) >= LIMB and min(len(tree.moving(left)), len(tree.moving(right))) >= 2:
+            pairs.append((Limb(left), Limb(right)))
+    poses = tree.poses(posture, own)
+    legs: tuple[Limb, ...] = ()
+    lowest = min(pairs, key=lambda pair: poses[pair[0].tip][0][2], default=None)
+    if lowest is not None and tree.nodes[0].is_free and poses[lowest[0].tip][0][2] < poses[0][0][2]:
+        legs = lowest
+        pairs.remove(lowest)
+    arms = max(pairs, key=lambda pair: poses[pair[0].links[0]][0][2], default=())
+    return Limbs(legs, arms)
+
+
+def _row(tree: Tree, side: dict[int, str], first: int) -> tuple[int, ...]:
+    """A link and those below it of the same side, down to a fork or an end."""
+    found = [first]
+    while len(tree.children[found[-1]]) == 1 and side.get(tree.children[found[-1]][0]) == side.get(first):
+        found.append(tree.children[found[-1]][0])
+    return tuple(found)
+
+
+def fingers_of(tree: Tree) -> tuple[Finger, ...]:
+    """Fingers of all avatars."""
+    found = []
+    for hand, children in enumerate(tree.children):
+        rows = [tuple(tree.subtree(child)) for child in children]
+        short = [row for row in rows if all(len(tree.children[k]) < 2 for k in row) and _length(tree, row) <= FINGER]
+        if len(short) >= FINGERS:
+            found += [Finger(hand, row) for row in short]
+    return tuple(found)
+
+
+def _length(tree: Tree, row: tuple[int, ...]) -> float:
+    return sum(norm(tree.nodes[k].anchor) for k in row[1:])
+
+
+def closing(tree: Tree, fingers: tuple[Finger, ...]) -> tuple[tuple[int, float, float], ...]:
+    """(number of the angle, where the hinge is open, where it is closed) [rad] of those hinges of fingers that make a fist."""
+    found = []
+    for finger in fingers:
+        for k in finger.links:
+            for h, hinge in enumerate(tree.nodes[k].hinges, start=tree.nodes[k].first_angle):
+                low, high = hinge.lower, hinge.upper
+                if max(-low, high) >= MANY_TURNS or not max(-low, high) > ONE_WAY * max(0.0, min(-low, high)):
+                    continue
+                rest = min(max(0.0, low), high)
+                found.append((h, rest, high if high > -low else low))
+    return tuple(found)
+
+
+def handle_links(tree: Tree) -> tuple[int, ...]:
+    """Links to pull at: roots that are free, and ends of limbs; of fingers the hand, unless that is a root."""
+    hand = {finger.links[-1]: finger.hand for finger in fingers_of(tree) if tree.nodes[finger.hand].parent >= 0}
+    found = [k for k, node in enumerate(tree.nodes) if node.parent < 0 and node.is_free]
+    found += [hand.get(k, k) for k, children in enumerate(tree.children) if not children]
+    return tuple(sorted(set(found)))

@@ -1,0 +1,202 @@
+"""Damped least squares inverse kinematics within joint limits (Wampler 1986; Buss 2004), damped by the error itself (Sugihara 2011).
+
+Goals of several links are one stacked system. After a round each joint is projected into its limits; the direction in which it was
+stopped is taken out of the system for the other rounds of that call, so that the rest of the chain does what it cannot do.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.live.drive.limits import Limits, inside
+from avatarsim.live.drive.tree import Posture, Tree
+from avatarsim.live.drive.turns import (
+    add,
+    conjugate,
+    cross,
+    dot,
+    exp,
+    multiply,
+    norm,
+    normalised,
+    rotate,
+    scaled,
+    shortened,
+    sub,
+    way,
+)
+from avatarsim.scene.checks import Quaternion, Vector
+
+Array = NDArray[np.float64]
+
+CLOSE = 1e-5
+"""[m] error, turns counted by the lever, below which a goal is reached: far below a pixel; less: rounds that nothing shows."""
+
+ROUNDS = 6
+"""Rounds of a call: what a goal moves in a frame takes two or three. More: a goal out of reach would cost more time."""
+
+DAMPING = 1e-4
+"""Least damping as a share of the squared lever. Less: a limb that is stretched turns about its own axis; more: slower near a goal."""
+
+STALLED = 0.8
+"""Share of the error before a round above which that round did not help: limits, or the length of the limb, hold it back."""
+
+STEEPEST = 0.6
+"""[rad] largest turn of a joint in a round: the linear model of a turn is off by 6 % there."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Where a link is to be: its joint's centre [m] and, unless None, its orientation, in the world."""
+
+    link: int
+    position: Vector
+    orientation: Quaternion | None = None
+
+
+@dataclass
+class Pull:
+    """The goals' links and what moves them: all joints from each up to its root, but those of links that are `held`. `lever` [m] is the length that a
+    turn of a radian counts as."""
+
+    tree: Tree
+    links: tuple[int, ...]
+    lever: float
+    held: frozenset[int] = frozenset()
+    needed: list[int] = field(init=False)
+    joints: list[int] = field(init=False)
+    chains: list[frozenset[int]] = field(init=False)
+
+    def __post_init__(self) -> None:
+        ways = [self.tree.chain(link) for link in self.links]
+        self.chains = [frozenset(way) for way in ways]
+        self.needed = sorted(set().union(*self.chains))
+        self.joints = [k for k in self.tree.moving(self.needed) if k not in self.held]
+
+    def errors(self, posture: Posture, goals: Sequence[Goal]) -> list[Vector]:
+        """From each link to its goal [m]."""
+        poses = self.tree.poses(posture, self.needed)
+        return [sub(goal.position, poses[goal.link][0]) for goal in goals]
+
+    def solve(self, posture: Posture, goals: Sequence[Goal], most: float, rounds: int = ROUNDS) -> bool:
+        """Move the posture towards the goals, no joint by more than `most` [rad]; whether it came to a place from where more of
+        the same would not help: the goals are out of reach."""
+        if not self.joints:
+            return True
+        left, before = most, inf
+        stopped: dict[int, list[Vector]] = {}
+        bound: set[int] = set()
+        for _ in range(rounds):
+            poses = self.tree.poses(posture, self.needed)
+            error = self._error(poses, goals)
+            size = float(np.sqrt(error @ error))
+            if size < CLOSE:
+                return False
+            if size > STALLED * before:
+                return True
+            before = size
+            owners, jacobian = self._jacobian(posture, poses, goals, stopped, bound)
+            gram = jacobian @ jacobian.T
+            gram[np.diag_indices_from(gram)] += 0.5 * size * size + DAMPING * self.lever * self.lever
+            step = jacobian.T @ np.linalg.solve(gram, error)
+            largest = float(np.abs(step).max())
+            step *= min(1.0, min(left, STEEPEST) / max(largest, 1e-300))
+            left -= min(largest, left, STEEPEST)
+            self._apply(posture, poses, owners, step.tolist(), stopped, bound)
+            if left <= 0.0:
+                return False
+        return False
+
+    def _error(self, poses: dict[int, tuple[Vector, Quaternion]], goals: Sequence[Goal]) -> Array:
+        """What is missing, each goal's part no longer than the lever, or as many radians as make half a turn at most."""
+        rows: list[float] = []
+        for goal in goals:
+            place, turned = poses[goal.link]
+            rows.extend(shortened(sub(goal.position, place), 2.0 * self.lever))
+            if goal.orientation is not None:
+                rows.extend(scaled(shortened(way(turned, goal.orientation), 1.0), self.lever))
+        return np.array(rows)
+
+    def _jacobian(
+        self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], goals: Sequence[Goal],
+        stopped: dict[int, list[Vector]], bound: set[int],
+    ) -> tuple[list[tuple[int, int]], Array]:
+        """(joint, hinge's angle or -1 for a ball's three) of groups of columns, and the columns (rows, n) of turns in the world."""
+        owners: list[tuple[int, int]] = []
+        columns: list[list[float]] = []
+        for k in self.joints:
+            node, place = self.tree.nodes[k], poses[k][0]
+            axes: list[Vector] = []
+            if node.is_ball:
+                owners.append((k, -1))
+                axes = _free_of(stopped.get(k, []))
+            else:
+                turned = self.tree.above(k, poses)
+                for h, hinge in enumerate(node.hinges, start=node.first_angle):
+                    owners.append((k, h))
+                    axis = rotate(turned, hinge.axis)
+                    axes.append((0.0, 0.0, 0.0) if h in bound else axis)
+                    turned = multiply(turned, exp(scaled(hinge.axis, posture.angles[h])))
+            for axis in axes:
+                column: list[float] = []
+                for goal, chain in zip(goals, self.chains, strict=True):
+                    reaches = k in chain
+                    column.extend(cross(axis, sub(poses[goal.link][0], place)) if reaches else (0.0, 0.0, 0.0))
+                    if goal.orientation is not None:
+                        column.extend(scaled(axis, self.lever) if reaches else (0.0, 0.0, 0.0))
+                columns.append(column)
+        return owners, np.array(columns).T
+
+    def _apply(
+        self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], owners: Sequence[tuple[int, int]],
+        step: list[float], stopped: dict[int, list[Vector]], bound: set[int],
+    ) -> None:
+        """Turn the joints, and project each into its limits."""
+        at = 0
+        for k, h in owners:
+            node = self.tree.nodes[k]
+            if h >= 0:
+                hinge, wanted = node.hinges[h - node.first_angle], posture.angles[h] + step[at]
+                posture.angles[h] = min(max(wanted, hinge.lower), hinge.upper)
+                if posture.angles[h] != wanted:
+                    bound.add(h)
+                at += 1
+                continue
+            free = _free_of(stopped.get(k, []))
+            turn = (0.0, 0.0, 0.0)
+            for axis, share in zip(free, step[at : at + 3], strict=True):
+                turn = add(turn, scaled(axis, share))
+            at += 3
+            above = self.tree.above(k, poses)
+            wanted_turn = normalised(multiply(exp(rotate(conjugate(above), turn)), posture.turns[k]))
+            posture.turns[k] = allowed(node.limits, node.orientation, wanted_turn)
+            lost = way(posture.turns[k], wanted_turn)
+            if norm(lost) > 0.0:
+                stopped.setdefault(k, []).append(rotate(above, scaled(lost, 1.0 / norm(lost))))
+
+
+def allowed(limits: Limits | None, orientation: Quaternion, turn: Quaternion) -> Quaternion:
+    """The turn of a ball against its rest orientation, inside its limits."""
+    if limits is None:
+        return turn
+    full = multiply(orientation, turn)
+    found = inside(limits, full)
+    return turn if found is full else normalised(multiply(conjugate(orientation), found))
+
+
+def _free_of(stopped: Sequence[Vector]) -> list[Vector]:
+    """The world's axes without their parts along directions in which a ball was stopped."""
+    axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    taken: list[Vector] = []
+    for direction in stopped[:3]:
+        for one in taken:
+            direction = sub(direction, scaled(one, dot(one, direction)))
+        length = norm(direction)
+        if length > 1e-3:
+            taken.append(scaled(direction, 1.0 / length))
+    for one in taken:
+        axes = [sub(axis, scaled(one, dot(one, axis))) for axis in axes]
+    return axes

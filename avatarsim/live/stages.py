@@ -1,0 +1,297 @@
+"""Built-in stages: a hand over a table, a human in two rooms; of primitives alone, and of any avatar that a user brings.
+
+Lengths and masses of the hand are those of an adult's (Garrett 1971; de Leva 1996), its joints' ranges those of Boone and Azen and
+the ASSH, rounded; the human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+from math import radians
+
+import numpy as np
+
+from avatarsim.assets.models.from_skeleton import human
+from avatarsim.assets.models.smpl_skeleton import approximate
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.live.drive.limbs import handle_links
+from avatarsim.live.drive.tree import Tree
+from avatarsim.live.drive.turns import about
+from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.body import TABLE_1, Body, PairTable, fixed, simulated, solid
+from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.joint import Free, Hinge, Hinges
+from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, reach
+from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+from avatarsim.spatial import rotation
+from avatarsim.spatial.rotation import Array
+
+GAP = 1e-4
+"""[m] between things that stand on each other at the start: it closes in the first frames, and no rounding makes it an overlap."""
+
+
+@dataclass(frozen=True)
+class Camera:
+    """Where a page looks from at first, and at what [m]."""
+
+    position: Vector
+    look_at: Vector
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """A scene that one drives: which links get gizmos, by their names in the scene, what it is in one line, and the first view."""
+
+    scene: Scene
+    handles: tuple[str, ...]
+    what: str
+    camera: Camera
+
+
+def stage(name: str) -> Stage:
+    """A built-in stage. Raises UnknownName for a name that is not one of `NAMES`."""
+    if name not in _STAGES:
+        raise UnknownName("stage", name, _STAGES)
+    return _STAGES[name]()
+
+
+def stage_of(
+    avatar: Avatar, bodies: tuple[Body, ...] = (), start: TrackerSample | None = None, materials: PairTable = TABLE_1,
+    exclude: tuple[tuple[str, str], ...] = (), name: str = "own",
+) -> Stage:
+    """A user's own avatar among bodies of their own, as a stage: the root and the ends of its limbs have gizmos.
+
+    A `start` of the avatar's posture as in `Scene`. Raises InvalidScene and InvalidSample for parts that contradict one another."""
+    scene = Scene(name, bodies, (avatar,), materials, start=start, exclude=exclude)
+    places, _ = link_poses(scene.avatars, scene.first_sample)
+    middle, span = np.mean(places, axis=0), avatar.span
+    x, y, z = (float(value) for value in middle)
+    camera = Camera((x - 1.2 * span, y - 1.2 * span, z + 0.8 * span), (x, y, z))
+    return Stage(scene, handles_of(scene), f"{avatar.name}: {len(avatar.links)} links, {len(bodies)} bodies", camera)
+
+
+def handles_of(scene: Scene) -> tuple[str, ...]:
+    """Names of the links of all avatars that get gizmos: roots, and ends of limbs; of fingers the hand, unless that is a root."""
+    names = scene.names[len(scene.bodies):]
+    return tuple(names[k] for k in handle_links(Tree(scene.avatars)))
+
+
+# --- the hand
+
+HAND_MASS = 0.46
+"""[kg] 0.61 per cent of a body of 75 kg."""
+
+PALM_SHARE = 0.6
+"""Of the hand's mass, in the palm; the fingers have the rest by their volumes."""
+
+PALM = Box((0.094, 0.080, 0.026))
+"""Its centre at the origin of the hand, fingers along x, the palm down; the thumb of the left hand towards -y."""
+
+FLEXION = {1: (-20.0, 90.0), 2: (0.0, 100.0), 3: (0.0, 70.0)}
+"""[degrees] extension and flexion of the three joints of a finger, from the palm outwards."""
+
+SPREAD = 15.0
+"""[degrees] to either side, in the joint nearest the palm."""
+
+
+@dataclass(frozen=True)
+class Digit:
+    """A finger: where its first joint is on the palm [m], where it points [degrees from x], its radius and its bones [m]."""
+
+    name: str
+    base: Vector
+    bearing: float
+    radius: float
+    bones: tuple[float, float, float]
+
+
+FINGERS = (
+    Digit("index", (0.048, -0.030, 0.0), -5.0, 0.0085, (0.044, 0.026, 0.017)),
+    Digit("middle", (0.051, -0.009, 0.0), 0.0, 0.0085, (0.048, 0.030, 0.018)),
+    Digit("ring", (0.048, 0.012, 0.0), 4.0, 0.0080, (0.044, 0.028, 0.018)),
+    Digit("little", (0.041, 0.032, 0.0), 10.0, 0.0070, (0.035, 0.020, 0.016)),
+)
+THUMB = Digit("thumb", (-0.018, -0.040, -0.004), -55.0, 0.0095, (0.044, 0.032, 0.024))
+
+
+def hand() -> Avatar:
+    """An articulated hand: palm, four fingers and a thumb of three links each, 16 links and 20 hinges, free in space."""
+    links = [Link("palm", None, Free(), (Piece(PALM),), solid((Piece(PALM),), PALM_SHARE * HAND_MASS))]
+    total = sum(digit.radius**2 * bone for digit in (THUMB, *FINGERS) for bone in digit.bones)
+    for digit in (THUMB, *FINGERS):
+        parent, anchor, bearing = "palm", digit.base, digit.bearing
+        for number, bone in enumerate(digit.bones, start=1):
+            last = number == len(digit.bones)
+            # the tip of a finger is in its bone's length
+            pieces = (_along_x(bone - (digit.radius if last else 0.0), digit.radius),)
+            mass = solid(pieces, (1.0 - PALM_SHARE) * HAND_MASS * digit.radius**2 * bone / total)
+            joint = _thumb_joint(number) if digit is THUMB else _finger_joint(number)
+            name = f"{digit.name}{number}"
+            links.append(Link(name, parent, joint, pieces, mass, anchor=anchor, orientation=_about("z", bearing)))
+            parent, anchor, bearing = name, (bone, 0.0, 0.0), 0.0
+    return Avatar("hand", tuple(links))
+
+
+def _along_x(length: float, radius: float) -> Piece:
+    """The capsule from the origin along x."""
+    return Piece(Capsule(radius, length), (0.5 * length, 0.0, 0.0), _about("y", 90.0))
+
+
+def _finger_joint(number: int) -> Hinges:
+    """Joint of a finger, counted from the palm: it bends about y, the nearest one also spreads about z."""
+    low, high = FLEXION[number]
+    spread = (Hinge((0.0, 0.0, 1.0), radians(-SPREAD), radians(SPREAD)),) if number == 1 else ()
+    return Hinges((*spread, Hinge((0.0, 1.0, 0.0), radians(low), radians(high))))
+
+
+def _thumb_joint(number: int) -> Hinges:
+    """Joint of the thumb: at the wrist it turns across the palm and in its plane, then it bends towards the fingers."""
+    if number == 1:
+        return Hinges((Hinge((0.0, 0.0, 1.0), radians(-30.0), radians(30.0)), Hinge((0.0, 1.0, 0.0), radians(-10.0), radians(50.0))))
+    return Hinges((Hinge((0.0, 0.0, 1.0), radians(-10.0), radians(60.0 if number == 2 else 80.0)),))
+
+
+def _about(axis: str, degrees: float) -> Quaternion:
+    """A turn about an axis of the world."""
+    x, y, z = (1.0 if axis == one else 0.0 for one in "xyz")
+    return about((x, y, z), radians(degrees))
+
+
+def _hand_stage() -> Stage:
+    top, half, rim = 0.75, 0.45, 0.03
+    table = fixed("table", (
+        _box((0.0, 0.0, top - 0.02), (2.0 * half, 2.0 * half, 0.04)),
+        *(_box((sx * (half - 0.04), sy * (half - 0.04), 0.5 * (top - 0.04)), (0.05, 0.05, top - 0.04))
+          for sx in (-1.0, 1.0) for sy in (-1.0, 1.0)),
+        *(_box((0.0, s * (half + 0.5 * rim), top), (2.0 * half, rim, 0.08)) for s in (-1.0, 1.0)),
+        _box((-half - 0.5 * rim, 0.0, top), (rim, 2.0 * half + 2.0 * rim, 0.08)),
+    ), "wood")
+    wall = fixed("wall", (_box((half + 0.06, 0.0, 0.9), (0.1, 2.4, 1.8)),), "wood")
+    floor = fixed("floor", (_box((0.0, 0.0, -0.05), (4.0, 4.0, 0.1)),), "wood")
+    lying = Piece(Capsule(0.025, 0.10), (0.0, 0.0, 0.0), _about("x", 90.0))
+    loose = (
+        _loose("ball", (Piece(Sphere(0.035)),), 0.08, (0.22, 0.16, top + 0.035)),
+        _loose("box", (Piece(Box((0.07, 0.07, 0.07))),), 0.15, (0.26, -0.06, top + 0.035)),
+        _loose("brick", (Piece(Box((0.12, 0.06, 0.04))),), 0.20, (0.05, -0.26, top + 0.02)),
+        _loose("roller", (lying,), 0.12, (0.10, 0.28, top + 0.025)),
+        _loose("marble", (Piece(Sphere(0.015)),), 0.02, (0.30, -0.24, top + 0.015), "metal"),
+    )
+    avatar = hand()
+    start = replace(rest((avatar,)), positions=_first_root(avatar, (-0.05, 0.0, top + 0.22)))
+    scene = Scene("live hand", (floor, table, wall, *loose), (avatar,), start=start)
+    what = "a hand of 16 links over a table with a rim and a wall, and five loose objects"
+    return Stage(scene, handles_of(scene), what, Camera((-0.65, -0.75, 1.35), (0.05, 0.0, 0.82)))
+
+
+# --- the human
+
+STATURE = 1.75
+"""[m] of the human, near the mean of the tables that it is built by."""
+
+ARMS_DOWN = 72.0
+"""[degrees] by which the arms, which are sideways at rest, hang down at the start."""
+
+
+def body() -> tuple[Avatar, TrackerSample]:
+    """A human of 24 links, and its posture at the start: upright, arms down, the root's joint at the origin."""
+    skeleton = replace(approximate("SMPL", STATURE)[0], name="human")
+    places, turns, angles = skeleton.still
+    at = {bone.name: k for k, bone in enumerate(skeleton.bones)}
+    turns = turns.copy()
+    for side, sign in (("left", -1.0), ("right", 1.0)):
+        turns[at[f"{side}_shoulder"]] = _about("x", sign * ARMS_DOWN)
+        turns[at[f"{side}_elbow"]] = _about("z", sign * 15.0)
+    clip = Motion(np.zeros(1), places[None], turns[None], angles[None])
+    avatar = human(skeleton, STATURE, clip).avatar
+    if avatar is None:
+        raise InvalidInput("avatar of the human", None, "a tree of links")
+    return avatar, TrackerSample(0.0, places, turns, angles)
+
+
+def _body_stage() -> Stage:
+    avatar, start = body()
+    positions, orientations = link_poses((avatar,), start)
+    lowest = min(
+        float((positions[k] + rotation.rotate(orientations[k], piece.position))[2]) - _half_height(piece, orientations[k])
+        for k, link in enumerate(avatar.links) for piece in link.pieces
+    )
+    start = replace(start, positions=_first_root(avatar, (-2.2, 0.0, GAP - lowest)))
+    scene = Scene("live body", (*_rooms(), *_furniture(), *_playthings()), (avatar,), start=start)
+    what = "a human of 24 links in two rooms with a doorway, furniture, steps, and eight loose balls and boxes"
+    return Stage(scene, handles_of(scene), what, Camera((-6.5, -4.5, 4.2), (-0.8, 0.0, 0.9)))
+
+
+def _half_height(piece: Piece, orientation: Array) -> float:
+    """How far a capsule or ball goes down from its centre [m]."""
+    shape = piece.shape
+    if isinstance(shape, Capsule):
+        axis = rotation.rotate(rotation.multiply(orientation, piece.orientation), (0.0, 0.0, 1.0))
+        return shape.radius + 0.5 * shape.length * abs(float(axis[2]))
+    return reach(Piece(shape))
+
+
+def _rooms() -> tuple[Body, ...]:
+    """Two rooms of 4 by 5 m, between them a wall with a doorway of 1 by 2.1 m."""
+    height, thick = 2.6, 0.12
+    middle = fixed("doorway", (
+        _box((0.0, 1.5, 0.5 * height), (thick, 2.0, height)), _box((0.0, -1.5, 0.5 * height), (thick, 2.0, height)),
+        _box((0.0, 0.0, 2.35), (thick, 1.0, 0.5)),
+    ), "wood")
+    outer = fixed("walls", (
+        _box((4.06, 0.0, 0.5 * height), (thick, 5.0, height)), _box((-4.06, 0.0, 0.5 * height), (thick, 5.0, height)),
+        _box((0.0, 2.56, 0.5 * height), (8.0, thick, height)), _box((0.0, -2.56, 0.25), (8.0, thick, 0.5)),
+    ), "wood")
+    return fixed("floor", (_box((0.0, 0.0, -0.1), (9.0, 6.0, 0.2)),), "wood"), middle, outer
+
+
+def _furniture() -> tuple[Body, ...]:
+    legs = [(sx, sy) for sx in (-1.0, 1.0) for sy in (-1.0, 1.0)]
+    table = fixed("table", (
+        _box((0.0, 0.0, 0.73), (1.4, 0.8, 0.04)), *(_box((0.64 * sx, 0.34 * sy, 0.355), (0.06, 0.06, 0.71)) for sx, sy in legs),
+    ), "wood", (2.2, -0.9, 0.0))
+    bench = fixed("bench", (
+        _box((0.0, 0.0, 0.43), (0.4, 1.4, 0.05)), *(_box((0.0, 0.6 * s, 0.2), (0.36, 0.06, 0.40)) for s in (-1.0, 1.0)),
+    ), "wood", (-3.6, 0.9, 0.0))
+    shelf = fixed("shelf", (
+        *(_box((0.0, 0.0, z), (1.2, 0.3, 0.03)) for z in (0.4, 0.9, 1.4)),
+        *(_box((0.6 * s, 0.0, 0.8), (0.03, 0.3, 1.6)) for s in (-1.0, 1.0)),
+    ), "wood", (-1.6, 2.3, 0.0))
+    steps = fixed("steps", tuple(_box((0.3 * k, 0.0, 0.09 * (k + 1)), (0.3, 1.2, 0.18 * (k + 1))) for k in range(3)), "wood",
+                  (2.6, 1.5, 0.0))
+    return table, bench, shelf, steps
+
+
+def _playthings() -> tuple[Body, ...]:
+    ball, box = (Piece(Sphere(0.11)),), (Piece(Box((0.25, 0.25, 0.25))),)
+    return (
+        _loose("ball", ball, 0.45, (-1.2, 0.45, 0.11)),
+        _loose("ball in the other room", ball, 0.45, (1.0, 0.3, 0.11)),
+        _loose("ball on the table", (Piece(Sphere(0.06)),), 0.15, (1.9, -0.8, 0.75 + 0.06)),
+        _loose("box on the table", (Piece(Box((0.2, 0.15, 0.12))),), 0.8, (2.4, -0.9, 0.75 + 0.06)),
+        _loose("box", box, 2.0, (-1.0, -0.9, 0.125)),
+        _loose("box on the box", (Piece(Box((0.18, 0.18, 0.18))),), 1.0, (-1.0, -0.9, 0.25 + GAP + 0.09)),
+        _loose("book", (Piece(Box((0.18, 0.12, 0.04))),), 0.5, (-1.7, 2.3, 0.915 + 0.02)),
+        _loose("ball on the shelf", (Piece(Sphere(0.07)),), 0.2, (-1.3, 2.3, 1.415 + 0.07)),
+    )
+
+
+def _box(position: Vector, size: Vector) -> Piece:
+    return Piece(Box(size), position)
+
+
+def _loose(name: str, pieces: tuple[Piece, ...], mass: float, position: Vector, material: str = "wood") -> Body:
+    x, y, z = position
+    return simulated(name, pieces, material, solid(pieces, mass), (x, y, z + GAP))
+
+
+def _first_root(avatar: Avatar, position: Vector) -> Array:
+    places = np.zeros((len(avatar.links), 3))
+    places[0] = position
+    return places
+
+
+_STAGES: dict[str, Callable[[], Stage]] = {"hand": cache(_hand_stage), "body": cache(_body_stage)}
+NAMES = tuple(_STAGES)
+"""Built-in stages."""
