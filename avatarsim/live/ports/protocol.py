@@ -57,8 +57,8 @@ QUOTED = 60
 
 @dataclass(frozen=True)
 class Shape:
-    """What a sample must fit: canonical names of `links` in the scene's order (`avatar/link`, or the avatar's name where it has one
-    link), and the number of `hinges`; of all `bodies` the names in the order of poses."""
+    """What a sample must fit: canonical names of `links` in the scene's order (`avatar/link`, or the avatar's name where it has
+    one link), and the number of `hinges`; of all `bodies` the names in the order of poses."""
 
     links: tuple[str, ...]
     hinges: int
@@ -97,7 +97,7 @@ class Goal:
 
 @dataclass(frozen=True, eq=False)
 class Goals:
-    """Goals of single links by canonical name. They replace all goals of the message before: a link that is not named is let go."""
+    """Goals of single links by canonical name. They replace all of the message before: a link that is not named is let go."""
 
     links: Mapping[str, Goal]
 
@@ -217,7 +217,8 @@ def _capped(positions: Array, rotations: Array, angles: Array) -> TrackerSample:
     lengths = np.sqrt(np.einsum("ij,ij->i", rotations, rotations))
     if not (np.abs(lengths - 1.0) <= UNIT).all():
         worst_row = rotations[int(np.argmax(np.abs(lengths - 1.0)))].tolist()
-        raise Refused(Refusal.NOT_A_ROTATION, "row of rotations", worst_row, f"a quaternion (w, x, y, z) of length 1, within {UNIT:g}")
+        valid = f"a quaternion (w, x, y, z) of length 1, within {UNIT:g}"
+        raise Refused(Refusal.NOT_A_ROTATION, "row of rotations", worst_row, valid)
     return TrackerSample(0.0, positions, rotations / lengths[:, None], angles)
 
 

@@ -24,7 +24,8 @@ from avatarsim.live.ports.protocol import (
 from avatarsim.live.ports.refusals import Refusal, Refused
 from avatarsim.scene.tracker import TrackerSample
 
-SHAPE = Shape(("left/palm", "left/tip", "right/palm", "ball_hand"), 2, ("table", "left/palm", "left/tip", "right/palm", "ball_hand"))
+LINKS = ("left/palm", "left/tip", "right/palm", "ball_hand")
+SHAPE = Shape(LINKS, 2, ("table", *LINKS))
 TURNED = [[1.0, 0.0, 0.0, 0.0]] * 4
 GOOD = {"positions": [[0.0, 0.1, 0.2]] * 4, "rotations": TURNED, "angles": [0.1, -0.2]}
 GOOD_PACKED = packed_sample(TrackerSample(0.0, np.ones((4, 3)), np.array(TURNED), np.zeros(2)))
