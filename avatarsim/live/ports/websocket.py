@@ -86,6 +86,14 @@ class Guarded(ServerConnection):
         super().connection_made(transport)
         self.owner.arrived(self)
 
+    def data_received(self, data: bytes) -> None:
+        """Called by the event loop. Of a peer that breaks the protocol nothing more is read, nor is its goodbye waited for."""
+        super().data_received(data)
+        if self.protocol.handshake_exc is not None or self.protocol.parser_exc is not None:
+            # a close waits until all is written: for a peer that reads nothing that is for ever
+            end = self.transport.abort if self.transport.get_write_buffer_size() else self.transport.close
+            end()
+
     def connection_lost(self, exc: Exception | None) -> None:
         """Called by the event loop when the connection is gone."""
         super().connection_lost(exc)

@@ -33,4 +33,4 @@ def live(opened: Callable[..., Opened]) -> Opened:
 @pytest.fixture
 def strict(opened: Callable[..., Opened]) -> Opened:
     """Ports that run out of patience at once, and keep few connections."""
-    return opened(limits=Limits(per_second=5, flood=50, patience=0.3, connections=3, waiting=4, sources=2))
+    return opened(limits=Limits(per_second=5, flood=50, patience=2.0, connections=3, waiting=4, sources=2))
