@@ -1,0 +1,100 @@
+"""Typed refusals and their tally: what came in from outside and was not taken, by reason (input validation; Saltzer 1975)."""
+
+import threading
+from collections import Counter
+from collections.abc import Mapping
+from enum import Enum
+
+from avatarsim.errors import InvalidSample
+
+
+class Refusal(Enum):
+    """Why a message, a request or a peer was refused; the value is what a page says."""
+
+    TOO_LONG = "longer than a message may be"
+    NOT_TEXT = "not UTF-8"
+    NOT_JSON = "not JSON"
+    TOO_DEEP = "nested too deep"
+    WRONG_TYPE = "a value of the wrong type"
+    DUPLICATE = "a key or a link twice"
+    UNKNOWN_KEY = "a key that no message has"
+    MISSING_KEY = "a key is missing"
+    UNKNOWN_LINK = "a link that the scene has not"
+    WRONG_LENGTH = "the wrong number of rows, numbers or bytes"
+    NOT_FINITE = "nan or infinity"
+    TOO_LARGE = "a number beyond its cap"
+    NOT_A_ROTATION = "a quaternion whose length is not 1"
+    WRONG_MAGIC = "neither JSON nor packed numbers"
+    WRONG_VERSION = "packed numbers of an unknown version or width"
+    NOT_TAKEN = "refused by what is driven"
+    NOT_ASKED = "a message where none is read"
+    TOO_FAST = "more messages in a second than are read"
+    FLOOD = "a peer dropped for flooding"
+    FOREIGN_HOST = "a Host header that is none of ours"
+    FOREIGN_ORIGIN = "an Origin header that is none of ours"
+    NO_SUCH_PAGE = "a path that is not there"
+    NOT_HTTP = "no request that can be read"
+    NO_HANDSHAKE = "connected, and nothing asked in time"
+    TOO_MANY = "more connections than are kept"
+    STOPPED_READING = "a client dropped for not reading"
+    BROKEN_FRAMES = "frames that break the WebSocket protocol"
+
+
+class Peer(Enum):
+    """By which way a peer came."""
+
+    UDP = "UDP"
+    WEBSOCKET = "WebSocket"
+    PAGE = "page"
+
+
+class Refused(InvalidSample):
+    """A message that is refused; `reason` says why in one word, and the text names the thing, its value and what is valid."""
+
+    def __init__(self, reason: Refusal, thing: str, value: object, valid: str) -> None:
+        self.reason = reason
+        super().__init__(thing, value, valid)
+
+
+class Refusals:
+    """Counts of refusals by reason and kind of peer, and of messages taken. Written by one thread, read by any."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._counts: Counter[tuple[Refusal, Peer]] = Counter()
+        self._taken: Counter[Peer] = Counter()
+        self._last = ""
+
+    def count(self, reason: Refusal, peer: Peer, sentence: str = "") -> None:
+        """One more refusal; `sentence` is what was wrong, the reason itself where none is given."""
+        with self._lock:
+            self._counts[reason, peer] += 1
+            self._last = sentence or reason.value
+
+    def took(self, peer: Peer) -> None:
+        """One more message that was good and was handed on."""
+        with self._lock:
+            self._taken[peer] += 1
+
+    @property
+    def counts(self) -> Mapping[tuple[Refusal, Peer], int]:
+        """How often each reason was met, by kind of peer; what never was is not in it."""
+        with self._lock:
+            return dict(self._counts)
+
+    @property
+    def taken(self) -> Mapping[Peer, int]:
+        """How many messages were good, by kind of peer."""
+        with self._lock:
+            return dict(self._taken)
+
+    @property
+    def last(self) -> str:
+        """What was wrong with what was refused last; empty before the first."""
+        with self._lock:
+            return self._last
+
+    def of(self, reason: Refusal, peer: Peer | None = None) -> int:
+        """How often for this reason, by all kinds of peers or by one."""
+        with self._lock:
+            return sum(n for (why, kind), n in self._counts.items() if why is reason and peer in (None, kind))

@@ -1,0 +1,203 @@
+"""UDP and WebSocket ports in one event loop in a thread of its own (reactor pattern; Schmidt 1995), on loopback by default."""
+
+import asyncio
+import errno
+import socket
+import threading
+from collections.abc import Coroutine, Mapping
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from avatarsim.errors import InvalidInput, MissingPackage
+from avatarsim.live.messages import State
+from avatarsim.live.ports.admission import Limits, as_address
+from avatarsim.live.ports.drawing import described
+from avatarsim.live.ports.protocol import Shape
+from avatarsim.live.ports.refusals import Refusals
+from avatarsim.live.ports.taking import Gate, OnTarget
+from avatarsim.live.ports.udp import Datagrams
+from avatarsim.scene.scene import Scene
+
+if TYPE_CHECKING:
+    from avatarsim.live.ports.websocket import WebSockets
+
+HIGHEST_PORT = 65535
+
+
+class PortTaken(InvalidInput):
+    """A port that the system does not give: another program has it, it needs more rights, or the address is another machine's."""
+
+
+class Ports:
+    """UDP and WebSocket ports of a live scene. `start`, then `publish` what is shown; a context manager does start and close.
+
+    on_target  called in the ports' own thread with a sample or goals, the time [ns, monotonic] its bytes arrived, and where from;
+               what it refuses by an AvatarsimError is counted
+    listen     address of this machine; other machines reach anything but loopback
+    udp_port, ws_port  0: the system chooses one; None: there is none
+    allow      further hosts that Host and Origin headers may name
+
+    Raises InvalidInput for an address or a port that is none."""
+
+    def __init__(
+        self, scene: Scene, on_target: OnTarget, listen: str = "127.0.0.1", udp_port: int | None = 0, ws_port: int | None = 0,
+        allow: tuple[str, ...] = (), limits: Limits | None = None,
+    ) -> None:
+        self.refusals = Refusals()
+        self._listen = as_address(listen)
+        self._asked = {"udp": _port("UDP port", udp_port), "websocket": _port("WebSocket port", ws_port)}
+        self._limits = limits or Limits()
+        self._gate = Gate(Shape.of(scene), on_target, self.refusals)
+        self._scene, self._allow = scene, allow
+        self._ends: dict[str, socket.socket] = {}
+        self._loop: asyncio.SelectorEventLoop | None = None
+        self._thread: threading.Thread | None = None
+        self._web: WebSockets | None = None
+        self._newest: State | None = None
+        self._is_offered = False
+
+    @property
+    def addresses(self) -> Mapping[str, tuple[str, int]]:
+        """Address and port by "udp" and "websocket", as the system gave them; empty before `start`."""
+        return {name: end.getsockname()[:2] for name, end in self._ends.items()}
+
+    @property
+    def hands(self) -> str:
+        """Where a browser finds the page of tracked hands; empty without a WebSocket port."""
+        if "websocket" not in self._ends:
+            return ""
+        host, port = self.addresses["websocket"]
+        # a browser takes WebXR for safe at localhost as well as by TLS
+        shown = "localhost" if host in ("127.0.0.1", "::1") else f"[{host}]" if ":" in host else host
+        return f"http://{shown}:{port}/hands"
+
+    def start(self) -> Self:
+        """Open the ports. Raises PortTaken for one that cannot be had, MissingPackage where `websockets` is not installed."""
+        if self._thread is not None:
+            return self
+        try:
+            self._open()
+        except BaseException:
+            self._shut()
+            raise
+        self._loop = asyncio.SelectorEventLoop()
+        self._thread = threading.Thread(target=self._run, args=(self._loop,), name="avatarsim ports", daemon=True)
+        self._thread.start()
+        try:
+            self._in_loop(self._begin())
+        except BaseException:
+            self.close()
+            raise
+        return self
+
+    def close(self) -> None:
+        """Close the ports; a second time does nothing."""
+        thread, loop = self._thread, self._loop
+        if thread is None or loop is None:
+            return
+        self._thread = None
+        try:
+            self._in_loop(self._end())
+        finally:
+            loop.call_soon_threadsafe(loop.stop)
+            thread.join()
+            self._loop = None
+            self._shut()
+
+    def publish(self, state: State) -> None:
+        """Hand what is shown to all clients of poses; never waits, and may be called from any thread. Of several states that come
+        before the ports' thread has looked, the newest goes out."""
+        self._newest = state
+        loop = self._loop
+        if self._is_offered or loop is None or self._thread is None:
+            return
+        # set before the thread is woken and cleared before it reads: a state that finds it set is read by that wake
+        self._is_offered = True
+        try:
+            loop.call_soon_threadsafe(self._offer)
+        except RuntimeError:
+            # closed meanwhile
+            self._is_offered = False
+
+    def __enter__(self) -> Self:
+        return self.start()
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+    def _open(self) -> None:
+        """Take the sockets, here and not in the thread, so that the caller hears why one cannot be had."""
+        if self._asked["websocket"] is not None:
+            try:
+                from avatarsim.live.ports.websocket import WebSockets
+            except ImportError as error:
+                raise MissingPackage("websockets", "view", "a WebSocket port") from error
+            self._web = WebSockets(self._gate, described(self._scene), self._limits, self._allow)
+            self._ends["websocket"] = _bound(self._listen, self._asked["websocket"], socket.SOCK_STREAM, "WebSocket port")
+        if self._asked["udp"] is not None:
+            self._ends["udp"] = _bound(self._listen, self._asked["udp"], socket.SOCK_DGRAM, "UDP port")
+
+    def _shut(self) -> None:
+        for end in self._ends.values():
+            end.close()
+        self._ends.clear()
+
+    def _run(self, loop: asyncio.AbstractEventLoop) -> None:
+        asyncio.set_event_loop(loop)
+        try:
+            loop.run_forever()
+        finally:
+            loop.close()
+
+    def _in_loop(self, work: Coroutine[Any, Any, None]) -> None:
+        assert self._loop is not None
+        asyncio.run_coroutine_threadsafe(work, self._loop).result()
+
+    async def _begin(self) -> None:
+        if "udp" in self._ends:
+            reader = Datagrams(self._ends["udp"], self._gate, self._limits)
+            asyncio.get_running_loop().add_reader(self._ends["udp"], reader.read)
+        if self._web is not None:
+            await self._web.start(self._ends["websocket"])
+
+    async def _end(self) -> None:
+        if "udp" in self._ends:
+            asyncio.get_running_loop().remove_reader(self._ends["udp"])
+        if self._web is not None:
+            await self._web.close()
+        left = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
+        for task in left:
+            task.cancel()
+        await asyncio.gather(*left, return_exceptions=True)
+
+    def _offer(self) -> None:
+        self._is_offered = False
+        if self._web is not None and self._newest is not None:
+            self._web.publish(self._newest)
+
+
+def _port(thing: str, value: int | None) -> int | None:
+    if value is not None and (isinstance(value, bool) or not isinstance(value, int) or not 0 <= value <= HIGHEST_PORT):
+        raise InvalidInput(thing, value, f"a whole number from 0, which lets the system choose, to {HIGHEST_PORT}")
+    return value
+
+
+def _bound(host: str, port: int | None, kind: socket.SocketKind, thing: str) -> socket.socket:
+    """A non-blocking socket at an address; one of streams listens."""
+    family, end = socket.AF_INET6 if ":" in host else socket.AF_INET, None
+    try:
+        if kind is socket.SOCK_STREAM:
+            end = socket.create_server((host, port), family=family)
+        else:
+            end = socket.socket(family, kind)
+            end.bind((host, port))
+        end.setblocking(False)
+    except OSError as error:
+        if end is not None:
+            end.close()
+        if error.errno == errno.EADDRINUSE:
+            valid = "a port that no other program has; 0 lets the system choose"
+        else:
+            valid = f"a port and an address of this machine that may be used ({error.strerror})"
+        raise PortTaken(thing, f"{host}:{port}", valid) from error
+    return end

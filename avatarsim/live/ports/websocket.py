@@ -1,0 +1,250 @@
+"""WebSocket server (RFC 6455): samples in at /tracker, poses out at /poses and /poses/packed; each client has one latest value.
+
+A client's slot holds the newest message alone: a client that is slow misses what lies between, and one that takes nothing for
+longer than the limits' patience is dropped. So no client can fill memory, or delay another.
+"""
+
+import asyncio
+import json
+import logging
+import socket
+import time
+from functools import cached_property
+from http import HTTPStatus
+from typing import Any, ClassVar
+
+from websockets.asyncio.server import Server, ServerConnection, serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Request, Response
+
+from avatarsim.live.messages import State
+from avatarsim.live.ports.admission import Limits, Pace, Window, judged
+from avatarsim.live.ports.pages import page
+from avatarsim.live.ports.protocol import json_poses, packed_poses
+from avatarsim.live.ports.refusals import Peer, Refusal
+from avatarsim.live.ports.taking import Gate
+
+TRACKER, POSES, PACKED = "/tracker", "/poses", "/poses/packed"
+WAYS = (TRACKER, POSES, PACKED)
+"""Paths of WebSockets."""
+SEND_BUFFER = 1 << 16
+"""[bytes] that the system keeps for a client that does not read, and again that the server does: some hundred poses of a hand."""
+CLOSING = 1.0
+"""[s] that clients have to say goodbye when the server ends."""
+
+QUIET = logging.getLogger("avatarsim.live.ports")
+QUIET.addHandler(logging.NullHandler())
+QUIET.propagate = False
+"""What the library logs of bad handshakes is counted here instead; no peer writes on the user's terminal."""
+
+
+class Written:
+    """What is shown, written when it is first asked for and once for all clients."""
+
+    def __init__(self, state: State) -> None:
+        self._state = state
+
+    @cached_property
+    def json(self) -> str:
+        """As JSON."""
+        return json_poses(self._state)
+
+    @cached_property
+    def packed(self) -> bytes:
+        """As packed numbers."""
+        return packed_poses(self._state)
+
+
+class Slot:
+    """The newest message for a client."""
+
+    def __init__(self) -> None:
+        self._newest: Any = None
+        self._is_new = asyncio.Event()
+
+    def put(self, message: object) -> None:
+        """Replace what has not been taken."""
+        self._newest = message
+        self._is_new.set()
+
+    async def take(self) -> Any:
+        """Wait for a message that was not taken yet."""
+        await self._is_new.wait()
+        self._is_new.clear()
+        return self._newest
+
+
+class Guarded(ServerConnection):
+    """A connection that its server knows from its first byte on, not from the end of its handshake."""
+
+    owner: ClassVar["WebSockets"]
+    is_evicted = is_served = False
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Called by the event loop when a peer has connected."""
+        super().connection_made(transport)
+        self.owner.arrived(self)
+
+    def data_received(self, data: bytes) -> None:
+        """Called by the event loop. Of a peer that breaks the protocol nothing more is read, nor is its goodbye waited for."""
+        super().data_received(data)
+        if self.protocol.handshake_exc is not None or self.protocol.parser_exc is not None:
+            # a close waits until all is written: for a peer that reads nothing that is for ever
+            end = self.transport.abort if self.transport.get_write_buffer_size() else self.transport.close
+            end()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Called by the event loop when the connection is gone."""
+        super().connection_lost(exc)
+        self.owner.left(self)
+
+
+class WebSockets:
+    """The server. Everything in it runs in one event loop."""
+
+    def __init__(self, gate: Gate, description: dict[str, Any], limits: Limits, allowed: tuple[str, ...]) -> None:
+        self._gate, self._limits, self._allowed = gate, limits, allowed
+        self._description = json.dumps(description)
+        self._waiting: dict[Guarded, None] = {}
+        self._admitted: set[Guarded] = set()
+        self._slots: dict[Slot, str] = {}
+        self._newest: Written | None = None
+        self._server: Server | None = None
+
+    async def start(self, end: socket.socket) -> None:
+        """Serve at a socket that listens."""
+        # what a socket inherits from the one that listens: a bound on what the system keeps for a client
+        end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
+        self._server = await serve(
+            self._serve, sock=end, process_request=self._judge, create_connection=type("Ours", (Guarded,), {"owner": self}),
+            open_timeout=self._limits.patience, close_timeout=CLOSING, max_size=self._gate.shape.most_bytes, compression=None,
+            write_limit=SEND_BUFFER, server_header=None, logger=QUIET,
+        )
+
+    async def close(self) -> None:
+        """Say goodbye to all clients, then cut those that do not answer."""
+        if self._server is None:
+            return
+        goodbyes = [asyncio.ensure_future(connection.close(1001)) for connection in self._admitted]
+        if goodbyes:
+            await asyncio.wait(goodbyes, timeout=CLOSING)
+        for connection in [*self._admitted, *self._waiting]:
+            connection.transport.abort()
+        self._server.close(close_connections=False)
+        await self._server.wait_closed()
+
+    def publish(self, state: State) -> None:
+        """Put what is shown into each client's slot."""
+        self._newest = Written(state)
+        for slot, way in self._slots.items():
+            if way != TRACKER:
+                slot.put(self._newest)
+
+    def arrived(self, connection: Guarded) -> None:
+        """One more that has not asked yet; of too many the oldest is dropped, which has had the longest time."""
+        self._waiting[connection] = None
+        if len(self._waiting) > self._limits.waiting:
+            oldest = next(iter(self._waiting))
+            oldest.is_evicted = True
+            self._waiting.pop(oldest)
+            self._gate.refusals.count(Refusal.TOO_MANY, Peer.WEBSOCKET)
+            oldest.transport.abort()
+
+    def left(self, connection: Guarded) -> None:
+        """Forget a connection; one that never asked anything that can be read is counted."""
+        self._waiting.pop(connection, None)
+        was_admitted = connection in self._admitted
+        self._admitted.discard(connection)
+        if connection.request is None and not connection.is_evicted:
+            wrong = connection.protocol.handshake_exc
+            is_cut = wrong is None or isinstance(wrong.__cause__, EOFError)
+            self._gate.refusals.count(Refusal.NO_HANDSHAKE if is_cut else Refusal.NOT_HTTP, Peer.WEBSOCKET)
+        elif was_admitted and not connection.is_served:
+            self._gate.refusals.count(Refusal.NOT_HTTP, Peer.WEBSOCKET)
+
+    def _judge(self, connection: ServerConnection, request: Request) -> Response | None:
+        """None lets the handshake go on; else what is answered instead."""
+        headers = request.headers
+        is_page = "Upgrade" not in headers
+        peer = Peer.PAGE if is_page else Peer.WEBSOCKET
+        foreign = judged(headers.get_all("Host"), headers.get_all("Origin"), str(connection.local_address[0]), self._allowed)
+        if foreign is not None:
+            return self._refuse(foreign, peer, HTTPStatus.FORBIDDEN)
+        path = request.path.partition("?")[0]
+        if is_page:
+            found = page(path)
+            if found is None:
+                return self._refuse(Refusal.NO_SUCH_PAGE, peer, HTTPStatus.NOT_FOUND)
+            answer = Headers({**found.headers, "Content-Length": str(len(found.body)), "Connection": "close"})
+            return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, answer, found.body)
+        if path not in WAYS:
+            return self._refuse(Refusal.NO_SUCH_PAGE, peer, HTTPStatus.NOT_FOUND)
+        if len(self._admitted) >= self._limits.connections:
+            return self._refuse(Refusal.TOO_MANY, peer, HTTPStatus.SERVICE_UNAVAILABLE)
+        assert isinstance(connection, Guarded)
+        self._admitted.add(connection)
+        self._waiting.pop(connection, None)
+        return None
+
+    def _refuse(self, reason: Refusal, peer: Peer, status: HTTPStatus) -> Response:
+        self._gate.refusals.count(reason, peer)
+        body = f"{reason.value}\n".encode()
+        answer = Headers({"Content-Type": "text/plain; charset=utf-8", "Content-Length": str(len(body)), "Connection": "close"})
+        return Response(status.value, status.phrase, answer, body)
+
+    async def _serve(self, connection: ServerConnection) -> None:
+        """A client from its handshake to its end."""
+        assert isinstance(connection, Guarded) and connection.request is not None
+        connection.is_served = True
+        way, slot = connection.request.path.partition("?")[0], Slot()
+        if way != TRACKER and self._newest is not None:
+            slot.put(self._newest)
+        self._slots[slot] = way
+        writer = asyncio.ensure_future(self._write(connection, slot, way))
+        try:
+            await self._read(connection, slot, way)
+        except ConnectionClosed as error:
+            # 1007, 1009, 1002: what the library itself refused
+            sent = 0 if error.sent is None or error.rcvd_then_sent else error.sent.code
+            reason = {1009: Refusal.TOO_LONG, 1002: Refusal.BROKEN_FRAMES, 1007: Refusal.BROKEN_FRAMES}.get(sent)
+            if reason is not None:
+                self._gate.refusals.count(reason, Peer.WEBSOCKET)
+        finally:
+            del self._slots[slot]
+            writer.cancel()
+
+    async def _read(self, connection: ServerConnection, slot: Slot, way: str) -> None:
+        """Messages one by one; a tracker is told what was wrong with the last one."""
+        window = Window(self._limits)
+        host, port = connection.remote_address[:2]
+        while True:
+            # as bytes, whatever its kind: a text that is none is then refused like any other message
+            data = await connection.recv(decode=False)
+            if way != TRACKER:
+                self._gate.refusals.count(Refusal.NOT_ASKED, Peer.WEBSOCKET)
+                pace, wrong = window.admit(time.monotonic_ns()), Refusal.NOT_ASKED.value
+            else:
+                pace, wrong = self._gate.take(data, window, Peer.WEBSOCKET, f"websocket {host}:{port}")
+            if pace is Pace.FLOOD:
+                self._gate.refusals.count(Refusal.FLOOD, Peer.WEBSOCKET)
+                connection.transport.abort()
+                return
+            if wrong and way == TRACKER:
+                slot.put(json.dumps({"refused": wrong}))
+
+    async def _write(self, connection: ServerConnection, slot: Slot, way: str) -> None:
+        """The description of the scene, then each newest message, until the client goes or does not take one in time."""
+        message: str | bytes = self._description
+        while True:
+            try:
+                async with asyncio.timeout(self._limits.patience):
+                    await connection.send(message)
+            except ConnectionClosed:
+                return
+            except TimeoutError:
+                self._gate.refusals.count(Refusal.STOPPED_READING, Peer.WEBSOCKET)
+                connection.transport.abort()
+                return
+            newest = await slot.take()
+            message = newest if isinstance(newest, str) else newest.packed if way == PACKED else newest.json

@@ -1,0 +1,36 @@
+"""Ports that are closed at the end of a test."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import pytest
+
+from avatarsim.live.ports.admission import Limits
+from tests.live.ports.opened import Opened
+
+
+@pytest.fixture
+def opened() -> Iterator[Callable[..., Opened]]:
+    """Makes ports that are closed at the test's end."""
+    with ExitStack() as stack:
+
+        def make(**options: Any) -> Opened:
+            one = Opened(**options)
+            stack.callback(one.ports.close)
+            one.ports.start()
+            return one
+
+        yield make
+
+
+@pytest.fixture
+def live(opened: Callable[..., Opened]) -> Opened:
+    """Ports with the limits they have by themselves."""
+    return opened()
+
+
+@pytest.fixture
+def strict(opened: Callable[..., Opened]) -> Opened:
+    """Ports that run out of patience at once, and keep few connections."""
+    return opened(limits=Limits(per_second=5, flood=50, patience=2.0, connections=3, waiting=4, sources=2))

@@ -1,0 +1,85 @@
+"""Ports on loopback that the system chose, what they handed on, and clients of plain sockets."""
+
+import socket
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+import avatarsim as av
+from avatarsim.live.messages import State
+from avatarsim.live.ports.server import Ports
+
+UPGRADE = (
+    "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13", f"Sec-WebSocket-Key: {'A' * 22}==",
+)
+"""Headers that ask for a WebSocket."""
+LONG = 60.0
+"""[s] after which a test that waits has failed; nothing is measured by it."""
+
+
+def until(holds: Callable[[], object]) -> None:
+    """Wait until something holds."""
+    end = time.monotonic() + LONG
+    while not holds():
+        assert time.monotonic() < end, "it never came"
+        time.sleep(0.002)
+
+
+def request(path: str, *headers: str) -> bytes:
+    """An HTTP request."""
+    return "\r\n".join([f"GET {path} HTTP/1.1", *headers, "", ""]).encode()
+
+
+def scene() -> av.Scene:
+    """A table, and a rigid hand of two pieces."""
+    hull = av.ConvexHull(np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]]))
+    pieces = (av.Piece(av.Sphere(0.05)), av.Piece(av.Capsule(0.01, 0.1), (0.1, 0.0, 0.0)), av.Piece(hull))
+    table = av.fixed("table", (av.Piece(av.Box((1.0, 1.0, 0.1))), av.Piece(av.Ellipsoid((0.1, 0.2, 0.3)))), "wood")
+    return av.Scene("a hand", (table,), (av.rigid_avatar("hand", pieces, av.solid(pieces[:1], 0.5)),))
+
+
+def state(frame: int, bodies: int = 2) -> State:
+    """What a loop shows in a frame."""
+    places = np.full((bodies, 3), float(frame))
+    turned = np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))
+    return State(frame, frame / 60, places, turned, np.zeros(0), 0, -1, 0, False, 0, np.zeros((0, 6)), {}, {}, {}, "")
+
+
+class Opened:
+    """Ports and what they were told."""
+
+    def __init__(self, **options: Any) -> None:
+        self.targets: list[tuple[Any, int, str]] = []
+        self.ports = Ports(scene(), lambda *target: self.targets.append(target), **options)
+
+    @property
+    def udp(self) -> tuple[str, int]:
+        """Where datagrams go."""
+        return self.ports.addresses["udp"]
+
+    @property
+    def web(self) -> tuple[str, int]:
+        """Where WebSockets go."""
+        return self.ports.addresses["websocket"]
+
+    def url(self, path: str = "/tracker") -> str:
+        """Of a WebSocket."""
+        return "ws://{}:{}{}".format(*self.web, path)
+
+    def plain(self, data: bytes = b"") -> socket.socket:
+        """A TCP connection that has sent some bytes."""
+        end = socket.create_connection(self.web, LONG)
+        end.sendall(data)
+        return end
+
+    def asked(self, path: str, *headers: str, upgrade: bool = True) -> tuple[int, str]:
+        """Status and all text of the answer to a request with these headers and no others."""
+        with self.plain(request(path, *headers, *(UPGRADE if upgrade else ()))) as end:
+            said = b""
+            while part := end.recv(65536):
+                said += part
+                if b"101 Switching" in said:
+                    break
+        return int(said.split()[1]), said.decode("latin-1")
