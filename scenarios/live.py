@@ -77,8 +77,8 @@ def clip(scenario: Scenario, scene: Scene) -> Motion:
     motion = scenario.motion(scene, 0)
     samples = [scene.first_sample, *(motion(frame) for frame in range(scenario.frames))]
     return Motion(
-        RENDERED * np.arange(len(samples)), np.array([one.positions for one in samples]),
-        np.array([one.rotations for one in samples]), np.array([one.angles for one in samples]),
+        RENDERED * np.arange(len(samples), dtype=np.float64), np.array([one.positions for one in samples]),
+        np.array([one.rotations for one in samples]), np.array([one.angles for one in samples], dtype=np.float64),
     )
 
 

@@ -14,9 +14,10 @@ from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.chords import Chords, with_own_names
 from avatarsim.cleaning.start import free_posture
 from avatarsim.engine import Settings
-from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, MissingPackage
+from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage
 from avatarsim.live.messages import RATES, Array, Plan
 from avatarsim.live.orders import posture_of
+from avatarsim.live.ports.server import Ports
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
 from avatarsim.live.stages import Stage, stage, stage_of
@@ -108,6 +109,14 @@ def own_depth(scene: Scene) -> Depth:
     return depth
 
 
+def _say_ports(ports: Ports) -> None:
+    """Where trackers and renderers find this session."""
+    for kind, (host, port) in ports.addresses.items():
+        print(f"avatarsim: {kind} at {host}:{port}", file=sys.stderr)
+    if ports.hands:
+        print(f"avatarsim: tracked hands of a headset: {ports.hands}", file=sys.stderr)
+
+
 def drive(
     asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], rivals: Sequence[Plan], depth: Depth | None
 ) -> int:
@@ -125,6 +134,9 @@ def drive(
             shows = Shows(found, clips, depth, asked.listen, asked.port, asked.dark, asked.save)
             page = Page(session, Driver(found.scene), shows)
             stack.callback(page.close)
+            if asked.ws is not None or asked.udp is not None:
+                page.ports = stack.enter_context(Ports(found.scene, page.track, asked.listen, asked.udp, asked.ws))
+                _say_ports(page.ports)
             print(f"avatarsim: {page.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
             if not asked.no_browser:
                 webbrowser.open(page.address)

@@ -77,7 +77,7 @@ class Order(Enum):
     """End the loop."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Switch:
     """What is switched: `off` names effects that the user switches off beyond those that the scene's author did."""
 

@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import State
+from avatarsim.live.ports.protocol import Goals
+from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Session
 from avatarsim.live.stages import Stage
 from avatarsim.live.view.depth import Depth
@@ -69,26 +71,44 @@ class Page:
         self.drawn = {name: Drawn(self.server, self._scene, name, k) for k, name in enumerate(session.loops)}
         self.panel = Panel(self.server, self, list(session.loops), list(shows.clips), shows.dark)
         self._names = {name: k for k, name in enumerate(self._scene.names)}
+        self._offset = len(self._scene.bodies)
         self._grabbed: dict[str, tuple[Array, Array, Array]] = {}
+        self._tracked: set[str] = set()
         self._gizmos = self._make_gizmos()
         self._bind_drags()
         self._sample: TrackerSample = self._scene.first_sample
         self._stamp = 0
         self.frames = 0
+        self.ports: Ports | None = None
 
     @property
     def address(self) -> str:
         """Where a browser finds it."""
         return f"http://{self.server.get_host()}:{self.server.get_port()}"
 
-    def post(self, event: Callable[[], None]) -> None:
-        """Have something done in the page's own thread, before the next target; from any thread."""
-        self._events.put((time.monotonic_ns(), event))
+    @property
+    def method(self) -> str:
+        """The preset of the driven engine at first."""
+        return self.session.first.plan.settings.preset
 
-    def link(self, name: str) -> int:
-        """Place of a link of the driven avatar among all bodies and links."""
-        avatar = self._scene.avatars[0]
-        return self._names[avatar.name if len(avatar.links) == 1 else f"{avatar.name}/{name}"]
+    def post(self, event: Callable[[], None], stamp: int = 0) -> None:
+        """Have something done in the page's own thread, before the next target; from any thread. `stamp` [ns] of the monotonic
+        clock: when what is behind it arrived, now by default."""
+        self._events.put((stamp or time.monotonic_ns(), event))
+
+    def track(self, found: TrackerSample | Goals, stamp: int, source: str) -> None:
+        """Follow a tracker: a posture, or goals for links, of which those that are missing are let go."""
+        self.post(lambda: self._by_tracker(found), stamp)
+
+    def _by_tracker(self, found: TrackerSample | Goals) -> None:
+        if isinstance(found, TrackerSample):
+            self.driver.set_sample(found)
+            return
+        for name in self._tracked.difference(found.links):
+            self.driver.release(name)
+        self._tracked = set(found.links)
+        for name, goal in found.links.items():
+            self.driver.drag(name, goal.position, goal.orientation)
 
     def rounds(self, until: Callable[[], bool]) -> None:
         """Go on until told otherwise. Raises LoopDied where the driven loop ends."""
@@ -111,6 +131,8 @@ class Page:
         self._sample = self.driver.tick(period)
         self.session.send(self._sample, self.driver.source, self._stamp)
         self.frames += 1
+        if self.ports is not None and first is not None:
+            self.ports.publish(first)
         if self.frames % DRAWN == 0:
             self._draw(self.session.look())
         if self.frames % TOLD == 0:
@@ -136,10 +158,10 @@ class Page:
             positions, orientations = link_poses(self._scene.avatars, self._sample)
             first = self.drawn[self.session.first.plan.name]
             first.show_ghost(positions, orientations)
-            offset = len(self._scene.bodies)
             for name, gizmo in self._gizmos.items():
                 if name not in self._grabbed:
-                    gizmo.position, gizmo.wxyz = positions[self.link(name) - offset], orientations[self.link(name) - offset]
+                    k = self._names[name] - self._offset
+                    gizmo.position, gizmo.wxyz = positions[k], orientations[k]
 
     def _tell(self, states: Mapping[str, State]) -> None:
         """Figures and depths."""
@@ -188,13 +210,13 @@ class Page:
 
     def _bind_drags(self) -> None:
         """Links are dragged by the pointer: on the plane of the view, with shift away from the eye."""
-        avatar = self._scene.avatars[0]
-        for link in avatar.links:
-            mesh = self.drawn[self.session.first.plan.name].links.get(self.link(link.name))
+        links = self.drawn[self.session.first.plan.name].links
+        for name in self.driver.links:
+            mesh = links.get(self._names[name])
             if mesh is None:
                 continue
 
-            async def dragged(event: viser.SceneNodeDragEvent[viser.MeshHandle], name: str = link.name) -> None:
+            async def dragged(event: viser.SceneNodeDragEvent[viser.MeshHandle], name: str = name) -> None:
                 start, end = np.array(event.start_position), np.array(event.end_position)
                 eye, down = np.array(event.client.camera.position), event.end_screen_pos[1] - event.start_screen_pos[1]
                 phase, is_depth = event.phase, event.modifier == "shift"
@@ -213,7 +235,7 @@ class Page:
             state = self.session.first.state
             if state is None:
                 return
-            at = state.positions[self.link(name)]
+            at = state.positions[self._names[name]]
             away = (start - eye) / max(1e-9, float(np.linalg.norm(start - eye)))
             self._grabbed[name] = (np.array(at), start, away)
         at, grabbed, away = self._grabbed[name]

@@ -2,11 +2,13 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import viser
 import viser.uplot
+from viser._messages import HotkeyKey
 
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
@@ -21,6 +23,8 @@ EFFECTS = {
     "self_contact": "self-contact", "limits": "joint limits", "dynamics": "loose bodies move",
 }
 """Effects that can be switched, and what the panel calls them."""
+NAMED = {" ": "space"}
+"""Keys that have a name."""
 METHODS = {"default": "default: certified", "paper": "paper: equations as printed"}
 """Presets of the driven engine, and what the panel calls them."""
 PLOTTED = 300
@@ -32,6 +36,7 @@ class Panel:
 
     def __init__(self, server: viser.ViserServer, page: "Page", engines: Sequence[str], clips: Sequence[str], dark: bool) -> None:
         self._server, self._page = server, page
+        self._switched = Switch((), page.method)
         gui = server.gui
         gui.set_panel_label("avatarsim live")
         self._theme(dark)
@@ -43,24 +48,26 @@ class Panel:
             self._run_buttons()
         with gui.add_folder("Effects and method", expand_by_default=False):
             self._effects = {name: gui.add_checkbox(said, True) for name, said in EFFECTS.items()}
-            self._method = gui.add_dropdown("Method", tuple(METHODS.values()), initial_value=METHODS["default"])
-            for widget in (*self._effects.values(), self._method):
-                self._on(widget.on_update, self._switch)
+            self._method = gui.add_dropdown("Method", tuple(METHODS.values()), initial_value=METHODS[page.method])
+            for box in self._effects.values():
+                self._on(box.on_update, self._switch)
+            self._on(self._method.on_update, self._switch)
         if len(engines) > 1:
             with gui.add_folder("Engines"):
                 for name in engines:
                     box = gui.add_checkbox(name, True)
-                    self._on(box.on_update, lambda name=name, box=box: page.drawn[name].see(box.value))
+                    self._on(box.on_update, partial(self._see, name, box))
         if clips:
             with gui.add_folder("Clips", expand_by_default=False):
                 self._clip_buttons(clips)
         with gui.add_folder("View", expand_by_default=False):
             self._view_boxes(dark)
         with gui.add_folder("Keys", expand_by_default=False):
-            gui.add_markdown("\n".join(f"- **{key}** {what}" for key, what in KEYS.items()))
+            gui.add_markdown("\n".join(f"- **{NAMED.get(key.key, key.key)}** {key.what}" for key in KEYS))
             gui.add_markdown("Drag any part of the avatar with the mouse; with shift it goes away from you and back.")
-            for key, what in KEYS.items():
-                self._on(gui.add_command(what, hotkey=key).on_trigger, lambda key=key: page.driver.press(key))
+            for key in KEYS:
+                hotkey = cast(HotkeyKey, NAMED.get(key.key, key.key.upper()))
+                self._on(gui.add_command(key.what, hotkey=hotkey).on_trigger, partial(self._press, key.key))
 
     def _on(self, bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
         """Have `act` done in the page's thread whenever a widget fires."""
@@ -121,6 +128,12 @@ class Panel:
         self.say(answer.refused)
         return not answer.refused
 
+    def _see(self, name: str, box: viser.GuiCheckboxHandle) -> None:
+        self._page.drawn[name].see(box.value)
+
+    def _press(self, key: str) -> None:
+        self.say(self._page.driver.press(key))
+
     def _pause(self) -> None:
         state = self._page.session.first.look()
         self._ordered(Order.GO_ON if state is not None and state.is_paused else Order.PAUSE)
@@ -132,7 +145,16 @@ class Panel:
     def _switch(self) -> None:
         off = tuple(name for name, box in self._effects.items() if not box.value)
         preset = next(name for name, said in METHODS.items() if said == self._method.value)
-        self._ordered(Order.SWITCH, Switch(off, preset))
+        wanted = Switch(off, preset)
+        if wanted == self._switched:
+            return
+        if self._ordered(Order.SWITCH, wanted):
+            self._switched = wanted
+            return
+        # what was refused is not what runs
+        for name, box in self._effects.items():
+            box.value = name not in self._switched.off  # type: ignore[misc]
+        self._method.value = METHODS[self._switched.preset]  # type: ignore[misc]
 
     def _save(self) -> None:
         path = self._page.shows.folder / f"{self._page.session.scene.name}-{datetime.now():%Y%m%d-%H%M%S}.live"

@@ -40,9 +40,9 @@ def points_of(shape: Shape) -> Array:
         case Sphere(radius):
             return radius * ball()
         case Ellipsoid(radii):
-            return np.asarray(radii) * ball()
+            return np.asarray(radii, dtype=np.float64) * ball()
         case Box(size):
-            return np.asarray(size) * CORNERS
+            return np.asarray(size, dtype=np.float64) * CORNERS
         case Capsule(radius, length):
             return np.concatenate([radius * ball() + (0.0, 0.0, end * length) for end in (-0.5, 0.5)])
         case ConvexHull(vertices):
