@@ -1,7 +1,7 @@
 """Built-in stages: a hand over a table, a human in two rooms; of primitives alone, and of any avatar that a user brings.
 
-Lengths and masses of the hand are those of an adult's (Garrett 1971; de Leva 1996), its joints' ranges those of Boone and Azen and
-the ASSH, rounded; the human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).
+Lengths and masses of the hand are an adult's (Garrett 1971; de Leva 1996), its joints' ranges those of the ASSH, rounded; the
+human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).
 """
 
 from collections.abc import Callable
@@ -29,7 +29,7 @@ from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 
 GAP = 1e-4
-"""[m] between things that stand on each other at the start: it closes in the first frames, and no rounding makes it an overlap."""
+"""[m] between things that stand on each other at the start: it closes in the first frames, and is no overlap by rounding."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A scene that one drives: which links get gizmos, by their names in the scene, what it is in one line, and the first view."""
+    """A scene that one drives, the links that get gizmos, by their names in the scene, what it is in one line, the first view."""
 
     scene: Scene
     handles: tuple[str, ...]
@@ -63,7 +63,7 @@ def stage_of(
 ) -> Stage:
     """A user's own avatar among bodies of their own, as a stage: the root and the ends of its limbs have gizmos.
 
-    A `start` of the avatar's posture as in `Scene`. Raises InvalidScene and InvalidSample for parts that contradict one another."""
+    `start` is its first posture, as in `Scene`. Raises InvalidScene and InvalidSample for parts that contradict one another."""
     scene = Scene(name, bodies, (avatar,), materials, start=start, exclude=exclude)
     places, _ = link_poses(scene.avatars, scene.first_sample)
     middle, span = np.mean(places, axis=0), avatar.span
@@ -149,7 +149,8 @@ def _finger_joint(number: int) -> Hinges:
 def _thumb_joint(number: int) -> Hinges:
     """Joint of the thumb: at the wrist it turns across the palm and in its plane, then it bends towards the fingers."""
     if number == 1:
-        return Hinges((Hinge((0.0, 0.0, 1.0), radians(-30.0), radians(30.0)), Hinge((0.0, 1.0, 0.0), radians(-10.0), radians(50.0))))
+        plane = Hinge((0.0, 0.0, 1.0), radians(-30.0), radians(30.0))
+        return Hinges((plane, Hinge((0.0, 1.0, 0.0), radians(-10.0), radians(50.0))))
     return Hinges((Hinge((0.0, 0.0, 1.0), radians(-10.0), radians(60.0 if number == 2 else 80.0)),))
 
 

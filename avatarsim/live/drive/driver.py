@@ -5,7 +5,7 @@ through every change of source: by hand one goes on from what is shown, and clip
 (inertialization, Bollo 2016). No obstacles are known here; the engine keeps the avatar out of them.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import hypot
 
 import numpy as np
@@ -18,7 +18,7 @@ from avatarsim.live.drive.keys import BY_NAME, KEYS, Speeds
 from avatarsim.live.drive.limbs import closing, fingers_of, limbs_of
 from avatarsim.live.drive.pull import Goal, Pull
 from avatarsim.live.drive.tree import Posture, Tree, posture_of
-from avatarsim.live.drive.turns import UP, about, add, norm, normalised, rotate, scaled, shortened, sub, turned_by, way
+from avatarsim.live.drive.turns import add, norm, normalised, rotate, scaled, shortened, sub, turned_by, way
 from avatarsim.scene.checks import Quaternion, Vector, bounded, unit_quaternion, vector, within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -35,6 +35,9 @@ FARTHEST = 100.0
 
 LONGEST_TICK = 1.0
 """[s] as the engine's longest frame."""
+
+PATIENCE = 0.1
+"""[s] of stalling after which the root makes up for all that a limb misses. Less: roots stir at goals within reach."""
 
 TURNING = 1.5
 """[rad/s] of the turn keys: half a turn in two seconds."""
@@ -97,6 +100,7 @@ class Driver:
         own = tuple(one for one in fingers_of(self._tree) if self._tree.nodes[one.hand].avatar == 0)
         self._closing = closing(self._tree, own)
         self._pulls: dict[tuple[int, ...], Pull] = {}
+        self._stalls: dict[tuple[int, ...], float] = {}
         self._arm_joints = [k for arm in self._arms for k in self._tree.moving(arm.links)]
         self._reached = self._reached_out()
         self._time = 0.0
@@ -106,6 +110,7 @@ class Driver:
         """Back to the start of the scene; time goes on."""
         self._base, self._shown = self._start.copy(), self._start.copy()
         self._speeds, self._drags = Speeds(), dict[int, _Drag]()
+        self._stalls.clear()
         self._clip: _Clip | None = None
         self._tracker: Posture | None = None
         self._is_fresh = self._is_reached = self._was_moved = False
@@ -158,6 +163,7 @@ class Driver:
     def release(self, link: str) -> None:
         """Let go of a link, which stays where it is; nothing where it is not pulled. Raises UnknownName."""
         self._drags.pop(self._number(link), None)
+        self._stalls.clear()
 
     def press(self, key: str) -> str:
         """A press, or a repeat, of a key of `KEYS`; empty, or the sentence that says why it does nothing. Raises UnknownName."""
@@ -183,7 +189,7 @@ class Driver:
         return ""
 
     def play(self, motion: Motion, at: ArrayLike | None = None) -> None:
-        """Play a motion of the first avatar from its beginning; `at` (3,) [m]: where its root begins, None for as it was recorded.
+        """Play a motion of the first avatar from its beginning; `at` (3,) [m]: where its root begins, None for as recorded.
 
         It ends at its last frame, with `take_over`, or when a drag or a key takes over. Raises InvalidSample where its links or
         hinges are not the avatar's, its rotations have no length, or `at` is no place."""
@@ -199,7 +205,8 @@ class Driver:
         shift: Vector = (0.0, 0.0, 0.0)
         x, y, z = (float(value) for value in motion.positions[0, 0])
         if at is not None:
-            shift = sub(vector("place where a motion begins [m]", np.asarray(at, dtype=object).tolist(), InvalidSample), (x, y, z))
+            begin = vector("place where a motion begins [m]", np.asarray(at, dtype=object).tolist(), InvalidSample)
+            shift = sub(begin, (x, y, z))
         bounded("place where the root of a motion begins [m]", add((x, y, z), shift), 1e6, InvalidSample)
         self._drags.clear()
         self._take("clip")
@@ -299,26 +306,29 @@ class Driver:
         if 0 in self._drags and self._gait is not None:
             self._begin_gait()
         for root, links in limbs.items():
-            self._pull_limbs(root, tuple(links), step, turn)
+            self._pull_limbs(root, tuple(links), step, turn, dt)
         if self._gait is not None and self._gait.is_on and not any(self._gait.is_leg(k) for k in self._drags):
             x, y, _ = scaled(sub(self._base.roots[0], before), 1.0 / dt)
             self._gait.advance(self._base, (x, y), 0.0, dt, turn)
 
-    def _pull_limbs(self, root: int, links: tuple[int, ...], step: float, turn: float) -> None:
+    def _pull_limbs(self, root: int, links: tuple[int, ...], step: float, turn: float, dt: float) -> None:
         """Pull links of one avatar; its root follows where they stall."""
         goals = [Goal(k, self._drags[k].at, self._drags[k].turned if self._drags[k].turn is not None else None) for k in links]
         pull = self._pull(links)
         is_stuck = pull.solve(self._base, goals, turn)
-        if not is_stuck or root in self._drags or not self._tree.nodes[root].is_free:
+        patience = self._stalls.get(links, 0.0) + (dt if is_stuck else -dt)
+        self._stalls[links] = min(max(patience, 0.0), PATIENCE)
+        if root in self._drags or not self._tree.nodes[root].is_free:
             return
+        share = self._stalls[links] / PATIENCE
         errors = pull.errors(self._base, goals)
         mean = (0.0, 0.0, 0.0)
         for error in errors:
             mean = add(mean, scaled(error, 1.0 / len(errors)))
-        moved = shortened(mean, step)
+        moved = shortened(scaled(mean, share), step)
         place = add(self._base.roots[root], moved)
         if root == 0 and self._gait is not None and not any(self._gait.is_leg(k) for k in links):
-            if norm(moved) < 1e-6:
+            if not norm(moved) > 0.0:
                 return
             self._begin_gait()
             low, high = self._gait.heights()

@@ -1,4 +1,4 @@
-"""Minimum-jerk time courses (Flash and Hogan 1985), and the decaying offset that hides a change of source (Bollo 2016, inertialization).
+"""Minimum-jerk time courses (Flash and Hogan 1985), and the decaying offset that hides a change of source (Bollo 2016).
 """
 
 from avatarsim.live.drive.pull import allowed
@@ -52,8 +52,8 @@ def within_limits(tree: Tree, posture: Posture) -> Posture:
 
 
 class Offset:
-    """What is added to a source's postures so that its first one is what was shown; it decays as slowly as the speeds of roots [m/s]
-    and of joints [rad/s] ask."""
+    """What is added to a source's postures so that its first one is what was shown; its decay moves roots by at most `speed`
+    [m/s] and joints by at most `turn` [rad/s]."""
 
     def __init__(self, tree: Tree, shown: Posture, first: Posture, speed: float, turn: float) -> None:
         self._tree, self._age = tree, 0.0

@@ -1,5 +1,4 @@
-"""A walk of two legs under a root that moves: feet follow stance and swing of a fixed period (Bruderlin and Calvert 1989), legs by
-inverse kinematics.
+"""Gait of two legs under a root that moves: stance and swing of a fixed period (Bruderlin and Calvert 1989), legs by `pull`.
 
 Stride length and speed are those of dynamic similarity (Alexander 1976): stride / leg = 2.3 Froude^0.3, speed^2 = Froude g leg.
 """
@@ -32,8 +31,11 @@ FOLLOW = 0.12
 """[s] time constant with which strides follow the root's speed. Shorter: feet jerk when the root starts; longer: feet slide."""
 
 STRAIGHT, BEND = 0.999, 0.1
-"""Distance of hip and foot as a share of the leg's length from which the leg is straight, and the turn [rad] of its knee that ends
-that: a straight leg cannot be shortened to first order."""
+"""Distance of hip and ankle as a share of the leg's length from which the leg is straight, and the turn [rad] of its knee that
+ends that: a straight leg cannot be shortened to first order."""
+
+FASTEST_WALK = 1.5
+"""Times the walk's own speed that strides are made for; legs of a root that is pulled faster slide. More: feet do not reach."""
 
 AT_REST = 1e-3
 """[m/s] below which strides have ended."""
@@ -107,7 +109,8 @@ class Gait:
         turns by more than `most` [rad]."""
         follow = 1.0 - exp(-dt / FOLLOW)
         vx, vy = self._way
-        self._way = vx + follow * (velocity[0] - vx), vy + follow * (velocity[1] - vy)
+        share = min(1.0, FASTEST_WALK * self.speed / max(hypot(*velocity), 1e-9))
+        self._way = vx + follow * (share * velocity[0] - vx), vy + follow * (share * velocity[1] - vy)
         self._spin += follow * (spin - self._spin)
         self._phase = (self._phase + dt / self.period) % 1.0 if self.is_stepping else 0.0
         x, y, z = posture.roots[0]

@@ -9,8 +9,8 @@ from math import exp
 from typing import Final
 
 DECAY = 0.25
-"""[s] time constant of what a press asks for. Shorter: the wait before a key repeats, half a second, is seen as a stop; longer: it
-goes on after the key is up."""
+"""[s] time constant of what a press asks for. Shorter: the wait before a key repeats, half a second, is seen as a stop; longer:
+the avatar goes on after the key is up."""
 
 EASE = 0.08
 """[s] time constant with which speeds follow: a quarter of a step of a walk. Longer: keys feel like rubber."""

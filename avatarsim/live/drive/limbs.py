@@ -2,7 +2,7 @@
 
 A link has a side if its name becomes another link's name when left and right change places in it: the words, or the letters l and
 r at its beginning or end. A limb is a row of at least `LIMB` links of one side, down to where it forks or ends. The legs are the
-pair of limbs that comes down lowest at the start and lower than the root; the arms are the pair that hangs on highest of the rest.
+pair of limbs that comes down lowest at the start, and lower than the root; the arms the pair of the rest that hangs on highest.
 Fingers are rows of links without a fork, at most `FINGER` long, at least `FINGERS` of which hang on one link.
 """
 

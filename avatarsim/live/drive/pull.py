@@ -1,7 +1,7 @@
-"""Damped least squares inverse kinematics within joint limits (Wampler 1986; Buss 2004), damped by the error itself (Sugihara 2011).
+"""Damped least squares inverse kinematics within joint limits (Wampler 1986; Buss 2004; damped by the error, Sugihara 2011).
 
-Goals of several links are one stacked system. After a round each joint is projected into its limits; the direction in which it was
-stopped is taken out of the system for the other rounds of that call, so that the rest of the chain does what it cannot do.
+Goals of several links are one stacked system. After a round each joint is projected into its limits; the direction in which it
+was stopped is taken out of the system for the other rounds of that call, so that the rest of the chain does what it cannot do.
 """
 
 from collections.abc import Sequence
@@ -39,10 +39,13 @@ ROUNDS = 6
 """Rounds of a call: what a goal moves in a frame takes two or three. More: a goal out of reach would cost more time."""
 
 DAMPING = 1e-4
-"""Least damping as a share of the squared lever. Less: a limb that is stretched turns about its own axis; more: slower near a goal."""
+"""Least damping as a share of the squared lever. Less: a stretched limb turns about its own axis; more: slower near a goal."""
 
-STALLED = 0.8
+STALLED = 0.95
 """Share of the error before a round above which that round did not help: limits, or the length of the limb, hold it back."""
+
+SPENT = 1e-3
+"""Share of what joints may turn in a call below which nothing is left of it."""
 
 STEEPEST = 0.6
 """[rad] largest turn of a joint in a round: the linear model of a turn is off by 6 % there."""
@@ -59,8 +62,9 @@ class Goal:
 
 @dataclass
 class Pull:
-    """The goals' links and what moves them: all joints from each up to its root, but those of links that are `held`. `lever` [m] is the length that a
-    turn of a radian counts as."""
+    """The goals' links and what moves them: all joints from each up to its root, but for those of links that are `held`.
+
+    `lever` [m] is the length that a turn of a radian counts as."""
 
     tree: Tree
     links: tuple[int, ...]
@@ -104,9 +108,9 @@ class Pull:
             step = jacobian.T @ np.linalg.solve(gram, error)
             largest = float(np.abs(step).max())
             step *= min(1.0, min(left, STEEPEST) / max(largest, 1e-300))
-            left -= min(largest, left, STEEPEST)
-            self._apply(posture, poses, owners, step.tolist(), stopped, bound)
-            if left <= 0.0:
+            # what a limit takes away is not spent
+            left -= self._apply(posture, poses, owners, step.tolist(), stopped, bound)
+            if left <= SPENT * most:
                 return False
         return False
 
@@ -124,7 +128,7 @@ class Pull:
         self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], goals: Sequence[Goal],
         stopped: dict[int, list[Vector]], bound: set[int],
     ) -> tuple[list[tuple[int, int]], Array]:
-        """(joint, hinge's angle or -1 for a ball's three) of groups of columns, and the columns (rows, n) of turns in the world."""
+        """(joint, number of a hinge's angle or -1 for a ball's three columns), and all columns (rows, n): turns in the world."""
         owners: list[tuple[int, int]] = []
         columns: list[list[float]] = []
         for k in self.joints:
@@ -153,14 +157,15 @@ class Pull:
     def _apply(
         self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], owners: Sequence[tuple[int, int]],
         step: list[float], stopped: dict[int, list[Vector]], bound: set[int],
-    ) -> None:
-        """Turn the joints, and project each into its limits."""
-        at = 0
+    ) -> float:
+        """Turn the joints, and project each into its limits; the most [rad] that one of them has turned."""
+        at, most = 0, 0.0
         for k, h in owners:
             node = self.tree.nodes[k]
             if h >= 0:
                 hinge, wanted = node.hinges[h - node.first_angle], posture.angles[h] + step[at]
-                posture.angles[h] = min(max(wanted, hinge.lower), hinge.upper)
+                before, posture.angles[h] = posture.angles[h], min(max(wanted, hinge.lower), hinge.upper)
+                most = max(most, abs(posture.angles[h] - before))
                 if posture.angles[h] != wanted:
                     bound.add(h)
                 at += 1
@@ -172,10 +177,12 @@ class Pull:
             at += 3
             above = self.tree.above(k, poses)
             wanted_turn = normalised(multiply(exp(rotate(conjugate(above), turn)), posture.turns[k]))
-            posture.turns[k] = allowed(node.limits, node.orientation, wanted_turn)
+            was, posture.turns[k] = posture.turns[k], allowed(node.limits, node.orientation, wanted_turn)
+            most = max(most, norm(way(was, posture.turns[k])))
             lost = way(posture.turns[k], wanted_turn)
             if norm(lost) > 0.0:
                 stopped.setdefault(k, []).append(rotate(above, scaled(lost, 1.0 / norm(lost))))
+        return most
 
 
 def allowed(limits: Limits | None, orientation: Quaternion, turn: Quaternion) -> Quaternion:

@@ -1,0 +1,67 @@
+"""What the tests of driving share: drivers of the built-in stages, random postures, and how far a joint is beyond its limits."""
+
+import random
+
+import numpy as np
+
+from avatarsim.assets.models.ball_limits import ball_excess
+from avatarsim.live.drive.driver import Driver
+from avatarsim.live.drive.ease import within_limits
+from avatarsim.live.drive.tree import Tree, posture_of
+from avatarsim.live.drive.turns import exp, multiply, norm, sub
+from avatarsim.live.stages import stage
+from avatarsim.scene.joint import Ball, Hinges
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, link_poses
+from avatarsim.spatial import rotation
+
+DT = 1.0 / 60.0
+
+
+def driver(name: str) -> Driver:
+    """A driver of a built-in stage."""
+    return Driver(stage(name).scene)
+
+
+def random_sample(scene: Scene, seed: int, amount: float = 0.8) -> TrackerSample:
+    """A posture within limits, balls turned by up to `amount` [rad] about each axis, the root as at the start."""
+    rng, tree = random.Random(seed), Tree(scene.avatars)
+    found = posture_of(scene.first_sample)
+    for k, node in enumerate(tree.nodes):
+        if node.is_ball:
+            x, y, z = (rng.uniform(-amount, amount) for _ in range(3))
+            found.turns[k] = multiply(exp((x, y, z)), found.turns[k])
+        for h, hinge in enumerate(node.hinges, start=node.first_angle):
+            found.angles[h] = rng.uniform(hinge.lower, hinge.upper)
+    return within_limits(tree, found).sample(0.0)
+
+
+def excess(scene: Scene, sample: TrackerSample) -> float:
+    """[rad] the most that a joint of a posture is beyond its limits, by the arrays' own definition of them."""
+    most, hinge = 0.0, 0
+    for k, link in enumerate(scene.links):
+        if isinstance(link.joint, Hinges):
+            for joint in link.joint.hinges:
+                most = max(most, joint.lower - sample.angles[hinge], sample.angles[hinge] - joint.upper)
+                hinge += 1
+        elif isinstance(link.joint, Ball):
+            turned = rotation.multiply(link.orientation, sample.rotations[k])
+            most = max(most, float(ball_excess(link.joint, turned[None])[0]))
+    return float(most)
+
+
+def places(scene: Scene, sample: TrackerSample) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    """Joints of all links (n, 3) [m]."""
+    return link_poses(scene.avatars, sample)[0]
+
+
+def fastest(scene: Scene, samples: list[TrackerSample]) -> tuple[float, float]:
+    """Of a row of postures the fastest root [m/s] and the fastest joint [rad/s]."""
+    root = turn = 0.0
+    for a, b in zip(samples, samples[1:], strict=False):
+        one, other = posture_of(a), posture_of(b)
+        root = max(root, norm(sub(other.roots[0], one.roots[0])) / DT)
+        steps = [float(np.linalg.norm(rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(p), q))))
+                 for p, q in zip(a.rotations, b.rotations, strict=True)]
+        turn = max(turn, *(step / DT for step in steps), *(abs(b.angles - a.angles) / DT).tolist(), 0.0)
+    return root, turn

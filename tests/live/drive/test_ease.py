@@ -1,0 +1,43 @@
+"""Courses of time, and the offset that hides a change of source."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.live.drive.ease import STEEPNESS, Offset, minimum_jerk, pulse
+from avatarsim.live.drive.tree import Tree, posture_of
+from avatarsim.live.stages import stage
+from tests.live.drive.stages_driven import DT, excess, fastest, random_sample
+
+share = st.floats(0.0, 1.0)
+
+
+@given(share, share)
+def test_a_course_ascends_and_is_no_steeper_than_stated(a: float, b: float) -> None:
+    low, high = min(a, b), max(a, b)
+    assert 0.0 <= minimum_jerk(low) <= minimum_jerk(high) + 1e-15 <= 1.0 + 2e-15
+    assert minimum_jerk(high) - minimum_jerk(low) <= STEEPNESS * (high - low) + 1e-12
+
+
+def test_a_pulse_goes_there_and_back() -> None:
+    assert (pulse(0.0), pulse(0.5), pulse(1.0)) == (0.0, 1.0, 0.0)
+    assert pulse(0.3) == pytest.approx(pulse(0.7))
+
+
+@given(st.integers(0, 1000))
+def test_an_offset_begins_at_what_was_shown_and_is_gone_within_its_speeds(seed: int) -> None:
+    scene = stage("body").scene
+    tree = Tree(scene.avatars)
+    shown, wanted = posture_of(random_sample(scene, seed)), posture_of(random_sample(scene, seed + 1))
+    shown.roots[0] = (2.0, -1.0, 1.0)
+    offset = Offset(tree, shown, wanted, 1.25, 4.0)
+    samples = [shown.sample(0.0)]
+    while offset.advance(DT):
+        samples.append(offset.added(wanted).sample(0.0))
+        assert len(samples) < 1000
+    samples.append(wanted.sample(0.0))
+    root, turn = fastest(scene, samples)
+    assert root <= 1.25 * 1.001
+    # a projection into a limit may add to what the offset itself turns
+    assert turn <= 2.0 * 4.0
+    assert max(excess(scene, sample) for sample in samples) < 1e-6

@@ -1,0 +1,39 @@
+"""Kinematics of lists against the arrays' own."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.live.drive.tree import Tree, posture_of
+from avatarsim.live.stages import NAMES, stage
+from avatarsim.scene.tracker import link_poses
+from avatarsim.spatial import rotation
+from tests.live.drive.stages_driven import random_sample
+
+
+@given(st.sampled_from(NAMES), st.integers(0, 1000))
+def test_poses_are_those_of_the_tracker_module(name: str, seed: int) -> None:
+    scene = stage(name).scene
+    sample, tree = random_sample(scene, seed), Tree(scene.avatars)
+    positions, orientations = link_poses(scene.avatars, sample)
+    for k, (place, turned) in tree.poses(posture_of(sample), range(len(tree.nodes))).items():
+        assert place == pytest.approx(positions[k], abs=1e-12)
+        assert abs(rotation.multiply(rotation.conjugate(turned), orientations[k])[0]) == pytest.approx(1.0, abs=1e-12)
+
+
+def test_a_posture_becomes_the_sample_it_was_made_of() -> None:
+    scene = stage("hand").scene
+    sample = random_sample(scene, 3)
+    again = posture_of(sample).sample(2.0)
+    assert again.time == 2.0
+    for name in ("positions", "rotations", "angles"):
+        assert np.allclose(getattr(again, name), getattr(sample, name), atol=1e-15)
+
+
+def test_chains_and_subtrees_hold_what_is_above_and_below() -> None:
+    tree = Tree(stage("hand").scene.avatars)
+    names = [node.name for node in tree.nodes]
+    assert [names[k] for k in tree.chain(names.index("index3"))] == ["palm", "index1", "index2", "index3"]
+    assert [names[k] for k in tree.subtree(names.index("index1"))] == ["index1", "index2", "index3"]
+    assert tree.moving([0, 1]) == [1]
