@@ -21,8 +21,8 @@ from avatarsim.live.view.depth import Depth
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from reference.judging.judge import Judge
-from scenarios.engines import PRESETS, known
 from scenarios.catalog import get
+from scenarios.engines import PRESETS, known
 from scenarios.results.gate import USAGE
 from scenarios.scenario import RENDERED, Scenario
 

@@ -65,11 +65,18 @@ def stage_of(
 
     `start` is its first posture, as in `Scene`. Raises InvalidScene and InvalidSample for parts that contradict one another."""
     scene = Scene(name, bodies, (avatar,), materials, start=start, exclude=exclude)
+    return staged(scene, f"{avatar.name}: {len(avatar.links)} links, {len(bodies)} bodies")
+
+
+def staged(scene: Scene, what: str) -> Stage:
+    """A scene with avatars as a stage, seen from behind its first avatar and above. Raises InvalidInput without an avatar."""
+    if not scene.avatars:
+        raise InvalidInput(f"avatars of scene {scene.name}", 0, "at least 1, to be driven")
     places, _ = link_poses(scene.avatars, scene.first_sample)
-    middle, span = np.mean(places, axis=0), avatar.span
+    middle, span = np.mean(places[: len(scene.avatars[0].links)], axis=0), scene.avatars[0].span
     x, y, z = (float(value) for value in middle)
     camera = Camera((x - 1.2 * span, y - 1.2 * span, z + 0.8 * span), (x, y, z))
-    return Stage(scene, handles_of(scene), f"{avatar.name}: {len(avatar.links)} links, {len(bodies)} bodies", camera)
+    return Stage(scene, handles_of(scene), what, camera)
 
 
 def handles_of(scene: Scene) -> tuple[str, ...]:

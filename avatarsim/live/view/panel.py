@@ -94,13 +94,15 @@ class Panel:
 
     def _run_buttons(self) -> None:
         gui = self._server.gui
-        acts: dict[str, Callable[[], object]] = {
-            "Pause / go on": self._pause, "Step": lambda: self._ordered(Order.STEP), "Reset": self._reset,
-            "Keep this state": lambda: self._ordered(Order.KEEP), "Back to it": lambda: self._ordered(Order.BACK),
-            "Save recording": self._save,
-        }
-        for label, act in acts.items():
-            self._on(gui.add_button(label).on_click, act)
+        rows: tuple[tuple[str, dict[str, Callable[[], object]]], ...] = (
+            ("Time", {"Pause": self._pause, "Step": lambda: self._ordered(Order.STEP), "Reset": self._reset}),
+            ("State", {
+                "Keep": lambda: self._ordered(Order.KEEP), "Back": lambda: self._ordered(Order.BACK), "Save recording": self._save,
+            }),
+        )
+        for label, acts in rows:
+            group = gui.add_button_group(label, tuple(acts))
+            self._on(group.on_click, partial(self._chosen, group, acts))
 
     def _clip_buttons(self, clips: Sequence[str]) -> None:
         gui = self._server.gui
@@ -127,6 +129,10 @@ class Panel:
         answer = self._page.session.command(order, value)[self._page.session.first.plan.name]
         self.say(answer.refused)
         return not answer.refused
+
+    @staticmethod
+    def _chosen(group: viser.GuiButtonGroupHandle[str], acts: Mapping[str, Callable[[], object]]) -> None:
+        acts[group.value]()
 
     def _see(self, name: str, box: viser.GuiCheckboxHandle) -> None:
         self._page.drawn[name].see(box.value)

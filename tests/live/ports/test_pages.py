@@ -1,0 +1,40 @@
+"""The pages that the server has beside its WebSockets: all files, nothing else, and no way out of this server."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from avatarsim.live.ports.pages import FILES, FOLDER, page
+from tests.live.ports.opened import Opened
+
+
+@pytest.mark.parametrize("path", FILES)
+def test_a_page_is_served_with_a_policy_that_keeps_it_here(live: Opened, path: str) -> None:
+    status, said = live.asked(path, "Host: localhost", upgrade=False)
+    head, _, body = said.partition("\r\n\r\n")
+    assert status == 200 and body.encode("latin-1") == (FOLDER / FILES[path]).read_bytes()
+    assert "Content-Security-Policy: default-src 'none'; script-src 'self'" in head and "nosniff" in head
+    assert not live.ports.refusals.counts
+
+
+def test_every_file_of_the_folder_is_served_and_no_other() -> None:
+    assert sorted(FILES.values()) == sorted(file.name for file in FOLDER.iterdir())
+    assert page("/../pages.py") is None and page("") is None
+
+
+def test_the_pages_name_no_other_address() -> None:
+    for file in FOLDER.iterdir():
+        text = file.read_text(encoding="utf-8")
+        assert not re.search(r"https?://|//cdn|import\(", text), file.name
+        for named in re.findall(r'(?:src|href)="(/[^"]*)"|from "([^"]+)"', text):
+            assert (named[0] or named[1]) in FILES
+
+
+def test_pages_are_in_the_package() -> None:
+    import tomllib
+
+    project = tomllib.loads((Path(__file__).resolve().parents[3] / "pyproject.toml").read_text(encoding="utf-8"))
+    kept = project["tool"]["setuptools"]["package-data"]["avatarsim"]
+    folder = FOLDER.relative_to(Path(__file__).resolve().parents[3] / "avatarsim").as_posix()
+    assert {f"{folder}/*{file.suffix}" for file in FOLDER.iterdir()} <= set(kept)
