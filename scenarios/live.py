@@ -1,7 +1,7 @@
 """`python -m scenarios.live`: scenes of the catalogue driven in the browser, other engines beside ours, measured by the judge.
 
-The page, the loops and the ports are those of `avatarsim live`; what is added is what alone the harness knows. A scene's own motion
-is a clip to play and to take over from.
+The page, the loops and the ports are those of `avatarsim live`; what is added is what alone the harness knows. A scene's own
+motion is a clip to play and to take over from.
 """
 
 import argparse
@@ -40,7 +40,8 @@ def parser() -> argparse.ArgumentParser:
     )
     live_options(top)
     top.add_argument("--scene", default=SCENE, metavar="NAME", help=f"{', '.join(NAMED)}, or a scene of the catalogue")
-    top.add_argument("--engine", nargs="+", default=[], metavar="ENGINE/PRESET", help="other engines that follow the same targets")
+    beside = "engines beside ours, led by the same targets"
+    top.add_argument("--engine", nargs="+", default=[], metavar="ENGINE/PRESET", help=beside)
     return top
 
 
@@ -56,7 +57,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if not scene.avatars:
             raise InvalidInput("--scene", asked.scene, "a scene with an avatar")
         rivals = [plan_of(words, scene, asked.rate) for words in asked.engine]
-        return drive(asked, staged(scene, scenario.title), {f"{scene.name}, seed 0": clip(scenario, scene)}, rivals, judged(scene))
+        clips = {f"{scene.name}, seed 0": clip(scenario, scene)}
+        return drive(asked, staged(scene, scenario.title), clips, rivals, judged(scene))
     except AvatarsimError as error:
         print(f"scenarios.live: {error}", file=sys.stderr)
         return USAGE

@@ -112,7 +112,7 @@ def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> No
     live_options(live)
     live.add_argument("--scene", choices=("hand", "body"), help="a scene that is built in (default: hand)")
     live.add_argument("--avatar", metavar="FILE", type=path_option, help="an avatar of your own: MJCF, URDF")
-    live.add_argument("--room", metavar="FILE", type=path_option, help="a room of your own: MJCF, URDF, a mesh, or the word floor")
+    live.add_argument("--room", metavar="FILE", type=path_option, help="your own room: MJCF, URDF, a mesh, or the word floor")
     replay = commands.add_parser(
         "replay", help="run a recording again, and compare it bit for bit", description=REPLAY, epilog=REPLAY_END,
         formatter_class=RAW,

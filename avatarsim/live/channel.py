@@ -47,10 +47,6 @@ class Channel:
         messages = list(self.drain())
         return messages[-1] if messages else None
 
-    def fileno(self) -> int:
-        """For those who wait until something has come."""
-        return self._end.fileno()
-
     def close(self) -> None:
         """The end of this end."""
         self._end.close()

@@ -120,8 +120,9 @@ class Loop:
         self._used = True
         self._channel.send(State(
             self._frame, shown.time, shown.positions, shown.orientations, record.angles, self._target, latency, cost,
-            now > due + self._period and not self._is_paused, self._skipped, due + self._period, dict(record.statuses), dict(record.counts),
-            dict(record.stage_ns), record.state_hash(), self._is_paused, self._log is not None and self._log.is_open,
+            now > due + self._period and not self._is_paused, self._skipped, due + self._period,
+            dict(record.statuses), dict(record.counts), dict(record.stage_ns), record.state_hash(), self._is_paused,
+            self._log is not None and self._log.is_open,
         ))
 
     def _touch(self) -> None:

@@ -21,10 +21,12 @@ HIGH = 0.3
 
 def arm() -> Avatar:
     """A palm, and a finger on a hinge."""
-    palm, finger = (Piece(Box((0.1, 0.08, 0.03))),), (Piece(Capsule(0.01, 0.06), (0.03, 0.0, 0.0), (0.7071067811865476, 0.0, 0.7071067811865476, 0.0)),)
+    palm = (Piece(Box((0.1, 0.08, 0.03))),)
+    finger = (Piece(Capsule(0.01, 0.06), (0.03, 0.0, 0.0), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)),)
+    bend = Hinges((Hinge((0.0, 1.0, 0.0), -0.3, 1.4),))
     return Avatar("arm", (
         Link("palm", None, Free(), palm, solid(palm, 0.4)),
-        Link("finger", "palm", Hinges((Hinge((0.0, 1.0, 0.0), -0.3, 1.4),)), finger, solid(finger, 0.05), anchor=(0.06, 0.0, 0.0)),
+        Link("finger", "palm", bend, finger, solid(finger, 0.05), anchor=(0.06, 0.0, 0.0)),
     ))
 
 
@@ -32,7 +34,8 @@ def scene() -> Scene:
     """The arm over the table."""
     table, ball = (Piece(Box((1.0, 1.0, 0.1))),), (Piece(Sphere(0.04)),)
     start = TrackerSample(0.0, np.array([[0.0, 0.0, HIGH], [0.0, 0.0, 0.0]]), np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros(1))
-    bodies = (fixed("table", table, "wood", (0.0, 0.0, -0.05)), simulated("ball", ball, "wood", solid(ball, 0.16), (0.2, 0.0, 0.0401)))
+    loose = simulated("ball", ball, "wood", solid(ball, 0.16), (0.2, 0.0, 0.0401))
+    bodies = (fixed("table", table, "wood", (0.0, 0.0, -0.05)), loose)
     return Scene("small", bodies, (arm(),), start=start)
 
 

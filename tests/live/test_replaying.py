@@ -75,7 +75,9 @@ def test_a_log_that_was_cut_is_read_up_to_its_last_whole_row(whole: bytes, tmp_p
 
 
 @given(data=st.data())
-def test_flipped_bytes_are_refused_or_a_torn_end(data: st.DataObject, whole: bytes, tmp_path_factory: pytest.TempPathFactory) -> None:
+def test_flipped_bytes_are_refused_or_a_torn_end(
+    data: st.DataObject, whole: bytes, tmp_path_factory: pytest.TempPathFactory
+) -> None:
     path = tmp_path_factory.mktemp("flipped") / "a.live"
     at, value = data.draw(st.integers(0, len(whole) - 1)), data.draw(st.integers(0, 255))
     path.write_bytes(whole[:at] + bytes([value]) + whole[at + 1:])

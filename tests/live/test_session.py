@@ -109,7 +109,8 @@ def test_a_place_that_takes_no_file_is_named(session: Session, tmp_path: Path) -
 
 
 def test_a_loop_that_cannot_begin_says_why() -> None:
-    with pytest.raises(LoopDied, match="avatarsim could not begin: .*'nowhere:Engine'"), Session([replace(plan(), engine="nowhere:Engine")]):
+    nowhere = replace(plan(), engine="nowhere:Engine")
+    with pytest.raises(LoopDied, match="avatarsim could not begin: .*'nowhere:Engine'"), Session([nowhere]):
         pass
     with pytest.raises(LoopDied, match="could not begin: preset"), Session([plan(preset="other")]):
         pass

@@ -47,6 +47,7 @@ def at(data: Any, path: tuple[str | int, ...]) -> Any:
     return data
 
 
+BACKWARDS = {TAG: "Hinge", "axis": [0, 1, 0], "lower": 1.0, "upper": -1.0}
 LINK = ("avatars", 0, "links", 1)
 
 
@@ -65,7 +66,7 @@ LINK = ("avatars", 0, "links", 1)
     (("bodies", 1, "mass"), "inertia", "nan", "a list"),
     (("bodies", 1, "mass"), "mass", True, "a number"),
     (("bodies", 1, "mass"), "mass", 10**400, "mass"),
-    (LINK, "joint", {TAG: "Hinges", "hinges": [{TAG: "Hinge", "axis": [0, 1, 0], "lower": 1.0, "upper": -1.0}]}, "limits"),
+    (LINK, "joint", {TAG: "Hinges", "hinges": [dict(BACKWARDS)]}, "limit"),
     (LINK, "parent", "nothing", "parent of link finger"),
     (("materials",), "pairs", [[["a", "b", "c"], None]], r"pairs\[0\]\[0\] of x"),
 ])
@@ -86,7 +87,8 @@ def test_what_is_missing_is_named(missing: str) -> None:
 
 JSON = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5) | st.sampled_from(sorted(TYPES)),
-    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5) | st.just(TAG), inner, max_size=4), max_leaves=8,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.text(max_size=5) | st.just(TAG), inner, max_size=4),
+    max_leaves=8,
 )
 
 

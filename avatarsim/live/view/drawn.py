@@ -1,4 +1,4 @@
-"""What is drawn of a session: the room once, what moves at each draw, the user's own posture as a ghost, contacts as short normals.
+"""What is drawn of a session: the room once, what moves at each draw, the user's own posture as a ghost, contacts as normals.
 
 Retained-mode scene graph (viser): a mesh is sent once, later only where it is.
 """
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Colour = tuple[int, int, int]
 
 SHOWN: tuple[Colour, ...] = ((46, 134, 222), (230, 145, 56), (120, 94, 240), (0, 158, 115))
-"""Of the avatar as each engine shows it, the driven one's first: apart for eyes that see no red or no green too (Okabe and Ito)."""
+"""Of the avatar as each engine shows it, the driven one's first: apart for all eyes (Okabe and Ito)."""
 OVERLAPPING: Colour = (214, 39, 40)
 """Of an avatar that overlaps more than a micrometre."""
 LOOSE: Colour = (196, 160, 110)
@@ -34,6 +34,12 @@ NORMAL = 0.05
 """Length of a drawn normal [m]."""
 CONTACT: Colour = (214, 39, 140)
 """Of normals."""
+
+
+def colour_of(number: int) -> Colour:
+    """Of the avatar of an engine, by its place among them."""
+    count = len(SHOWN)
+    return SHOWN[number % count]
 
 
 class Drawn:
@@ -54,7 +60,7 @@ class Drawn:
                 self._room[body.name].position = np.asarray(body.position)
                 self._room[body.name].wxyz = np.asarray(body.orientation)
         opacity = None if self._is_driven else BESIDE
-        loose = LOOSE if self._is_driven else SHOWN[number % len(SHOWN)]
+        loose = LOOSE if self._is_driven else colour_of(number)
         self.moving = {
             k: self._mesh(server, f"/{name}/{names[k]}", body.pieces, loose, opacity)
             for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED
@@ -75,7 +81,7 @@ class Drawn:
     @property
     def colour(self) -> Colour:
         """Of its avatar, where nothing overlaps."""
-        return SHOWN[self._number % len(SHOWN)]
+        return colour_of(self._number)
 
     @staticmethod
     def _mesh(

@@ -1,7 +1,8 @@
 """The page and its rounds: events of pointers, keys and the panel in, targets out just before each frame, then what is shown.
 
-One thread owns driver and session; what viser calls from its own thread is only put in a queue (active object; Lavender and Schmidt
-1996). Targets are handed over a few milliseconds before the loop's next frame, so that they wait for nothing; to draw comes after.
+One thread owns driver and session; what viser calls from its own thread is only put in a queue (active object; Lavender and
+Schmidt 1996). Targets are handed over a few milliseconds before the loop's next frame, so that they wait for nothing; to draw
+comes after.
 """
 
 import queue
@@ -184,7 +185,7 @@ class Page:
             self.panel.plot({n: self.session.loops[n].times() for n in states})
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
-        """A gizmo for each handle of the stage, for those who want axes and turns."""
+        """A gizmo for each handle of the stage, for drags along axes and for turns."""
         made = {}
         for name in self.shows.stage.handles:
             gizmo = self.server.scene.add_transform_controls(

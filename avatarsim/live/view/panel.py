@@ -1,4 +1,4 @@
-"""The panel beside the scene: figures, a plot of frame times, switches, clips, keys, and what has gone wrong (viser's widgets)."""
+"""The panel beside the scene, of viser's widgets: figures, a plot of frame times, switches, clips, keys, what has gone wrong."""
 
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
@@ -12,7 +12,7 @@ from viser._messages import HotkeyKey
 
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
-from avatarsim.live.view.drawn import SHOWN
+from avatarsim.live.view.drawn import colour_of
 from avatarsim.live.view.telling import BUDGETS
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ class Panel:
         """Frame times of all engines over the last seconds, beside what 60 and 90 Hz allow."""
         series = [viser.uplot.Series(label="s")]
         series += [
-            viser.uplot.Series(label=name, stroke=_css(SHOWN[k % len(SHOWN)]), width=1) for k, name in enumerate(engines)
+            viser.uplot.Series(label=name, stroke=_css(colour_of(k)), width=1) for k, name in enumerate(engines)
         ]
         series += [viser.uplot.Series(label=rate, stroke="#999999", width=1, dash=(4, 4)) for rate in BUDGETS]
         nothing = tuple(np.zeros(2) for _ in series)
@@ -97,7 +97,8 @@ class Panel:
         rows: tuple[tuple[str, dict[str, Callable[[], object]]], ...] = (
             ("Time", {"Pause": self._pause, "Step": lambda: self._ordered(Order.STEP), "Reset": self._reset}),
             ("State", {
-                "Keep": lambda: self._ordered(Order.KEEP), "Back": lambda: self._ordered(Order.BACK), "Save recording": self._save,
+                "Keep": lambda: self._ordered(Order.KEEP), "Back": lambda: self._ordered(Order.BACK),
+                "Save recording": self._save,
             }),
         )
         for label, acts in rows:
@@ -131,7 +132,7 @@ class Panel:
         return not answer.refused
 
     @staticmethod
-    def _chosen(group: viser.GuiButtonGroupHandle[str], acts: Mapping[str, Callable[[], object]]) -> None:
+    def _chosen(group: viser.GuiButtonGroupHandle, acts: Mapping[str, Callable[[], object]]) -> None:
         acts[group.value]()
 
     def _see(self, name: str, box: viser.GuiCheckboxHandle) -> None:

@@ -15,7 +15,7 @@ Faces = NDArray[np.int64]
 
 ROUND = 2
 """How often the faces of an icosahedron are cut in four for a ball: 162 vertices; twice as many are no rounder to an eye."""
-CORNERS = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+CORNERS: Array = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
 """Corners of a box of edge 1."""
 
 
@@ -44,7 +44,8 @@ def points_of(shape: Shape) -> Array:
         case Box(size):
             return np.asarray(size, dtype=np.float64) * CORNERS
         case Capsule(radius, length):
-            return np.concatenate([radius * ball() + (0.0, 0.0, end * length) for end in (-0.5, 0.5)])
+            ends: list[Array] = [radius * ball() + (0.0, 0.0, end * length) for end in (-0.5, 0.5)]
+            return np.concatenate(ends)
         case ConvexHull(vertices):
             return np.asarray(vertices)
 
