@@ -75,6 +75,8 @@ class Page:
         self._offset = len(self._scene.bodies)
         self._grabbed: dict[str, tuple[Array, Array, Array]] = {}
         self._tracked: set[str] = set()
+        for one in self.drawn.values():
+            one.darken(shows.dark)
         self._gizmos = self._make_gizmos()
         self._bind_drags()
         self._sample: TrackerSample = self._scene.first_sample
