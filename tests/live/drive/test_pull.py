@@ -20,7 +20,7 @@ def test_goals_of_postures_are_reached_to_a_millimetre(where: tuple[str, str], s
     name, handle = where
     scene, one = stage(name).scene, driver(name)
     tree = Tree(scene.avatars)
-    link = len(scene.names[len(scene.bodies):]) and scene.names[len(scene.bodies):].index(handle)
+    link = scene.names.index(handle) - len(scene.bodies)
     goal = tree.pose(posture_of(random_sample(scene, seed)), link)[0]
     one.drag(handle, goal)
     samples = [scene.first_sample] + [one.tick(DT) for _ in range(240)]
