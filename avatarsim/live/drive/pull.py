@@ -6,7 +6,7 @@ was stopped is taken out of the system for the other rounds of that call, so tha
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import inf
+from math import hypot, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ from avatarsim.live.drive.turns import (
     scaled,
     shortened,
     sub,
+    turned_by,
     way,
 )
 from avatarsim.scene.checks import Quaternion, Vector
@@ -53,10 +54,10 @@ STEEPEST = 0.6
 
 @dataclass(frozen=True)
 class Goal:
-    """Where a link is to be: its joint's centre [m] and, unless None, its orientation, in the world."""
+    """Where a link is to be, in the world: its joint's centre [m] and its orientation; None for what may be any."""
 
     link: int
-    position: Vector
+    position: Vector | None
     orientation: Quaternion | None = None
 
 
@@ -81,16 +82,16 @@ class Pull:
         self.joints = [k for k in self.tree.moving(self.needed) if k not in self.held]
 
     def errors(self, posture: Posture, goals: Sequence[Goal]) -> list[Vector]:
-        """From each link to its goal [m]."""
+        """From each link to the place that is its goal [m]."""
         poses = self.tree.poses(posture, self.needed)
-        return [sub(goal.position, poses[goal.link][0]) for goal in goals]
+        return [sub(goal.position, poses[goal.link][0]) for goal in goals if goal.position is not None]
 
     def solve(self, posture: Posture, goals: Sequence[Goal], most: float, rounds: int = ROUNDS) -> bool:
         """Move the posture towards the goals, no joint by more than `most` [rad]; whether it came to a place from where more of
         the same would not help: the goals are out of reach."""
         if not self.joints:
             return True
-        left, before = most, inf
+        left, before, begun = most, inf, list(posture.turns)
         stopped: dict[int, list[Vector]] = {}
         bound: set[int] = set()
         for _ in range(rounds):
@@ -106,20 +107,30 @@ class Pull:
             gram = jacobian @ jacobian.T
             gram[np.diag_indices_from(gram)] += 0.5 * size * size + DAMPING * self.lever * self.lever
             step = jacobian.T @ np.linalg.solve(gram, error)
-            largest = float(np.abs(step).max())
+            largest = _largest(owners, step.tolist())
             step *= min(1.0, min(left, STEEPEST) / max(largest, 1e-300))
             # what a limit takes away is not spent
             left -= self._apply(posture, poses, owners, step.tolist(), stopped, bound)
             if left <= SPENT * most:
+                self._hold_back(posture, begun, most)
                 return False
         return False
 
+    def _hold_back(self, posture: Posture, begun: Sequence[Quaternion], most: float) -> None:
+        """Take back what balls have turned beyond `most` [rad], which a projection into limits may add."""
+        for k in self.joints:
+            turn = way(begun[k], posture.turns[k])
+            if norm(turn) > most:
+                node = self.tree.nodes[k]
+                posture.turns[k] = allowed(node.limits, node.orientation, turned_by(shortened(turn, most), begun[k]))
+
     def _error(self, poses: dict[int, tuple[Vector, Quaternion]], goals: Sequence[Goal]) -> Array:
-        """What is missing, each goal's part no longer than the lever, or as many radians as make half a turn at most."""
+        """What is missing, each goal's part no longer than two levers and a radian."""
         rows: list[float] = []
         for goal in goals:
             place, turned = poses[goal.link]
-            rows.extend(shortened(sub(goal.position, place), 2.0 * self.lever))
+            if goal.position is not None:
+                rows.extend(shortened(sub(goal.position, place), 2.0 * self.lever))
             if goal.orientation is not None:
                 rows.extend(scaled(shortened(way(turned, goal.orientation), 1.0), self.lever))
         return np.array(rows)
@@ -148,7 +159,8 @@ class Pull:
                 column: list[float] = []
                 for goal, chain in zip(goals, self.chains, strict=True):
                     reaches = k in chain
-                    column.extend(cross(axis, sub(poses[goal.link][0], place)) if reaches else (0.0, 0.0, 0.0))
+                    if goal.position is not None:
+                        column.extend(cross(axis, sub(poses[goal.link][0], place)) if reaches else (0.0, 0.0, 0.0))
                     if goal.orientation is not None:
                         column.extend(scaled(axis, self.lever) if reaches else (0.0, 0.0, 0.0))
                 columns.append(column)
@@ -183,6 +195,15 @@ class Pull:
             if norm(lost) > 0.0:
                 stopped.setdefault(k, []).append(rotate(above, scaled(lost, 1.0 / norm(lost))))
         return most
+
+
+def _largest(owners: Sequence[tuple[int, int]], step: list[float]) -> float:
+    """The most [rad] that a joint turns in a step."""
+    at, most = 0, 0.0
+    for _, h in owners:
+        turned = abs(step[at]) if h >= 0 else hypot(*step[at : at + 3])
+        at, most = at + (1 if h >= 0 else 3), max(most, turned)
+    return most
 
 
 def allowed(limits: Limits | None, orientation: Quaternion, turn: Quaternion) -> Quaternion:
