@@ -44,6 +44,13 @@ HEADSET = """
 """A headset that tracks one right hand, whose wrist goes up by half a metre and turns about the vertical by half a radian."""
 
 
+class Silent(SimpleHTTPRequestHandler):
+    """A server of files that says nothing on the terminal."""
+
+    def log_message(self, format: str, *arguments: object) -> None:
+        """Not said."""
+
+
 @pytest.fixture
 def ports() -> Iterator[Opened]:
     """Ports of a scene with a table and a hand, which show one state."""
@@ -56,8 +63,7 @@ def ports() -> Iterator[Opened]:
 @pytest.fixture(scope="module")
 def folder() -> Iterator[str]:
     """The example's folder, served as a user would: python -m http.server."""
-    handler = partial(SimpleHTTPRequestHandler, directory=str(RENDERER))
-    handler.log_message = lambda *_: None  # type: ignore[attr-defined]
+    handler = partial(Silent, directory=str(RENDERER))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
@@ -77,7 +83,8 @@ def opens(one: Browser, url: str) -> None:
 def quiet(one: Browser) -> None:
     """Nothing on the console, nothing asked beyond loopback, nothing wider than the window."""
     assert one.errors == []
-    assert {urlsplit(address).hostname for address in one.requests if not address.startswith("data:")} <= {"127.0.0.1", "localhost"}
+    hosts = {urlsplit(address).hostname for address in one.requests if not address.startswith("data:")}
+    assert hosts <= {"127.0.0.1", "localhost"}
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
 
 
@@ -129,8 +136,8 @@ def test_the_example_draws_the_newest_poses(ports: Opened, folder: str, opened: 
     one.until("document.body.dataset.frame === '3'")
     assert one.value("document.body.dataset.view") == "canvas"
     colours = one.value("""(() => {
-      const canvas = document.getElementById("view"), all = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
-      return new Set(new Uint32Array(all.data.buffer)).size;
+      const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
+      return new Set(new Uint32Array(pen.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
     })()""")
     assert colours > 20
     one.picture(SCREENSHOTS / f"renderer-{name}.png")

@@ -80,7 +80,8 @@ async function start() {
     at("start").disabled = true;
     at("align").disabled = false;
     session.requestAnimationFrame(function each(_, frame) {
-      session?.requestAnimationFrame(each);
+      if (session === null) return;
+      session.requestAnimationFrame(each);
       const seen = seenIn(frame, space);
       send(message(seen, leading(), shown, alignment, at("turn").checked));
       say("said", Object.keys(seen).length ? "Hands are sent." : "No hand is seen.");
