@@ -49,10 +49,12 @@ export function onCanvas(canvas, bodies) {
 
 export function inThree(THREE, canvas, bodies) {
   const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true }), scene = new THREE.Scene();
-  const camera = new THREE.PerspectiveCamera(OPENING * 180 / Math.PI, 1, 0.01, 1000), sun = new THREE.DirectionalLight(0xffffff, 2);
+  // lights are in physical units since revision 155
+  const full = Number(THREE.REVISION) < 155 ? 1 : Math.PI, sun = new THREE.DirectionalLight(0xffffff, 0.45 * full);
+  const camera = new THREE.PerspectiveCamera(OPENING * 180 / Math.PI, 1, 0.01, 1000);
   camera.up.set(0, 0, 1);
   sun.position.set(...LIGHT);
-  scene.add(sun, new THREE.AmbientLight(0xffffff, 1.2));
+  scene.add(sun, new THREE.AmbientLight(0xffffff, 0.55 * full));
   const meshes = bodies.map((body) => {
     const shape = new THREE.BufferGeometry();
     shape.setAttribute("position", new THREE.Float32BufferAttribute(triangles(body).flat(2), 3));

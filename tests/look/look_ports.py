@@ -5,6 +5,7 @@ come from a headset that a script plays, since no browser here has one.
 """
 
 import math
+import shutil
 import threading
 from collections.abc import Iterator
 from functools import partial
@@ -15,6 +16,7 @@ from urllib.parse import urlsplit
 import pytest
 
 from avatarsim.live.ports.protocol import Goals
+from reports.replay.three_js import library
 from tests.live.ports.opened import Opened, state, until
 from tests.look.browser import Browser
 from tests.look.conftest import SCREENSHOTS
@@ -61,9 +63,19 @@ def ports() -> Iterator[Opened]:
 
 
 @pytest.fixture(scope="module")
-def folder() -> Iterator[str]:
-    """The example's folder, served as a user would: python -m http.server."""
-    handler = partial(Silent, directory=str(RENDERER))
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The example's folder with a copy of three.js, served as a user would: python -m http.server."""
+    copied = tmp_path_factory.mktemp("renderer")
+    for file in RENDERER.iterdir():
+        shutil.copy(file, copied)
+    # the copy that is at hand is a script of the time before modules; it makes a global name
+    names = (
+        "BufferGeometry", "Float32BufferAttribute", "Mesh", "MeshLambertMaterial", "PerspectiveCamera", "Scene", "WebGLRenderer",
+        "DirectionalLight", "AmbientLight", "REVISION",
+    )
+    exported = f"export const {{ {', '.join(names)} }} = self.THREE;"
+    (copied / "three.module.js").write_text(f"{library()}\n{exported}\n", encoding="utf-8")
+    handler = partial(Silent, directory=str(copied))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = threading.Thread(target=server.serve_forever, daemon=True)
         thread.start()
@@ -91,7 +103,7 @@ def quiet(one: Browser) -> None:
 def test_without_a_headset_the_page_of_hands_says_so(ports: Opened, opened: tuple[Browser, str]) -> None:
     one, name = opened
     opens(one, ports.ports.hands)
-    one.until("document.getElementById('server').textContent.includes('a hand with 1 links')")
+    one.until("document.getElementById('server').textContent.includes('scene a hand, links: 1')")
     one.until("!document.getElementById('browser').textContent.startsWith('Asking')")
     assert "WebXR" in one.value("document.getElementById('browser').textContent")
     assert one.value("document.getElementById('start').disabled")
@@ -143,4 +155,22 @@ def test_the_example_draws_the_newest_poses(ports: Opened, folder: str, opened: 
     one.picture(SCREENSHOTS / f"renderer-{name}.png")
     ports.ports.publish(state(4))
     one.until("document.body.dataset.frame === '4'")
+    quiet(one)
+
+
+def test_the_example_draws_with_a_copy_of_three_js_that_is_named(
+    ports: Opened, folder: str, opened: tuple[Browser, str], tmp_path: Path
+) -> None:
+    one, name = opened
+    shown = state(3)
+    shown.positions[:] = [[0.0, 0.0, -0.05], [0.0, 0.0, 0.2]]
+    opens(one, f"{folder}/index.html?ws=127.0.0.1:{ports.web[1]}&three=three.module.js")
+    one.until("document.body.dataset.view === 'three'")
+    one.picture(tmp_path / "empty.png")
+    ports.ports.publish(shown)
+    one.until("document.body.dataset.frame === '3'")
+    one.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    place = SCREENSHOTS / f"renderer-three-{name}.png"
+    one.picture(place)
+    assert place.stat().st_size > 1.5 * (tmp_path / "empty.png").stat().st_size
     quiet(one)

@@ -121,7 +121,7 @@ opened("/poses", (told) => {
   if (told.bodies) {
     bodies = told.bodies.map((body) => body.name);
     propose(told.links);
-    say("server", `Connected to the scene ${told.scene} with ${told.links.length} links.`);
+    say("server", `Connected to the scene ${told.scene}, links: ${told.links.length}.`);
     return;
   }
   bodies.forEach((name, k) => { shown[name] = { position: told.positions[k], orientation: told.orientations[k] }; });
