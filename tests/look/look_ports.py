@@ -174,3 +174,21 @@ def test_the_example_draws_with_a_copy_of_three_js_that_is_named(
     one.picture(place)
     assert place.stat().st_size > 1.5 * (tmp_path / "empty.png").stat().st_size
     quiet(one)
+
+
+@pytest.mark.parametrize(
+    ("links", "side", "leads"),
+    [
+        (["hand/palm", "hand/index0", "hand/index1", "hand/little0"], "right", ["palm", "", "index1", "", "", "little0"]),
+        (["human/pelvis", "human/left_elbow", "human/left_hand", "human/right_hand"], "left", ["left_hand", "", "", "", "", ""]),
+        (["human/L_wrist", "human/l_index_tip", "human/r_wrist"], "left", ["L_wrist", "", "l_index_tip", "", "", ""]),
+        (["box"], "right", [""] * 6),
+    ],
+)
+def test_joints_are_proposed_by_the_names_of_links(
+    ports: Opened, opened: tuple[Browser, str], links: list[str], side: str, leads: list[str]
+) -> None:
+    one, _ = opened
+    opens(one, ports.ports.hands)
+    found = one.value(f"import('/hand_joints.js').then((m) => Object.values(m.guess({links!r}).{side}))")
+    assert [name.rpartition("/")[2] for name in found] == leads
