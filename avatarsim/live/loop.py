@@ -53,8 +53,8 @@ def run(plan: Plan, channel: Channel, orders: Connection) -> None:
 
 
 def go_first() -> None:
-    """Let this process go before those without a deadline, where the system has real-time classes and allows them: a page that is
-    drawn on the same processors waits rather than a frame. A loop sleeps most of the time, and the system keeps some for others."""
+    """Let this process go before those without a deadline, where the system has real-time classes and allows them: a page that
+    is drawn on the same processors waits rather than a frame. A loop sleeps most of the time."""
     with suppress(OSError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(PRIORITY))
 

@@ -1,5 +1,5 @@
-"""The live page in a browser: it comes up at once and asks for nothing beyond its own address; a hand that is dragged through table
-and wall never overlaps by the judge; switches, keys and recordings do what they say.
+"""The live page in a browser: it comes up at once and asks for nothing beyond its own address; a hand that is dragged through
+table and wall never overlaps by the judge; switches, keys and recordings do what they say.
 
 Not part of `make test`, which needs no browser: `make look` runs it, and leaves screenshots in reports/out/look/ for eyes.
 """
