@@ -8,7 +8,7 @@ from math import atan2, copysign, exp, hypot, pi, sin, sqrt
 
 from avatarsim.live.drive.ease import minimum_jerk
 from avatarsim.live.drive.limbs import Limb
-from avatarsim.live.drive.pull import Goal, Pull, allowed
+from avatarsim.live.drive.pull import Goal, Pull, allowed, exterior_angle
 from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.live.drive.turns import (
     UP,
@@ -176,9 +176,7 @@ class Gait:
         thigh, shank, left = sub(middle, hip), sub(low, middle), rotate(facing, (0.0, 1.0, 0.0))
         a, b, d = norm(thigh), norm(shank), norm(sub(goal, hip))
         bent = atan2(dot(left, cross(thigh, shank)), dot(thigh, shank))
-        # law of cosines, of the angle that is left to a straight leg
-        cosine = min(max((d * d - a * a - b * b) / (2.0 * a * b), -1.0), 1.0)
-        wanted = atan2(sqrt(1.0 - cosine * cosine), cosine)
+        wanted = exterior_angle(a, b, d)
         self._bend(posture, knee, left, min(max(wanted - bent, -most), most), poses)
         self._aim[number].solve(posture, [Goal(ankle, goal)], most)
 
