@@ -150,7 +150,7 @@ class Pull:
                 continue
             bent = atan2(dot(axis, cross(upper, lower)), dot(upper, lower))
             turn = min(exterior_angle(norm(upper), norm(lower), wanted) - bent, most)
-            if turn > 0.0 and self._turn(posture, elbow, axis, turn, poses) > SPENT * turn:
+            if turn > 0.0 and turn_about(self.tree, posture, elbow, axis, turn, poses) > SPENT * turn:
                 found += [k for k in (elbow, *below) if k in self.joints]
         return found
 
@@ -177,18 +177,6 @@ class Pull:
         if not ONE_SIDED < abs(middle) < MANY_TURNS:
             return None
         return rotate(self.tree.above(k, poses), scaled(node.hinges[0].axis, 1.0 if middle > 0.0 else -1.0))
-
-    def _turn(self, posture: Posture, k: int, axis: Vector, angle: float, poses: dict[int, tuple[Vector, Quaternion]]) -> float:
-        """Turn a joint about an axis in the world, which is its own if it is a hinge; the angle [rad] that its limits leave."""
-        node, above = self.tree.nodes[k], self.tree.above(k, poses)
-        if node.is_ball:
-            turn = turned_by(rotate(conjugate(above), scaled(axis, angle)), posture.turns[k])
-            was, posture.turns[k] = posture.turns[k], allowed(node.limits, node.orientation, turn)
-            return norm(way(was, posture.turns[k]))
-        hinge, at = node.hinges[0], node.first_angle
-        wanted = posture.angles[at] + (angle if dot(rotate(above, hinge.axis), axis) > 0.0 else -angle)
-        before, posture.angles[at] = posture.angles[at], min(max(wanted, hinge.lower), hinge.upper)
-        return abs(posture.angles[at] - before)
 
     def _hold_back(self, posture: Posture, begun: Sequence[Quaternion], most: float) -> None:
         """Take back what balls have turned beyond `most` [rad], which a projection into limits may add."""
@@ -269,6 +257,26 @@ class Pull:
             if norm(lost) > 0.0:
                 stopped.setdefault(k, []).append(rotate(above, scaled(lost, 1.0 / norm(lost))))
         return most
+
+
+def turn_about(
+    tree: Tree, posture: Posture, k: int, axis: Vector, angle: float, poses: dict[int, tuple[Vector, Quaternion]]
+) -> float:
+    """Turn the joint of a link about an axis in the world, by the hinge that is nearest to it if it has hinges; the angle [rad]
+    that its limits leave of it."""
+    node, above = tree.nodes[k], tree.above(k, poses)
+    if node.is_ball:
+        turn = turned_by(rotate(conjugate(above), scaled(axis, angle)), posture.turns[k])
+        was, posture.turns[k] = posture.turns[k], allowed(node.limits, node.orientation, turn)
+        return norm(way(was, posture.turns[k]))
+    along = [dot(rotate(above, hinge.axis), axis) for hinge in node.hinges]
+    best = max(range(len(along)), key=lambda h: abs(along[h]), default=-1)
+    if best < 0:
+        return 0.0
+    hinge, at = node.hinges[best], node.first_angle + best
+    wanted = posture.angles[at] + (angle if along[best] > 0.0 else -angle)
+    before, posture.angles[at] = posture.angles[at], min(max(wanted, hinge.lower), hinge.upper)
+    return abs(posture.angles[at] - before)
 
 
 def exterior_angle(a: float, b: float, distance: float) -> float:
