@@ -4,11 +4,11 @@ A leg is solved as a triangle: the knee by the law of cosines, the hip by aiming
 Stride length and speed are those of dynamic similarity (Alexander 1976): stride / leg = 2.3 Froude^0.3, speed^2 = Froude g leg.
 """
 
-from math import atan2, copysign, exp, hypot, pi, sin, sqrt
+from math import atan2, exp, hypot, pi, sin, sqrt
 
 from avatarsim.live.drive.ease import minimum_jerk
 from avatarsim.live.drive.limbs import Limb
-from avatarsim.live.drive.pull import Goal, Pull, allowed
+from avatarsim.live.drive.pull import Goal, Pull, exterior_angle, turn_about
 from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.live.drive.turns import (
     UP,
@@ -23,7 +23,6 @@ from avatarsim.live.drive.turns import (
     scaled,
     shortened,
     sub,
-    turned_by,
 )
 from avatarsim.scene.checks import Quaternion, Vector
 
@@ -176,25 +175,9 @@ class Gait:
         thigh, shank, left = sub(middle, hip), sub(low, middle), rotate(facing, (0.0, 1.0, 0.0))
         a, b, d = norm(thigh), norm(shank), norm(sub(goal, hip))
         bent = atan2(dot(left, cross(thigh, shank)), dot(thigh, shank))
-        # law of cosines, of the angle that is left to a straight leg
-        cosine = min(max((d * d - a * a - b * b) / (2.0 * a * b), -1.0), 1.0)
-        wanted = atan2(sqrt(1.0 - cosine * cosine), cosine)
-        self._bend(posture, knee, left, min(max(wanted - bent, -most), most), poses)
+        wanted = exterior_angle(a, b, d)
+        turn_about(self._tree, posture, knee, left, min(max(wanted - bent, -most), most), poses)
         self._aim[number].solve(posture, [Goal(ankle, goal)], most)
-
-    def _bend(
-        self, posture: Posture, knee: int, axis: Vector, angle: float, poses: dict[int, tuple[Vector, Quaternion]]
-    ) -> None:
-        """Turn a knee about an axis in the world, or by the hinge that is nearest to it, within its limits."""
-        node, above = self._tree.nodes[knee], self._tree.above(knee, poses)
-        if node.is_ball:
-            turn = turned_by(rotate(conjugate(above), scaled(axis, angle)), posture.turns[knee])
-            posture.turns[knee] = allowed(node.limits, node.orientation, turn)
-        elif node.hinges:
-            along = [dot(rotate(above, hinge.axis), axis) for hinge in node.hinges]
-            best = max(range(len(along)), key=lambda h: abs(along[h]))
-            hinge, at = node.hinges[best], node.first_angle + best
-            posture.angles[at] = min(max(posture.angles[at] + copysign(angle, angle * along[best]), hinge.lower), hinge.upper)
 
 
 def _knee_and_ankle(tree: Tree, leg: Limb) -> tuple[int, int]:

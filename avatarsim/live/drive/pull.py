@@ -6,7 +6,7 @@ was stopped is taken out of the system for the other rounds of that call, so tha
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import hypot, inf
+from math import atan2, hypot, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from avatarsim.live.drive.limits import Limits, inside
 from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.live.drive.turns import (
+    NO_LENGTH,
     add,
     conjugate,
     cross,
@@ -30,6 +31,7 @@ from avatarsim.live.drive.turns import (
     way,
 )
 from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.joint import MANY_TURNS
 
 Array = NDArray[np.float64]
 
@@ -50,6 +52,15 @@ SPENT = 1e-3
 
 STEEPEST = 0.6
 """[rad] largest turn of a joint in a round: the linear model of a turn is off by 6 % there."""
+
+
+ONE_SIDED = 0.6
+"""[rad] from zero to the middle of the limits of an elbow, a knee or a finger's middle joint, at least; of a spine it is 0.4."""
+
+SHORTENED = 0.01
+"""By which share of the lever a chain must become shorter for its elbow to be bent."""
+
+AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -86,22 +97,23 @@ class Pull:
         poses = self.tree.poses(posture, self.needed)
         return [sub(goal.position, poses[goal.link][0]) for goal in goals if goal.position is not None]
 
-    def solve(self, posture: Posture, goals: Sequence[Goal], most: float, rounds: int = ROUNDS) -> bool:
-        """Move the posture towards the goals, no joint by more than `most` [rad]; whether it came to a place from where more of
-        the same would not help: the goals are out of reach."""
+    def solve(self, posture: Posture, goals: Sequence[Goal], most: float, still: Sequence[int] = ()) -> bool:
+        """Move the posture towards the goals, no joint by more than `most` [rad], and `still` ones not at all.
+
+        Returns whether it came to a place from where more of the same would not help: the goals are out of reach."""
         if not self.joints:
             return True
         left, before, begun = most, inf, list(posture.turns)
-        stopped: dict[int, list[Vector]] = {}
-        bound: set[int] = set()
-        for _ in range(rounds):
+        stopped: dict[int, list[Vector]] = {k: [*AXES] for k in still}
+        bound = {h for k in still for h, _ in enumerate(self.tree.nodes[k].hinges, start=self.tree.nodes[k].first_angle)}
+        for _ in range(ROUNDS):
             poses = self.tree.poses(posture, self.needed)
             error = self._error(poses, goals)
             size = float(np.sqrt(error @ error))
             if size < CLOSE:
                 return False
             if size > STALLED * before:
-                return True
+                return not still
             before = size
             owners, jacobian = self._jacobian(posture, poses, goals, stopped, bound)
             gram = jacobian @ jacobian.T
@@ -115,6 +127,56 @@ class Pull:
                 self._hold_back(posture, begun, most)
                 return False
         return False
+
+    def bend(self, posture: Posture, goals: Sequence[Goal], most: float) -> list[int]:
+        """Bend the elbow, or knee, of each chain that is nearly straight and must become shorter, by up to `most` [rad] and to
+        the middle of its limits; the joints that were, which are to be left alone in this frame.
+
+        To first order a straight chain cannot be shortened at all: no system that is linear finds the way, and what it finds
+        leads as easily to the wrong side. The angle is that of a triangle (law of cosines)."""
+        poses, found = self.tree.poses(posture, self.needed), []
+        for goal in goals:
+            chain = self.tree.chain(goal.link)
+            elbow = self._elbow(chain)
+            axis = self._bending(elbow, poses) if elbow >= 0 else None
+            if axis is None or goal.position is None:
+                continue
+            below = chain[chain.index(elbow) + 1 :]
+            above, middle, wrist = poses[self.tree.nodes[elbow].parent][0], poses[elbow][0], poses[below[0]][0]
+            upper, lower = sub(middle, above), sub(wrist, middle)
+            # what is below the wrist goes along as it is
+            wanted = norm(sub(add(goal.position, sub(wrist, poses[goal.link][0])), above))
+            if not wanted < norm(sub(wrist, above)) - SHORTENED * self.lever:
+                continue
+            bent = atan2(dot(axis, cross(upper, lower)), dot(upper, lower))
+            turn = min(exterior_angle(norm(upper), norm(lower), wanted) - bent, most)
+            if turn > 0.0 and turn_about(self.tree, posture, elbow, axis, turn, poses) > SPENT * turn:
+                found += [k for k in (elbow, *below) if k in self.joints]
+        return found
+
+    def _elbow(self, chain: Sequence[int]) -> int:
+        """The joint of a chain, below its first one, between the longest bones; -1 where there is none."""
+        best, longest = -1, 0.0
+        for k, after in zip(chain[2:], chain[3:], strict=False):
+            shorter = min(norm(self.tree.nodes[k].anchor), norm(self.tree.nodes[after].anchor))
+            if k in self.joints and shorter > longest:
+                best, longest = k, shorter
+        return best
+
+    def _bending(self, k: int, poses: dict[int, tuple[Vector, Quaternion]]) -> Vector | None:
+        """The axis in the world about which a joint bends: from zero to the middle of its limits; None where that is not far."""
+        node = self.tree.nodes[k]
+        if node.limits is not None:
+            limb = rotate(node.orientation, node.limits.axis)
+            across = cross(limb, node.limits.centre)
+            if atan2(norm(across), dot(limb, node.limits.centre)) < ONE_SIDED or norm(across) < NO_LENGTH:
+                return None
+            # the parent's axes; `above` is turned on by the link's own rest
+            return rotate(poses[node.parent][1], scaled(across, 1.0 / norm(across)))
+        middle = 0.5 * (node.hinges[0].lower + node.hinges[0].upper) if len(node.hinges) == 1 else 0.0
+        if not ONE_SIDED < abs(middle) < MANY_TURNS:
+            return None
+        return rotate(self.tree.above(k, poses), scaled(node.hinges[0].axis, 1.0 if middle > 0.0 else -1.0))
 
     def _hold_back(self, posture: Posture, begun: Sequence[Quaternion], most: float) -> None:
         """Take back what balls have turned beyond `most` [rad], which a projection into limits may add."""
@@ -197,6 +259,34 @@ class Pull:
         return most
 
 
+def turn_about(
+    tree: Tree, posture: Posture, k: int, axis: Vector, angle: float, poses: dict[int, tuple[Vector, Quaternion]]
+) -> float:
+    """Turn the joint of a link about an axis in the world, by the hinge that is nearest to it if it has hinges; the angle [rad]
+    that its limits leave of it."""
+    node, above = tree.nodes[k], tree.above(k, poses)
+    if node.is_ball:
+        turn = turned_by(rotate(conjugate(above), scaled(axis, angle)), posture.turns[k])
+        was, posture.turns[k] = posture.turns[k], allowed(node.limits, node.orientation, turn)
+        return norm(way(was, posture.turns[k]))
+    along = [dot(rotate(above, hinge.axis), axis) for hinge in node.hinges]
+    best = max(range(len(along)), key=lambda h: abs(along[h]), default=-1)
+    if best < 0:
+        return 0.0
+    hinge, at = node.hinges[best], node.first_angle + best
+    wanted = posture.angles[at] + (angle if along[best] > 0.0 else -angle)
+    before, posture.angles[at] = posture.angles[at], min(max(wanted, hinge.lower), hinge.upper)
+    return abs(posture.angles[at] - before)
+
+
+def exterior_angle(a: float, b: float, distance: float) -> float:
+    """[rad] by which two bones of lengths a and b [m] are bent when their ends are so far apart: 0 straight, pi folded."""
+    if not a * b > 0.0:
+        return 0.0
+    cosine = min(max((distance * distance - a * a - b * b) / (2.0 * a * b), -1.0), 1.0)
+    return atan2(sqrt(1.0 - cosine * cosine), cosine)
+
+
 def _largest(owners: Sequence[tuple[int, int]], step: list[float]) -> float:
     """The most [rad] that a joint turns in a step."""
     at, most = 0, 0.0
@@ -217,7 +307,7 @@ def allowed(limits: Limits | None, orientation: Quaternion, turn: Quaternion) ->
 
 def _free_of(stopped: Sequence[Vector]) -> list[Vector]:
     """The world's axes without their parts along directions in which a ball was stopped."""
-    axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    axes: list[Vector] = [*AXES]
     taken: list[Vector] = []
     for direction in stopped[:3]:
         for one in taken:

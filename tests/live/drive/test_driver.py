@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.errors import InvalidInput, InvalidSample, UnknownName
@@ -82,6 +82,7 @@ def test_the_same_calls_give_the_same_bits(seed: int) -> None:
     assert all(same(a, b) for a, b in zip(first, again, strict=True))
 
 
+@settings(max_examples=30)
 @given(st.integers(0, 10_000))
 def test_no_change_of_source_is_a_jump_and_all_is_within_limits(seed: int) -> None:
     samples = [BODY.first_sample, *everything(driver("body"), seed)]

@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.live.drive.driver import FASTEST, FASTEST_TURN
-from avatarsim.live.drive.pull import Goal, Pull
+from avatarsim.live.drive.pull import Goal, Pull, exterior_angle
 from avatarsim.live.drive.tree import Tree, posture_of
-from avatarsim.live.drive.turns import norm, sub, way
+from avatarsim.live.drive.turns import add, norm, sub, way
 from avatarsim.live.stages import NAMES, stage
 from tests.live.drive.stages_driven import DT, driver, excess, fastest, random_sample
 
@@ -58,6 +58,40 @@ def test_a_goal_out_of_reach_ends_in_a_posture_that_stays(name: str, handle: str
     assert np.abs(after.positions - before.positions).max() < 1e-4
     assert np.abs(after.rotations - before.rotations).max() < 1e-4
     assert np.abs(after.angles - before.angles).max(initial=0.0) < 1e-4
+
+
+@pytest.mark.parametrize(("name", "handle", "way_there"), [
+    ("body", "human/left_foot", (0.0, 0.0, 0.4)), ("body", "human/right_foot", (0.3, 0.0, 0.5)),
+    ("body", "human/right_hand", (0.02, 0.02, 0.3)), ("hand", "hand/middle3", (-0.015, 0.0, -0.02)),
+])
+def test_a_straight_limb_that_must_become_shorter_bends_and_the_root_stays(
+    name: str, handle: str, way_there: tuple[float, float, float]
+) -> None:
+    one, scene = driver(name), stage(name).scene
+    goal = add(one.pose(handle)[0], way_there)
+    one.drag(handle, goal)
+    for _ in range(120):
+        sample = one.tick(DT)
+    assert norm(sub(one.pose(handle)[0], goal)) < 1e-3
+    assert sample.positions[0] == pytest.approx(scene.first_sample.positions[0], abs=1e-3)
+
+
+def test_a_knee_bends_forward_whichever_way_the_foot_goes_up() -> None:
+    for x in (-0.2, 0.0, 0.2):
+        one = driver("body")
+        one.drag("human/left_foot", add(one.pose("human/left_foot")[0], (x, 0.0, 0.45)))
+        for _ in range(120):
+            one.tick(DT)
+        hip, knee, ankle = (one.pose(f"human/left_{joint}")[0] for joint in ("hip", "knee", "ankle"))
+        ahead = sub(knee, hip)[0] * (ankle[2] - hip[2]) - sub(knee, hip)[2] * (ankle[0] - hip[0])
+        assert ahead < -0.01
+
+
+def test_the_angle_of_a_triangle_is_that_of_its_sides() -> None:
+    assert exterior_angle(1.0, 1.0, 2.0) == 0.0
+    assert exterior_angle(1.0, 1.0, np.sqrt(2.0)) == pytest.approx(np.pi / 2.0)
+    assert exterior_angle(3.0, 4.0, 0.5) == pytest.approx(np.pi)
+    assert exterior_angle(0.0, 1.0, 1.0) == 0.0
 
 
 def test_two_links_are_pulled_at_once() -> None:
