@@ -37,7 +37,7 @@ TURN = 5e-4
 """[s] after which a thread of this process hands over Python's lock. Python's own 5 ms is longer than `AHEAD`, so that a target
 would come a frame late; shorter: threads do little but change places."""
 DRAWN, TOLD = 1.0 / 30.0, 0.25
-"""[s] between two drawings, and between two looks at the figures, as fast as they can be read. Shorter: to draw takes all time."""
+"""[s] between two drawings, and between two looks at the figures, as fast as they can be read. Shorter: drawing takes all."""
 SOONEST = 1e-3
 """[s] of a wait at least, so that other threads have their turn."""
 DEEPER = 2.0
