@@ -26,7 +26,7 @@ from avatarsim.live.stages import Stage
 from avatarsim.live.view.depth import Depth
 from avatarsim.live.view.drawn import Drawn
 from avatarsim.live.view.panel import Panel
-from avatarsim.live.view.telling import sentence, table
+from avatarsim.live.view.telling import at_ports, sentence, table
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
@@ -206,7 +206,8 @@ class Page:
                 target = self.shows.depth(self._scene, *raw, self._sample.angles)
         name = self.session.first.plan.name
         if name in states:
-            self.panel.tell(table(figures, depths, target), sentence(states[name], figures[name]))
+            heard = "" if self.ports is None else "\n\n" + at_ports(self.ports.refusals)
+            self.panel.tell(table(figures, depths, target), sentence(states[name], figures[name]) + heard)
             self.panel.plot({n: [s.engine_ns for s in self.session.loops[n].states()] for n in states})
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:

@@ -5,9 +5,13 @@ from math import isnan
 
 from avatarsim.live.figures import Figures
 from avatarsim.live.messages import State
+from avatarsim.live.ports.refusals import Refusals
 
 BUDGETS = {"60 Hz": 16.667, "90 Hz": 11.111}
 """[ms] that a frame has at the usual rates."""
+
+NAMED = 4
+"""Reasons of refusals that are named, the most frequent; of more, how many."""
 
 SAID = {
     "planning": "looks for a way round", "following": "follows a way round", "waiting": "waits: no way is known yet",
@@ -39,6 +43,16 @@ def table(figures: Mapping[str, Figures], depths: Mapping[str, float], target: f
     lines += [f"| your own posture | | | | | {depth(target)} |"]
     budgets = ", ".join(f"{ms:.3g} ms at {rate}" for rate, ms in BUDGETS.items())
     return "\n".join([*lines, "", f"Of the last 10 s. A frame has {budgets}."])
+
+
+def at_ports(refusals: Refusals) -> str:
+    """What came in at the ports, and what was refused for which reason; never words of a peer."""
+    taken = ", ".join(f"{count} by {peer.value}" for peer, count in refusals.taken.items()) or "none"
+    refused = [f"{count} {reason.value} ({peer.value})" for (reason, peer), count in sorted(
+        refusals.counts.items(), key=lambda one: -one[1]
+    )]
+    left = f" and {len(refused) - NAMED} more reasons" if len(refused) > NAMED else ""
+    return f"Messages of trackers: {taken}. Refused: {'; '.join(refused[:NAMED]) or 'none'}{left}."
 
 
 def sentence(state: State, of: Figures) -> str:

@@ -1,0 +1,90 @@
+"""The commands `avatarsim live` and `avatarsim replay`: exit codes, what they print, and what they refuse."""
+
+import json
+import socket
+from pathlib import Path
+
+import pytest
+
+from avatarsim.cli import main
+from avatarsim.live.orders import World
+from avatarsim.live.recording import Recorder
+from tests.live.small import plan, pushed
+
+URDF = """<robot name="stick"><link name="base"><collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>
+<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<link name="arm"><collision><origin xyz="0 0 0.3"/><geometry><sphere radius="0.05"/></geometry></collision>
+<inertial><mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
+
+
+def recording(folder: Path, wrong: int = 0) -> Path:
+    """A recording of thirty frames; one of them, by its number, with another hash than was shown."""
+    world = World(plan())
+    recorder = Recorder(folder / "a.live", world.plan, world.shown.state_hash())
+    for frame in range(1, 31):
+        shown = world.advance(pushed(frame)).state_hash()
+        recorder.frame(pushed(frame), "0" * 16 if frame == wrong else shown)
+    recorder.close()
+    return folder / "a.live"
+
+
+def test_a_recording_that_is_the_same_ends_with_0(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(recording(tmp_path))
+    assert main(["replay", path]) == 0
+    said = capsys.readouterr().out
+    assert "small, method default, 30 frames at 60 Hz" in said and "every state is the same to the bit" in said
+    assert main(["replay", path, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["is_same"] is True and told["frames"] == 30 and told["first_difference"] is None and not told["other_versions"]
+
+
+def test_a_recording_that_differs_ends_with_1_and_its_frame(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = str(recording(tmp_path, wrong=7))
+    assert main(["replay", path]) == 1
+    assert "frame 7 is another" in capsys.readouterr().out
+    assert main(["replay", path, "--json"]) == 1
+    assert json.loads(capsys.readouterr().out)["first_difference"]["frame"] == 7
+
+
+def test_a_torn_recording_is_run_and_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = recording(tmp_path)
+    path.write_bytes(path.read_bytes()[:-5])
+    assert main(["replay", str(path)]) == 0
+    assert "29 frames" in (said := capsys.readouterr().out) and "its end is torn" in said
+
+
+def test_what_is_no_recording_ends_with_3(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "b.live").write_text("hello")
+    for name in ("b.live", "none.live"):
+        assert main(["replay", str(tmp_path / name)]) == 3
+        assert name in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("words", "code", "says"), [
+    (["--room", "floor"], 2, "an option beside --avatar"), (["--rate", "0"], 2, "--rate is 0"), (["--rate", "nan"], 2, "--rate"),
+    (["--seconds", "-1"], 2, "--seconds"), (["--avatar", "none.urdf"], 3, "none.urdf"), (["--motion", "a.bvh"], 3, "motion a.bvh"),
+    (["--scene", "hand", "--avatar", "a.urdf"], 2, "no option beside --avatar"), (["--listen", "nowhere.invalid"], 2, "nowhere.invalid"),
+    (["--port", "70000"], 2, "--port"),
+])
+def test_what_cannot_be_live_is_refused(words: list[str], code: int, says: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["live", "--no-browser", *words]) == code
+    assert says in capsys.readouterr().err
+
+
+def test_a_page_runs_for_the_time_asked_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "stick.urdf").write_text(URDF)
+    words = ["--no-browser", "--port", "0", "--seconds", "1", "--ws", "0", "--udp", "0"]
+    assert main(["live", "--avatar", str(tmp_path / "stick.urdf"), "--room", "floor", *words]) == 0
+    said = capsys.readouterr().err
+    assert "http://127.0.0.1:" in said and "websocket at 127.0.0.1:" in said and "udp at 127.0.0.1:" in said
+
+
+def test_a_port_that_is_taken_ends_with_2(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = str(other.getsockname()[1])
+        assert main(["live", "--no-browser", "--port", "0", "--seconds", "5", "--ws", port]) == 2
+    assert port in capsys.readouterr().err
