@@ -85,7 +85,7 @@ def _read(data: object, hint: Any, thing: str, place: str) -> Any:
         if not isinstance(data, str) or data not in hint.__members__:
             raise _wrong(thing, place, data, "one of " + ", ".join(hint.__members__))
         return hint[data]
-    if hint is float and type(data) in (int, float):
+    if hint is float and isinstance(data, int | float) and not isinstance(data, bool):
         if not abs(data) <= LARGEST:
             raise _wrong(thing, place, data, f"a number from {-LARGEST:g} to {LARGEST:g}")
         return float(data)
