@@ -88,8 +88,8 @@ class Recorder:
         self.path, self.is_open = path, True
         head = json.dumps({
             "engine": plan.engine, "name": plan.name, "rate": float(plan.rate), "preset": plan.settings.preset,
-            "options": _options(plan.settings.options), "seed": plan.settings.seed, "first_hash": first_hash,
-            "versions": versions(), "scene": written(plan.scene),
+            "options": _options(plan.settings.options), "seed": plan.settings.seed, "off": list(plan.off),
+            "first_hash": first_hash, "versions": versions(), "scene": written(plan.scene),
         }, allow_nan=False).encode()
         if len(head) > JSON_BYTES or _is_large(plan.scene):
             raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
@@ -197,7 +197,7 @@ def _parsed(data: bytes, thing: str) -> dict[str, Any]:
 def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
     """What the head says: the plan, the first hash, the versions."""
     kinds = {
-        "engine": str, "name": str, "rate": float, "preset": str, "options": dict, "seed": int, "first_hash": str,
+        "engine": str, "name": str, "rate": float, "preset": str, "options": dict, "seed": int, "off": list, "first_hash": str,
         "versions": dict, "scene": dict,
     }
     for name, kind in kinds.items():
@@ -223,7 +223,8 @@ def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
         raise InvalidFile(f"first hash of {thing}", head["first_hash"], f"{2 * DIGEST} hexadecimal digits")
     said = {require_name(f"version in {thing}", name): require_name(f"version of {name} in {thing}", str(value))
             for name, value in head["versions"].items()}
-    return Plan(OURS, scene, settings, rate, name=head["name"]), head["first_hash"], said
+    off = _names(head["off"], f"effects that are off in {thing}")
+    return Plan(OURS, scene, settings, rate, name=head["name"], off=off), head["first_hash"], said
 
 
 def _rows(data: bytes, at: int, scene: Scene, thing: str) -> tuple[tuple[Frame | Command, ...], bool]:
@@ -277,16 +278,22 @@ def _order(command: Command) -> dict[str, Any]:
 
 def _command(payload: bytes, place: str) -> Command:
     said = _parsed(payload, place)
-    names = [order.name for order in KEPT]
-    if said.get("order") not in names:
-        raise InvalidFile(f"order of {place}", said.get("order"), "one of " + ", ".join(names))
+    known = [order.name for order in KEPT]
+    if said.get("order") not in known:
+        raise InvalidFile(f"order of {place}", said.get("order"), "one of " + ", ".join(known))
     order = Order[said["order"]]
     if order is not Order.SWITCH:
         return Command(order)
     off, preset, options = said.get("off"), said.get("preset"), said.get("options")
-    if not (isinstance(off, list) and all(isinstance(one, str) for one in off)):
-        raise InvalidFile(f"effects of {place}", off, "a list of names")
+    names = _names(off, f"effects of {place}")
     if not isinstance(preset, str) or not isinstance(options, dict):
         raise InvalidFile(f"settings of {place}", (preset, options), "the name of a preset and an object of options")
-    return Command(order, Switch(tuple(off), preset, options))
+    return Command(order, Switch(names, preset, options))
+
+
+def _names(value: object, thing: str) -> tuple[str, ...]:
+    """Names of effects."""
+    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+        raise InvalidFile(thing, value, "a list of names")
+    return tuple(value)
 

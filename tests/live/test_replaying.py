@@ -64,6 +64,23 @@ def test_what_was_driven_runs_again_to_the_same_bits(whole: bytes, tmp_path: Pat
     assert done.difference is None and done.frames == 200 and seen == list(range(1, 201))
 
 
+@pytest.mark.parametrize("first", [Switch(("friction", "dynamics")), Switch(("self_contact", "friction"), "paper")])
+def test_a_log_from_a_reset_on_knows_what_its_author_left_on(tmp_path: Path, first: Switch) -> None:
+    """What the user switched off before the reset, and on again after it."""
+    world = World(plan())
+    assert world.apply(Command(Order.SWITCH, first)) == "" and world.apply(Command(Order.RESET)) == ""
+    recorder = Recorder(tmp_path / "a.live", world.begun, world.shown.state_hash())
+    for frame in range(1, 61):
+        if frame == 30:
+            assert world.apply(back := Command(Order.SWITCH, Switch())) == ""
+            recorder.command(back)
+        recorder.frame(pushed(frame), world.advance(pushed(frame)).state_hash())
+    recorder.close()
+    assert world.scene.effects == plan().scene.effects
+    done = replay(read(tmp_path / "a.live"))
+    assert done.frames == 60 and done.difference is None
+
+
 def test_another_sample_is_found_at_its_frame(tmp_path: Path) -> None:
     world = World(plan())
     recorder = Recorder(tmp_path / "a.live", world.plan, world.shown.state_hash())
