@@ -43,9 +43,9 @@ class Window:
         if not state.is_paused:
             self._states.append(state)
 
-    def times(self) -> list[int]:
-        """Frame times [ns], oldest first."""
-        return [state.engine_ns for state in self._states]
+    def states(self) -> tuple[State, ...]:
+        """All of them, oldest first."""
+        return tuple(self._states)
 
     def figures(self) -> Figures:
         """Of the states in the window."""

@@ -26,8 +26,8 @@ from avatarsim.simulator import AvatarsimEngine
 
 COLLECTED = 64
 """Frames between two runs of Python's collector over the youngest objects: at 60 Hz one a second, of some 20 us."""
-AHEAD = -10
-"""Niceness of the loop, where the system allows it: a page that is drawn on the same processors waits rather than a frame."""
+PRIORITY = 1
+"""The lowest of the real-time priorities: enough to go before all that has none."""
 TOUCHED = 2
 """Frames between two queries of contacts, 30 a second at 60 Hz: a page draws no more."""
 
@@ -41,8 +41,7 @@ def run(plan: Plan, channel: Channel, orders: Connection) -> None:
     except AvatarsimError as error:
         orders.send(Answer(0, Order.RESET, 0, str(error)))
         return
-    with suppress(OSError):
-        os.nice(AHEAD)
+    go_first()
     orders.send(Answer(0, Order.RESET, 0))
     gc.collect()
     gc.freeze()
@@ -50,6 +49,13 @@ def run(plan: Plan, channel: Channel, orders: Connection) -> None:
     # a door that is gone ends the loop, as does a break that a terminal sends to all of its processes
     with suppress(EOFError, BrokenPipeError, KeyboardInterrupt):
         Loop(world, channel, orders).run()
+
+
+def go_first() -> None:
+    """Let this process go before those without a deadline, where the system has real-time classes and allows them: a page that
+    is drawn on the same processors waits rather than a frame. A loop sleeps most of the time."""
+    with suppress(OSError, AttributeError):
+        os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(PRIORITY))
 
 
 def engine_of(words: str) -> type[Engine]:
@@ -104,25 +110,27 @@ class Loop:
         record = self.world.advance(self._sample)
         cost = time.monotonic_ns() - begun
         self._frame += 1
-        self._publish(record, cost, due)
+        state_hash = self._publish(record, cost, due)
         if self._log is not None:
-            self._log.frame(self._sample, record.state_hash())
+            self._log.frame(self._sample, state_hash)
         if self._frame % TOUCHED == 0 and time.monotonic_ns() < due + self._period // 2:
             self._touch()
         if self._frame % COLLECTED == 0 and time.monotonic_ns() < due + self._period // 2:
             gc.collect(0 if self._frame % COLLECTED**2 else 1)
 
-    def _publish(self, record: FrameRecord, cost: int, due: int) -> None:
-        """Send what is shown; the time it is sent at counts."""
+    def _publish(self, record: FrameRecord, cost: int, due: int) -> str:
+        """Send what is shown, and answer its hash; the time it is sent at counts."""
         shown, now = record.shown, time.monotonic_ns()
         latency = -1 if self._used else now - self._stamp
         self._used = True
+        state_hash = record.state_hash()
         self._channel.send(State(
             self._frame, shown.time, shown.positions, shown.orientations, record.angles, self._target, latency, cost,
             now > due + self._period and not self._is_paused, self._skipped, due + self._period,
-            dict(record.statuses), dict(record.counts), dict(record.stage_ns), record.state_hash(), self._is_paused,
+            dict(record.statuses), dict(record.counts), dict(record.stage_ns), state_hash, self._is_paused,
             self._log is not None and self._log.is_open,
         ))
+        return state_hash
 
     def _touch(self) -> None:
         """Send where bodies touch, of an engine that can tell."""

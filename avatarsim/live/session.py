@@ -77,9 +77,14 @@ class Driven:
         """Of its last seconds."""
         return self._window.figures()
 
-    def times(self) -> list[int]:
-        """Frame times [ns] of its last seconds."""
-        return self._window.times()
+    def states(self) -> tuple[State, ...]:
+        """The states of its last seconds that came here, oldest first."""
+        return self._window.states()
+
+    @property
+    def pid(self) -> int:
+        """Number of its process."""
+        return self._process.pid or 0
 
     def send(self, target: Target) -> bool:
         """Hand a target on; False where the loop has not taken the last ones."""
@@ -197,6 +202,11 @@ class Session:
             elif state is not None:
                 states[name] = state
         return states
+
+    @property
+    def states(self) -> dict[str, State]:
+        """The newest state that the last looks have found, of each loop; from any thread."""
+        return {name: loop.state for name, loop in list(self.loops.items()) if loop.state is not None}
 
     def save(self, path: Path) -> None:
         """Save what was driven since the scene began, as a file that `avatarsim replay` takes.

@@ -80,7 +80,7 @@ def staged(scene: Scene, what: str) -> Stage:
 
 
 def handles_of(scene: Scene) -> tuple[str, ...]:
-    """Names of the links of all avatars that get gizmos: roots, and ends of limbs; of fingers the hand, unless that is a root."""
+    """Names of the links of all avatars that get gizmos: free roots, and ends of limbs; of several hands no fingers."""
     names = scene.names[len(scene.bodies):]
     return tuple(names[k] for k in handle_links(Tree(scene.avatars)))
 

@@ -3,14 +3,19 @@
 import ast
 import importlib
 import math
+import sys
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 import pytest
 
+from tests.live.ports.opened import Opened, until
+
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
 NAMES = ("rigid_hand", "jointed_hand", "humanoid_on_a_clip", "two_hands_and_a_mug", "many_worlds")
+CLIENTS = ("drive_from_a_tracker",)
+"""Examples of programs that speak to avatarsim over its ports, and need nothing of it."""
 MOST_LINES = 85
 
 
@@ -22,7 +27,7 @@ def example(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_all_examples_are_tested() -> None:
-    assert {file.stem for file in FOLDER.glob("*.py")} == set(NAMES)
+    assert {file.stem for file in FOLDER.glob("*.py")} == {*NAMES, *CLIENTS}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -33,6 +38,29 @@ def test_an_example_is_short_and_uses_the_public_names_alone(name: str) -> None:
     modules = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
     modules += [str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
     assert "avatarsim" in modules and not [module for module in modules if module.startswith("avatarsim.")]
+
+
+@pytest.mark.parametrize("name", CLIENTS)
+def test_a_client_is_short_and_needs_no_avatarsim(name: str) -> None:
+    text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    assert len(text.splitlines()) <= MOST_LINES and "Shows: " in str(ast.get_docstring(tree))
+    modules = {alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names}
+    modules |= {str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)}
+    assert {module.partition(".")[0] for module in modules} - set(sys.stdlib_module_names) == {"websockets"}
+
+
+@pytest.mark.parametrize("way", ["udp", "ws"])
+@pytest.mark.parametrize("example", ["drive_from_a_tracker"], indirect=True)
+def test_a_tracker_of_ones_own_leads_a_link(example: ModuleType, way: str) -> None:
+    live = Opened()
+    with live.ports:
+        _, port = live.udp if way == "udp" else live.web
+        example.main(["hand", f"--{way}", str(port)], frames=3)
+        until(lambda: len(live.targets) == 3)
+        assert not live.ports.refusals.counts
+    goals = [target[0].links["hand"].position for target in live.targets]
+    assert goals[0].tolist() == [0.2, 0.0, 0.3] and goals[2][1] > goals[1][1] > 0.0
 
 
 @pytest.mark.parametrize("example", ["rigid_hand"], indirect=True)

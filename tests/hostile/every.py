@@ -8,11 +8,11 @@ from tests.hostile.doors import Door
 
 @cache
 def doors() -> dict[str, Door]:
-    """Doors for files, for values, for command lines."""
+    """Doors for files, for values, for command lines, for messages."""
     # only here: they import all that is tested, which takes a second
-    from tests.hostile import constructors, readers, words
+    from tests.hostile import constructors, messages, readers, words
 
-    return {door.name: door for door in (*readers.doors(), *constructors.doors(), *words.doors())}
+    return {door.name: door for door in (*readers.doors(), *constructors.doors(), *words.doors(), *messages.doors())}
 
 
 def door_named(name: str) -> Door:

@@ -12,8 +12,6 @@ from setuptools import find_packages
 ROOT = Path(__file__).resolve().parents[2]
 LOCK = (ROOT / "requirements.lock").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-# Read by nothing in `make compare` or `make test`, so it is installed by hand.
-NOT_LOCKED = {"view"}
 
 
 def _pins() -> dict[str, str]:
@@ -23,10 +21,10 @@ def _pins() -> dict[str, str]:
 
 
 def _asked() -> list[Requirement]:
-    """What pyproject.toml asks for, in the core and in every locked extra."""
+    """What pyproject.toml asks for, in the core and in every extra."""
     extras = PROJECT["project"]["optional-dependencies"]
     lines = PROJECT["project"]["dependencies"] + PROJECT["build-system"]["requires"]
-    lines += [line for extra in extras if extra not in NOT_LOCKED for line in extras[extra]]
+    lines += [line for extra in extras for line in extras[extra]]
     return [Requirement(line) for line in lines]
 
 

@@ -32,7 +32,7 @@ def test_figures_are_of_the_last_seconds() -> None:
     for frame in range(2000):
         window.add(state(frame, cost=10**9 if frame < 1000 else 1000 + frame % 100, latency=frame % 7 - 1, late=frame >= 1994))
     found = window.figures()
-    assert found.frames == 60 * SPAN == len(window.times())
+    assert found.frames == 60 * SPAN == len(window.states())
     assert found.worst == 1099 and found.p50 == pytest.approx(1049, abs=1)
     assert found.late == pytest.approx(6 / 600) and found.latency_p99 == 5
     assert found.statuses == {"planning": 600} and found.stages["posture"] == pytest.approx(524, abs=1)

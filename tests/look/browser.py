@@ -143,6 +143,37 @@ class Browser:
             self.tell("Runtime.evaluate", expression="1")
             time.sleep(0.05)
 
+    def visit(self, address: str) -> None:
+        """Go to a page of a server, and forget what was said before."""
+        self.errors.clear()
+        self.requests.clear()
+        self.tell("Page.navigate", url=address)
+
+    def mouse(self, kind: str, x: float, y: float, is_down: bool = True) -> None:
+        """A "Moved", "Pressed" or "Released" of the left button at a place in the window [px]."""
+        button = "left" if is_down or kind != "Moved" else "none"
+        held = 1 if is_down and kind != "Released" else 0
+        self.tell("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button=button, buttons=held, clickCount=1)
+
+    def click(self, words: str) -> None:
+        """Click the innermost element that says just these words. RuntimeError without one."""
+        place = self.value(f"""(() => {{
+          const found = [...document.querySelectorAll('*')].filter(e => e.textContent.trim() === {json.dumps(words)});
+          if (!found.length) return null;
+          const box = found[found.length - 1].getBoundingClientRect();
+          return [box.x + box.width / 2, box.y + box.height / 2];
+        }})()""")
+        if place is None:
+            raise RuntimeError(f"nothing says {words!r}")
+        self.mouse("Moved", *place, is_down=False)
+        self.mouse("Pressed", *place)
+        self.mouse("Released", *place)
+
+    def key(self, key: str, code: str, number: int) -> None:
+        """Press and let go of a key."""
+        for kind in ("keyDown", "keyUp"):
+            self.tell("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number)
+
     def value(self, expression: str) -> Any:
         """The value of a JavaScript expression in the page. RuntimeError when it throws."""
         found = self.tell("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)

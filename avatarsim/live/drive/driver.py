@@ -315,7 +315,7 @@ class Driver:
         """Pull links of one avatar; its root follows where they stall."""
         goals = [Goal(k, self._drags[k].at, self._drags[k].turned if self._drags[k].turn is not None else None) for k in links]
         pull = self._pull(links)
-        is_stuck = pull.solve(self._base, goals, turn)
+        is_stuck = pull.solve(self._base, goals, turn, pull.bend(self._base, goals, turn))
         patience = self._stalls.get(links, 0.0) + (dt if is_stuck else -dt)
         self._stalls[links] = min(max(patience, 0.0), PATIENCE)
         if root in self._drags or not self._tree.nodes[root].is_free:

@@ -1,5 +1,6 @@
 """Gait of two legs under a root that moves: stance and swing of a fixed period (Bruderlin and Calvert 1989), legs by `pull`.
 
+A leg is solved as a triangle: the knee by the law of cosines, the hip by aiming, so that a straight leg is no singularity.
 Stride length and speed are those of dynamic similarity (Alexander 1976): stride / leg = 2.3 Froude^0.3, speed^2 = Froude g leg.
 """
 
@@ -7,9 +8,22 @@ from math import atan2, exp, hypot, pi, sin, sqrt
 
 from avatarsim.live.drive.ease import minimum_jerk
 from avatarsim.live.drive.limbs import Limb
-from avatarsim.live.drive.pull import Goal, Pull, allowed
+from avatarsim.live.drive.pull import Goal, Pull, exterior_angle, turn_about
 from avatarsim.live.drive.tree import Posture, Tree
-from avatarsim.live.drive.turns import UP, about, conjugate, dot, multiply, norm, rotate, scaled, sub, turned_by
+from avatarsim.live.drive.turns import (
+    UP,
+    about,
+    add,
+    conjugate,
+    cross,
+    dot,
+    multiply,
+    norm,
+    rotate,
+    scaled,
+    shortened,
+    sub,
+)
 from avatarsim.scene.checks import Quaternion, Vector
 
 GRAVITY = 9.81
@@ -30,9 +44,11 @@ DEEPEST = 0.45
 FOLLOW = 0.12
 """[s] time constant with which strides follow the root's speed. Shorter: feet jerk when the root starts; longer: feet slide."""
 
-STRAIGHT, BEND = 0.999, 0.1
-"""Distance of hip and ankle as a share of the leg's length from which the leg is straight, and the turn [rad] of its knee that
-ends that: a straight leg cannot be shortened to first order."""
+HEEL = 0.2
+"""Share of what a toe misses, for want of room in the ankle, by which its heel moves in a frame. More: heels tremble."""
+
+HIGHEST_HEEL = 0.2
+"""How far a heel goes so, as a share of the leg: a toe that is out of reach stays so."""
 
 FASTEST_WALK = 1.5
 """Times the walk's own speed that strides are made for; legs of a root that is pulled faster slide. More: feet do not reach."""
@@ -47,15 +63,23 @@ class Gait:
     def __init__(self, tree: Tree, legs: tuple[Limb, ...], start: Posture, lever: float) -> None:
         self._tree, self._legs = tree, legs
         self._own = {k for leg in legs for k in leg.links}
-        held = frozenset(range(len(tree.nodes))) - self._own
-        self._pull = Pull(tree, tuple(leg.tip for leg in legs), lever, held)
-        self._chains = self._pull.needed
+        self._bent = [_knee_and_ankle(tree, leg) for leg in legs]
+        self.leg = sum(norm(tree.nodes[k].anchor) for k in self._bent[0])
+        # the knee gives the length of the leg, what is above it aims, and what is below it turns the foot
+        every = frozenset(range(len(tree.nodes)))
+        self._aim, self._turn = [], []
+        for leg, (knee, ankle) in zip(legs, self._bent, strict=True):
+            above = frozenset(leg.links[: leg.links.index(knee)])
+            self._aim.append(Pull(tree, (ankle,), lever, every - above))
+            self._turn.append(Pull(tree, (leg.tip,), lever, every - frozenset(leg.links) | above | {knee}))
+        self._chains = sorted({k for pull in self._turn for k in pull.needed})
         back = conjugate(self._facing(start))
         poses, root = tree.poses(start, self._chains), start.roots[0]
         self._home = [rotate(back, sub(poses[leg.tip][0], root)) for leg in legs]
+        self._heel = [rotate(back, sub(poses[ankle][0], poses[leg.tip][0]))
+                      for leg, (_, ankle) in zip(legs, self._bent, strict=True)]
+        self._heels: list[Vector] = [(0.0, 0.0, 0.0) for _ in legs]
         self._turned = [multiply(back, poses[leg.tip][1]) for leg in legs]
-        self._bent = [_knee_and_ankle(tree, leg) for leg in legs]
-        self.leg = sum(norm(tree.nodes[k].anchor) for k in self._bent[0])
         self._floor = min(poses[leg.tip][0][2] for leg in legs)
         self._stand = root[2] - self._floor
         self.speed = sqrt(FROUDE * GRAVITY * self.leg)
@@ -78,6 +102,7 @@ class Gait:
         if self.is_on:
             return
         self.is_on, self._phase, self._drop, self._way, self._spin = True, 0.0, 0.0, (0.0, 0.0), 0.0
+        self._heels = [(0.0, 0.0, 0.0) for _ in self._legs]
         if finds_floor:
             poses = self._tree.poses(posture, self._chains)
             self._floor = min(poses[leg.tip][0][2] for leg in self._legs)
@@ -119,14 +144,17 @@ class Gait:
         # a root above standing takes its ground along, as one below the deepest crouch does
         ground = min(max(self._floor, height - self._stand), height - self._stand + DEEPEST * self.leg)
         posture.roots[0] = (x, y, height - self._drop)
-        facing, goals = self._facing(posture), []
+        facing = self._facing(posture)
         for number, leg in enumerate(self._legs):
-            goals.append(self._goal(number, leg, (x, y, ground + self._stand), facing))
-            self._unlock(posture, number, goals[-1].position, facing, 0.5 * most)
-        self._pull.solve(posture, goals, most)
+            place = self._foot(number, (x, y, ground + self._stand), facing)
+            self._turn[number].solve(posture, [Goal(leg.tip, None, multiply(facing, self._turned[number]))], most)
+            toe = self._tree.pose(posture, leg.tip)[0]
+            ax, ay, az = add(self._heels[number], scaled(sub(place, toe), HEEL))
+            self._heels[number] = shortened((ax, ay, max(0.0, az)), HIGHEST_HEEL * self.leg)
+            self._stand_on(number, posture, add(place, self._heels[number]), facing, most)
 
-    def _goal(self, number: int, leg: Limb, root: Vector, facing: Quaternion) -> Goal:
-        """Where a foot is to be, under a root [m] that stands."""
+    def _foot(self, number: int, root: Vector, facing: Quaternion) -> Vector:
+        """Where a foot is to be [m], under a root that stands."""
         home = rotate(facing, self._home[number])
         ux, uy = self._way[0] - self._spin * home[1], self._way[1] + self._spin * home[0]
         share = (self._phase + 0.25 + 0.5 * number) % 1.0
@@ -136,28 +164,20 @@ class Gait:
             along = minimum_jerk(swung) - 0.5
             lift = LIFT * self.leg * sin(pi * swung) ** 2 * min(1.0, hypot(ux, uy) / (0.5 * self.speed))
         stride = self.period * STANCE * along
-        place = root[0] + home[0] + ux * stride, root[1] + home[1] + uy * stride, root[2] + home[2] + lift
-        return Goal(leg.tip, place, multiply(facing, self._turned[number]))
+        return root[0] + home[0] + ux * stride, root[1] + home[1] + uy * stride, root[2] + home[2] + lift
 
-    def _unlock(self, posture: Posture, number: int, goal: Vector, facing: Quaternion, most: float) -> None:
-        """Bend the knee of a leg that is straight and must become shorter, the way that its limits allow."""
+    def _stand_on(self, number: int, posture: Posture, toe: Vector, facing: Quaternion, most: float) -> None:
+        """Put the ankle of a leg where that of a level foot with its tip at `toe` [m] is, by knee and hip."""
+        (knee, ankle), leg = self._bent[number], self._legs[number]
+        goal = add(toe, rotate(facing, self._heel[number]))
         poses = self._tree.poses(posture, self._chains)
-        leg, (knee, ankle) = self._legs[number], self._bent[number]
-        hip, foot = poses[leg.links[0]][0], poses[leg.tip][0]
-        is_bent = norm(sub(poses[ankle][0], hip)) < STRAIGHT * self.leg
-        if is_bent or norm(sub(goal, hip)) >= norm(sub(foot, hip)):
-            return
-        node, left, bend = self._tree.nodes[knee], rotate(facing, (0.0, 1.0, 0.0)), min(BEND, most)
-        above = self._tree.above(knee, poses)
-        if node.is_ball:
-            turn = turned_by(rotate(conjugate(above), scaled(left, bend)), posture.turns[knee])
-            posture.turns[knee] = allowed(node.limits, node.orientation, turn)
-        elif node.hinges:
-            axes = [dot(rotate(above, hinge.axis), left) for hinge in node.hinges]
-            best = max(range(len(axes)), key=lambda h: abs(axes[h]))
-            hinge, at = node.hinges[best], node.first_angle + best
-            wanted = posture.angles[at] + (bend if axes[best] > 0.0 else -bend)
-            posture.angles[at] = min(max(wanted, hinge.lower), hinge.upper)
+        hip, middle, low = (poses[k][0] for k in (leg.links[0], knee, ankle))
+        thigh, shank, left = sub(middle, hip), sub(low, middle), rotate(facing, (0.0, 1.0, 0.0))
+        a, b, d = norm(thigh), norm(shank), norm(sub(goal, hip))
+        bent = atan2(dot(left, cross(thigh, shank)), dot(thigh, shank))
+        wanted = exterior_angle(a, b, d)
+        turn_about(self._tree, posture, knee, left, min(max(wanted - bent, -most), most), poses)
+        self._aim[number].solve(posture, [Goal(ankle, goal)], most)
 
 
 def _knee_and_ankle(tree: Tree, leg: Limb) -> tuple[int, int]:

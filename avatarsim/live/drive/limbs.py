@@ -3,7 +3,8 @@
 A link has a side if its name becomes another link's name when left and right change places in it: the words, or the letters l and
 r at its beginning or end. A limb is a row of at least `LIMB` links of one side, down to where it forks or ends. The legs are the
 pair of limbs that comes down lowest at the start, and lower than the root; the arms the pair of the rest that hangs on highest.
-Fingers are rows of links without a fork, at most `FINGER` long, at least `FINGERS` of which hang on one link.
+Fingers are rows of links without a fork, at most `FINGER` long, at least `FINGERS` of which hang on one link; they are no limbs,
+whatever their names (of a hand's, "lf" is the little and "rf" the ring finger).
 """
 
 import re
@@ -81,9 +82,9 @@ def limbs_of(tree: Tree, posture: Posture) -> Limbs:
         for name, which in mirrored(tree.nodes[k].name):
             if name in index and k not in side:
                 side[k], other[k] = which, index[name]
-    pairs = []
+    pairs, fingers = [], {k for finger in fingers_of(tree) for k in finger.links}
     for k in own:
-        if side.get(k) != "left" or side.get(tree.nodes[k].parent) == "left" or side.get(other[k]) != "right":
+        if k in fingers or side.get(k) != "left" or side.get(tree.nodes[k].parent) == "left" or side.get(other[k]) != "right":
             continue
         left, right = _row(tree, side, k), _row(tree, side, other[k])
         if min(len(left), len(right)) >= LIMB and min(len(tree.moving(left)), len(tree.moving(right))) >= 2:
@@ -136,8 +137,11 @@ def closing(tree: Tree, fingers: tuple[Finger, ...]) -> tuple[tuple[int, float, 
 
 
 def handle_links(tree: Tree) -> tuple[int, ...]:
-    """Links to pull at: roots that are free, and ends of limbs; of fingers the hand, unless that is a root."""
-    hand = {finger.links[-1]: finger.hand for finger in fingers_of(tree) if tree.nodes[finger.hand].parent >= 0}
+    """Links to pull at: free roots, and ends of limbs; of an avatar with several hands these instead of their fingers."""
+    hands: dict[int, set[int]] = {}
+    for finger in fingers_of(tree):
+        hands.setdefault(tree.nodes[finger.hand].avatar, set()).add(finger.hand)
+    hand = {one.links[-1]: one.hand for one in fingers_of(tree) if len(hands[tree.nodes[one.hand].avatar]) > 1}
     found = [k for k, node in enumerate(tree.nodes) if node.parent < 0 and node.is_free]
     found += [hand.get(k, k) for k, children in enumerate(tree.children) if not children]
     return tuple(sorted(set(found)))

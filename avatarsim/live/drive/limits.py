@@ -11,6 +11,7 @@ from math import atan2, cos, pi, sin
 from avatarsim.live.drive.turns import (
     NO_LENGTH,
     about,
+    add,
     any_normal,
     between,
     conjugate,
@@ -29,6 +30,10 @@ from avatarsim.scene.joint import WIDEST_SWING, Ball
 
 INWARD = 1e-7
 """[rad] by which a projected turn is inside its limits, so that rounding of quaternions never shows as an excess."""
+
+OFF_THE_EDGE = 1e-5
+"""Share of the way to the point that sees all edges by which a limb on an edge is inside: a thousandth of a degree, and of the
+sight of any edge, which is a hundredth at least in a useful polygon, still more than `INWARD`."""
 
 HALVINGS = 30
 """Of the arc to the point that sees all edges: what is left of it, at most pi, is below `INWARD`."""
@@ -66,7 +71,9 @@ class Limits:
         if not self.edges:
             return _on_circle(self.centre, most, limb)
         found = [_on_circle(self.centre, most, limb)]
-        found += [_on_edge(start, end, inward, limb) for start, end, inward in self.edges]
+        # a place on an edge is moved a little to the point that sees all, which takes it off the other edge of a corner as well
+        edged = [_on_edge(start, end, inward, limb) for start, end, inward in self.edges]
+        found += [_unit(add(one, scaled(sub(self.seen, one), OFF_THE_EDGE))) for one in edged]
         found = [one for one in found if self.is_allowed(one, most)]
         return max([*found, self._entry(limb, most)], key=lambda one: dot(one, limb))
 
@@ -144,15 +151,14 @@ def _on_circle(centre: Vector, radius: float, limb: Vector) -> Vector:
 
 
 def _on_edge(start: Vector, end: Vector, inward: Vector, limb: Vector) -> Vector:
-    """The point nearest to a limb's on the great arc from start to end, a little inside the edge."""
+    """The point nearest to a limb's on the great arc from start to end."""
     foot = sub(limb, scaled(inward, dot(inward, limb)))
     length = norm(foot)
-    best = start if dot(start, limb) >= dot(end, limb) else end
     if length > NO_LENGTH:
         foot = scaled(foot, 1.0 / length)
         if dot(cross(inward, start), foot) >= 0.0 and dot(cross(end, inward), foot) >= 0.0:
-            best = foot
-    return _unit((best[0] + 2.0 * INWARD * inward[0], best[1] + 2.0 * INWARD * inward[1], best[2] + 2.0 * INWARD * inward[2]))
+            return foot
+    return start if dot(start, limb) >= dot(end, limb) else end
 
 
 def _unit(v: Vector) -> Vector:

@@ -6,7 +6,7 @@ was stopped is taken out of the system for the other rounds of that call, so tha
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import inf
+from math import atan2, hypot, inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from avatarsim.live.drive.limits import Limits, inside
 from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.live.drive.turns import (
+    NO_LENGTH,
     add,
     conjugate,
     cross,
@@ -26,9 +27,11 @@ from avatarsim.live.drive.turns import (
     scaled,
     shortened,
     sub,
+    turned_by,
     way,
 )
 from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.joint import MANY_TURNS
 
 Array = NDArray[np.float64]
 
@@ -51,12 +54,21 @@ STEEPEST = 0.6
 """[rad] largest turn of a joint in a round: the linear model of a turn is off by 6 % there."""
 
 
+ONE_SIDED = 0.6
+"""[rad] from zero to the middle of the limits of an elbow, a knee or a finger's middle joint, at least; of a spine it is 0.4."""
+
+SHORTENED = 0.01
+"""By which share of the lever a chain must become shorter for its elbow to be bent."""
+
+AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
 @dataclass(frozen=True)
 class Goal:
-    """Where a link is to be: its joint's centre [m] and, unless None, its orientation, in the world."""
+    """Where a link is to be, in the world: its joint's centre [m] and its orientation; None for what may be any."""
 
     link: int
-    position: Vector
+    position: Vector | None
     orientation: Quaternion | None = None
 
 
@@ -81,45 +93,106 @@ class Pull:
         self.joints = [k for k in self.tree.moving(self.needed) if k not in self.held]
 
     def errors(self, posture: Posture, goals: Sequence[Goal]) -> list[Vector]:
-        """From each link to its goal [m]."""
+        """From each link to the place that is its goal [m]."""
         poses = self.tree.poses(posture, self.needed)
-        return [sub(goal.position, poses[goal.link][0]) for goal in goals]
+        return [sub(goal.position, poses[goal.link][0]) for goal in goals if goal.position is not None]
 
-    def solve(self, posture: Posture, goals: Sequence[Goal], most: float, rounds: int = ROUNDS) -> bool:
-        """Move the posture towards the goals, no joint by more than `most` [rad]; whether it came to a place from where more of
-        the same would not help: the goals are out of reach."""
+    def solve(self, posture: Posture, goals: Sequence[Goal], most: float, still: Sequence[int] = ()) -> bool:
+        """Move the posture towards the goals, no joint by more than `most` [rad], and `still` ones not at all.
+
+        Returns whether it came to a place from where more of the same would not help: the goals are out of reach."""
         if not self.joints:
             return True
-        left, before = most, inf
-        stopped: dict[int, list[Vector]] = {}
-        bound: set[int] = set()
-        for _ in range(rounds):
+        left, before, begun = most, inf, list(posture.turns)
+        stopped: dict[int, list[Vector]] = {k: [*AXES] for k in still}
+        bound = {h for k in still for h, _ in enumerate(self.tree.nodes[k].hinges, start=self.tree.nodes[k].first_angle)}
+        for _ in range(ROUNDS):
             poses = self.tree.poses(posture, self.needed)
             error = self._error(poses, goals)
             size = float(np.sqrt(error @ error))
             if size < CLOSE:
                 return False
             if size > STALLED * before:
-                return True
+                return not still
             before = size
             owners, jacobian = self._jacobian(posture, poses, goals, stopped, bound)
             gram = jacobian @ jacobian.T
             gram[np.diag_indices_from(gram)] += 0.5 * size * size + DAMPING * self.lever * self.lever
             step = jacobian.T @ np.linalg.solve(gram, error)
-            largest = float(np.abs(step).max())
+            largest = _largest(owners, step.tolist())
             step *= min(1.0, min(left, STEEPEST) / max(largest, 1e-300))
             # what a limit takes away is not spent
             left -= self._apply(posture, poses, owners, step.tolist(), stopped, bound)
             if left <= SPENT * most:
+                self._hold_back(posture, begun, most)
                 return False
         return False
 
+    def bend(self, posture: Posture, goals: Sequence[Goal], most: float) -> list[int]:
+        """Bend the elbow, or knee, of each chain that is nearly straight and must become shorter, by up to `most` [rad] and to
+        the middle of its limits; the joints that were, which are to be left alone in this frame.
+
+        To first order a straight chain cannot be shortened at all: no system that is linear finds the way, and what it finds
+        leads as easily to the wrong side. The angle is that of a triangle (law of cosines)."""
+        poses, found = self.tree.poses(posture, self.needed), []
+        for goal in goals:
+            chain = self.tree.chain(goal.link)
+            elbow = self._elbow(chain)
+            axis = self._bending(elbow, poses) if elbow >= 0 else None
+            if axis is None or goal.position is None:
+                continue
+            below = chain[chain.index(elbow) + 1 :]
+            above, middle, wrist = poses[self.tree.nodes[elbow].parent][0], poses[elbow][0], poses[below[0]][0]
+            upper, lower = sub(middle, above), sub(wrist, middle)
+            # what is below the wrist goes along as it is
+            wanted = norm(sub(add(goal.position, sub(wrist, poses[goal.link][0])), above))
+            if not wanted < norm(sub(wrist, above)) - SHORTENED * self.lever:
+                continue
+            bent = atan2(dot(axis, cross(upper, lower)), dot(upper, lower))
+            turn = min(exterior_angle(norm(upper), norm(lower), wanted) - bent, most)
+            if turn > 0.0 and turn_about(self.tree, posture, elbow, axis, turn, poses) > SPENT * turn:
+                found += [k for k in (elbow, *below) if k in self.joints]
+        return found
+
+    def _elbow(self, chain: Sequence[int]) -> int:
+        """The joint of a chain, below its first one, between the longest bones; -1 where there is none."""
+        best, longest = -1, 0.0
+        for k, after in zip(chain[2:], chain[3:], strict=False):
+            shorter = min(norm(self.tree.nodes[k].anchor), norm(self.tree.nodes[after].anchor))
+            if k in self.joints and shorter > longest:
+                best, longest = k, shorter
+        return best
+
+    def _bending(self, k: int, poses: dict[int, tuple[Vector, Quaternion]]) -> Vector | None:
+        """The axis in the world about which a joint bends: from zero to the middle of its limits; None where that is not far."""
+        node = self.tree.nodes[k]
+        if node.limits is not None:
+            limb = rotate(node.orientation, node.limits.axis)
+            across = cross(limb, node.limits.centre)
+            if atan2(norm(across), dot(limb, node.limits.centre)) < ONE_SIDED or norm(across) < NO_LENGTH:
+                return None
+            # the parent's axes; `above` is turned on by the link's own rest
+            return rotate(poses[node.parent][1], scaled(across, 1.0 / norm(across)))
+        middle = 0.5 * (node.hinges[0].lower + node.hinges[0].upper) if len(node.hinges) == 1 else 0.0
+        if not ONE_SIDED < abs(middle) < MANY_TURNS:
+            return None
+        return rotate(self.tree.above(k, poses), scaled(node.hinges[0].axis, 1.0 if middle > 0.0 else -1.0))
+
+    def _hold_back(self, posture: Posture, begun: Sequence[Quaternion], most: float) -> None:
+        """Take back what balls have turned beyond `most` [rad], which a projection into limits may add."""
+        for k in self.joints:
+            turn = way(begun[k], posture.turns[k])
+            if norm(turn) > most:
+                node = self.tree.nodes[k]
+                posture.turns[k] = allowed(node.limits, node.orientation, turned_by(shortened(turn, most), begun[k]))
+
     def _error(self, poses: dict[int, tuple[Vector, Quaternion]], goals: Sequence[Goal]) -> Array:
-        """What is missing, each goal's part no longer than the lever, or as many radians as make half a turn at most."""
+        """What is missing, each goal's part no longer than two levers and a radian."""
         rows: list[float] = []
         for goal in goals:
             place, turned = poses[goal.link]
-            rows.extend(shortened(sub(goal.position, place), 2.0 * self.lever))
+            if goal.position is not None:
+                rows.extend(shortened(sub(goal.position, place), 2.0 * self.lever))
             if goal.orientation is not None:
                 rows.extend(scaled(shortened(way(turned, goal.orientation), 1.0), self.lever))
         return np.array(rows)
@@ -148,7 +221,8 @@ class Pull:
                 column: list[float] = []
                 for goal, chain in zip(goals, self.chains, strict=True):
                     reaches = k in chain
-                    column.extend(cross(axis, sub(poses[goal.link][0], place)) if reaches else (0.0, 0.0, 0.0))
+                    if goal.position is not None:
+                        column.extend(cross(axis, sub(poses[goal.link][0], place)) if reaches else (0.0, 0.0, 0.0))
                     if goal.orientation is not None:
                         column.extend(scaled(axis, self.lever) if reaches else (0.0, 0.0, 0.0))
                 columns.append(column)
@@ -185,6 +259,43 @@ class Pull:
         return most
 
 
+def turn_about(
+    tree: Tree, posture: Posture, k: int, axis: Vector, angle: float, poses: dict[int, tuple[Vector, Quaternion]]
+) -> float:
+    """Turn the joint of a link about an axis in the world, by the hinge that is nearest to it if it has hinges; the angle [rad]
+    that its limits leave of it."""
+    node, above = tree.nodes[k], tree.above(k, poses)
+    if node.is_ball:
+        turn = turned_by(rotate(conjugate(above), scaled(axis, angle)), posture.turns[k])
+        was, posture.turns[k] = posture.turns[k], allowed(node.limits, node.orientation, turn)
+        return norm(way(was, posture.turns[k]))
+    along = [dot(rotate(above, hinge.axis), axis) for hinge in node.hinges]
+    best = max(range(len(along)), key=lambda h: abs(along[h]), default=-1)
+    if best < 0:
+        return 0.0
+    hinge, at = node.hinges[best], node.first_angle + best
+    wanted = posture.angles[at] + (angle if along[best] > 0.0 else -angle)
+    before, posture.angles[at] = posture.angles[at], min(max(wanted, hinge.lower), hinge.upper)
+    return abs(posture.angles[at] - before)
+
+
+def exterior_angle(a: float, b: float, distance: float) -> float:
+    """[rad] by which two bones of lengths a and b [m] are bent when their ends are so far apart: 0 straight, pi folded."""
+    if not a * b > 0.0:
+        return 0.0
+    cosine = min(max((distance * distance - a * a - b * b) / (2.0 * a * b), -1.0), 1.0)
+    return atan2(sqrt(1.0 - cosine * cosine), cosine)
+
+
+def _largest(owners: Sequence[tuple[int, int]], step: list[float]) -> float:
+    """The most [rad] that a joint turns in a step."""
+    at, most = 0, 0.0
+    for _, h in owners:
+        turned = abs(step[at]) if h >= 0 else hypot(*step[at : at + 3])
+        at, most = at + (1 if h >= 0 else 3), max(most, turned)
+    return most
+
+
 def allowed(limits: Limits | None, orientation: Quaternion, turn: Quaternion) -> Quaternion:
     """The turn of a ball against its rest orientation, inside its limits."""
     if limits is None:
@@ -196,7 +307,7 @@ def allowed(limits: Limits | None, orientation: Quaternion, turn: Quaternion) ->
 
 def _free_of(stopped: Sequence[Vector]) -> list[Vector]:
     """The world's axes without their parts along directions in which a ball was stopped."""
-    axes: list[Vector] = [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    axes: list[Vector] = [*AXES]
     taken: list[Vector] = []
     for direction in stopped[:3]:
         for one in taken:

@@ -13,7 +13,7 @@ def described(scene: Scene) -> dict[str, Any]:
     orientation (w, x, y, z) in the body's frame."""
     pieces = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
     bodies = [
-        {"name": name, "role": role.value, "pieces": [_piece(piece) for piece in its]}
+        {"name": name, "role": role.name.lower(), "pieces": [_piece(piece) for piece in its]}
         for name, role, its in zip(scene.names, scene.roles, pieces, strict=True)
     ]
     return {

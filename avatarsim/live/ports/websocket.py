@@ -210,6 +210,9 @@ class WebSockets:
             reason = {1009: Refusal.TOO_LONG, 1002: Refusal.BROKEN_FRAMES, 1007: Refusal.BROKEN_FRAMES}.get(sent)
             if reason is not None:
                 self._gate.refusals.count(reason, Peer.WEBSOCKET)
+        except Exception as error:
+            # a fault of ours, or of what takes the targets: told as the event loop tells those met by UDP
+            asyncio.get_running_loop().call_exception_handler({"message": "a WebSocket was given up", "exception": error})
         finally:
             del self._slots[slot]
             writer.cancel()
@@ -217,7 +220,8 @@ class WebSockets:
     async def _read(self, connection: ServerConnection, slot: Slot, way: str) -> None:
         """Messages one by one; a tracker is told what was wrong with the last one."""
         window = Window(self._limits)
-        host, port = connection.remote_address[:2]
+        # none of a peer that has gone already
+        host, port = (connection.remote_address or ("", 0))[:2]
         while True:
             # as bytes, whatever its kind: a text that is none is then refused like any other message
             data = await connection.recv(decode=False)

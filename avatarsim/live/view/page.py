@@ -1,11 +1,13 @@
 """The page and its rounds: events of pointers, keys and the panel in, targets out just before each frame, then what is shown.
 
-One thread owns driver and session; what viser calls from its own thread is only put in a queue (active object; Lavender and
-Schmidt 1996). Targets are handed over a few milliseconds before the loop's next frame, so that they wait for nothing; to draw
-comes after.
+One thread owns driver and commands; what viser calls from its own thread is only put in a queue (active object; Lavender and
+Schmidt 1996). It hands targets over a few milliseconds before the loop's next frame, so that they wait for nothing; to draw is
+the business of another thread, since the messages of a draw take several milliseconds.
 """
 
 import queue
+import sys
+import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -17,7 +19,6 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.live.drive.driver import Driver
-from avatarsim.live.messages import State
 from avatarsim.live.ports.protocol import Goals
 from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Session
@@ -32,12 +33,13 @@ from avatarsim.scene.tracker import TrackerSample, link_poses
 Array = NDArray[np.float64]
 AHEAD = 3e-3
 """[s] before a frame at which its target is handed over: a tick, a datagram and a late wake-up fit in. More: older targets."""
-DRAWN = 2
-"""Frames between two drawings: 30 a second at 60 Hz. Fewer: the browser's messages take the time of the ticks."""
-TOLD = 15
-"""Frames between two looks at the figures: four a second, as fast as they can be read."""
+TURN = 5e-4
+"""[s] after which a thread of this process hands over Python's lock. Python's own 5 ms is longer than `AHEAD`, so that a target
+would come a frame late; shorter: threads do little but change places."""
+DRAWN, TOLD = 1.0 / 30.0, 0.25
+"""[s] between two drawings, and between two looks at the figures, as fast as they can be read. Shorter: to draw takes all time."""
 SOONEST = 1e-3
-"""[s] of a round at least, where the loop has told nothing yet."""
+"""[s] of a wait at least, so that other threads have their turn."""
 DEEPER = 2.0
 """[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
 
@@ -75,11 +77,13 @@ class Page:
         self._offset = len(self._scene.bodies)
         self._grabbed: dict[str, tuple[Array, Array, Array]] = {}
         self._tracked: set[str] = set()
+        for one in self.drawn.values():
+            one.darken(shows.dark)
         self._gizmos = self._make_gizmos()
         self._bind_drags()
         self._sample: TrackerSample = self._scene.first_sample
-        self._stamp = 0
-        self.frames = 0
+        self._stamp, self._is_over = 0, False
+        self._ended: AvatarsimError | None = None
         self.ports: Ports | None = None
 
     @property
@@ -112,16 +116,39 @@ class Page:
             self.driver.drag(name, goal.position, goal.orientation)
 
     def rounds(self, until: Callable[[], bool]) -> None:
-        """Go on until told otherwise. Raises LoopDied where the driven loop ends."""
-        while not until():
-            self.one()
+        """Go on until told otherwise: targets in a thread of their own, drawing in this one. Raises LoopDied where the driven
+        loop ends."""
+        sys.setswitchinterval(TURN)
+        hands = threading.Thread(target=self._lead, name="avatarsim targets", daemon=True)
+        hands.start()
+        drawn = told = 0.0
+        try:
+            while not until() and self._ended is None:
+                now = time.monotonic()
+                if now - told >= TOLD:
+                    told = now
+                    self._tell()
+                self._draw()
+                drawn = max(drawn + DRAWN, now)
+                time.sleep(max(SOONEST, drawn + DRAWN - time.monotonic()))
+        finally:
+            self._is_over = True
+            hands.join()
+        if self._ended is not None:
+            raise self._ended
 
-    def one(self) -> None:
-        """One round: wait until shortly before the next frame, hand its target over, draw what was shown."""
-        states = self.session.look()
-        first = states.get(self.session.first.plan.name)
-        period = 1.0 / self.session.first.plan.rate
-        wait = SOONEST
+    def _lead(self) -> None:
+        """Targets, one after the other, until the page ends; what ends it otherwise is raised where it is drawn."""
+        try:
+            while not self._is_over:
+                self._target()
+        except AvatarsimError as error:
+            self._ended = error
+
+    def _target(self) -> None:
+        """Wait until shortly before the next frame, and hand its target over."""
+        first = self.session.look().get(self.session.first.plan.name)
+        period, wait = 1.0 / self.session.first.plan.rate, SOONEST
         if first is not None:
             behind = time.monotonic() - 1e-9 * first.due
             # a loop that says nothing, in a pause, is met at its next instant
@@ -131,13 +158,8 @@ class Page:
         self._drain()
         self._sample = self.driver.tick(period)
         self.session.send(self._sample, self.driver.source, self._stamp)
-        self.frames += 1
         if self.ports is not None and first is not None:
             self.ports.publish(first)
-        if self.frames % DRAWN == 0:
-            self._draw(self.session.look())
-        if self.frames % TOLD == 0:
-            self._tell(self.session.look())
 
     def _drain(self) -> None:
         """Do what has been posted; the oldest of it is as old as the target is."""
@@ -152,7 +174,9 @@ class Page:
             except AvatarsimError as error:
                 self.panel.say(str(error))
 
-    def _draw(self, states: Mapping[str, State]) -> None:
+    def _draw(self) -> None:
+        """Move all that is drawn to where the newest states have it."""
+        states = self.session.states
         with self.server.atomic():
             for name, state in states.items():
                 self.drawn[name].show(state, self.session.loops[name].touching)
@@ -164,8 +188,9 @@ class Page:
                     k = self._names[name] - self._offset
                     gizmo.position, gizmo.wxyz = positions[k], orientations[k]
 
-    def _tell(self, states: Mapping[str, State]) -> None:
+    def _tell(self) -> None:
         """Figures and depths."""
+        states = self.session.states
         figures = {name: self.session.loops[name].figures() for name in states}
         depths, target = dict[str, float](), float("nan")
         if self.shows.depth is not None:
@@ -182,7 +207,7 @@ class Page:
         name = self.session.first.plan.name
         if name in states:
             self.panel.tell(table(figures, depths, target), sentence(states[name], figures[name]))
-            self.panel.plot({n: self.session.loops[n].times() for n in states})
+            self.panel.plot({n: [s.engine_ns for s in self.session.loops[n].states()] for n in states})
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
         """A gizmo for each handle of the stage, for drags along axes and for turns."""

@@ -168,6 +168,11 @@ class Panel:
         self._page.session.save(path)
         self.say(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
 
+    @property
+    def off(self) -> tuple[str, ...]:
+        """Effects that are switched off."""
+        return self._switched.off
+
     def say(self, words: str) -> None:
         """Say what went wrong, or was done; nothing where there are no words."""
         self._trouble.content, self._trouble.visible = words, bool(words)

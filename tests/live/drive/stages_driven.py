@@ -8,7 +8,7 @@ from avatarsim.assets.models.ball_limits import ball_excess
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.ease import within_limits
 from avatarsim.live.drive.tree import Tree, posture_of
-from avatarsim.live.drive.turns import exp, multiply, norm, sub
+from avatarsim.live.drive.turns import exp, multiply
 from avatarsim.live.stages import stage
 from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.scene import Scene
@@ -57,11 +57,8 @@ def places(scene: Scene, sample: TrackerSample) -> np.ndarray[tuple[int, ...], n
 
 def fastest(scene: Scene, samples: list[TrackerSample]) -> tuple[float, float]:
     """Of a row of postures the fastest root [m/s] and the fastest joint [rad/s]."""
-    root = turn = 0.0
-    for a, b in zip(samples, samples[1:], strict=False):
-        one, other = posture_of(a), posture_of(b)
-        root = max(root, norm(sub(other.roots[0], one.roots[0])) / DT)
-        steps = [float(np.linalg.norm(rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(p), q))))
-                 for p, q in zip(a.rotations, b.rotations, strict=True)]
-        turn = max(turn, *(step / DT for step in steps), *(abs(b.angles - a.angles) / DT).tolist(), 0.0)
-    return root, turn
+    roots = np.array([sample.positions[0] for sample in samples])
+    turns, angles = np.array([sample.rotations for sample in samples]), np.array([sample.angles for sample in samples])
+    steps = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(turns[:-1]), turns[1:]))
+    turned = max(float(np.linalg.norm(steps, axis=2).max()), float(np.abs(np.diff(angles, axis=0)).max(initial=0.0)))
+    return float(np.linalg.norm(np.diff(roots, axis=0), axis=1).max()) / DT, turned / DT

@@ -1,7 +1,7 @@
 """Courses of time, and the offset that hides a change of source."""
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.live.drive.ease import STEEPNESS, Offset, minimum_jerk, pulse
@@ -24,6 +24,7 @@ def test_a_pulse_goes_there_and_back() -> None:
     assert pulse(0.3) == pytest.approx(pulse(0.7))
 
 
+@settings(max_examples=20)
 @given(st.integers(0, 1000))
 def test_an_offset_begins_at_what_was_shown_and_is_gone_within_its_speeds(seed: int) -> None:
     scene = stage("body").scene
@@ -40,4 +41,4 @@ def test_an_offset_begins_at_what_was_shown_and_is_gone_within_its_speeds(seed: 
     assert root <= 1.25 * 1.001
     # a projection into a limit may add to what the offset itself turns
     assert turn <= 2.0 * 4.0
-    assert max(excess(scene, sample) for sample in samples) < 1e-6
+    assert max(excess(scene, sample) for sample in samples[::10]) < 1e-6

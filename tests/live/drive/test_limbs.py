@@ -1,13 +1,17 @@
 """Which links are legs, arms and fingers."""
 
+import numpy as np
 import pytest
 
+from avatarsim.assets.models.from_skeleton import human
+from avatarsim.assets.models.smpl_skeleton import approximate
 from avatarsim.live.drive.limbs import Limbs, closing, fingers_of, handle_links, limbs_of, mirrored
 from avatarsim.live.drive.tree import Tree, posture_of
 from avatarsim.live.stages import stage
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free
+from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import rest
 
@@ -61,6 +65,24 @@ def test_sides_are_told_by_words_and_by_letters(left: tuple[str, ...], right: tu
     tree, found = limbs(*row(*left, z=-0.4, y=0.1), *row(*right, z=-0.4, y=-0.1))
     assert [tree.nodes[leg.tip].name for leg in found.legs] == [left[-1], right[-1]]
     assert found.arms == ()
+
+
+def test_fingers_are_no_legs_and_several_hands_are_pulled_at_instead_of_their_fingers() -> None:
+    # little and ring finger, whose names mirror each other, below a palm
+    digits = [row(f"{name}1", f"{name}2", f"{name}3", z=-0.03, y=0.02 * k) for k, name in enumerate(("lf", "rf", "mf"))]
+    tree, found = limbs(*(link for digit in digits for link in digit))
+    assert found == Limbs()
+    assert [tree.nodes[k].name for k in handle_links(tree)] == ["middle", "lf3", "rf3", "mf3"]
+    skeleton = approximate("SMPL-H")[0]
+    still = Motion(np.zeros(1), *(array[None] for array in skeleton.still))
+    avatar = human(skeleton, 1.7, still).avatar
+    assert avatar is not None
+    whole = Tree((avatar,))
+    names = [whole.nodes[k].name for k in handle_links(whole)]
+    assert names == ["pelvis", "left_foot", "right_foot", "head", "left_wrist", "right_wrist"]
+    both = limbs_of(whole, posture_of(rest((avatar,))))
+    assert [whole.nodes[limb.tip].name for limb in (*both.legs, *both.arms)] == [
+        "left_foot", "right_foot", "left_wrist", "right_wrist"]
 
 
 def test_limbs_above_the_root_are_arms_and_names_alone_make_none() -> None:

@@ -44,7 +44,7 @@ def state(frame: int, bodies: int = 2) -> State:
     """What a loop shows in a frame."""
     places = np.full((bodies, 3), float(frame))
     turned = np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))
-    return State(frame, frame / 60, places, turned, np.zeros(0), 0, -1, 0, False, 0, np.zeros((0, 6)), {}, {}, {}, "")
+    return State(frame, frame / 60, places, turned, np.zeros(0), 0, -1, 0, False, 0, 0, {}, {}, {}, "")
 
 
 class Opened:

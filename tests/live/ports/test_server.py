@@ -199,6 +199,7 @@ def test_other_paths_are_not_there(live: Opened) -> None:
 def test_clients_of_poses_get_the_scene_and_the_newest_state(live: Opened) -> None:
     with connect(live.url("/poses")) as one, connect(live.url("/poses/packed")) as other:
         first, second = json.loads(one.recv(LONG)), json.loads(other.recv(LONG))
+        assert [body["role"] for body in first["bodies"]] == ["fixed", "driven"]
         assert first == second and [body["name"] for body in first["bodies"]] == ["table", "hand"]
         kinds = [piece["shape"] for body in first["bodies"] for piece in body["pieces"]]
         assert kinds == ["box", "ellipsoid", "sphere", "capsule", "hull"] and first["links"] == ["hand"]

@@ -80,7 +80,8 @@ async function start() {
     at("start").disabled = true;
     at("align").disabled = false;
     session.requestAnimationFrame(function each(_, frame) {
-      session?.requestAnimationFrame(each);
+      if (session === null) return;
+      session.requestAnimationFrame(each);
       const seen = seenIn(frame, space);
       send(message(seen, leading(), shown, alignment, at("turn").checked));
       say("said", Object.keys(seen).length ? "Hands are sent." : "No hand is seen.");
@@ -120,7 +121,7 @@ opened("/poses", (told) => {
   if (told.bodies) {
     bodies = told.bodies.map((body) => body.name);
     propose(told.links);
-    say("server", `Connected to the scene ${told.scene} with ${told.links.length} links.`);
+    say("server", `Connected to the scene ${told.scene}, links: ${told.links.length}.`);
     return;
   }
   bodies.forEach((name, k) => { shown[name] = { position: told.positions[k], orientation: told.orientations[k] }; });

@@ -1,0 +1,117 @@
+"""Inverse kinematics of goals within and out of reach."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.live.drive.driver import FASTEST, FASTEST_TURN
+from avatarsim.live.drive.pull import Goal, Pull, exterior_angle
+from avatarsim.live.drive.tree import Tree, posture_of
+from avatarsim.live.drive.turns import add, norm, sub, way
+from avatarsim.live.stages import NAMES, stage
+from tests.live.drive.stages_driven import DT, driver, excess, fastest, random_sample
+
+HANDLES = [(name, handle) for name in NAMES for handle in stage(name).handles[1:]]
+
+
+@given(st.sampled_from(HANDLES), st.integers(0, 10_000))
+def test_goals_of_postures_are_reached_to_a_millimetre(where: tuple[str, str], seed: int) -> None:
+    name, handle = where
+    scene, one = stage(name).scene, driver(name)
+    tree = Tree(scene.avatars)
+    link = scene.names.index(handle) - len(scene.bodies)
+    goal = tree.pose(posture_of(random_sample(scene, seed)), link)[0]
+    one.drag(handle, goal)
+    samples = [scene.first_sample] + [one.tick(DT) for _ in range(240)]
+    assert norm(sub(one.pose(handle)[0], goal)) < 1e-3
+    assert max(excess(scene, sample) for sample in samples[::20]) < 1e-6
+    root, turn = fastest(scene, samples)
+    # what a projection into a limit adds
+    assert root <= FASTEST * 1.001 and turn <= FASTEST_TURN * 1.05
+
+
+@given(st.integers(0, 10_000))
+def test_an_orientation_is_reached_along_with_a_place(seed: int) -> None:
+    scene, one = stage("body").scene, driver("body")
+    tree = Tree(scene.avatars)
+    link = [node.name for node in tree.nodes].index("right_wrist")
+    place, turned = tree.pose(posture_of(random_sample(scene, seed, 0.3)), link)
+    one.drag("human/right_wrist", place, turned)
+    for _ in range(360):
+        one.tick(DT)
+    reached = one.pose("human/right_wrist")
+    assert norm(sub(reached[0], place)) < 2e-3
+    assert norm(way(reached[1], turned)) < 0.02
+
+
+@pytest.mark.parametrize(("name", "handle", "goal"), [
+    ("body", "human/right_hand", (-1.5, -1.0, 3.5)), ("body", "human/head", (-2.2, 0.0, 4.0)),
+    ("body", "human/left_hand", (3.0, 1.0, 1.2)), ("hand", "hand/thumb3", (1.0, 1.0, 0.2)),
+])
+def test_a_goal_out_of_reach_ends_in_a_posture_that_stays(name: str, handle: str, goal: tuple[float, float, float]) -> None:
+    one = driver(name)
+    one.drag(handle, goal)
+    for _ in range(600):
+        before = one.tick(DT)
+    after = one.tick(DT)
+    assert np.abs(after.positions - before.positions).max() < 1e-4
+    assert np.abs(after.rotations - before.rotations).max() < 1e-4
+    assert np.abs(after.angles - before.angles).max(initial=0.0) < 1e-4
+
+
+@pytest.mark.parametrize(("name", "handle", "way_there"), [
+    ("body", "human/left_foot", (0.0, 0.0, 0.4)), ("body", "human/right_foot", (0.3, 0.0, 0.5)),
+    ("body", "human/right_hand", (0.02, 0.02, 0.3)), ("hand", "hand/middle3", (-0.015, 0.0, -0.02)),
+])
+def test_a_straight_limb_that_must_become_shorter_bends_and_the_root_stays(
+    name: str, handle: str, way_there: tuple[float, float, float]
+) -> None:
+    one, scene = driver(name), stage(name).scene
+    goal = add(one.pose(handle)[0], way_there)
+    one.drag(handle, goal)
+    for _ in range(120):
+        sample = one.tick(DT)
+    assert norm(sub(one.pose(handle)[0], goal)) < 1e-3
+    assert sample.positions[0] == pytest.approx(scene.first_sample.positions[0], abs=1e-3)
+
+
+def test_a_knee_bends_forward_whichever_way_the_foot_goes_up() -> None:
+    for x in (-0.2, 0.0, 0.2):
+        one = driver("body")
+        one.drag("human/left_foot", add(one.pose("human/left_foot")[0], (x, 0.0, 0.45)))
+        for _ in range(120):
+            one.tick(DT)
+        hip, knee, ankle = (one.pose(f"human/left_{joint}")[0] for joint in ("hip", "knee", "ankle"))
+        ahead = sub(knee, hip)[0] * (ankle[2] - hip[2]) - sub(knee, hip)[2] * (ankle[0] - hip[0])
+        assert ahead < -0.01
+
+
+def test_the_angle_of_a_triangle_is_that_of_its_sides() -> None:
+    assert exterior_angle(1.0, 1.0, 2.0) == 0.0
+    assert exterior_angle(1.0, 1.0, np.sqrt(2.0)) == pytest.approx(np.pi / 2.0)
+    assert exterior_angle(3.0, 4.0, 0.5) == pytest.approx(np.pi)
+    assert exterior_angle(0.0, 1.0, 1.0) == 0.0
+
+
+def test_two_links_are_pulled_at_once() -> None:
+    one = driver("body")
+    goals = {"human/left_hand": (-1.9, 0.4, 1.3), "human/right_hand": (-1.8, -0.3, 1.5)}
+    for handle, goal in goals.items():
+        one.drag(handle, goal)
+    for _ in range(120):
+        one.tick(DT)
+    for handle, goal in goals.items():
+        assert norm(sub(one.pose(handle)[0], goal)) < 1e-3
+
+
+def test_links_that_are_held_do_not_turn() -> None:
+    scene = stage("body").scene
+    tree, posture = Tree(scene.avatars), posture_of(scene.first_sample)
+    names = [node.name for node in tree.nodes]
+    tip, spine = names.index("left_hand"), names.index("spine1")
+    pull = Pull(tree, (tip,), 0.2, frozenset({spine}))
+    before = posture.turns[spine]
+    pull.solve(posture, [Goal(tip, (-1.9, 0.4, 1.3))], 1.0)
+    assert posture.turns[spine] == before
+    assert Pull(tree, (0,), 0.2).solve(posture, [Goal(0, (0.0, 0.0, 0.0))], 1.0)

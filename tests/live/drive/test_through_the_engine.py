@@ -1,0 +1,60 @@
+"""Driving through things, as the engine shows it: nothing of the avatar overlaps, and its joints keep their limits."""
+
+from collections.abc import Callable
+
+import pytest
+
+from avatarsim.engine import Settings
+from avatarsim.live.drive.driver import Driver
+from avatarsim.live.stages import stage
+from avatarsim.simulator import AvatarsimEngine
+from tests.live.drive.stages_driven import DT, excess
+
+LOOSE_ON_FIXED = 2e-6
+"""[m] that loose bodies may be in one another or in fixed ones: what their position projection leaves."""
+
+
+def hand_through_the_table(one: Driver, frame: int) -> None:
+    """Down through the table, into the wall, and a fist."""
+    if frame == 0:
+        one.drag("hand/palm", (0.15, 0.0, 0.5))
+    if frame == 120:
+        one.drag("hand/palm", (0.8, 0.1, 0.7))
+    if frame == 200:
+        one.release("hand/palm")
+    if frame > 200 and frame % 3 == 0:
+        one.press("g")
+
+
+def finger_through_the_table(one: Driver, frame: int) -> None:
+    """A finger's tip far below."""
+    if frame == 0:
+        one.drag("hand/index3", (0.3, -0.1, 0.3))
+
+
+def walk_into_things(one: Driver, frame: int) -> None:
+    """Over a box and through walls, and a hand through the table in the other room."""
+    if frame < 150 and frame % 3 == 0:
+        one.press("w" if frame < 60 else "d")
+    if frame == 150:
+        one.drag("human/right_hand", (2.0, -0.9, 0.3))
+
+
+@pytest.mark.parametrize(("name", "script"), [
+    ("hand", hand_through_the_table), ("hand", finger_through_the_table), ("body", walk_into_things),
+])
+def test_what_is_shown_never_overlaps(name: str, script: Callable[[Driver, int], None]) -> None:
+    scene = stage(name).scene
+    one, engine, touched = Driver(scene), AvatarsimEngine(), False
+    links = set(scene.names[len(scene.bodies):])
+    engine.load(scene, Settings(), DT)
+    for frame in range(300):
+        script(one, frame)
+        record = engine.advance(one.tick(DT), DT)
+        assert not {status for status in record.statuses if "overlap" in status or "not finite" in status}
+        for contact in engine.contacts(1e-3):
+            is_avatars = bool({contact.a, contact.b} & links)
+            touched |= is_avatars
+            assert contact.gap > (0.0 if is_avatars else -LOOSE_ON_FIXED), (frame, contact)
+        assert excess(scene, engine.posture()) < 1e-6
+    assert touched

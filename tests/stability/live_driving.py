@@ -1,0 +1,197 @@
+"""Random driving of a live page for minutes: late frames, the slowest frame, latency, memory, and overlap by the judge.
+
+    python -m tests.stability.live_driving --seconds 600 --viewers 1
+    python -m tests.stability.live_driving --seconds 600 --viewers 3 --deaf 1
+
+Drags into table and walls, keys, flicks and resets are drawn from a seed. Viewers are headless browsers; a deaf one opens the
+page's socket and never reads. Exit code 1 where a bound of `BOUNDS` is missed.
+"""
+
+import argparse
+import asyncio
+import random
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+import numpy as np
+import websockets
+
+from avatarsim.cli.live import own_depth
+from avatarsim.engine import FrameRecord, Settings
+from avatarsim.live.drive.driver import Driver
+from avatarsim.live.drive.keys import KEYS
+from avatarsim.live.messages import Order, Plan, State
+from avatarsim.live.recording import OURS, read
+from avatarsim.live.replaying import replay
+from avatarsim.live.session import Session
+from avatarsim.live.stages import stage
+from avatarsim.live.view.page import Page, Shows
+from reference.judging.judge import Judge
+from tests.look.browser import Browser
+
+BOUNDS = {"late_percent": 0.1, "worst_ms": 2.0, "latency_p99_ms": 20.0, "memory_percent": 5.0, "overlap_m": 1e-6}
+"""What a run keeps: late frames and growth of memory in percent, frame and latency in ms, overlap in metres."""
+WARM = 20.0
+"""[s] after which figures and memory count: viewers load meanwhile."""
+BLOCK = 256
+"""States that the judge is given at once."""
+
+
+class Wild:
+    """A user that does something else every so often."""
+
+    def __init__(self, page: Page, seed: int) -> None:
+        self._page, self._random, self._next, self._held = page, random.Random(seed), 0.0, list[str]()
+        scene = page.session.scene
+        starts = np.array([body.position for body in scene.bodies])
+        self._low, self._high = starts.min(axis=0) - 0.3, starts.max(axis=0) + 0.3
+
+    def act(self, now: float) -> None:
+        """Do the next thing where it is due."""
+        if now < self._next:
+            return
+        self._next = now + self._random.uniform(0.05, 1.2)
+        what = self._random.random()
+        if what < 0.55:
+            name = self._random.choice(self._page.shows.stage.handles)
+            self._held.append(name)
+            goal = [self._random.uniform(a, b) for a, b in zip(self._low, self._high, strict=True)]
+            self._page.post(lambda: self._page.driver.drag(name, goal))
+        elif what < 0.7:
+            held, self._held = self._held, []
+            self._page.post(lambda: [self._page.driver.release(name) for name in held] and None)
+        elif what < 0.995:
+            key = self._random.choice(KEYS).key
+            self._page.post(lambda: void(self._page.driver.press(key)))
+        else:
+            self._page.post(lambda: void(self._page.session.command(Order.BACK)))
+
+
+def deaf(address: str, is_over: threading.Event) -> None:
+    """Open the page's socket and read nothing."""
+    import viser
+
+    async def sit() -> None:
+        protocol = websockets.Subprotocol(f"viser-v{viser.__version__}")
+        async with websockets.connect(address.replace("http", "ws"), subprotocols=[protocol], max_queue=1):
+            while not is_over.is_set():
+                await asyncio.sleep(0.2)
+
+    asyncio.run(sit())
+
+
+def resident(pid: int) -> float:
+    """[MB] that a process holds in memory."""
+    words = Path(f"/proc/{pid}/statm").read_text().split()
+    return int(words[1]) * 4096 / 1e6
+
+
+def judged(path: Path, every: int) -> tuple[float, int, bool]:
+    """Deepest overlap [m] of every so many frames of a recording, how many those are, and whether it replays to the bit."""
+    found = read(path)
+    judge, deepest, count = Judge(found.plan.scene), 0.0, 0
+    poses: list[tuple[np.ndarray, np.ndarray]] = []
+
+    def ask() -> None:
+        nonlocal deepest
+        if poses:
+            deepest = max(deepest, float(judge.depths(*(np.array(one) for one in zip(*poses, strict=True))).max()))
+            poses.clear()
+
+    def kept(frame: int, record: FrameRecord) -> None:
+        nonlocal count
+        if frame % every == 0:
+            count += 1
+            poses.append((record.shown.positions, record.shown.orientations))
+            if len(poses) == BLOCK:
+                ask()
+
+    done = replay(found, kept)
+    ask()
+    return deepest, count, done.difference is None
+
+
+def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
+    """Drive for the time that is asked for; the figures."""
+    import os
+
+    found, states = stage(asked.scene), dict[int, State]()
+    with ExitStack() as stack:
+        session = stack.enter_context(Session([Plan(OURS, found.scene, Settings(time_stages=True), asked.rate)]))
+        page = Page(session, Driver(found.scene), Shows(found, {}, own_depth(found.scene), port=0))
+        stack.callback(page.close)
+        is_over = threading.Event()
+        listener = threading.Thread(target=deaf, args=(page.address, is_over), daemon=True)
+        for _ in range(asked.viewers - asked.deaf):
+            stack.enter_context(Browser()).visit(page.address)
+        if asked.deaf:
+            listener.start()
+        wild, begun, told, memory = Wild(page, asked.seed), time.monotonic(), 0.0, list[float]()
+
+        def is_due() -> bool:
+            nonlocal told
+            now = time.monotonic() - begun
+            wild.act(now)
+            if now - told >= 5.0:
+                told = now
+                if now > WARM:
+                    states.update((state.frame, state) for state in session.first.states())
+                    memory.append(resident(session.first.pid) + resident(os.getpid()))
+                print(f"\r{now:4.0f} s, {session.first.figures()}"[:150], end="", file=sys.stderr, flush=True)
+            return now > asked.seconds
+
+        page.rounds(is_due)
+        print(file=sys.stderr)
+        is_over.set()
+        session.save(folder / "a.live")
+        missed = max(state.skipped for state in states.values()) - min(state.skipped for state in states.values())
+    worst = max(states.values(), key=lambda state: state.engine_ns)
+    latencies = sorted(state.latency for state in states.values() if state.latency >= 0)
+    third = len(memory) // 3
+    return {
+        "frames": len(states), "late_percent": 100.0 * (sum(s.is_late for s in states.values()) + missed) / len(states),
+        "skipped": missed, "worst_ms": 1e-6 * worst.engine_ns,
+        "p99_ms": 1e-6 * rank(sorted(s.engine_ns for s in states.values())),
+        "latency_p99_ms": 1e-6 * rank(latencies), "memory_mb": memory[-1],
+        "memory_percent": 100.0 * (float(np.median(memory[-third:])) / float(np.median(memory[:third])) - 1.0),
+    }
+
+
+def rank(values: Sequence[int]) -> int:
+    """The 99th percentile of sorted values."""
+    return values[min(len(values) - 1, int(0.99 * len(values)))]
+
+
+def main() -> int:
+    """The exit code."""
+    top = argparse.ArgumentParser(description="Random driving of a live page.")
+    top.add_argument("--seconds", type=float, default=600.0)
+    top.add_argument("--scene", default="hand", choices=("hand", "body"))
+    top.add_argument("--rate", type=float, default=60.0)
+    top.add_argument("--viewers", type=int, default=1)
+    top.add_argument("--deaf", type=int, default=0, choices=(0, 1), help="of the viewers, how many never read")
+    top.add_argument("--seed", type=int, default=1)
+    top.add_argument("--judge-every", type=int, default=10)
+    asked = top.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        figures = driven(asked, Path(folder))
+        depth, count, is_same = judged(Path(folder) / "a.live", asked.judge_every)
+    figures |= {"overlap_m": depth, "judged": count, "replays": float(is_same)}
+    for name, value in figures.items():
+        bound = BOUNDS.get(name)
+        kept = "" if bound is None else f"   at most {bound:g}{'' if value <= bound else '  MISSED'}"
+        print(f"{name:16} {value:10.4g}{kept}")
+    return int(not is_same or any(figures[name] > bound for name, bound in BOUNDS.items()))
+
+
+def void(value: object) -> None:
+    """Forget an answer."""
+
+
+if __name__ == "__main__":
+    sys.exit(main())
