@@ -24,6 +24,9 @@ LINKS = 512
 """Links of an avatar, joints of a skeleton. The largest model known here, a body with hands, has 120. More: the posture solver's
 matrices grow with the square, and a frame takes a second."""
 
+BODIES = 4_096
+"""Bodies of a scene in a file. The largest scene known here has a twentieth of it. More: to load 10,000 takes 5 s and 1 GB."""
+
 FRAMES = 1_000_000
 """Frames of a motion: two hours at 120 Hz. More: a frame counts for as much work whatever it holds, and a run would take days."""
 

@@ -17,7 +17,6 @@ SAME, DIFFERS, UNREADABLE = 0, 1, 3
 
 def run(asked: argparse.Namespace) -> int:
     """The exit code."""
-    begun = time.monotonic()
     try:
         recorded = read(asked.recording)
         with Progress("replay", sys.stderr) as progress:
@@ -25,24 +24,27 @@ def run(asked: argparse.Namespace) -> int:
                 if progress.due:
                     progress.step(frame / max(1, recorded.frames), f"frame {frame} of {recorded.frames}")
 
+            begun = time.monotonic()
             done = replay(recorded, one)
+            seconds = time.monotonic() - begun
     except AvatarsimError as error:
         print(f"avatarsim: {error}", file=sys.stderr)
         return UNREADABLE
     others = {name: (said, versions().get(name, "")) for name, said in recorded.versions.items() if versions().get(name) != said}
     if asked.json:
-        print(json.dumps(_told(recorded, done, others), indent=2))
+        print(json.dumps(_told(recorded, done, others, seconds), indent=2))
     else:
-        _say(recorded, done, others, time.monotonic() - begun)
+        _say(recorded, done, others, seconds)
     return SAME if done.difference is None else DIFFERS
 
 
-def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]]) -> dict[str, object]:
+def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> dict[str, object]:
     """What became of it, as JSON."""
     difference = done.difference
     return {
         "scene": recorded.plan.scene.name, "preset": recorded.plan.settings.preset, "rate_hz": recorded.plan.rate,
-        "frames": done.frames, "is_torn": recorded.is_torn, "is_same": difference is None,
+        "frames": done.frames, "commands": len(recorded.rows) - recorded.frames, "seconds": seconds,
+        "is_torn": recorded.is_torn, "is_same": difference is None,
         "first_difference": None if difference is None else {
             "frame": difference.frame, "recorded": difference.recorded, "replayed": difference.replayed
         },
@@ -52,7 +54,12 @@ def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]]
 
 def _say(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> None:
     plan = recorded.plan
-    print(f"{plan.scene.name}, method {plan.settings.preset}, {done.frames} frames at {plan.rate:g} Hz in {seconds:.1f} s")
+    # a stranger's words may hold what a terminal obeys
+    name, method = (text if text.isprintable() else repr(text) for text in (plan.scene.name, plan.settings.preset))
+    print(
+        f"{name}, method {method}, {done.frames} frames at {plan.rate:g} Hz, {len(recorded.rows) - recorded.frames} commands; "
+        f"in {seconds:.1f} s, {done.frames / max(seconds, 1e-9):.0f} frames a second"
+    )
     if recorded.is_torn:
         print("its end is torn: the program that wrote it was stopped; all whole frames were run")
     if done.difference is None:

@@ -9,7 +9,6 @@ import gc
 import os
 import time
 from contextlib import suppress
-from dataclasses import replace
 from importlib import import_module
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -188,9 +187,8 @@ class Loop:
             return
         self._logs += 1
         path = Path(self.world.plan.logs) / f"{self._logs}.live"
-        plan = replace(self.world.plan, scene=self.world.scene, settings=self.world.settings)
         with suppress(OSError):
-            self._log = Recorder(path, plan, self.world.shown.state_hash())
+            self._log = Recorder(path, self.world.begun, self.world.shown.state_hash())
 
     def _saved(self) -> tuple[str, str]:
         """Why the log cannot be had, or where it is, with all that has been written in it on the disk."""

@@ -29,6 +29,7 @@ class Plan:
     scene    the scene, `settings` how the engine is run, `rate` [1/s] frames a second
     logs     folder for the log of what is driven (avatarsim/live/recording.py); empty: none is written
     name     by which the session and its page know it: "avatarsim", "mujoco/tuned"
+    off      effects that are off at first, beyond those that the scene's author left out: a `Switch` brings them back
     """
 
     engine: str
@@ -37,6 +38,7 @@ class Plan:
     rate: float
     logs: str = ""
     name: str = "avatarsim"
+    off: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

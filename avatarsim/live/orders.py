@@ -32,9 +32,15 @@ class World:
     def __init__(self, plan: Plan, make: Callable[[], Engine] = AvatarsimEngine) -> None:
         within("frames a second of a loop [1/s]", plan.rate, *RATES, InvalidInput)
         self.plan, self._make, self.dt = plan, make, 1.0 / plan.rate
-        self.scene, self.settings, self._kept = plan.scene, plan.settings, b""
+        self.scene, self.settings, self._kept = narrowed(plan.scene, plan.scene, plan.off), plan.settings, b""
         self.engine = make()
         self.shown: FrameRecord = self.engine.load(self.scene, self.settings, self.dt)
+
+    @property
+    def begun(self) -> Plan:
+        """The plan of a world that begins as this one does when it is reset now."""
+        author = self.plan.scene.narrow
+        return replace(self.plan, settings=self.settings, off=tuple(name for name in self.scene.narrow if name not in author))
 
     def advance(self, sample: TrackerSample) -> FrameRecord:
         """One frame."""
@@ -76,8 +82,7 @@ class World:
     def _switch(self, value: object) -> None:
         if not isinstance(value, Switch):
             raise InvalidInput("switch of a loop", value, "a Switch(off, preset, options)")
-        author = self.plan.scene.narrow
-        scene = replace(self.scene, narrow=author + tuple(name for name in value.off if name not in author))
+        scene = narrowed(self.scene, self.plan.scene, value.off)
         settings = replace(self.settings, preset=value.preset, options=value.options)
         same = settings.preset == self.settings.preset and dict(settings.options) == dict(self.settings.options)
         if same and isinstance(self.engine, AvatarsimEngine):
@@ -94,6 +99,11 @@ class World:
         self.engine.close()
         self.engine, self.scene, self.settings = engine, scene, settings
         return shown
+
+
+def narrowed(scene: Scene, author: Scene, off: tuple[str, ...]) -> Scene:
+    """The scene with the effects off that its author's has off, and those in `off`."""
+    return replace(scene, narrow=author.narrow + tuple(name for name in off if name not in author.narrow))
 
 
 def scene_at(scene: Scene, shown: FrameRecord) -> Scene:

@@ -1,12 +1,16 @@
 """Append-only log of what a loop was told and what it showed (write-ahead logging; Gray and Reuter 1993, ch. 9).
 
-A file is `MAGIC`, a format number, a head in JSON, then rows: kind, length, payload, CRC-32. A frame's row holds the sample as
-the engine got it and the hash of the state that it showed; a command's row what was ordered between two frames. A log whose
-process was killed ends in a torn row and is read up to the last whole one. Nothing in a file is run or imported.
+A file is `MAGIC`, a format number, a head in JSON, then rows: kind, length, CRC-32 of these two, payload, CRC-32 of the row. A
+frame's row holds the sample as the engine got it and the hash of the state that it showed; a command's row what was ordered
+between two frames. A log whose process was killed ends in a torn row and is read up to the last whole one; that lengths have a
+sum of their own tells a torn row from a damaged one. Nothing in a file is run or imported.
 """
 
+import errno
 import json
+import os
 import platform
+import re
 import struct
 import zlib
 from collections.abc import Mapping
@@ -17,13 +21,15 @@ from typing import Any
 
 import numpy as np
 
-from avatarsim.assets.caps import BYTES, FRAMES, content
+from avatarsim.assets.caps import BODIES, BYTES, FRAMES, JSON_BYTES, LINKS, content, require_name
 from avatarsim.engine import Settings
-from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.errors import InvalidFile, InvalidInput, InvalidSample
+from avatarsim.files import parsed_json
+from avatarsim.jit.processor import compiled_for
 from avatarsim.live.messages import RATES, Array, Command, Order, Plan, Switch
 from avatarsim.scene.checks import within
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.scene.written import scene_from, written
 from avatarsim.version import VERSION
 
@@ -33,10 +39,14 @@ FORMAT = 1
 """Number of this layout. What else is written than before, or otherwise, gets the next one."""
 HEAD, ROW, SUM = struct.Struct("<II"), struct.Struct("<BI"), struct.Struct("<I")
 """Format and bytes of the head; kind and bytes of a row; a CRC-32."""
+BEFORE = ROW.size + SUM.size
+"""Bytes of a row before its payload."""
 FRAME, COMMAND = 1, 2
 """Kinds of rows."""
 DIGEST = 8
 """Bytes of a state's hash."""
+HASH = re.compile(f"[0-9a-f]{{{2 * DIGEST}}}")
+"""A state's hash in words."""
 VALID = "a recording of avatarsim live"
 OURS = "avatarsim.simulator:AvatarsimEngine"
 """The one engine whose recordings replay to the same bits, and the only one that a file can ask for."""
@@ -71,26 +81,24 @@ class Recorded:
 class Recorder:
     """A log that is being written at `path`: of a world that has just begun as `plan` says and shows the state of `first_hash`.
 
-    Raises OSError where no file can be made. Later the log says no more to the loop than `is_open`: it closes where the disk
-    refuses, or at the limits within which a file is read again."""
+    Raises OSError where no file can be made, and for a scene that is larger than is read again. Later the log says no more to the
+    loop than `is_open`: it closes where the disk refuses, or at the limits within which a file is read again."""
 
     def __init__(self, path: Path, plan: Plan, first_hash: str) -> None:
         self.path, self.is_open = path, True
         head = json.dumps({
-            "engine": plan.engine, "name": plan.name, "rate": plan.rate, "preset": plan.settings.preset,
-            "options": dict(plan.settings.options), "seed": plan.settings.seed, "first_hash": first_hash,
-            "versions": versions(), "scene": written(plan.scene),
+            "engine": plan.engine, "name": plan.name, "rate": float(plan.rate), "preset": plan.settings.preset,
+            "options": _options(plan.settings.options), "seed": plan.settings.seed, "off": list(plan.off),
+            "first_hash": first_hash, "versions": versions(), "scene": written(plan.scene),
         }, allow_nan=False).encode()
+        if len(head) > JSON_BYTES or _is_large(plan.scene):
+            raise OSError(errno.EFBIG, os.strerror(errno.EFBIG), str(path))
         self._file = path.open("wb")
-        self._room = BYTES - len(head) - 64
-        self._frames = 0
+        self._room, self._rows = BYTES, 0
         self._put(MAGIC + HEAD.pack(FORMAT, len(head)) + head + SUM.pack(zlib.crc32(head)))
 
     def frame(self, sample: TrackerSample, state_hash: str) -> None:
         """One more frame."""
-        self._frames += 1
-        if self._frames > FRAMES:
-            self.close()
         numbers = np.concatenate([[sample.time], sample.positions.ravel(), sample.rotations.ravel(), sample.angles])
         self._row(FRAME, bytes.fromhex(state_hash) + numbers.astype("<f8").tobytes())
 
@@ -100,7 +108,11 @@ class Recorder:
             self._row(COMMAND, json.dumps(_order(command)).encode())
 
     def _row(self, kind: int, payload: bytes) -> None:
-        row = ROW.pack(kind, len(payload)) + payload
+        self._rows += 1
+        if self._rows > FRAMES:
+            self.close()
+        begun = ROW.pack(kind, len(payload))
+        row = begun + SUM.pack(zlib.crc32(begun)) + payload
         self._put(row + SUM.pack(zlib.crc32(row)))
 
     def _put(self, data: bytes) -> None:
@@ -134,8 +146,18 @@ def versions() -> dict[str, str]:
 
     return {
         "avatarsim": VERSION, "numpy": np.__version__, "numba": numba.__version__, "llvmlite": llvmlite.__version__,
-        "python": platform.python_version(), "machine": platform.machine(),
+        "python": platform.python_version(), "machine": platform.machine(), "processor": compiled_for().name,
     }
+
+
+def _options(options: Mapping[str, object]) -> dict[str, Any]:
+    """Options of an engine as JSON: what came as a number of numpy is a plain one."""
+    return {name: written(value) for name, value in options.items()}
+
+
+def _is_large(scene: Scene) -> bool:
+    """Whether a file with this scene would be refused."""
+    return len(scene.bodies) > BODIES or len(scene.links) > LINKS
 
 
 def read(path: Path) -> Recorded:
@@ -147,6 +169,8 @@ def read(path: Path) -> Recorded:
     number, length = HEAD.unpack_from(data, len(MAGIC))
     if number != FORMAT:
         raise InvalidFile(f"format of {thing}", number, f"{FORMAT}; another version of avatarsim reads others")
+    if length > JSON_BYTES:
+        raise InvalidFile(f"bytes of the head of {thing}", length, f"up to {JSON_BYTES}")
     at = len(MAGIC) + HEAD.size
     head, at = data[at: at + length], at + length
     if len(data) < at + SUM.size or SUM.unpack_from(data, at)[0] != zlib.crc32(head):
@@ -162,9 +186,9 @@ def _parsed(data: bytes, thing: str) -> dict[str, Any]:
         raise ValueError(f"{word} is no number")
 
     try:
-        found = json.loads(data, parse_constant=refused)
-    except (ValueError, RecursionError) as error:
-        raise InvalidFile(thing, str(error), "JSON") from error
+        found = parsed_json(data.decode(), thing, "JSON", refused)
+    except UnicodeDecodeError as error:
+        raise InvalidFile(thing, f"not UTF-8: {error}", "JSON") from error
     if not isinstance(found, dict):
         raise InvalidFile(thing, found, "a JSON object")
     return found
@@ -173,7 +197,7 @@ def _parsed(data: bytes, thing: str) -> dict[str, Any]:
 def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
     """What the head says: the plan, the first hash, the versions."""
     kinds = {
-        "engine": str, "name": str, "rate": float, "preset": str, "options": dict, "seed": int, "first_hash": str,
+        "engine": str, "name": str, "rate": float, "preset": str, "options": dict, "seed": int, "off": list, "first_hash": str,
         "versions": dict, "scene": dict,
     }
     for name, kind in kinds.items():
@@ -184,13 +208,23 @@ def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
     try:
         settings = Settings(head["preset"], head["options"], head["seed"])
         rate = within(f"rate of {thing} [1/s]", head["rate"], *RATES, InvalidInput)
+        bodies = head["scene"].get("bodies")
+        if isinstance(bodies, list) and len(bodies) > BODIES:
+            # before any is made
+            raise InvalidFile(f"bodies of {thing}", len(bodies), f"up to {BODIES}")
         scene = scene_from(head["scene"], thing)
     except InvalidFile:
         raise
-    except (InvalidInput, RecursionError) as error:
+    except InvalidInput as error:
         raise InvalidFile(f"head of {thing}", str(error), VALID) from error
-    said = {str(name): str(value) for name, value in head["versions"].items()}
-    return Plan(OURS, scene, settings, rate, name=head["name"]), head["first_hash"], said
+    if _is_large(scene):
+        raise InvalidFile(f"links of {thing}", len(scene.links), f"up to {LINKS}")
+    if not HASH.fullmatch(head["first_hash"]):
+        raise InvalidFile(f"first hash of {thing}", head["first_hash"], f"{2 * DIGEST} hexadecimal digits")
+    said = {require_name(f"version in {thing}", name): require_name(f"version of {name} in {thing}", str(value))
+            for name, value in head["versions"].items()}
+    off = _names(head["off"], f"effects that are off in {thing}")
+    return Plan(OURS, scene, settings, rate, name=head["name"], off=off), head["first_hash"], said
 
 
 def _rows(data: bytes, at: int, scene: Scene, thing: str) -> tuple[tuple[Frame | Command, ...], bool]:
@@ -198,18 +232,20 @@ def _rows(data: bytes, at: int, scene: Scene, thing: str) -> tuple[tuple[Frame |
     rows: list[Frame | Command] = []
     while at < len(data):
         number = len(rows)
-        if len(data) - at < ROW.size:
+        if len(data) - at < BEFORE:
             return tuple(rows), True
+        place = f"row {number} of {thing}"
         kind, length = ROW.unpack_from(data, at)
-        end = at + ROW.size + length
+        if SUM.unpack_from(data, at + ROW.size)[0] != zlib.crc32(data[at: at + ROW.size]):
+            raise InvalidFile(f"beginning of {place}", f"kind {kind}, {length} bytes", "bytes that agree with their CRC-32")
+        if kind not in (FRAME, COMMAND):
+            raise InvalidFile(f"kind of {place}", kind, f"{FRAME}, a frame, or {COMMAND}, a command")
+        end = at + BEFORE + length
         if end + SUM.size > len(data):
-            # a length that was damaged points beyond the end as well: of a torn row the kind at least is right
-            if kind in (FRAME, COMMAND):
-                return tuple(rows), True
-            raise InvalidFile(f"row {number} of {thing}", f"kind {kind}", "a frame or a command")
+            return tuple(rows), True
         if SUM.unpack_from(data, end)[0] != zlib.crc32(data[at:end]):
-            raise InvalidFile(f"row {number} of {thing}", f"{length} bytes", "bytes that agree with their CRC-32")
-        payload, place = data[at + ROW.size: end], f"row {number} of {thing}"
+            raise InvalidFile(place, f"{length} bytes", "bytes that agree with their CRC-32")
+        payload = data[at + BEFORE: end]
         rows.append(_frame(payload, scene, place) if kind == FRAME else _command(payload, place))
         if len(rows) > FRAMES:
             raise InvalidFile(f"rows of {thing}", f"more than {FRAMES}", f"{FRAMES} at most")
@@ -226,29 +262,38 @@ def _frame(payload: bytes, scene: Scene, place: str) -> Frame:
     values: Array = np.frombuffer(payload, dtype="<f8", offset=DIGEST).astype(np.float64)
     positions, rotations, angles = np.split(values[1:], [3 * links, 7 * links])
     sample = TrackerSample(float(values[0]), positions.reshape(links, 3), rotations.reshape(links, 4), angles)
-    return Frame(sample, payload[:DIGEST].hex())
+    try:
+        return Frame(checked(sample, scene.avatars), payload[:DIGEST].hex())
+    except InvalidSample as error:
+        raise InvalidFile(place, str(error), "a posture of the scene's avatars") from error
 
 
 def _order(command: Command) -> dict[str, Any]:
     """A command as JSON."""
     said: dict[str, Any] = {"order": command.order.name}
     if isinstance(command.value, Switch):
-        said |= {"off": list(command.value.off), "preset": command.value.preset, "options": dict(command.value.options)}
+        said |= {"off": list(command.value.off), "preset": command.value.preset, "options": _options(command.value.options)}
     return said
 
 
 def _command(payload: bytes, place: str) -> Command:
     said = _parsed(payload, place)
-    names = [order.name for order in KEPT]
-    if said.get("order") not in names:
-        raise InvalidFile(f"order of {place}", said.get("order"), "one of " + ", ".join(names))
+    known = [order.name for order in KEPT]
+    if said.get("order") not in known:
+        raise InvalidFile(f"order of {place}", said.get("order"), "one of " + ", ".join(known))
     order = Order[said["order"]]
     if order is not Order.SWITCH:
         return Command(order)
     off, preset, options = said.get("off"), said.get("preset"), said.get("options")
-    if not (isinstance(off, list) and all(isinstance(one, str) for one in off)):
-        raise InvalidFile(f"effects of {place}", off, "a list of names")
+    names = _names(off, f"effects of {place}")
     if not isinstance(preset, str) or not isinstance(options, dict):
         raise InvalidFile(f"settings of {place}", (preset, options), "the name of a preset and an object of options")
-    return Command(order, Switch(tuple(off), preset, options))
+    return Command(order, Switch(names, preset, options))
+
+
+def _names(value: object, thing: str) -> tuple[str, ...]:
+    """Names of effects."""
+    if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
+        raise InvalidFile(thing, value, "a list of names")
+    return tuple(value)
 

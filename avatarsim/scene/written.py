@@ -35,6 +35,10 @@ TAG = "is"
 ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a unit vector moves when it is made one again: a few units in the last place."""
 
+LARGEST = 1e100
+"""Largest magnitude of a number of a file, in any unit: products of three stay finite, so that all checks of the types end in an
+answer. Larger: squares overflow within them, and what is refused is refused for infinities that stand in no file."""
+
 
 def written(value: object) -> Any:
     """A scene, or a part of one, as what JSON can hold; numbers keep all their bits."""
@@ -82,8 +86,9 @@ def _read(data: object, hint: Any, thing: str, place: str) -> Any:
             raise _wrong(thing, place, data, "one of " + ", ".join(hint.__members__))
         return hint[data]
     if hint is float and isinstance(data, int | float) and not isinstance(data, bool):
-        # past 1e308 a whole number is no float
-        return float(data) if abs(data) < 1e300 else float("inf")
+        if not abs(data) <= LARGEST:
+            raise _wrong(thing, place, data, f"a number from {-LARGEST:g} to {LARGEST:g}")
+        return float(data)
     if isinstance(data, hint) and not (hint is int and isinstance(data, bool)):
         return data
     raise _wrong(thing, place, data, {str: "a text", float: "a number", NoneType: "null"}.get(hint, hint.__name__))
@@ -101,15 +106,17 @@ def _object(data: object, kind: type[Any], thing: str, place: str) -> Any:
     made = kind(**read)
     for name, value in read.items():
         # to divide a unit vector by its length again moves its last bit, and with it all that follows
-        if isinstance(value, tuple) and _is_rounding(value, getattr(made, name)):
+        if isinstance(value, tuple | np.ndarray) and _is_rounding(value, getattr(made, name)):
             object.__setattr__(made, name, value)
     return made
 
 
-def _is_rounding(value: tuple[Any, ...], other: tuple[Any, ...]) -> bool:
-    """Whether two unit vectors or quaternions differ by no more than a division by a length near 1."""
-    numbers = all(isinstance(one, float) for one in (*value, *other))
-    return value != other and numbers and all(abs(one - two) <= ROUNDING for one, two in zip(value, other, strict=True))
+def _is_rounding(value: tuple[Any, ...] | np.ndarray, other: Any) -> bool:
+    """Whether unit vectors or quaternions differ by no more than a division by a length near 1."""
+    if isinstance(value, tuple) and not all(isinstance(one, float) for one in (*value, *other)):
+        return False
+    one, two = np.asarray(value), np.asarray(other)
+    return one.shape == two.shape and not np.array_equal(one, two) and bool((np.abs(one - two) <= ROUNDING).all())
 
 
 def _one_of(data: object, kinds: tuple[Any, ...], thing: str, place: str) -> Any:
@@ -130,11 +137,14 @@ def _array(data: object, thing: str, place: str) -> np.ndarray:
     """Numbers, in rows of one length."""
     try:
         array = np.array(_list(data, thing, place), dtype=object)
-        if not all(type(one) in (int, float) for one in array.ravel()):
+        if not all(type(one) in (int, float) and abs(one) <= LARGEST for one in array.ravel()):
             raise ValueError
-        return array.astype(np.float64)
-    except (ValueError, OverflowError) as error:
-        raise _wrong(thing, place, data, "numbers in rows of one length") from error
+    except ValueError as error:
+        raise _wrong(thing, place, data, f"numbers from {-LARGEST:g} to {LARGEST:g} in rows of one length") from error
+    found = array.astype(np.float64)
+    # as the types make theirs
+    found.flags.writeable = False
+    return found
 
 
 def _row(data: object, kinds: tuple[Any, ...], thing: str, place: str) -> tuple[Any, ...]:

@@ -1,15 +1,23 @@
 """Recordings: what was driven runs again to the same bits; what is damaged is refused by its place, and torn ends are read."""
 
+import json
+import struct
+import zlib
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from avatarsim.cli import main
+from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile
+from avatarsim.live import recording
 from avatarsim.live.messages import Command, Order, Switch
 from avatarsim.live.orders import World
-from avatarsim.live.recording import Recorder, read
+from avatarsim.live.recording import BEFORE, COMMAND, FORMAT, FRAME, HEAD, MAGIC, ROW, SUM, Recorder, read
 from avatarsim.live.replaying import Difference, replay
 from tests.live.small import plan, pushed
 
@@ -19,6 +27,13 @@ BETWEEN = {
     170: Command(Order.BACK),
 }
 """Commands before the frames of these numbers."""
+
+
+def wrapped(kind: int, payload: bytes) -> bytes:
+    """A row whose sums are right."""
+    begun = ROW.pack(kind, len(payload))
+    row = begun + SUM.pack(zlib.crc32(begun)) + payload
+    return row + SUM.pack(zlib.crc32(row))
 
 
 def recorded(path: Path, frames: int = 200, between: dict[int, Command] = BETWEEN) -> Path:
@@ -49,6 +64,23 @@ def test_what_was_driven_runs_again_to_the_same_bits(whole: bytes, tmp_path: Pat
     assert done.difference is None and done.frames == 200 and seen == list(range(1, 201))
 
 
+@pytest.mark.parametrize("first", [Switch(("friction", "dynamics")), Switch(("self_contact", "friction"), "paper")])
+def test_a_log_from_a_reset_on_knows_what_its_author_left_on(tmp_path: Path, first: Switch) -> None:
+    """What the user switched off before the reset, and on again after it."""
+    world = World(plan())
+    assert world.apply(Command(Order.SWITCH, first)) == "" and world.apply(Command(Order.RESET)) == ""
+    recorder = Recorder(tmp_path / "a.live", world.begun, world.shown.state_hash())
+    for frame in range(1, 61):
+        if frame == 30:
+            assert world.apply(back := Command(Order.SWITCH, Switch())) == ""
+            recorder.command(back)
+        recorder.frame(pushed(frame), world.advance(pushed(frame)).state_hash())
+    recorder.close()
+    assert world.scene.effects == plan().scene.effects
+    done = replay(read(tmp_path / "a.live"))
+    assert done.frames == 60 and done.difference is None
+
+
 def test_another_sample_is_found_at_its_frame(tmp_path: Path) -> None:
     world = World(plan())
     recorder = Recorder(tmp_path / "a.live", world.plan, world.shown.state_hash())
@@ -75,7 +107,7 @@ def test_a_log_that_was_cut_is_read_up_to_its_last_whole_row(whole: bytes, tmp_p
 
 
 @given(data=st.data())
-def test_flipped_bytes_are_refused_or_a_torn_end(
+def test_no_flipped_byte_is_read(
     data: st.DataObject, whole: bytes, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     path = tmp_path_factory.mktemp("flipped") / "a.live"
@@ -86,7 +118,94 @@ def test_flipped_bytes_are_refused_or_a_torn_end(
     except InvalidFile as error:
         assert "a.live" in str(error)
     else:
-        assert found.is_torn or whole[at] == value
+        assert whole[at] == value and not found.is_torn
+
+
+@given(cut=st.integers(0, 40_000))
+def test_any_cut_is_refused_in_the_head_and_said_behind_it(
+    cut: int, whole: bytes, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    path = tmp_path_factory.mktemp("cut") / "a.live"
+    path.write_bytes(whole[:cut])
+    head = len(MAGIC) + HEAD.size + HEAD.unpack_from(whole, len(MAGIC))[1] + SUM.size
+    if cut < head:
+        with pytest.raises(InvalidFile, match=r"a\.live"):
+            read(path)
+        return
+    whole_rows, at = 0, head
+    while at < min(cut, len(whole)):
+        at += BEFORE + ROW.unpack_from(whole, at)[1] + SUM.size
+        whole_rows += at <= cut
+    found = read(path)
+    assert len(found.rows) == whole_rows and found.is_torn == (at > cut)
+
+
+@pytest.mark.parametrize(("row", "says"), [
+    (wrapped(3, b""), "kind of row 2"), (wrapped(FRAME, b"12345678"), "bytes of row 2"),
+    (wrapped(FRAME, bytes(8) + np.full(16, np.nan).tobytes()), "row 2 of recording a.live"),
+    (wrapped(FRAME, bytes(8 + 8 * 16)), "tracker rotation of link 0"),
+    (wrapped(COMMAND, b"[" * 5000), "row 2"), (wrapped(COMMAND, b"\xff"), "not UTF-8"),
+    (wrapped(COMMAND, b'{"order": "RESET"}'), "KEEP, BACK, SWITCH"), (wrapped(COMMAND, b'{"order": ["KEEP"]}'), "order of row 2"),
+    (wrapped(COMMAND, b'{"order": "SWITCH", "off": [1], "preset": "", "options": {}}'), "effects of row 2"),
+    (wrapped(COMMAND, b'{"order": "SWITCH", "off": [], "preset": 1, "options": {}}'), "settings of row 2"),
+])
+def test_a_row_that_is_none_is_refused_by_its_number(tmp_path: Path, row: bytes, says: str) -> None:
+    path = recorded(tmp_path / "a.live", 2, {})
+    path.write_bytes(path.read_bytes() + row)
+    with pytest.raises(InvalidFile, match=says):
+        read(path)
+
+
+def test_numbers_of_numpy_and_whole_rates_come_back(tmp_path: Path) -> None:
+    options = {"stand_off": np.float64(1e-4), "steps": np.int64(9)}
+    one = replace(plan(), rate=60, settings=Settings(options=options))
+    world = World(one)
+    recorder = Recorder(tmp_path / "a.live", one, world.shown.state_hash())
+    recorder.command(Command(Order.SWITCH, Switch((), "default", options)))
+    recorder.close()
+    found = read(tmp_path / "a.live")
+    assert found.plan.rate == 60.0 and found.plan.settings.options == options
+    assert isinstance(found.rows[0], Command) and found.rows[0].value == Switch((), "default", options)
+
+
+def test_commands_count_as_rows_of_the_limit(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(recording, "FRAMES", 5)
+    recorder = Recorder(tmp_path / "a.live", plan(), "0" * 16)
+    for _ in range(9):
+        recorder.command(Command(Order.KEEP))
+    assert not recorder.is_open and len(read(tmp_path / "a.live").rows) == 5
+
+
+@pytest.mark.parametrize(("name", "says"), [("BODIES", "bodies of"), ("LINKS", "links of"), ("JSON_BYTES", "bytes of the head")])
+def test_what_is_too_large_to_read_is_not_written(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, says: str
+) -> None:
+    recorded(tmp_path / "a.live", 2, {})
+    monkeypatch.setattr(recording, name, 1)
+    with pytest.raises(InvalidFile, match=says):
+        read(tmp_path / "a.live")
+    with pytest.raises(OSError, match="large"):
+        Recorder(tmp_path / "b.live", plan(), "0" * 16)
+
+
+def test_a_flipped_hash_is_named_by_the_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = recorded(tmp_path / "a.live", 30, {})
+    assert main(["replay", str(path)]) == 0 and "same to the bit" in capsys.readouterr().out
+    world = World(plan())
+    recorder = Recorder(path, world.plan, world.shown.state_hash())
+    for frame in range(1, 31):
+        shown = world.advance(pushed(frame)).state_hash()
+        recorder.frame(pushed(frame), shown if frame != 12 else "0" * 16)
+    recorder.close()
+    assert main(["replay", str(path)]) == 1
+    assert "frame 12 is another" in (said := capsys.readouterr().out) and "recorded was " + "0" * 16 in said
+    assert main(["replay", str(path), "--json"]) == 1
+    told = json.loads(capsys.readouterr().out)
+    assert told["first_difference"]["frame"] == 12 and told["frames"] == 30 and told["commands"] == 0
+    path.write_bytes(b"else")
+    assert main(["replay", str(path)]) == 3 and "recording a.live" in capsys.readouterr().err
 
 
 @given(st.binary(max_size=200))
@@ -99,12 +218,6 @@ def test_any_bytes_are_no_recording(tmp_path_factory: pytest.TempPathFactory, da
 
 def headed(folder: Path, old: bytes, new: bytes) -> Path:
     """A recording in whose head something is another, with its sum mended."""
-    import json
-    import struct
-    import zlib
-
-    from avatarsim.live.recording import FORMAT, MAGIC
-
     data = recorded(folder / "c.live", 2, {}).read_bytes()
     start = len(MAGIC) + 8
     (length,) = struct.unpack_from("<I", data, len(MAGIC) + 4)
@@ -135,8 +248,6 @@ def test_a_missing_file_and_a_folder_are_named(tmp_path: Path) -> None:
 
 
 def test_a_recorder_stops_at_its_limit_and_what_it_has_is_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from avatarsim.live import recording
-
     monkeypatch.setattr(recording, "BYTES", 20_000)
     world = World(plan())
     recorder = Recorder(tmp_path / "a.live", world.plan, world.shown.state_hash())
