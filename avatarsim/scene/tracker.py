@@ -71,6 +71,17 @@ def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
     return bool(sound) and type(sample.time) is float and isfinite(sample.time)
 
 
+def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
+    """The posture at `share` (0 to 1) of the way from one sample to the next: rotations on the great circle, the short way round
+    (slerp, Shoemake 1985), the rest and the time on straight lines. For samples that `checked` lets through."""
+    shares = np.full(len(before.rotations), share)
+    return TrackerSample(
+        before.time + share * (after.time - before.time), before.positions + share * (after.positions - before.positions),
+        rotation.normalised(rotation.slerp(before.rotations, after.rotations, shares)),
+        before.angles + share * (after.angles - before.angles),
+    )
+
+
 def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
     """The sample at `time` [s] with all joints at zero, clipped to their hinge limits, and every root at the origin.
 
