@@ -9,6 +9,7 @@ import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 
@@ -20,6 +21,8 @@ from avatarsim.jit.layout import Index
 from avatarsim.scene.checks import as_number
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine, frame_time
+
+T = TypeVar("T")
 
 PORTION = 32
 """Most worlds in one kernel call. Fewer: threads hand the lock to and fro more often, which shows where frames are short; more:
@@ -49,6 +52,8 @@ def advance_many(
     engine that is in use or has no scene) does not keep the others: all that can advance do, then WorldsFailed names those that
     did not, with their errors, and holds the records of the others.
     """
+    engines = _listed("engines for many worlds", engines, "a sequence of AvatarsimEngine")
+    samples = _listed("samples for many worlds", samples, "a sequence of TrackerSample")
     _require(engines, samples, threads)
     frame_time(dt)
     count = len(engines)
@@ -83,6 +88,17 @@ def _pool(process: int) -> ThreadPoolExecutor:
 def _processors() -> int:
     """Processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _listed(thing: str, given: Sequence[T], valid: str) -> tuple[T, ...]:
+    """What is in a sequence, of its own: the caller may change a list while other threads are at work."""
+    try:
+        if isinstance(given, Sequence | np.ndarray):
+            return tuple(given)
+    except (TypeError, ValueError):
+        # an array without an axis, memory that was released
+        pass
+    raise InvalidInput(thing, given, valid)
 
 
 def _require(engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], threads: int | None) -> None:

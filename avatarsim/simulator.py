@@ -13,7 +13,7 @@ import numpy as np
 
 from avatarsim.batch import Shown
 from avatarsim.engine import FrameRecord, Settings, Snapshot
-from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
+from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSample, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.lower_loop import IkLoop
@@ -21,7 +21,7 @@ from avatarsim.model.conversion import read_sample
 from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses, shown_sample
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
-from avatarsim.scene.checks import as_number
+from avatarsim.scene.checks import as_number, require_near
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.settings import Chosen, meanings
@@ -86,6 +86,12 @@ def frame_time(dt: float) -> None:
         raise InvalidInput("frame time [s]", dt, "a number above 0 and at most 1")
 
 
+def require_scene(thing: str, scene: object) -> None:
+    """Refuse what is no scene."""
+    if not isinstance(scene, Scene):
+        raise InvalidInput(thing, scene, "a Scene(name, bodies, avatars)")
+
+
 def same_poses(one: Snapshot, other: Snapshot) -> bool:
     """Whether all bodies are at the same places, to the last bit."""
     return np.array_equal(one.positions, other.positions) and np.array_equal(one.orientations, other.orientations)
@@ -143,6 +149,7 @@ class AvatarsimEngine:
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """What this engine leaves out of `scene`."""
+        require_scene("scene to describe", scene)
         said: dict[str, str] = {}
         if scene.avatars:
             said["avatar dynamics"] = "avatars are kinematic with a coupled mass, not full articulated dynamics"
@@ -166,8 +173,7 @@ class AvatarsimEngine:
         where the first pose is not free, InvalidScene for a start beyond joint limits, UnknownName and InvalidInput for settings;
         if it raises, the engine is what it was.
         """
-        if not isinstance(scene, Scene):
-            raise InvalidInput("scene to load", scene, "a Scene(name, bodies, avatars)")
+        require_scene("scene to load", scene)
         if not isinstance(settings, Settings):
             raise InvalidInput("settings to load a scene with", settings, "Settings(preset, options, ...)")
         with self._alone():
@@ -194,8 +200,7 @@ class AvatarsimEngine:
         frame. Snapshots taken before are of the other scene. Raises StartOverlaps where bodies would overlap from now on, and
         InvalidScene for a posture that new limits do not allow; if it raises, the engine is what it was.
         """
-        if not isinstance(scene, Scene):
-            raise InvalidInput("scene to change to", scene, "a Scene(name, bodies, avatars)")
+        require_scene("scene to change to", scene)
         with self._alone():
             return self._load(scene, self._settings, self._dt, self._running())
 
@@ -225,15 +230,18 @@ class AvatarsimEngine:
         `sample` as well: what they move from there on is followed at once, and a difference that is left is caught up with.
         Takes some tens of microseconds and the check of near pairs, where `reset` builds the scene anew.
 
-        Raises InvalidSample for what does not fit the avatars, StartOverlaps where they would overlap, InvalidScene for a posture
-        beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset `paper`, whose coupling would take
-        the way there for a motion of the users. If it raises, the engine is what it was.
+        Raises InvalidSample for what does not fit the avatars or is farther away than 1e8 m, StartOverlaps where they would
+        overlap, InvalidScene for a posture beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset
+        `paper`, whose coupling would take the way there for a motion of the users. If it raises, the engine is what it was.
         """
         with self._alone():
             frames = self._running()
             world = frames.world
-            for one in (sample, user or sample):
+            # what is no sample may count as false
+            asked = sample if user is None else user
+            for one in (sample, asked):
                 checked(one, world.scene.avatars)
+            require_near("roots of the posture", sample_arrays(sample)[0], InvalidSample)
             if not frames.driven or not isinstance(frames.lower, IkLoop) or frames.effects.dynamics:
                 valid = "one with avatars and without moving bodies, loaded with the preset default and with overlaps removed"
                 raise InvalidInput("scene to put avatars in", world.scene.name, valid)
@@ -252,7 +260,7 @@ class AvatarsimEngine:
                 for array, k, kept in zip(world.poses, firsts, before[1], strict=True):
                     array[k:] = kept
                 raise
-            frames.target.read(user or sample)
+            frames.target.read(asked)
             frames.lower.stand(frames.target)
             frames.passed = ()
             return self._record({}, {}, ())

@@ -169,7 +169,10 @@ def read(data: object, of: Identity, kept: Sequence[Field]) -> tuple[float, list
     """Time [s] and what the arrays of `kept` are to hold; InvalidSnapshot unless `data` is a whole one `of` what is loaded."""
     if not isinstance(data, bytes | bytearray | memoryview):
         raise InvalidSnapshot("snapshot", data, "the bytes that engine.snapshot() returned")
-    whole = bytes(data)
+    try:
+        whole = bytes(data)
+    except ValueError:
+        raise InvalidSnapshot("snapshot", data, "bytes in memory that has not been released") from None
     if len(whole) < HEAD.size + DIGEST:
         raise InvalidSnapshot("length of the snapshot", len(whole), f"at least {HEAD.size + DIGEST} bytes: it is cut off")
     magic, layout, scene, settings, names, time, size = HEAD.unpack_from(whole)

@@ -1,4 +1,4 @@
-"""What happens in the other engines when a scene's author leaves an effect out: who has the switch, and who cannot say it.
+"""What happens in the other engines when a scene's author leaves an effect out: which has the switch, and which cannot say it.
 
 Restitution, friction, limits and self-contact are left out by the adapters. Neither engine knows reach cones, nor looks for
 impacts within a step, and sleeping is off in both unless a preset asks for it: a scene without them runs there as it always does.

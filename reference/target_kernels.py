@@ -117,7 +117,7 @@ def turned_on(turns: Array, links: Integers, share: float, left: Array, right: A
     """Write left a (a^-1 b)^share right for each turn b of `links` but the first, a the one before it, into aimed (n - 1, links,
     4); 0 on return.
 
-    The turn goes on as it was beyond a share of 1; left and right (links, 4) turn it into the frames of who is to follow."""
+    The turn goes on as it was beyond a share of 1; left and right (links, 4) turn it into the followers' frames."""
     for i in range(1, len(turns)):
         for j in range(len(links)):
             k = links[j]

@@ -126,7 +126,7 @@ class Targets:
         came with.
 
         A critically damped follower that is led by its own lag has none in steady motion. No future sample is
-        used. With `stop` nobody is led beyond a limit: links are where they would be if every joint went on, moved as joints
+        used. With `stop` no link is led beyond a limit: links are where they would be if every joint went on, moved as joints
         that stop at their limits would move them.
         """
         positions, orientations = np.empty_like(goals.positions[1:]), np.empty_like(goals.orientations[1:])
@@ -134,7 +134,7 @@ class Targets:
         if stop and self._clamp and steps > 0.0 and len(positions):
             start, end = (TrackerSample(0.0, goals.roots[k], goals.turns[k], goals.angles[k]) for k in (0, -1))
             fractions = (np.arange(1, len(goals.roots)) + steps) / (len(goals.roots) - 1)
-            # who is not beyond at last is nowhere beyond, and most never are
+            # a link that is not beyond at last is nowhere beyond, and most never are
             if self._beyond(self.between(start, end, fractions[-1:])):
                 self._stop(self.between(start, end, fractions), positions, orientations)
         return positions, orientations

@@ -1,4 +1,4 @@
-"""Accuracies that a setting is asked for, how its errors are measured against them (as lengths), and who misses which."""
+"""Accuracies that a setting is asked for, how its errors are measured against them (as lengths), and which are missed."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence

@@ -127,7 +127,7 @@ def _new_folder(out: Path, command: str) -> Path:
 
 
 def point_latest(folder: Path) -> None:
-    """Let `latest`, beside `folder`, lead to it. A folder that somebody put there by hand is left alone."""
+    """Let `latest`, beside `folder`, lead to it. A folder that was put there by hand is left alone."""
     latest = folder.parent / "latest"
     if latest.exists() and not latest.is_symlink():
         return

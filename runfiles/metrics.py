@@ -104,7 +104,7 @@ FAMILIES: dict[str, tuple[str, str]] = {
 
 
 def unit(metric: str) -> str:
-    """Unit of `metric`; UnknownName for one that nobody defined."""
+    """Unit of `metric`; UnknownName for one that is not defined."""
     if metric in METRICS:
         return METRICS[metric][0]
     for part, (name, _) in FAMILIES.items():

@@ -1,4 +1,4 @@
-"""Which bodies overlap in which state shown: the judge's pairs, kept beside the recording for whoever draws it."""
+"""Which bodies overlap in which state shown: the judge's pairs, kept beside the recording for what draws it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields

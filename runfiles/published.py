@@ -1,4 +1,4 @@
-"""Whether results.json keeps to its published layout: checked when a run has ended, and by everyone who reads it."""
+"""Whether results.json keeps to its published layout: checked when a run has ended, and by every reader of it."""
 
 import json
 from collections.abc import Iterator, Mapping

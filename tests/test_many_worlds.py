@@ -1,6 +1,6 @@
 """Many worlds in one call: the same bits as one by one, with any threads, and one that fails does not keep the others."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import cycle, islice
 
@@ -154,7 +154,14 @@ def test_one_engine_is_one_world() -> None:
     assert other.advance(HOME, DT).shown.time == pytest.approx(DT), "nothing has advanced"
 
 
-WRONG: dict[str, tuple[Sequence[object], Sequence[object], object, object, str]] = {
+WRONG: dict[str, tuple[object, object, object, object, str]] = {
+    "engines are none": (None, [HOME], DT, None, "engines for many worlds is None; valid: a sequence"),
+    "samples are none": ([AvatarsimEngine()], None, DT, None, "samples for many worlds is None; valid: a sequence"),
+    "samples by name": ([AvatarsimEngine()], {0: HOME}, DT, None, "samples for many worlds is {0: .*; valid: a sequence"),
+    "a stream": ([AvatarsimEngine()], iter([HOME]), DT, None, "samples for many worlds is .*; valid: a sequence"),
+    "one number": ([AvatarsimEngine()], np.array(1.0), DT, None, r"samples for many worlds is array\(1.\); valid: a sequence"),
+    "time is none": ([AvatarsimEngine()], [HOME], None, None, r"frame time \[s\] is None"),
+    "time is no number": ([AvatarsimEngine()], [HOME], float("nan"), None, r"frame time \[s\] is nan"),
     "too few samples": ([AvatarsimEngine()], [], DT, None, "number of samples for many worlds is 0; valid: 1"),
     "no engine": (["engine"], [HOME], DT, None, "engine 0 of many worlds is 'engine'; valid: an AvatarsimEngine"),
     "no time": ([AvatarsimEngine()], [HOME], 0.0, None, r"frame time \[s\] is 0.0"),
@@ -170,6 +177,20 @@ def test_arguments_that_do_not_fit_are_refused(case: str) -> None:
     many, samples, dt, threads, said = WRONG[case]
     with pytest.raises(InvalidInput, match=said):
         advance_many(many, samples, dt, threads)
+
+
+def test_a_refusal_leaves_every_world_as_it_was() -> None:
+    many = hands(2)
+    before = [engine.snapshot() for engine in many]
+    wrong: list[tuple[object, object, object, object]] = [
+        ([*many, many[0]], [HOME] * 3, DT, None), (many, [HOME], DT, None), (many, None, DT, None), (None, [HOME] * 2, DT, None),
+        ([*many, None], [HOME] * 3, DT, None), (many, [HOME] * 2, 0.0, None), (many, [HOME] * 2, DT, 0),
+        (dict.fromkeys(many), [HOME] * 2, DT, None), (many, [BAD, rest(())], DT, 2),
+    ]
+    for engines_given, samples, dt, threads in wrong:
+        with pytest.raises(AvatarsimError):
+            advance_many(engines_given, samples, dt, threads)
+        assert [engine.snapshot() for engine in many] == before
 
 
 def test_a_sample_that_is_none_fails_its_world_alone() -> None:

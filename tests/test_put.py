@@ -85,6 +85,7 @@ def test_an_avatar_catches_up_with_a_user_that_stands_elsewhere() -> None:
         (replace(within(0.0, 0.5), angles=np.array([2.5, 0.0, 0.0])), InvalidScene),
         (replace(within(0.0, 0.5), angles=np.zeros(2)), InvalidSample),
         (replace(within(0.0, 0.5), positions=np.full((5, 3), np.nan)), InvalidSample),
+        (replace(within(0.0, 0.5), positions=np.full((5, 3), 1e9)), InvalidSample),
     ],
 )
 def test_what_cannot_be_shown_is_refused_and_changes_nothing(sample: TrackerSample, error: type[AvatarsimError]) -> None:
@@ -97,6 +98,22 @@ def test_what_cannot_be_shown_is_refused_and_changes_nothing(sample: TrackerSamp
     for k in range(10):
         hashes = {engine.advance(within(1.0 + 0.1 * k, 0.0), DT).state_hash() for engine in engines}
         assert len(hashes) == 1
+
+
+@pytest.mark.parametrize("user", [0, False, "", [], (), {}, np.zeros(0), float("nan"), rest(())])
+def test_a_user_that_is_no_sample_is_refused_also_if_false(user: object) -> None:
+    engine, _ = loaded()
+    before = engine.snapshot()
+    with pytest.raises(InvalidSample):
+        engine.put(within(1.0, 0.5), user)
+    assert engine.snapshot() == before
+
+
+def test_a_posture_in_lists_is_put_and_begun_at_as_one_in_arrays() -> None:
+    given, (engine, _) = within(0.5, 0.6), loaded()
+    lists = replace(given, positions=given.positions.tolist(), rotations=given.rotations.tolist(), angles=given.angles.tolist())
+    for begin in (engine.put, engine.reset):
+        assert begin(lists).state_hash() == begin(given).state_hash()
 
 
 def test_scenes_whose_bodies_move_and_the_printed_method_refuse() -> None:

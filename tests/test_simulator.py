@@ -151,6 +151,8 @@ def test_stages_are_timed_only_on_request() -> None:
 def test_what_it_cannot_say_is_said() -> None:
     assert "avatar dynamics" in AvatarsimEngine().cannot_say(SCENE)
     assert AvatarsimEngine().cannot_say(DROP) == {}
+    with pytest.raises(InvalidInput, match="scene to describe is None; valid: a Scene"):
+        AvatarsimEngine().cannot_say(None)
 
 
 def test_lists_and_single_precision_are_taken_as_samples() -> None:

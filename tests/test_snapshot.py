@@ -206,6 +206,9 @@ def test_what_is_no_bytes_is_refused(taken: tuple[AvatarsimEngine, bytes], data:
 def test_other_bytes_are_refused(taken: tuple[AvatarsimEngine, bytes]) -> None:
     engine, data = taken
     refused(engine, b"", "length of the snapshot is 0")
+    gone = memoryview(data)
+    gone.release()
+    refused(engine, gone, "valid: bytes in memory that has not been released")
     refused(engine, bytes(500), "beginning of the snapshot .* something else")
     refused(engine, pickle.dumps({"position": data}), "beginning of the snapshot")
     refused(engine, data.replace(b"\r\n", b"\n", 1), "beginning of the snapshot")

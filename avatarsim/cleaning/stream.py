@@ -13,7 +13,7 @@ from avatarsim.cleaning.start import approach, free_posture
 from avatarsim.cleaning.track import Follower
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.body import Body
-from avatarsim.scene.checks import finite_array, within
+from avatarsim.scene.checks import finite_array, require_near, within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample
 
@@ -54,11 +54,12 @@ class Shield:
         """The nearest free posture to `q` (width,) that is reached on a free way from the last one; `is_free` says whether that
         is `q` itself. The first one is the nearest that is found free.
 
-        Raises InvalidInput for another width, numbers that are not finite and quaternions without length, and StartOverlaps where
-        no free posture is found near the first one; what came before then still counts."""
+        Raises InvalidInput for another width, numbers that are not finite, roots farther away than 1e8 m and quaternions without
+        length, and StartOverlaps where no free posture is found near the first one; what came before then still counts."""
         row = finite_array("generalized coordinates", q, (self.coordinates.width,), InvalidInput)
         time = self._time + self._step
         sample = self.coordinates.motion(row[None], np.array([time])).sample(0)
+        require_near("roots of the posture", sample.positions, InvalidInput)
         gap, _ = self._chords.nearest(sample, self.options.margin)
         is_free = gap >= self.options.margin and self._chords.clipped(sample)[1] <= 0.0
         if self._follower is None or self._before is None:

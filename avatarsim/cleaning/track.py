@@ -74,7 +74,8 @@ class Judged:
 
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
-    """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it."""
+    """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it: `scene.tracker.between`, up to
+    rounding, compiled, since a motion is cleaned in many small parts."""
     first, last = sample_arrays(before), sample_arrays(after)
     mixed = tuple(np.empty_like(array) for array in first)
     mix_samples(*first, *last, float(share), *mixed)

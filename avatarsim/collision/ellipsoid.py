@@ -18,6 +18,7 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, perpendicular, row, scale, sub, unit
 from avatarsim.tolerances import GRAIN, PROOF
+from avatarsim.tolerances import ROUNDING as ROUNDING_OF_SUMS
 
 Found = tuple[bool, Vec3, float, Vec3, Vec3]
 """(whether stationary, unit normal m of A - B, h(m) [m], point of A, point of B)."""
@@ -37,7 +38,7 @@ PROVED = PROOF
 LONGEST_STEP = 0.5
 """Radians: a longer step leaves the neighbourhood in which the quadratic model means anything."""
 
-SLACK = 1e-12
+SLACK = ROUNDING_OF_SUMS
 """Relative: a bend or a condition this small is rounding. That for the largest ball holds with equality at the centre."""
 
 

@@ -48,6 +48,9 @@ DEPTH = 12
 """Halvings of a way before it counts as not free: a 4096th. There the bulge of a limb that turns by a radian is some 1e-8 m.
 More: what touches takes longer to fail."""
 
+SAGITTA = 1.0 / 8.0
+"""A path whose acceleration is at most a bend stays within this part of it, times the square of the time, of its chord."""
+
 ROOM_MOST, ROOM_DEEPER = 1 << 20, 1 << 14
 """Pairs of pieces that may be listed as undecided for a whole way, and beside these for parts of it; what does not fit counts as
 not free."""
@@ -206,7 +209,7 @@ def list_near(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> 
     for body in range(skel.first, skel.first + skel.kind.shape[0]):
         if geo.first_shape[body] == geo.first_shape[body + 1]:
             continue
-        grow, p, q = 0.125 * link_bend(geo, c, body) + least, c.one.hulls, c.other.hulls
+        grow, p, q = SAGITTA * link_bend(geo, c, body) + least, c.one.hulls, c.other.hulls
         low = (
             min(low[0], p[body, 0] - grow, q[body, 0] - grow), min(low[1], p[body, 1] - grow, q[body, 1] - grow),
             min(low[2], p[body, 2] - grow, q[body, 2] - grow),
@@ -229,12 +232,12 @@ def list_near(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> 
 def list_bodies(geo: Geometry, body: int, other: int, least: float, chord_out: Chord, count: int) -> int:
     """List the pairs of pieces of two bodies whose boxes may meet over the whole way: how many there are now, -1 for too many."""
     c = chord_out
-    grow = 0.125 * (link_bend(geo, c, body) + link_bend(geo, c, other)) + least
+    grow = SAGITTA * (link_bend(geo, c, body) + link_bend(geo, c, other)) + least
     if not swept_meet(c.one.hulls, c.other.hulls, body, other, grow) or not may_meet(geo.wanted, body, other):
         return count
     for s in range(geo.first_shape[body], geo.first_shape[body + 1]):
         for t in range(geo.first_shape[other], geo.first_shape[other + 1]):
-            if swept_meet(c.one.boxes, c.other.boxes, s, t, 0.125 * (c.bend[s] + c.bend[t]) + least):
+            if swept_meet(c.one.boxes, c.other.boxes, s, t, SAGITTA * (c.bend[s] + c.bend[t]) + least):
                 if count >= c.pending.shape[0] - ROOM_DEEPER:
                     return -1
                 c.pending[count, 0], c.pending[count, 1] = s, t
@@ -304,7 +307,7 @@ def test_pair(
 ) -> int:
     """Whether pieces a and b are shown to be at least `least` [m] apart over an interval of so large a share of the way."""
     c, one, other = chord_out, geo.body[a] - skel.first, geo.body[b] - skel.first
-    square = 0.125 * share * share
+    square = SAGITTA * share * share
     if not swept_meet(left.boxes, right.boxes, a, b, square * (c.bend[a] + c.bend[b]) + max(least, 0.0)):
         return PROVED
     above = c.ancestor[one, other] if one >= 0 and other >= 0 else -1

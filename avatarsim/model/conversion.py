@@ -7,13 +7,12 @@ from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.skeleton import Posture
+from avatarsim.scene.tracker import UNIT_SLACK
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import along, row
+from avatarsim.tolerances import NOTHING
 
 Array = NDArray[np.float64]
-
-UNIT_SLACK = 1e-6
-"""How far the length of a tracker's quaternion may be from 1: single precision passes, a forgotten normalisation does not."""
 
 
 @kernel
@@ -72,7 +71,7 @@ def write_sample(
         angles_out[k] = posture.angle[hinges[k]]
 
 
-MEETING = 1e-9
+MEETING = NOTHING
 """Sine of the angle of two quaternions below which the arc between them is a straight line, to the last digit."""
 
 

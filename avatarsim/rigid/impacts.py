@@ -28,7 +28,7 @@ from avatarsim.rigid.contact_law import (
     velocity_after,
 )
 from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, Masses, axis, impulse_of, speed_along, velocity_at
-from avatarsim.rigid.solver import FIRST_TRY, change, solve_contacts, solve_roughly
+from avatarsim.rigid.solver import FIRST_TRY, ROUGH, change, solve_contacts, solve_roughly
 from avatarsim.rigid.state import APPROACH, IMPACT, Events, Memory
 from avatarsim.spatial.tangent import columns
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, scale, sub
@@ -88,7 +88,7 @@ BLOCK_SWEEPS = 3000
 BLOCK_VISITS = 48000
 """Most contact points that each stage of the solve of one block visits; where a wall lands at once that is fewer sweeps."""
 
-ROUGH_TOLERANCE, ROUGH_SWEEPS = 1e-7, 150
+ROUGH_TOLERANCE, ROUGH_SWEEPS = ROUGH, 150
 """The same where many blocks follow each other at one instant: the approach that is left is resolved by a later block."""
 
 NOTHING = -1

@@ -31,7 +31,7 @@ from avatarsim.rigid.impacts import (
 )
 from avatarsim.rigid.resting import ATTEMPTS, HOP, PARTING, SOLVED, SWEEPS, Care, hold
 from avatarsim.rigid.rolling import curvature
-from avatarsim.rigid.solver import FIRST_TRY
+from avatarsim.rigid.solver import FIRST_TRY, ROUGH
 from avatarsim.rigid.state import (
     APPROACH,
     CONTACTS,
@@ -114,7 +114,7 @@ def unsqueeze(
             if memory.moving[b] == 1 and dot(d, d) + dot(turn, turn) > 0.0:
                 put_row(poses.position, b, add(row(poses.position, b), d))
                 # a step of a radian is no first-order step
-                small = min(1.0, 0.1 / max(norm(turn), 1e-300))
+                small = min(1.0, GENTLE_TURN / max(norm(turn), 1e-300))
                 put_columns(poses.rotation, b, spun(columns(poses.rotation, b), turn, small))
                 place(geometry, poses, b)
                 to_world(dynamics.inverse_inertia, poses.rotation, b, memory.hold.inverse_inertia)
@@ -164,7 +164,7 @@ and creeps. LATE: work of a frame above which its fallback steps get a quarter o
 CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
 """Accuracy where bodies rest, or are few."""
 
-BRISK = Care(tolerance=1e-7, first=60, sweeps=40, attempts=3)
+BRISK = Care(tolerance=ROUGH, first=60, sweeps=40, attempts=3)
 """Accuracy for many bodies in motion: they sink by a few nanometres a frame, which is corrected later."""
 
 MANY, MOTION = 8, 1e-2

@@ -112,6 +112,12 @@ def finite_array(thing: str, value: ArrayLike, shape: tuple[int, ...], error: ty
     return array
 
 
+def require_near(thing: str, places: Array, error: type[InvalidInput] = InvalidScene) -> None:
+    """Raise if a coordinate of `places` [m] is beyond `FARTHEST`."""
+    if not (np.abs(places) <= FARTHEST).all():
+        raise error(f"{thing} [m]", places.tolist(), f"coordinates from {-FARTHEST:g} to {FARTHEST:g}")
+
+
 def real_array(value: ArrayLike) -> Array:
     """A float64 array of its own of real numbers; TypeError for what numpy would make numbers of without a word: texts, complex
     and truth values, and masked arrays, whose masks it would drop."""

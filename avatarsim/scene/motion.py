@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.checks import real_array
-from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.tracker import TrackerSample, between
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
@@ -67,14 +67,7 @@ class Motion:
 
     def between(self, frame: int, share: float) -> TrackerSample:
         """The posture at `share` (0 to 1) of the way from a frame to the next: what a player shows between frames."""
-        a, b = frame, min(frame + 1, len(self) - 1)
-        shares = np.full(self.rotations.shape[1], share)
-        return TrackerSample(
-            float(self.times[a] + share * (self.times[b] - self.times[a])),
-            self.positions[a] + share * (self.positions[b] - self.positions[a]),
-            rotation.normalised(rotation.slerp(self.rotations[a], self.rotations[b], shares)),
-            self.angles[a] + share * (self.angles[b] - self.angles[a]),
-        )
+        return between(self.sample(frame), self.sample(min(frame + 1, len(self) - 1)), share)
 
     def resampled(self, rate: float) -> "Motion":
         """The motion at `rate` [1/s]: rotations on the great circle between their neighbours, the rest on a straight line.

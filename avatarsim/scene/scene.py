@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import TABLE_1, Body, PairTable, Role
-from avatarsim.scene.checks import FARTHEST, Vector, bounded, distinct, each, instance, name_pairs, named
+from avatarsim.scene.checks import Vector, bounded, distinct, each, instance, name_pairs, named, require_near
 from avatarsim.scene.effects import CALLS, KEPT, Effects, Parts
 from avatarsim.scene.tracker import TrackerSample, checked, rest
 
@@ -61,9 +61,10 @@ class Scene:
                 if name not in self.names:
                     raise InvalidScene("name in exclude", name, "a body or avatar/link of the scene")
         self._agree_on_effects()
-        first = np.asarray(checked(self.first_sample, self.avatars).positions)
-        if not (np.abs(first) <= FARTHEST).all():
-            raise InvalidScene("roots of the start [m]", first.tolist(), f"coordinates from {-FARTHEST:g} to {FARTHEST:g}")
+        if self.start is not None:
+            # in arrays, also if it was given in lists
+            object.__setattr__(self, "start", checked(self.start, self.avatars))
+            require_near("roots of the start", self.start.positions)
 
     def _require_types(self) -> None:
         """InvalidScene for a part that is something else than its place is for."""

@@ -15,6 +15,9 @@ from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
+UNIT_SLACK = 1e-6
+"""How far the length of a tracker's quaternion may be from 1: single precision passes, a forgotten normalisation does not."""
+
 
 @dataclass(frozen=True, eq=False)
 class TrackerSample:
@@ -49,7 +52,7 @@ def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
     rotations = finite_array("tracker rotations", sample.rotations, (links, 4), InvalidSample)
     angles = finite_array("tracker angles", sample.angles, (hinges,), InvalidSample)
     lengths = np.linalg.norm(rotations, axis=1)
-    if links and not (np.abs(lengths - 1.0) <= 1e-6).all():
+    if links and not (np.abs(lengths - 1.0) <= UNIT_SLACK).all():
         worst = int(np.argmax(np.abs(lengths - 1.0)))
         raise InvalidSample(f"tracker rotation of link {worst}", rotations[worst].tolist(), "a quaternion of length 1")
     given = (sample.positions, sample.rotations, sample.angles)
@@ -67,8 +70,20 @@ def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
             return False
     squares = np.einsum("ij,ij->i", sample.rotations, sample.rotations)
     # well within the limit for lengths: squares differ from 1 by twice as much, and rounding may not decide
-    sound = (np.abs(squares - 1.0) <= 1e-6).all() and np.isfinite(sample.positions).all() and np.isfinite(sample.angles).all()
+    is_unit = (np.abs(squares - 1.0) <= UNIT_SLACK).all()
+    sound = is_unit and np.isfinite(sample.positions).all() and np.isfinite(sample.angles).all()
     return bool(sound) and type(sample.time) is float and isfinite(sample.time)
+
+
+def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
+    """The posture at `share` (0 to 1) of the way from one sample to the next: rotations on the great circle, the short way round
+    (slerp, Shoemake 1985), the rest and the time on straight lines. For samples that `checked` lets through."""
+    shares = np.full(len(before.rotations), share)
+    return TrackerSample(
+        before.time + share * (after.time - before.time), before.positions + share * (after.positions - before.positions),
+        rotation.normalised(rotation.slerp(before.rotations, after.rotations, shares)),
+        before.angles + share * (after.angles - before.angles),
+    )
 
 
 def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:

@@ -35,7 +35,7 @@ SLOWER: Final = 3
 """All but the sweep get so many times less work, and so many frames to warm up."""
 
 MOST_OBJECTS: Final = {"sweep and prune": 10**9, "without coherence": 10**9, "one axis": 6000, "all pairs": 2000}
-"""Beyond these a frame takes longer than anybody waits for."""
+"""Beyond these a frame takes longer than a measurement can wait for."""
 
 
 @kernel

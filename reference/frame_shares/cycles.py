@@ -20,7 +20,7 @@ SLOTS = 8
 """Clocks that can run side by side."""
 
 spent = np.zeros(SLOTS, dtype=np.int64)
-"""Cycles by slot since somebody set them to zero. Compiled code knows its address, so it stays where it is."""
+"""Cycles by slot since they were set to zero. Compiled code knows its address, so it stays where it is."""
 
 ADDRESS = int(spent.ctypes.data)
 

@@ -138,7 +138,7 @@ _DRIVEN: Preset = {
 
 _CLOSE = Chosen(0.001, "fingers lie side by side: at 4 and 2 mm they hold each other off, 14 degrees from their user's in free "
                        "air, at 1 mm 0.2; who meets what is loose is as shallow, 0.04 mm, and nearer to the user")
-"""[m] margin of hands, and of all who meet what is loose."""
+"""[m] margin of hands, and of all that meets loose bodies."""
 
 _NEWTON: Preset = {
     "dt": Chosen(1.0 / 3840.0, "an impact is found up to v dt deep, wherever steps happen to end: 4.3 mm at 1/1000, 0.4 mm here"),

@@ -27,7 +27,7 @@ NEARBY = 0.3
 meets what is below it."""
 
 POINT = 1e-9
-"""Half width [m] of who has none: links, which may be anywhere."""
+"""Half width [m] of bodies without extent: links, which may be anywhere."""
 
 UNLIKELY = 0.01
 """Part of what matters most to both bodies of a pair below which the pair is left out of the fit: a hundred pairs that never meet
@@ -122,7 +122,7 @@ def weights(scene: Scene) -> tuple[Array, Array]:
     gap = np.linalg.norm(centres[:, None] - centres[None], axis=2) - radii[:, None] - radii[None]
     smaller = np.maximum(np.minimum(radii[:, None], radii[None]), POINT)
     near = (1.0 / (1.0 + np.maximum(gap, 0.0) / (NEARBY * smaller))) ** 4
-    # who is driven may go anywhere
+    # a driven body may go anywhere
     near = np.where(driven[:, None] | driven[None], 1.0, near)
     bounce = near * scene.pair_filter * (moving[:, None] | moving[None])
     # a driven hand that slides is led by its user: friction there matters, but less

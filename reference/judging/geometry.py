@@ -118,7 +118,7 @@ class Outline:
 
 @lru_cache(maxsize=MOST_KEPT)
 def outline(shape: Shape) -> Outline:
-    """The outline of `shape`, which nobody changes."""
+    """The outline of `shape`, which nothing changes."""
     return Outline(shape)
 
 

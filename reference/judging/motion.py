@@ -1,4 +1,4 @@
-"""What a distance measured at one moment proves about another: who has moved a millimetre is at most a millimetre nearer.
+"""What a distance measured at one moment proves about another: a body that has moved a millimetre is at most a millimetre nearer.
 
 Along any axis the gap between the shadows of two bodies changes by no more than their origins move against each other and
 their points move by turning. So does the signed distance, which is the largest of these gaps, whether they overlap or not.

@@ -49,7 +49,7 @@ CALLS = 5
 
 
 def callers(plan: Plan, mode: Mode, rooms: tuple[str, ...]) -> dict[str, tuple[Contender, Sequence]]:
-    """By name, everybody who is called from Python for each query, loaded with pairs of spheres."""
+    """By name, every contender that is called from Python for each query, loaded with pairs of spheres."""
     spheres = sequence(SPHERES, mode, plan.pairs, CALLS)
     found = {c.identity.name: (c, spheres) for c in contenders(rooms)[0] if c.identity.per_call}
     for contender, _ in found.values():
@@ -60,7 +60,7 @@ def callers(plan: Plan, mode: Mode, rooms: tuple[str, ...]) -> dict[str, tuple[C
 def measure(
     rooms: tuple[str, ...], cells: Many[Cell], plan: Plan, say: Callable[[str], None]
 ) -> tuple[list[Row], list[Identity], dict[str, str]]:
-    """Rows of all cells and modes, who took part, and why others did not; `say` hears of each cell."""
+    """Rows of all cells and modes, which contenders took part, and why others did not; `say` hears of each cell."""
     taking_part, absent = contenders(rooms)
     calls = {mode: callers(plan, mode, rooms) for mode in MODES}
     rows = []

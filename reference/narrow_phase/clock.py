@@ -58,7 +58,7 @@ def clocked(
     callers: Mapping[str, tuple[Contender, Sequence]],
 ) -> dict[str, Clocked]:
     """By name, what every contender did. One pass that is not timed, for the answers in `judged` frames; then `repeats` rounds in
-    which each contender in turn runs the whole sequence, each round begun by another one. Who fails is out, and its trouble
+    which each contender in turn runs the whole sequence, each round begun by another one. One that fails is out, and its trouble
     says why. `callers`: by name, the same contender once more, loaded with spheres, which follows it in every turn."""
     answers: dict[str, Array] = {}
     trouble: dict[str, str] = {}

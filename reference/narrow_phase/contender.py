@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Identity:
-    """Who a contender is.
+    """What identifies a contender.
 
     name      as tables show it
     library   the distribution it comes from; "avatarsim" is ours

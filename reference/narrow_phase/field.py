@@ -1,4 +1,4 @@
-"""Everybody who takes part. A library that is not installed is named and left out; the others run."""
+"""The contenders that take part. A library that is not installed is named and left out; the others run."""
 
 from importlib import import_module
 

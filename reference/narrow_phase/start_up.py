@@ -16,7 +16,7 @@ COMPILE_GOAL, START_GOAL = 10.0, 2.0
 """Goals [s]: first compile of the room below the one, cached start of the whole engine below the other."""
 
 STARTS = 3
-"""Cached starts measured, after one that is not: it fills the disk's cache, and compiles what nobody has compiled yet."""
+"""Cached starts measured, after one that is not: it fills the disk's cache, and compiles what is not compiled yet."""
 
 PATIENCE = 300.0
 """Longest a child may take [s]; beyond, the figure is missing."""

@@ -1,4 +1,4 @@
-"""What the terminal shows: first the cells that are lost, then every cell, then how exact everybody is and what a call costs."""
+"""What the terminal shows: first the cells that are lost, then every cell, then how exact each contender is, and calls' costs."""
 
 import textwrap
 from collections.abc import Mapping

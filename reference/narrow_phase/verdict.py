@@ -27,7 +27,7 @@ its mj_collision computes in C as well, where nothing has to be taken off."""
 
 @dataclass(frozen=True)
 class Judged:
-    """One cell and mode. Ratios are ours / rival; nan, and the rival empty, where nobody else was right.
+    """One cell and mode. Ratios are ours / rival; nan, and the rival empty, where no other was right.
 
     ratio_placed is `ratio` with the world vertices of both shapes computed within our time.
     """
@@ -58,7 +58,7 @@ class Judged:
 
     @property
     def decisive(self) -> float:
-        """The ratio that decides: within, or called where nobody can be compared within; nan without any rival."""
+        """The ratio that decides: within, or called where no rival can be compared within; nan without any rival."""
         return self.ratio if self.rival else self.ratio_called
 
     @property
@@ -108,6 +108,6 @@ def _judged(group: list[Row]) -> Judged:
 
 
 def _fastest(times: Mapping[str, float]) -> tuple[str, float]:
-    """Name and time of the fastest; ("", nan) of nobody."""
+    """Name and time of the fastest; ("", nan) without any."""
     name = min(times, key=lambda key: times[key], default="")
     return name, times.get(name, np.nan)

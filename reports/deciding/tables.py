@@ -186,7 +186,7 @@ def _trouble(rows: list[Row], word: str) -> str:
 
 
 def ranked_metrics(block: Block) -> tuple[str, ...]:
-    """The metric behind each column of this block, for people who look it up in results.csv."""
+    """The metric behind each column of this block, for readers that look it up in results.csv."""
     names = []
     for index, column in enumerate(COLUMNS):
         row = next((line.cells[index].row for line in block.lines if line.cells[index].row), None)

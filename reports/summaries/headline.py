@@ -140,7 +140,7 @@ def load(path: Path) -> tuple[Figure, ...]:
 
 
 def block(figures: Sequence[Figure]) -> str:
-    """The words between the marks, as Markdown: where the figures come from, then the table. Who is best stands in bold."""
+    """The words between the marks, as Markdown: where the figures come from, then the table. The best stands in bold."""
     facts = {figure.measure: figure.run for figure in figures if figure.scene == ABOUT}
     shown = [figure for figure in figures if figure.scene != ABOUT]
     runs = tuple(dict.fromkeys(figure.run for figure in shown if not figure.run.startswith("tracker/")))

@@ -8,27 +8,14 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample
-from avatarsim.spatial import rotation
+from avatarsim.scene.tracker import TrackerSample, between
 from scenarios.scenario import Motion, Scenario
 
 HEADSET = 90
 """Frames per second of a usual headset."""
 ROUNDING = 1e-9
 """Share of a frame by which a sample of the new rate may miss one of the old and is still that one."""
-
-
-def between(before: TrackerSample, after: TrackerSample, share: float, time: float) -> TrackerSample:
-    """The posture a `share` of the way from one sample to the next, at `time` [s]."""
-    shares = np.full(len(before.rotations), share)
-    return TrackerSample(
-        time, before.positions + share * (after.positions - before.positions),
-        rotation.normalised(rotation.slerp(before.rotations, after.rotations, shares)),
-        before.angles + share * (after.angles - before.angles),
-    )
 
 
 def resampled(motion: Motion, start: TrackerSample, old: float, new: float) -> Motion:
@@ -44,7 +31,7 @@ def resampled(motion: Motion, start: TrackerSample, old: float, new: float) -> M
         share = place - before
         if share <= ROUNDING:
             return replace(at(before), time=time)
-        return between(at(before), at(before + 1), share, time)
+        return replace(between(at(before), at(before + 1), share), time=time)
 
     return sample
 

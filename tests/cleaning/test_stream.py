@@ -51,7 +51,9 @@ def test_what_is_no_posture_is_refused_and_the_stream_goes_on() -> None:
     assert np.array_equal(shield(q), q)
     bad = q.copy()
     bad[2] = np.nan
-    for wrong in (q[:-1], np.stack([q, q]), bad, np.zeros_like(q)):
+    far = q.copy()
+    far[2] = 1e16
+    for wrong in (q[:-1], np.stack([q, q]), bad, far, np.zeros_like(q)):
         with pytest.raises(InvalidInput):
             shield(wrong)
     assert np.array_equal(shield(q), q)

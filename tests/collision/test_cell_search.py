@@ -1,4 +1,4 @@
-"""The search through cells finds whom trying all finds, and everybody once, however many portions the cells are looked into."""
+"""The search through cells finds what trying all finds, and each once, however many portions the cells are looked into."""
 
 import numpy as np
 import pytest
@@ -31,7 +31,7 @@ def test_a_large_box_finds_everybody_once(length: float, portions: int, corner: 
 
 
 def test_boxes_that_touch_meet_and_one_that_is_no_number_meets_all() -> None:
-    """Who cannot be told apart from others is not apart."""
+    """Bodies that cannot be told apart from others are not apart."""
     boxes = np.array([[0.0, 0, 0, 1, 1, 1], [1.0, 1, 1, 2, 2, 2], [0.0, 0, 0, 0, 0, 0], [0.5, 0.5, np.nextafter(1, 2), 1, 1, 2]])
     for i, j, meet in ((0, 1, True), (0, 2, True), (1, 2, False), (0, 3, False), (1, 3, True)):
         assert boxes_meet(boxes, i, j) == boxes_meet(boxes, j, i) == meet

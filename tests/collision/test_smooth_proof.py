@@ -1,4 +1,4 @@
-"""What is proved about directions that nobody looked in, against looking in many of them."""
+"""What is proved about directions that were not looked in, against looking in many of them."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Sweep and prune against its dumb twin, bit for bit: whatever was before, and whoever came and went."""
+"""Sweep and prune against its dumb twin, bit for bit: whatever was before, and whichever boxes came and went."""
 
 import numpy as np
 import pytest
@@ -69,7 +69,7 @@ def test_what_is_found_does_not_depend_on_what_was_before():
 
 
 def test_bodies_that_keep_to_their_boxes_are_not_searched_for():
-    """Who moves steadily leaves its fat box once in a while, who rests never does."""
+    """A body that moves steadily leaves its fat box once in a while, one that rests never does."""
     rng = np.random.default_rng(4)
     boxes, memory = random_boxes(rng, 80) * 10.0, make_sweep_memory(80, 4000)
     boxes[:, 3:] += 1.0
@@ -135,7 +135,7 @@ def test_a_bound_that_is_not_finite_is_a_status_and_not_a_missing_pair(bad, swee
 
 @pytest.mark.parametrize(("seed", "cap"), [(0, 20), (1, 100), (2, 100)])
 def test_bodies_come_and_go_while_it_runs(seed, cap):
-    """A random walk of inserting, removing and moving, with places used again, against the twin over those who are there."""
+    """A random walk of inserting, removing and moving, with places used again, against the twin over those that are there."""
     rng = np.random.default_rng(seed)
     memory, there = make_sweep_memory(cap, 5000, present=False), np.zeros(cap, bool)
     wanted, boxes = some_filter(rng, cap), np.full((cap, 6), np.nan)
@@ -154,7 +154,7 @@ def test_bodies_come_and_go_while_it_runs(seed, cap):
             boxes[b] += np.tile(rng.normal(size=3) * rng.choice([1e-3, 1.0]), 2)
         found, dumb = np.zeros((5000, 2), np.int64), np.zeros((5000, 2), np.int64)
         here = boxes.copy()
-        # nobody meets a box that is upside down and nowhere
+        # nothing meets a box that is upside down and nowhere
         here[~there] = [1e300, 1e300, 1e300, -1e300, -1e300, -1e300]
         count = all_pairs(here, wanted, dumb)[1]
         assert sweep_and_prune(boxes, wanted, memory, found) == (CONVERGED, count)

@@ -51,7 +51,7 @@ def test_two_spheres_that_graze() -> None:
 
 @pytest.mark.parametrize("shape", [Sphere(0.1), Box((0.2, 0.2, 0.2))])
 def test_who_stopped_on_a_path_that_goes_on_is_met_by_who_still_falls(shape: Sphere | Box) -> None:
-    """Two bodies that fall together keep their distance; once the lower one has stopped, its acceleration is nobody's."""
+    """Two bodies that fall together keep their distance; once the lower one has stopped, its acceleration is no body's."""
     gap = 0.01
     bodies = [thing("lower", shape, (0.0, 0.0, 0.5)), thing("upper", shape, (0.0, 0.0, 0.7 + gap))]
     world = World(bodies, gravity=(0.0, 0.0, -10.0))

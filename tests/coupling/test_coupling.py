@@ -1,4 +1,4 @@
-"""Who takes an impulse, how it comes back by eq. 6, and who presses on whom."""
+"""Which link takes an impulse, how it comes back by eq. 6, and which presses on what."""
 
 from dataclasses import replace
 

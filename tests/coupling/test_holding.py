@@ -1,4 +1,4 @@
-"""Who stands at a wall hits nobody, however fast the user goes on; what bodies hold is pushed as ever."""
+"""A hand that stands at a wall hits nothing, however fast the user goes on; what bodies hold is pushed as ever."""
 
 import numpy as np
 import pytest

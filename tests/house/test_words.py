@@ -1,4 +1,4 @@
-"""Docstrings and comments of the engine and all pages name bodies, links, avatars and contacts; each module says its subject."""
+"""Docstrings and comments of the engine and beside it, and all pages, name bodies, links, avatars; modules say their subject."""
 
 import ast
 import io
@@ -12,6 +12,11 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 ENGINE = ROOT / "avatarsim"
 FILES = sorted(ENGINE.rglob("*.py"))
+ROOMS = (
+    "examples", "reference", "reports", "runfiles", "tests/collision", "tests/coupling", "tests/ik", "tests/model", "tests/rigid",
+    "tests/scene",
+)
+"""Folders beside the engine whose prose is held to the same words."""
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
 
 PERSONS = re.compile(r"\b(who|whom|whoever|nobody|somebody|everybody|anybody)\b", re.IGNORECASE)
@@ -52,6 +57,14 @@ def opens_with_a_sentence(text: str) -> bool:
 @pytest.mark.parametrize("file", FILES, ids=[str(file.relative_to(ENGINE)) for file in FILES])
 def test_prose_has_no_persons_for_subjects(file: Path) -> None:
     assert persons_in(file.read_text(encoding="utf-8")) == []
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_prose_beside_the_engine_has_none_either(room: str) -> None:
+    files = sorted((ROOT / room).rglob("*.py"))
+    assert files
+    found = {str(file.relative_to(ROOT)): persons_in(file.read_text(encoding="utf-8")) for file in files}
+    assert {name: lines for name, lines in found.items() if lines} == {}
 
 
 @pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])

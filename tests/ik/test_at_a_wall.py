@@ -1,4 +1,4 @@
-"""A human whom the user drives into a wall: limbs that press on it come to rest, and do not go to and fro on the way."""
+"""A human that the user drives into a wall: limbs that press on it come to rest, and do not go to and fro on the way."""
 
 from dataclasses import replace
 

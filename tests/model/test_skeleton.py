@@ -1,4 +1,4 @@
-"""Links as arrays: degrees of freedom, limits, cones, who moves whom."""
+"""Links as arrays: degrees of freedom, limits, cones, which link moves which."""
 
 import numpy as np
 import pytest

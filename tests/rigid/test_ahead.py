@@ -1,4 +1,4 @@
-"""Who would meet within a plastic step is foreseen, comes as near as that allows, and loses no time."""
+"""Bodies that would meet within a plastic step are foreseen, come as near as that allows, and lose no time."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ H = 1.0 / 60.0
 
 
 def foreseen(bodies: list, pairs: list, h: float = H) -> World:
-    """A world after `look_ahead` with nobody in touch."""
+    """A world after `look_ahead` with no bodies in touch."""
     world = World(bodies, 0.0, 0.5)
     world.memory.moving[:] = [name != "slab" for name in (body.name for body in bodies)]
     world.memory.contacts.used[0] = 0
@@ -108,8 +108,8 @@ def test_velocities_change_at_once_for_who_is_held_and_back_again() -> None:
 
 
 def test_a_heap_whose_islands_part_in_a_plastic_step_goes_on() -> None:
-    """200 balls, looked at every 0.2 s: who goes on at once may leave its island or join another, and neither changes to and fro
-    without end, nor gives anybody the velocities of others."""
+    """200 balls, looked at every 0.2 s: one that goes on at once may leave its island or join another, and neither changes to and
+    fro without end, nor gives one the velocities of others."""
     random = np.random.default_rng(3)
     balls = []
     for k in range(200):
@@ -130,7 +130,7 @@ def test_a_heap_whose_islands_part_in_a_plastic_step_goes_on() -> None:
 @pytest.mark.nojit
 @pytest.mark.boundscheck
 def test_islands_formed_anew_give_nobody_the_velocities_of_others() -> None:
-    """A ball leaves an island that went on at once: that is undone for both, and not for who stands in its place."""
+    """A ball leaves an island that went on at once: that is undone for both, and not for the one in its place."""
     world = World([slab(), *(ball(name, (float(k), 0.0, 1.0)) for k, name in enumerate("abcd"))], 0.0)
     memory, v = world.memory, world.velocities.linear
     islands = memory.islands
@@ -175,7 +175,7 @@ def test_who_goes_back_gains_no_energy() -> None:
 
 
 def test_who_went_ahead_is_called_back_at_the_start_of_a_frame() -> None:
-    """Whoever comes near is where the frame begins; an island whose first body has gone to its end would leave it there."""
+    """A body that comes near is where the frame begins; an island whose first body has gone to its end would leave it there."""
     world = World([slab(), ball("a", (0.0, 0.0, 1.0)), ball("b", (0.3, 0.0, 1.0), velocity=(-20.0, 0.0, 0.0))], 0.0)
     memory = world.memory
     begin(world.geometry, world.dynamics, world.poses, world.velocities, 1.0 / 60.0, memory, True)

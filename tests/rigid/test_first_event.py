@@ -160,7 +160,7 @@ def test_whichever_pair_is_asked_first_the_first_event_is_the_same() -> None:
         asked = [first_event(world.geometry, m, pairs, H, likely) for likely in range(-1, len(pairs) + 1)]
         assert len(set(asked)) == 1
         met += asked[0][1] >= 0
-    # else there would be nothing to find, or nobody to miss
+    # else there would be nothing to find, or no body to miss
     assert 5 < met < 20
 
 

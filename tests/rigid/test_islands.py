@@ -1,4 +1,4 @@
-"""Islands: who holds whom together, and which pairs belong to whom."""
+"""Islands: which bodies hold together, and which pairs belong to which."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_fixed_bodies_hold_nobody_together_and_driven_ones_do() -> None:
 
 @pytest.mark.nojit
 def test_who_is_behind_goes_first() -> None:
-    """Of islands at 0.2, 0.1 and 0.3 s it is the second; once all are at the end it is nobody."""
+    """Of islands at 0.2, 0.1 and 0.3 s it is the second; once all are at the end it is none."""
     islands = make_islands(3, 1)
     part(islands, np.zeros((0, 2), np.int64), 0, np.ones(3, np.int64), np.ones(3, np.int64))
     islands.due[:] = (0.2, 0.1, 0.3)

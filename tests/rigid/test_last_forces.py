@@ -51,7 +51,7 @@ def test_a_point_begins_with_the_force_that_it_had(segments: list[dict[int, tupl
 @pytest.mark.nojit
 @pytest.mark.boundscheck
 def test_a_point_that_is_only_foreseen_gets_no_force_along_its_tangents() -> None:
-    """It touched a segment ago and had friction; that it has none now must not leave it what nobody takes back."""
+    """It touched a segment ago and had friction; that it has none now must not leave it what is not taken back."""
     table = make_last_forces(BODIES, ROOM)
     contacts = points([7], [(1, 2)], 0.5)
     contacts.impulse[0] = 3.0, 2.0, 1.0

@@ -1,4 +1,4 @@
-"""Who is next in the queue of impacts, by looking again only at who was hit, against looking at everybody."""
+"""The next contact in the queue of impacts, by looking again only at bodies that were hit, against looking at all."""
 
 import numpy as np
 import pytest

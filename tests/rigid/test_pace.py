@@ -29,7 +29,7 @@ def test_under_less_gravity_a_ball_at_rest_speed_rises_no_higher(gravity: float)
 def test_a_ball_bounces_alike_in_any_unit(scale: float, dt: float) -> None:
     """Lengths and gravity in another unit, times as they are: only at its last bounces, of a micrometre, it is off by as much.
 
-    Whoever is nearer than TOUCH when a frame begins has met.
+    A body that is nearer than TOUCH when a frame begins has met.
     """
     radius, height, restitution = 0.1 * scale, 0.5 * scale, 0.5
     world = World(

@@ -1,4 +1,4 @@
-"""Who is held up rubs as it is seen to move; who goes freely, as its user does."""
+"""A hand that is held up rubs as it is seen to move; one that goes freely, as its user does."""
 
 import numpy as np
 import pytest

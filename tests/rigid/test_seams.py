@@ -1,4 +1,4 @@
-"""Seams of floors that are cut in pieces: nobody notices them, and every real step is met."""
+"""Seams of floors that are cut in pieces: no body notices them, and every real step is met."""
 
 from collections.abc import Sequence
 

@@ -66,7 +66,7 @@ def test_a_wall_that_lands_keeps_its_budget() -> None:
 @pytest.mark.nojit
 @pytest.mark.boundscheck
 def test_a_crowd_is_late_while_plastic_steps_stop_somebody() -> None:
-    """Or keep somebody apart. Everybody of the island is late, in motion and with many contacts; others get their segments."""
+    """Or keep bodies apart. All of the island is late, in motion and with many contacts; others get their segments."""
     world = World([slab(), *tower(3, 0.1)])
     memory, members = world.memory, np.array([1, 2, 3])
     memory.islands.stops[:] = np.inf

@@ -226,7 +226,7 @@ def test_a_ball_follows_no_hand_that_recedes() -> None:
 
 
 def test_a_squeezed_ball_is_moved_out_without_speed() -> None:
-    """Somebody put a hand 1 cm into it: the position is corrected, no kinetic energy appears."""
+    """A hand was put 1 cm into it: the position is corrected, no kinetic energy appears."""
     world = World([ball("ball", (0.0, 0.0, 0.14))], 0.5, 0.0, gravity=NO_GRAVITY, avatars=[hand()])
     assert world.frame() == 0
     assert world.gap() >= -3e-7

@@ -40,7 +40,7 @@ def test_an_unknown_pair_is_named_and_the_known_ones_listed() -> None:
 
 
 def test_a_pair_given_both_ways_says_the_same_both_times() -> None:
-    """Whichever came last would win, and nobody would know."""
+    """Whichever came last would win, and no message would tell."""
     one, other = ContactLaw(0.5, 0.1), ContactLaw(0.5, 0.2)
     assert PairTable({("m", "n"): one, ("n", "m"): one}).contact("n", "m") == one
     with pytest.raises(InvalidScene, match=r"contact of n and m is .*0\.2.*; valid: that of m and n, .*0\.1"):

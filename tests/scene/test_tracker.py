@@ -14,7 +14,7 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
 from avatarsim.scene.shape import Piece, Sphere
-from avatarsim.scene.tracker import TrackerSample, _sound, checked, link_poses, rest
+from avatarsim.scene.tracker import TrackerSample, _sound, between, checked, link_poses, rest
 from avatarsim.spatial import rotation
 from tests.stability.hostile import hinged_avatar
 
@@ -162,3 +162,14 @@ def test_a_root_that_is_not_free_is_anchored_to_the_world() -> None:
 
 def test_no_avatars_have_no_poses() -> None:
     assert link_poses((), rest(()))[0].shape == (0, 3)
+
+
+@given(share=st.floats(0.0, 1.0), turn=st.floats(-3.0, 3.0), flip=st.sampled_from([-1.0, 1.0]))
+def test_between_samples_links_turn_evenly_and_move_straight(share: float, turn: float, flip: float) -> None:
+    start = TrackerSample(1.0, np.zeros((1, 3)), np.array([rotation.IDENTITY]), np.array([0.5]))
+    end = TrackerSample(3.0, np.array([[1.0, -2.0, 4.0]]), flip * rotation.from_axis_angle(Z, turn)[None], np.array([-0.5]))
+    found = between(start, end, share)
+    assert found.time == pytest.approx(1.0 + 2.0 * share) and found.angles == pytest.approx([0.5 - share])
+    assert found.positions[0] == pytest.approx([share, -2.0 * share, 4.0 * share])
+    assert rotation.to_matrix(found.rotations[0]) == pytest.approx(rotation.to_matrix(rotation.from_axis_angle(Z, share * turn)))
+    assert np.linalg.norm(found.rotations[0]) == pytest.approx(1.0, abs=1e-15)
