@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare test docs look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures sensitivity report lint lock prune clean FORCE
+.PHONY: help setup compare live test docs look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures sensitivity report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -105,6 +105,10 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, an
 	export NUMBA_DISABLE_JIT=1; $(ASK) $(ALL_AT_ONCE) $(NOJIT) || { $(ASK) $(AGAIN) $(NOJIT); exit 1; }
 	@NUMBA_BOUNDSCHECK=1 $(COMPILED)
 	export NUMBA_BOUNDSCHECK=1; $(ASK) $(ALL_AT_ONCE) $(BOUNDSCHECK) || { $(ASK) $(AGAIN) $(BOUNDSCHECK); exit 1; }
+
+# SCENE=body; ARGS: whatever else the command takes.
+live: $(READY)  ## drive a hand or a body in the browser (SCENE=hand|body, ARGS='--dark')
+	@$(VENV_PYTHON) -m avatarsim live $(if $(SCENE),--scene $(SCENE)) $(ARGS)
 
 # Pictures first, since they need a browser: without one the table stays too, and both go on telling of the same run.
 headline: $(READY)  ## the README's table and pictures again, all of the last run, with its commit and date (needs a Chromium)

@@ -64,8 +64,9 @@ def test_what_is_no_recording_ends_with_3(tmp_path: Path, capsys: pytest.Capture
 
 @pytest.mark.parametrize(("words", "code", "says"), [
     (["--room", "floor"], 2, "an option beside --avatar"), (["--rate", "0"], 2, "--rate is 0"), (["--rate", "nan"], 2, "--rate"),
-    (["--seconds", "-1"], 2, "--seconds"), (["--avatar", "none.urdf"], 3, "none.urdf"), (["--motion", "a.bvh"], 3, "motion a.bvh"),
-    (["--scene", "hand", "--avatar", "a.urdf"], 2, "no option beside --avatar"), (["--listen", "nowhere.invalid"], 2, "nowhere.invalid"),
+    (["--seconds", "-1"], 2, "--seconds"), (["--avatar", "none.urdf"], 3, "none.urdf"),
+    (["--motion", "a.bvh"], 3, "motion a.bvh"), (["--listen", "nowhere.invalid"], 2, "nowhere.invalid"),
+    (["--scene", "hand", "--avatar", "a.urdf"], 2, "no option beside --avatar"),
     (["--port", "70000"], 2, "--port"),
 ])
 def test_what_cannot_be_live_is_refused(words: list[str], code: int, says: str, capsys: pytest.CaptureFixture[str]) -> None:
