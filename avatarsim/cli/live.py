@@ -1,6 +1,7 @@
 """The command `avatarsim live`: a session, its page and its ports, until it is stopped."""
 
 import argparse
+import socket
 import sys
 import time
 import webbrowser
@@ -17,7 +18,8 @@ from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage
 from avatarsim.live.messages import RATES, Array, Plan
 from avatarsim.live.orders import posture_of
-from avatarsim.live.ports.server import Ports
+from avatarsim.live.ports.admission import as_address
+from avatarsim.live.ports.server import HIGHEST_PORT, Ports
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
 from avatarsim.live.stages import Stage, stage, stage_of
@@ -109,6 +111,19 @@ def own_depth(scene: Scene) -> Depth:
     return depth
 
 
+def require_place(listen: str, port: int) -> None:
+    """InvalidInput for an address that is not this machine's, and for a port that is none: the page's server would never start."""
+    address = as_address(listen)
+    if not 0 <= port <= HIGHEST_PORT:
+        raise InvalidInput("--port", port, f"a whole number from 0, which lets the system choose, to {HIGHEST_PORT}")
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    with socket.socket(family, socket.SOCK_STREAM) as end:
+        try:
+            end.bind((address, 0))
+        except OSError as error:
+            raise InvalidInput("--listen", listen, f"an address of this machine ({error.strerror})") from error
+
+
 def _say_ports(ports: Ports) -> None:
     """Where trackers and renderers find this session."""
     for kind, (host, port) in ports.addresses.items():
@@ -127,6 +142,7 @@ def drive(
     rate = within("--rate", asked.rate, *RATES, InvalidInput)
     seconds = None if asked.seconds is None else within("--seconds", asked.seconds, 0.0, 1e6, InvalidInput)
     ours = Plan(OURS, found.scene, Settings(preset=asked.method, time_stages=True), rate)
+    require_place(asked.listen, asked.port)
     print("avatarsim: loading", file=sys.stderr)
     try:
         with ExitStack() as stack:
