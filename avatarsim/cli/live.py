@@ -112,7 +112,7 @@ def own_depth(scene: Scene) -> Depth:
 
 
 def require_place(listen: str, port: int) -> None:
-    """InvalidInput for an address that is not this machine's, and for a port that is none: the page's server would never start."""
+    """InvalidInput for an address of another machine, and for a port that is none: the page's server would never start."""
     address = as_address(listen)
     if not 0 <= port <= HIGHEST_PORT:
         raise InvalidInput("--port", port, f"a whole number from 0, which lets the system choose, to {HIGHEST_PORT}")
