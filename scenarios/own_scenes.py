@@ -1,4 +1,5 @@
-"""Scenes from a user's files in the catalogue: MJCF, URDF and meshes, driven by a recorded motion or left to gravity.
+"""Scenes from a user's files in the catalogue: MJCF, URDF and meshes, driven by a recorded motion or left to gravity; recordings
+of `avatarsim live`, with what was driven.
 
 Each process of a run reads the files again, so what is asked for travels in the environment, which every process inherits.
 """
@@ -12,10 +13,13 @@ from functools import cached_property, lru_cache, reduce
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from avatarsim.assets.models.model import Model
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.checks import within
+from avatarsim.scene.motion import Motion as Recording
 from avatarsim.scene.scene import Scene
 from runfiles.naming import GATED, OWN_PREFIX
 from scenarios.building.promises import FINITE, NO_OVERLAP, WITHIN_LIMITS
@@ -31,6 +35,8 @@ LONGEST = 3600.0
 """[s] of a scene at most, an hour; longer ones are not kept in memory."""
 MODELS = (".xml", ".mjcf", ".urdf")
 """Endings of files that may hold joints."""
+DRIVEN = ".live"
+"""Ending of recordings of `avatarsim live`: scene and samples in one file."""
 MARGIN = 1e-3
 """[m] the first posture is looked for with so much room about it, as in cleaning."""
 
@@ -58,6 +64,11 @@ class OwnScene:
 
         return load_motion(self.motion) if self.motion else None
 
+    @property
+    def is_recording(self) -> bool:
+        """Whether the file is a recording of `avatarsim live`."""
+        return Path(self.file).suffix.lower() == DRIVEN
+
     @cached_property
     def models(self) -> tuple[Model, ...]:
         """What has the avatar, if anything has, then what stands about it. Raises InvalidFile for what cannot be read."""
@@ -79,11 +90,35 @@ class OwnScene:
     @property
     def said(self) -> tuple[str, ...]:
         """What readers say: units guessed, bodies raised, pairs left out of contact since they overlap in the file."""
+        if self.is_recording:
+            return ()
         heard = [*(() if self.recorded is None else self.recorded.said), *(said for model in self.models for said in model.said)]
         return tuple(dict.fromkeys(heard))
 
+    def replayed(self) -> tuple[Scene, Track]:
+        """Scene and samples of a recording of `avatarsim live`; what was ordered in between, switches among it, is left out.
+
+        Raises InvalidFile for what is no recording, or beside which an avatar, a room or a motion is named."""
+        from avatarsim.live.recording import Frame, read
+
+        for name, other in (("--avatar", self.avatar), ("--room", self.room), ("--motion", self.motion)):
+            if other:
+                raise InvalidFile(f"{name} beside {Path(self.file).name}", other, "nothing: a recording has all of it")
+        found = read(Path(self.file))
+        samples = [row.sample for row in found.rows if isinstance(row, Frame)]
+        if not samples or not found.plan.scene.avatars:
+            raise InvalidFile(f"frames of {Path(self.file).name}", len(samples), "1 at least, of a scene with an avatar")
+        times = np.arange(len(samples), dtype=np.float64) / found.plan.rate
+        driven = Recording(
+            times, np.array([one.positions for one in samples]), np.array([one.rotations for one in samples]),
+            np.array([one.angles for one in samples], dtype=np.float64),
+        ).resampled(1.0 / RENDERED)
+        return replace(found.plan.scene, name=self.name), Track(driven.positions, driven.rotations, driven.angles)
+
     def parts(self) -> tuple[Scene, Track | None]:
         """The scene with a first posture that is free, and the motion from there; None without one."""
+        if self.is_recording:
+            return self.replayed()
         # here and not above: to list the catalogue needs no compiler
         from avatarsim.cleaning.chords import Chords
         from avatarsim.cleaning.start import free_posture
@@ -106,7 +141,7 @@ class OwnScene:
     def scenario(self) -> Scenario:
         """The question that is put to every engine: nothing overlaps, limits hold, all is finite; the rest is measured."""
         frames = max(1, round(self.seconds / RENDERED))
-        if self.motion:
+        if self.motion or self.is_recording:
             track = _parts(self)[1]
             frames = min(frames, len(track)) if track is not None else frames
 

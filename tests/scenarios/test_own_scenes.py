@@ -9,8 +9,11 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
+from avatarsim.live.orders import World
+from avatarsim.live.recording import Recorder
 from scenarios import catalog, own_scenes
 from scenarios.running import offered
+from tests.live.small import plan, pushed
 
 HOUSE = Path(__file__).resolve().parents[2]
 BOXES = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
@@ -137,3 +140,26 @@ def test_pairs_that_a_room_keeps_apart_stay_apart_under_new_names(boxes: str, ar
     own_scenes.ask([boxes], arm[0], str(stuck), None, 1.0)
     (scenario,) = catalog.scenarios().values()
     assert ("room_a", "room_ball") in {tuple(sorted(pair)) for pair in scenario.build().exclude}
+
+
+def test_a_recording_of_a_live_session_is_a_scene_with_its_motion(tmp_path: Path) -> None:
+    world = World(plan())
+    recorder = Recorder(tmp_path / "mine.live", world.plan, world.shown.state_hash())
+    for frame in range(1, 91):
+        recorder.frame(pushed(frame), world.advance(pushed(frame)).state_hash())
+    recorder.close()
+    own_scenes.ask([str(tmp_path / "mine.live")], None, None, None, 5.0)
+    (scenario,) = own_scenes.scenarios().values()
+    scene = scenario.build()
+    assert scenario.frames == 90 and scene.name == scenario.name and scene.names == plan().scene.names
+    motion = scenario.motion(scene, 0)
+    np.testing.assert_array_equal(motion(41).positions, pushed(42).positions)
+    with pytest.raises(InvalidFile, match="--room beside mine.live"):
+        own_scenes.ask([str(tmp_path / "mine.live")], None, "floor", None, 5.0)
+
+
+def test_a_recording_without_frames_is_refused(tmp_path: Path) -> None:
+    world = World(plan())
+    Recorder(tmp_path / "none.live", world.plan, world.shown.state_hash()).close()
+    with pytest.raises(InvalidFile, match="frames of none.live"):
+        own_scenes.ask([str(tmp_path / "none.live")], None, None, None, 5.0)
