@@ -81,7 +81,7 @@ class Loop:
         self._frame = self._skipped = self._steps = 0
         self._is_paused = self._is_over = False
         self._log: Recorder | None = None
-        self._logs = 0
+        self._logs = self._on_cpu = 0
         self._begin_log()
 
     def run(self) -> None:
@@ -106,9 +106,9 @@ class Loop:
 
     def _one(self, due: int) -> None:
         """A frame: advance, publish, log, and collect garbage where there is time."""
-        begun = time.monotonic_ns()
+        begun, on_cpu = time.monotonic_ns(), time.thread_time_ns()
         record = self.world.advance(self._sample)
-        cost = time.monotonic_ns() - begun
+        cost, self._on_cpu = time.monotonic_ns() - begun, time.thread_time_ns() - on_cpu
         self._frame += 1
         state_hash = self._publish(record, cost, due)
         if self._log is not None:
@@ -128,7 +128,7 @@ class Loop:
             self._frame, shown.time, shown.positions, shown.orientations, record.angles, self._target, latency, cost,
             now > due + self._period and not self._is_paused, self._skipped, due + self._period,
             dict(record.statuses), dict(record.counts), dict(record.stage_ns), state_hash, self._is_paused,
-            self._log is not None and self._log.is_open,
+            self._log is not None and self._log.is_open, self._on_cpu,
         ))
         return state_hash
 

@@ -126,7 +126,7 @@ class State:
     positions     (n, 3) [m], orientations (n, 4) scalar first, angles (hinges,) [rad]
     target        the newest target's number, 0 before the first; `latency` [ns] from its stamp until this state was published, -1
                   where it was used before
-    engine_ns     how long the engine took, in `advance`
+    engine_ns     how long the engine took, in `advance`, `cpu_ns` of that on the processor: others took the rest
     is_late       published after the next frame was due; `skipped` frames that were due and left out, since the loop began
     due           [ns] of the monotonic clock at which the next frame begins
     statuses      as in FrameRecord, and counts, stage_ns
@@ -151,3 +151,4 @@ class State:
     state_hash: str
     is_paused: bool = False
     is_logged: bool = False
+    cpu_ns: int = 0

@@ -17,6 +17,7 @@ import time
 from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import websockets
@@ -116,11 +117,26 @@ def judged(path: Path, every: int) -> tuple[float, int, bool]:
     return deepest, count, done.difference is None
 
 
+class Numbers(NamedTuple):
+    """What is kept of a state: to keep all of it would be the memory that is measured."""
+
+    is_late: bool
+    engine_ns: int
+    cpu_ns: int
+    latency: int
+    skipped: int
+
+
+def numbers(state: State) -> Numbers:
+    """Of a state."""
+    return Numbers(state.is_late, state.engine_ns, state.cpu_ns, state.latency, state.skipped)
+
+
 def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
     """Drive for the time that is asked for; the figures."""
     import os
 
-    found, states = stage(asked.scene), dict[int, State]()
+    found, states = stage(asked.scene), dict[int, Numbers]()
     with ExitStack() as stack:
         session = stack.enter_context(Session([Plan(OURS, found.scene, Settings(time_stages=True), asked.rate)]))
         page = Page(session, Driver(found.scene), Shows(found, {}, own_depth(found.scene), port=0))
@@ -140,7 +156,7 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
             if now - told >= 5.0:
                 told = now
                 if now > WARM:
-                    states.update((state.frame, state) for state in session.first.states())
+                    states.update((state.frame, numbers(state)) for state in session.first.states())
                     memory.append(resident(session.first.pid) + resident(os.getpid()))
                 print(f"\r{now:4.0f} s, {session.first.figures()}"[:150], end="", file=sys.stderr, flush=True)
             return now > asked.seconds
@@ -155,7 +171,9 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
     third = len(memory) // 3
     return {
         "frames": len(states), "late_percent": 100.0 * (sum(s.is_late for s in states.values()) + missed) / len(states),
-        "skipped": missed, "worst_ms": 1e-6 * worst.engine_ns,
+        "skipped": missed, "worst_ms": 1e-6 * worst.engine_ns, "its_cpu_ms": 1e-6 * worst.cpu_ns,
+        "worst_cpu_ms": 1e-6 * max(state.cpu_ns for state in states.values()),
+        "over_2_ms": sum(state.engine_ns > 2e6 for state in states.values()),
         "p99_ms": 1e-6 * rank(sorted(s.engine_ns for s in states.values())),
         "latency_p99_ms": 1e-6 * rank(latencies), "memory_mb": memory[-1],
         "memory_percent": 100.0 * (float(np.median(memory[-third:])) / float(np.median(memory[:third])) - 1.0),
