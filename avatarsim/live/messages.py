@@ -81,7 +81,8 @@ class Order(Enum):
 
 @dataclass(frozen=True)
 class Switch:
-    """What is switched: `off` names effects that the user switches off beyond those that the scene's author did."""
+    """What is switched: `off` names effects that the user switches off beyond those that the scene's author did; `preset` and
+    `options` are those of our engine, and no other's."""
 
     off: tuple[str, ...] = ()
     preset: str = "default"

@@ -83,7 +83,10 @@ class World:
         if not isinstance(value, Switch):
             raise InvalidInput("switch of a loop", value, "a Switch(off, preset, options)")
         scene = narrowed(self.scene, self.plan.scene, value.off)
-        settings = replace(self.settings, preset=value.preset, options=value.options)
+        settings = self.settings
+        if isinstance(self.engine, AvatarsimEngine):
+            # presets of other engines are their own, and stay
+            settings = replace(settings, preset=value.preset, options=value.options)
         same = settings.preset == self.settings.preset and dict(settings.options) == dict(self.settings.options)
         if same and isinstance(self.engine, AvatarsimEngine):
             self.shown, self.scene = self.engine.change(scene), scene

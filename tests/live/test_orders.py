@@ -7,12 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from avatarsim.engine import Settings
 from avatarsim.errors import InvalidInput
 from avatarsim.live.messages import Command, Order, Switch
 from avatarsim.live.orders import World, posture_of, scene_at
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.spatial import rotation
 from scenarios.catalog import get
+from scenarios.engines import opened
 from tests.live.small import plan, pushed
 
 
@@ -108,3 +110,16 @@ def test_the_posture_of_poses_is_the_inverse_of_kinematics(seed: int) -> None:
     found = link_poses(scene.avatars, posture_of(scene, *poses, sample.angles))
     np.testing.assert_allclose(found[0], poses[0], atol=1e-12)
     np.testing.assert_allclose(np.abs((found[1] * poses[1]).sum(axis=1)), 1.0, atol=1e-12)
+
+
+def test_a_switch_leaves_the_preset_of_another_engine_alone() -> None:
+    engine = opened("mujoco")
+    rival = replace(plan(), settings=Settings(preset="tuned"), name="mujoco/tuned")
+    world = World(rival, type(engine))
+    before = world.shown.shown.positions
+    assert world.apply(Command(Order.SWITCH, Switch(("friction",), "paper"))) == ""
+    assert world.settings.preset == "tuned" and "friction" in world.scene.narrow
+    np.testing.assert_allclose(world.shown.shown.positions, before, atol=1e-6)
+    for order in (Order.KEEP, Order.BACK):
+        assert "an engine that takes snapshots" in world.apply(Command(order))
+    assert world.apply(Command(Order.RESET)) == ""

@@ -204,7 +204,7 @@ def main() -> int:
         bound = BOUNDS.get(name)
         kept = "" if bound is None else f"   at most {bound:g}{'' if value <= bound else '  MISSED'}"
         print(f"{name:16} {value:10.4g}{kept}")
-    return int(not is_same or any(figures[name] > bound for name, bound in BOUNDS.items()))
+    return int(not is_same or any(not figures[name] <= bound for name, bound in BOUNDS.items()))
 
 
 def void(value: object) -> None:

@@ -5,12 +5,14 @@ Schmidt 1996). It hands targets over a few milliseconds before the loop's next f
 the business of another thread, since the messages of a draw take several milliseconds.
 """
 
+import asyncio
 import queue
 import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -44,6 +46,14 @@ DEEPER = 2.0
 """[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
 
 
+class LocalServer(viser.ViserServer):
+    """A page's server that no client can make public: viser would open a tunnel to a host of its own for any that asks."""
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """None, always."""
+        return None
+
+
 @dataclass(frozen=True, eq=False)
 class Shows:
     """What a page shows: the session's stage, clips to play, how penetration is measured, where it is served and saved."""
@@ -65,26 +75,44 @@ class Page:
         self._events: queue.SimpleQueue[tuple[int, Callable[[], None]]] = queue.SimpleQueue()
         self._scene = session.scene
         try:
-            self.server = viser.ViserServer(host=shows.host, port=shows.port, label="avatarsim live", verbose=False)
+            self.server = LocalServer(host=shows.host, port=shows.port, label="avatarsim live", verbose=False)
         except OSError as error:
             raise InvalidInput("port of the page", shows.port, f"a port that is free ({error.strerror})") from error
-        self.server.scene.set_up_direction("+z")
-        camera = self.server.initial_camera
-        camera.position, camera.look_at = np.asarray(shows.stage.camera.position), np.asarray(shows.stage.camera.look_at)
-        self.drawn = {name: Drawn(self.server, self._scene, name, k) for k, name in enumerate(session.loops)}
-        self.panel = Panel(self.server, self, list(session.loops), list(shows.clips), shows.dark)
         self._names = {name: k for k, name in enumerate(self._scene.names)}
         self._offset = len(self._scene.bodies)
         self._grabbed: dict[str, tuple[Array, Array, Array]] = {}
         self._tracked: set[str] = set()
-        for one in self.drawn.values():
-            one.darken(shows.dark)
-        self._gizmos = self._make_gizmos()
-        self._bind_drags()
+        self.drawn: dict[str, Drawn] = {}
+        self._gizmos: dict[str, viser.TransformControlsHandle] = {}
+        self._there(self._build)
         self._sample: TrackerSample = self._scene.first_sample
         self._stamp, self._is_over = 0, False
         self._ended: AvatarsimError | None = None
         self.ports: Ports | None = None
+
+    def _build(self) -> None:
+        """All that the page has, in the server's thread."""
+        self.server.scene.set_up_direction("+z")
+        camera, seen = self.server.initial_camera, self.shows.stage.camera
+        camera.position, camera.look_at = np.asarray(seen.position), np.asarray(seen.look_at)
+        for k, name in enumerate(self.session.loops):
+            self.drawn[name] = Drawn(self.server, self._scene, name, k)
+            self.drawn[name].darken(self.shows.dark)
+        self.panel = Panel(self.server, self, list(self.session.loops), list(self.shows.clips), self.shows.dark)
+        self._gizmos = self._make_gizmos()
+        self._bind_drags()
+
+    def there(self, work: Callable[[], None]) -> None:
+        """Have something done in the server's thread, soon. What is written from another one meets events of asyncio there that
+        are made for one thread: with several viewers its buffers break."""
+        self.server.get_event_loop().call_soon_threadsafe(work)
+
+    def _there(self, work: Callable[[], None]) -> None:
+        """The same, and wait until it is done."""
+        async def done() -> None:
+            work()
+
+        asyncio.run_coroutine_threadsafe(done(), self.server.get_event_loop()).result()
 
     @property
     def address(self) -> str:
@@ -128,7 +156,7 @@ class Page:
                 if now - told >= TOLD:
                     told = now
                     self._tell()
-                self._draw()
+                self._there(self._draw)
                 drawn = max(drawn + DRAWN, now)
                 time.sleep(max(SOONEST, drawn + DRAWN - time.monotonic()))
         finally:
@@ -172,7 +200,7 @@ class Page:
             try:
                 event()
             except AvatarsimError as error:
-                self.panel.say(str(error))
+                self.there(partial(self.panel.say, str(error)))
 
     def _draw(self) -> None:
         """Move all that is drawn to where the newest states have it."""
@@ -196,7 +224,6 @@ class Page:
         if self.shows.depth is not None:
             for name, state in states.items():
                 depths[name] = self.shows.depth(self._scene, state.positions, state.orientations, state.angles)
-                self.drawn[name].mark(depths[name] > 1e-6)
             first = states.get(self.session.first.plan.name)
             if first is not None:
                 positions, orientations = link_poses(self._scene.avatars, self._sample)
@@ -207,8 +234,16 @@ class Page:
         name = self.session.first.plan.name
         if name in states:
             heard = "" if self.ports is None else "\n\n" + at_ports(self.ports.refusals)
-            self.panel.tell(table(figures, depths, target), sentence(states[name], figures[name]) + heard)
-            self.panel.plot({n: [s.engine_ns for s in self.session.loops[n].states()] for n in states})
+            rows, words = table(figures, depths, target), sentence(states[name], figures[name]) + heard
+            times = {n: [s.engine_ns for s in self.session.loops[n].states()] for n in states}
+            self._there(lambda: self._write(rows, words, times, depths))
+
+    def _write(self, rows: str, words: str, times: Mapping[str, list[int]], depths: Mapping[str, float]) -> None:
+        """Figures on the panel, and red for what overlaps."""
+        self.panel.tell(rows, words)
+        self.panel.plot(times)
+        for name, depth in depths.items():
+            self.drawn[name].mark(depth > 1e-6)
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
         """A gizmo for each handle of the stage, for drags along axes and for turns."""

@@ -1,5 +1,6 @@
 """The panel beside the scene, of viser's widgets: figures, a plot of frame times, switches, clips, keys, what has gone wrong."""
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from functools import partial
@@ -56,7 +57,7 @@ class Panel:
             with gui.add_folder("Engines"):
                 for name in engines:
                     box = gui.add_checkbox(name, True)
-                    self._on(box.on_update, partial(self._see, name, box))
+                    self._here(box.on_update, partial(self._see, name, box))
         if clips:
             with gui.add_folder("Clips", expand_by_default=False):
                 self._clip_buttons(clips)
@@ -73,6 +74,14 @@ class Panel:
         """Have `act` done in the page's thread whenever a widget fires."""
         async def fired(event: object) -> None:
             self._page.post(lambda: void(act()))
+
+        bind(fired)
+
+    @staticmethod
+    def _here(bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
+        """Have `act`, which only draws, done in the server's thread whenever a widget fires."""
+        async def fired(event: object) -> None:
+            act()
 
         bind(fired)
 
@@ -114,11 +123,11 @@ class Panel:
     def _view_boxes(self, dark: bool) -> None:
         gui, page = self._server.gui, self._page
         night = gui.add_checkbox("Dark", dark)
-        self._on(night.on_update, lambda: self._darken(night.value))
+        self._here(night.on_update, lambda: self._darken(night.value))
         ghost = gui.add_checkbox("Your own posture, as a ghost", True)
-        self._on(ghost.on_update, lambda: page.drawn[page.session.first.plan.name].see_ghost(ghost.value))
+        self._here(ghost.on_update, lambda: page.drawn[page.session.first.plan.name].see_ghost(ghost.value))
         gizmos = gui.add_checkbox("Gizmos", False)
-        self._on(gizmos.on_update, lambda: page.see_gizmos(gizmos.value))
+        self._here(gizmos.on_update, lambda: page.see_gizmos(gizmos.value))
 
     def _darken(self, dark: bool) -> None:
         self._theme(dark)
@@ -128,7 +137,7 @@ class Panel:
     def _ordered(self, order: Order, value: object = None) -> bool:
         """Give a command to all loops; what the driven one refuses is said."""
         answer = self._page.session.command(order, value)[self._page.session.first.plan.name]
-        self.say(answer.refused)
+        self._said(answer.refused)
         return not answer.refused
 
     @staticmethod
@@ -139,7 +148,7 @@ class Panel:
         self._page.drawn[name].see(box.value)
 
     def _press(self, key: str) -> None:
-        self.say(self._page.driver.press(key))
+        self._said(self._page.driver.press(key))
 
     def _pause(self) -> None:
         state = self._page.session.first.look()
@@ -158,20 +167,29 @@ class Panel:
         if self._ordered(Order.SWITCH, wanted):
             self._switched = wanted
             return
-        # what was refused is not what runs
+        self._page.there(self._show_switched)
+
+    def _show_switched(self) -> None:
+        """Set the boxes to what runs, which what was refused is not."""
         for name, box in self._effects.items():
             box.value = name not in self._switched.off  # type: ignore[misc]
         self._method.value = METHODS[self._switched.preset]  # type: ignore[misc]
 
     def _save(self) -> None:
-        path = self._page.shows.folder / f"{self._page.session.scene.name}-{datetime.now():%Y%m%d-%H%M%S}.live"
+        # a name that a shell takes as one word
+        name = re.sub(r"\W+", "-", self._page.session.scene.name)
+        path = self._page.shows.folder / f"{name}-{datetime.now():%Y%m%d-%H%M%S}.live"
         self._page.session.save(path)
-        self.say(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
+        self._said(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
 
     @property
     def off(self) -> tuple[str, ...]:
         """Effects that are switched off."""
         return self._switched.off
+
+    def _said(self, words: str) -> None:
+        """`say`, from the thread of the targets."""
+        self._page.there(lambda: self.say(words))
 
     def say(self, words: str) -> None:
         """Say what went wrong, or was done; nothing where there are no words."""
