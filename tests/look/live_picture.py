@@ -2,7 +2,7 @@
 
     python -m tests.look.live_picture
 
-Needs a Chromium. Writes reports/pictures/live.webp.
+Needs a Chromium. Writes docs/pictures/live.webp: it is of no run, as those in reports/pictures are.
 """
 
 import base64
@@ -16,7 +16,7 @@ from PIL import Image
 from tests.look.browser import browser
 from tests.look.look_live import HUD, Running
 
-PLACE = Path(__file__).resolve().parents[2] / "reports" / "pictures" / "live.webp"
+PLACE = Path(__file__).resolve().parents[2] / "docs" / "pictures" / "live.webp"
 WIDE, HIGH = 980, 640
 """Window [px]; the panel is at its right."""
 SHOWN = (640, 418)

@@ -38,7 +38,8 @@ def test_table_and_pictures_are_of_one_run() -> None:
     readme = README.read_text(encoding="utf-8")
     assert all(text[: headline.SHORT_COMMIT if name == "commit" else None] in readme for name, text in named.items())
     if named:
-        shown = {Path(path).name for path in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", readme)}
+        paths = [Path(path) for path in re.findall(r"!\[[^\]]+\]\(([^)]+)\)", readme)]
+        shown = {path.name for path in paths if path.parent == Path("reports/pictures")}
         assert shown == set(about["pictures"]) == {path.name for path in ABOUT.parent.iterdir()} - {ABOUT.name}
 
 
