@@ -16,6 +16,7 @@ import zlib
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -141,11 +142,8 @@ class Recorder:
 
 def versions() -> dict[str, str]:
     """What has a say in the last bits: of the package, its compiler and the processor."""
-    import llvmlite
-    import numba
-
     return {
-        "avatarsim": VERSION, "numpy": np.__version__, "numba": numba.__version__, "llvmlite": llvmlite.__version__,
+        "avatarsim": VERSION, "numpy": np.__version__, "numba": version("numba"), "llvmlite": version("llvmlite"),
         "python": platform.python_version(), "machine": platform.machine(), "processor": compiled_for().name,
     }
 

@@ -1,4 +1,4 @@
-"""A small driven world: an arm of two links with a free root over a table, a loose ball on it, and a user who pushes down."""
+"""A small driven world: an arm of two links with a free root over a table, a loose ball on it, and a target that pushes down."""
 
 import math
 

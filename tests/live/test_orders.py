@@ -58,7 +58,7 @@ def test_a_switch_goes_on_from_what_is_shown(switch: Switch) -> None:
     after = world.shown.shown
     np.testing.assert_allclose(after.positions, before.positions, atol=1e-12)
     if "dynamics" not in switch.off:
-        # of loose bodies; links have the speed of their users, who begin again
+        # of loose bodies; links have the speed of their targets, which begin again
         np.testing.assert_allclose(after.velocities[1], before.velocities[1], atol=1e-12)
     assert world.settings.preset == switch.preset and set(switch.off) <= set(world.scene.narrow)
     world.advance(pushed(21))
