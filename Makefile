@@ -107,7 +107,7 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, an
 	export NUMBA_BOUNDSCHECK=1; $(ASK) $(ALL_AT_ONCE) $(BOUNDSCHECK) || { $(ASK) $(AGAIN) $(BOUNDSCHECK); exit 1; }
 
 # SCENE=body; ARGS: whatever else the command takes.
-live: $(READY)  ## drive a hand or a body in the browser (SCENE=hand|body, ARGS='--dark')
+live: $(READY)  ## drive a hand or a body in the browser (SCENE=hand|gallery, ARGS='--dark')
 	@$(VENV_PYTHON) -m avatarsim live $(if $(SCENE),--scene $(SCENE)) $(ARGS)
 
 # Pictures first, since they need a browser: without one the table stays too, and both go on telling of the same run.

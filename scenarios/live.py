@@ -1,12 +1,12 @@
-"""`python -m scenarios.live`: scenes of the catalogue driven in the browser, other engines beside ours, measured by the judge.
+"""`python -m scenarios.live`: built-in stages and scenes of the catalogue driven in the browser, other engines beside ours.
 
-The page, the loops and the ports are those of `avatarsim live`; what is added is what alone the harness knows. A scene's own
-motion is a clip to play and to take over from.
+The page, the loops and the ports are those of `avatarsim live`; what is added is what alone the harness knows: its
+scenes, its engines, and the independent judge, which measures them. A scene's own motion is a clip to play and to take over from.
 """
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from avatarsim.console import ended
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.live.messages import Array, Plan
-from avatarsim.live.stages import staged
+from avatarsim.live.stages import NAMES, Stage, stage, staged
 from avatarsim.live.view.depth import Depth
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -26,10 +26,8 @@ from scenarios.engines import PRESETS, known
 from scenarios.results.gate import USAGE
 from scenarios.scenario import RENDERED, Scenario
 
-NAMED = {"gallery": "walk_through_obstacles", "hand": "hand_over_table"}
-"""Scenes by what one would call them, and their names in the catalogue."""
 SCENE = "gallery"
-"""The scene that is shown where none is asked for: the paper's two rooms."""
+"""The scene that is shown where none is asked for, as built in."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -39,7 +37,8 @@ def parser() -> argparse.ArgumentParser:
         epilog="examples: python -m scenarios.live; python -m scenarios.live --scene hand --engine mujoco/tuned pybullet/tuned",
     )
     live_options(top)
-    top.add_argument("--scene", default=SCENE, metavar="NAME", help=f"{', '.join(NAMED)}, or a scene of the catalogue")
+    scene = f"{', '.join(NAMES)} as in `avatarsim live`, or a scene of the catalogue"
+    top.add_argument("--scene", default=SCENE, metavar="NAME", help=scene)
     beside = "engines beside ours, led by the same targets"
     top.add_argument("--engine", nargs="+", default=[], metavar="ENGINE/PRESET", help=beside)
     return top
@@ -52,16 +51,24 @@ def main(arguments: Sequence[str] | None = None) -> int:
         require_page()
         if asked.motion:
             raise InvalidInput("--motion", str(asked.motion[0]), "an option of `avatarsim live --avatar FILE`")
-        scenario = get(NAMED.get(asked.scene, asked.scene))
-        scene = scenario.build()
-        if not scene.avatars:
-            raise InvalidInput("--scene", asked.scene, "a scene with an avatar")
-        rivals = [plan_of(words, scene, asked.rate) for words in asked.engine]
-        clips = {f"{scene.name}, seed 0": clip(scenario, scene)}
-        return drive(asked, staged(scene, scenario.title), clips, rivals, judged(scene))
+        found, clips = staged_of(asked.scene)
+        rivals = [plan_of(words, found.scene, asked.rate) for words in asked.engine]
+        return drive(asked, found, clips, rivals, judged(found.scene))
     except AvatarsimError as error:
         print(f"scenarios.live: {error}", file=sys.stderr)
         return USAGE
+
+
+def staged_of(name: str) -> tuple[Stage, Mapping[str, Motion]]:
+    """A built-in stage, or a scene of the catalogue with its motion as a clip. Raises UnknownName for neither, InvalidInput for one
+    without an avatar."""
+    if name in NAMES:
+        return stage(name), {}
+    scenario = get(name)
+    scene = scenario.build()
+    if not scene.avatars:
+        raise InvalidInput("--scene", name, "a scene with an avatar")
+    return staged(scene, scenario.title), {f"{scene.name}, seed 0": clip(scenario, scene)}
 
 
 def plan_of(words: str, scene: Scene, rate: float) -> Plan:

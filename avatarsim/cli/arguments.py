@@ -47,8 +47,8 @@ nothing listens beyond this machine unless --listen says so.
 examples:
   avatarsim live
       a hand over a table: drag it with the mouse, push it into the wood
-  avatarsim live --scene body --dark
-      a human in two rooms
+  avatarsim live --scene gallery --dark
+      a human in two rooms with things that roll and fall
   avatarsim live --avatar robot.xml --room kitchen.glb --motion retargeted/reach.csv
       a robot of your own, in your own room, and a clip to take over from
   avatarsim live --udp 9870
@@ -107,10 +107,11 @@ def parser() -> argparse.ArgumentParser:
 def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     live = commands.add_parser(
         "live", help="drive an avatar in the browser", description=LIVE, epilog=LIVE_END, formatter_class=RAW,
-        usage="avatarsim live [--scene hand | body] [--avatar FILE] [--room FILE | floor] [options]",
+        usage="avatarsim live [--scene hand | gallery] [--avatar FILE] [--room FILE | floor] [options]",
     )
     live_options(live)
-    live.add_argument("--scene", choices=("hand", "body"), help="a scene that is built in (default: hand)")
+    live.add_argument("--scene", choices=("hand", "gallery"), help="a scene that is built in (default: hand); those "
+                      "of the catalogue: python -m scenarios.live in a checkout")
     live.add_argument("--avatar", metavar="FILE", type=path_option, help="an avatar of your own: MJCF, URDF")
     live.add_argument("--room", metavar="FILE", type=path_option, help="your own room: MJCF, URDF, a mesh, or the word floor")
     replay = commands.add_parser(

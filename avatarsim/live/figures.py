@@ -18,7 +18,8 @@ def rank(values: list[int], percent: float) -> int:
 @dataclass(frozen=True)
 class Figures:
     """Of the frames of the last `SPAN` seconds: frame times and latencies [ns], share late, frames left out, medians of stages
-    [ns], and how often each status was reported."""
+    [ns], how often each status was reported, and the longest that a frame had the processor [ns], which `worst` may exceed by what
+    other programs took."""
 
     frames: int = 0
     p50: int = 0
@@ -30,6 +31,7 @@ class Figures:
     latency_p99: int = 0
     stages: dict[str, int] = field(default_factory=dict)
     statuses: dict[str, int] = field(default_factory=dict)
+    worst_cpu: int = 0
 
 
 class Window:
@@ -61,4 +63,5 @@ class Window:
         return Figures(
             len(states), rank(times, 50.0), rank(times, 99.0), times[-1], sum(s.is_late for s in states) / len(states),
             states[-1].skipped - states[0].skipped, rank(latencies, 50.0), rank(latencies, 99.0), stages, statuses,
+            max(s.cpu_ns for s in states),
         )

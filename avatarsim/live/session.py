@@ -30,6 +30,10 @@ ENDING = 2.0
 """[s] that a loop has to end by itself."""
 
 
+class LoopRefused(AvatarsimError):
+    """A loop whose engine does not take what is asked of it: a scene, a preset, an option."""
+
+
 class LoopDied(AvatarsimError):
     """The process of a loop ended, or did not answer; the text says which, and how."""
 
@@ -52,10 +56,10 @@ class Driven:
         self.touching: Touching | None = None
 
     def is_loaded(self) -> bool:
-        """Whether it has begun, once it says so. Raises LoopDied with its sentence where it could not."""
+        """Whether it has begun, once it says so. Raises LoopRefused with its sentence where it could not, LoopDied where it ended."""
         answer = self.answered(0, LOADING)
         if answer.refused:
-            raise LoopDied(f"{self.plan.name} could not begin: {answer.refused}")
+            raise LoopRefused(f"{self.plan.name} could not begin: {answer.refused}")
         return True
 
     @property
@@ -133,7 +137,7 @@ class Driven:
 class Session:
     """All loops of one live scene. `plans`: the first is the one that the user drives, the others follow the same targets.
 
-    Use it as a context manager: it ends its processes. Raises LoopDied where a loop cannot begin."""
+    Use it as a context manager: it ends its processes. Raises LoopRefused where a loop cannot begin, LoopDied where it ends."""
 
     def __init__(self, plans: Sequence[Plan]) -> None:
         if not plans:

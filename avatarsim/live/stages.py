@@ -1,4 +1,4 @@
-"""Built-in stages: a hand over a table, a human in two rooms; of primitives alone, and of any avatar that a user brings.
+"""Built-in stages: a hand over a table, a gallery of two rooms with a human; of primitives alone, and of any avatar that a user brings.
 
 Lengths and masses of the hand are an adult's (Garrett 1971; de Leva 1996), its joints' ranges those of the ASSH, rounded; the
 human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).
@@ -218,7 +218,7 @@ def body() -> tuple[Avatar, TrackerSample]:
     return avatar, TrackerSample(0.0, places, turns, angles)
 
 
-def _body_stage() -> Stage:
+def _gallery() -> Stage:
     avatar, start = body()
     positions, orientations = link_poses((avatar,), start)
     lowest = min(
@@ -226,7 +226,7 @@ def _body_stage() -> Stage:
         for k, link in enumerate(avatar.links) for piece in link.pieces
     )
     start = replace(start, positions=_first_root(avatar, (-2.2, 0.0, GAP - lowest)))
-    scene = Scene("live body", (*_rooms(), *_furniture(), *_playthings()), (avatar,), start=start)
+    scene = Scene("live gallery", (*_rooms(), *_furniture(), *_playthings()), (avatar,), start=start)
     what = "a human of 24 links in two rooms with a doorway, furniture, steps, and eight loose balls and boxes"
     return Stage(scene, handles_of(scene), what, Camera((-6.5, -4.5, 4.2), (-0.8, 0.0, 0.9)))
 
@@ -300,6 +300,6 @@ def _first_root(avatar: Avatar, position: Vector) -> Array:
     return places
 
 
-_STAGES: dict[str, Callable[[], Stage]] = {"hand": cache(_hand_stage), "body": cache(_body_stage)}
+_STAGES: dict[str, Callable[[], Stage]] = {"hand": cache(_hand_stage), "gallery": cache(_gallery)}
 NAMES = tuple(_STAGES)
 """Built-in stages."""

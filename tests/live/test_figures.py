@@ -14,7 +14,7 @@ def state(frame: int, cost: int = 1000, latency: int = -1, late: bool = False, s
     nothing = np.zeros((0, 3))
     return State(
         frame, frame / 60.0, nothing, np.zeros((0, 4)), np.zeros(0), 0, latency, cost, late, skipped, 0, {"planning": 1}, {},
-        {"posture": cost // 2}, "", paused,
+        {"posture": cost // 2}, "", paused, cpu_ns=cost // 3,
     )
 
 
@@ -33,7 +33,7 @@ def test_figures_are_of_the_last_seconds() -> None:
         window.add(state(frame, cost=10**9 if frame < 1000 else 1000 + frame % 100, latency=frame % 7 - 1, late=frame >= 1994))
     found = window.figures()
     assert found.frames == 60 * SPAN == len(window.states())
-    assert found.worst == 1099 and found.p50 == pytest.approx(1049, abs=1)
+    assert found.worst == 1099 and found.worst_cpu == 366 and found.p50 == pytest.approx(1049, abs=1)
     assert found.late == pytest.approx(6 / 600) and found.latency_p99 == 5
     assert found.statuses == {"planning": 600} and found.stages["posture"] == pytest.approx(524, abs=1)
 

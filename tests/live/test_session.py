@@ -12,7 +12,7 @@ from avatarsim.errors import InvalidFile, InvalidInput, InvalidSample
 from avatarsim.live.messages import Order, State, Switch
 from avatarsim.live.recording import read
 from avatarsim.live.replaying import replay
-from avatarsim.live.session import LoopDied, Session
+from avatarsim.live.session import LoopDied, LoopRefused, Session
 from avatarsim.scene.tracker import rest
 from tests.live.small import plan, pushed
 
@@ -110,9 +110,9 @@ def test_a_place_that_takes_no_file_is_named(session: Session, tmp_path: Path) -
 
 def test_a_loop_that_cannot_begin_says_why() -> None:
     nowhere = replace(plan(), engine="nowhere:Engine")
-    with pytest.raises(LoopDied, match="avatarsim could not begin: .*'nowhere:Engine'"), Session([nowhere]):
+    with pytest.raises(LoopRefused, match="avatarsim could not begin: .*'nowhere:Engine'"), Session([nowhere]):
         pass
-    with pytest.raises(LoopDied, match="could not begin: preset"), Session([plan(preset="other")]):
+    with pytest.raises(LoopRefused, match="could not begin: preset"), Session([plan(preset="other")]):
         pass
 
 

@@ -53,7 +53,7 @@ def test_the_hand_is_an_adults() -> None:
 
 
 def test_the_human_stands_on_the_floor_with_its_arms_down() -> None:
-    scene = stage("body").scene
+    scene = stage("gallery").scene
     names = [link.name for link in scene.links]
     places, _ = link_poses(scene.avatars, scene.first_sample)
     assert places[names.index("head"), 2] == pytest.approx(0.9 * STATURE, abs=0.12)
@@ -68,7 +68,7 @@ def test_handles_are_the_root_and_the_ends_of_limbs() -> None:
     assert stage("hand").handles == (
         "hand/palm", "hand/thumb3", "hand/index3", "hand/middle3", "hand/ring3", "hand/little3",
     )
-    assert stage("body").handles == (
+    assert stage("gallery").handles == (
         "human/pelvis", "human/left_foot", "human/right_foot", "human/head", "human/left_hand", "human/right_hand",
     )
 
@@ -88,5 +88,5 @@ def test_an_avatar_of_ones_own_becomes_a_stage_that_can_be_driven() -> None:
 
 
 def test_an_unknown_stage_is_named_with_those_that_are() -> None:
-    with pytest.raises(UnknownName, match="body, hand"):
+    with pytest.raises(UnknownName, match="gallery, hand"):
         stage("opera")

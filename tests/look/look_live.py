@@ -190,7 +190,7 @@ def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> N
     assert running.page.panel.off == ()
 
 
-@pytest.mark.parametrize(("name", "dark"), [("hand", True), ("body", False), ("body", True)])
+@pytest.mark.parametrize(("name", "dark"), [("hand", True), ("gallery", False), ("gallery", True)])
 def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) -> None:
     one = Running(name, folder, dark)
     try:

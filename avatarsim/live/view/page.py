@@ -28,7 +28,8 @@ from avatarsim.live.stages import Stage
 from avatarsim.live.view.depth import Depth
 from avatarsim.live.view.drawn import Drawn
 from avatarsim.live.view.panel import Panel
-from avatarsim.live.view.telling import at_ports, sentence, table
+from avatarsim.live.view.server import AdmittingServer
+from avatarsim.live.view.telling import at_page, at_ports, sentence, table
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
@@ -44,14 +45,6 @@ SOONEST = 1e-3
 """[s] of a wait at least, so that other threads have their turn."""
 DEEPER = 2.0
 """[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
-
-
-class LocalServer(viser.ViserServer):
-    """A page's server that no client can make public: viser would open a tunnel to a host of its own for any that asks."""
-
-    def request_share_url(self, verbose: bool = True) -> str | None:
-        """None, always."""
-        return None
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +68,7 @@ class Page:
         self._events: queue.SimpleQueue[tuple[int, Callable[[], None]]] = queue.SimpleQueue()
         self._scene = session.scene
         try:
-            self.server = LocalServer(host=shows.host, port=shows.port, label="avatarsim live", verbose=False)
+            self.server = AdmittingServer(shows.host, shows.port, "avatarsim live")
         except OSError as error:
             raise InvalidInput("port of the page", shows.port, f"a port that is free ({error.strerror})") from error
         self._names = {name: k for k, name in enumerate(self._scene.names)}
@@ -233,8 +226,10 @@ class Page:
                 target = self.shows.depth(self._scene, *raw, self._sample.angles)
         name = self.session.first.plan.name
         if name in states:
-            heard = "" if self.ports is None else "\n\n" + at_ports(self.ports.refusals)
-            rows, words = table(figures, depths, target), sentence(states[name], figures[name]) + heard
+            heard = [sentence(states[name], figures[name]), at_page(self.server.refusals)]
+            if self.ports is not None:
+                heard.append(at_ports(self.ports.refusals))
+            rows, words = table(figures, depths, target), "\n\n".join(filter(None, heard))
             times = {n: [s.engine_ns for s in self.session.loops[n].states()] for n in states}
             self._there(lambda: self._write(rows, words, times, depths))
 

@@ -95,7 +95,8 @@ class Panel:
             viser.uplot.Series(label=name, stroke=_css(colour_of(k)), width=1) for k, name in enumerate(engines)
         ]
         series += [viser.uplot.Series(label=rate, stroke="#999999", width=1, dash=(4, 4)) for rate in BUDGETS]
-        nothing = tuple(np.zeros(2) for _ in series)
+        # a scale of logarithms has no zero
+        nothing = (np.arange(2.0), *(np.ones(2) for _ in series[1:]))
         return self._server.gui.add_uplot(
             nothing, tuple(series), title="Frame time [ms]", aspect=2.4,
             scales={"x": viser.uplot.Scale(time=False, auto=True), "y": viser.uplot.Scale(auto=True, distr=3)},

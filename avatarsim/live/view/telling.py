@@ -45,14 +45,24 @@ def table(figures: Mapping[str, Figures], depths: Mapping[str, float], target: f
     return "\n".join([*lines, "", f"Of the last 10 s. A frame has {budgets}."])
 
 
-def at_ports(refusals: Refusals) -> str:
-    """What came in at the ports, and what was refused for which reason; never words of a peer."""
-    taken = ", ".join(f"{count} by {peer.value}" for peer, count in refusals.taken.items()) or "none"
-    refused = [f"{count} {reason.value} ({peer.value})" for (reason, peer), count in sorted(
+def refused(refusals: Refusals) -> str:
+    """What was refused for which reason, the most frequent first; never words of a peer."""
+    said = [f"{count} {reason.value} ({peer.value})" for (reason, peer), count in sorted(
         refusals.counts.items(), key=lambda one: -one[1]
     )]
-    left = f" and {len(refused) - NAMED} more reasons" if len(refused) > NAMED else ""
-    return f"Messages of trackers: {taken}. Refused: {'; '.join(refused[:NAMED]) or 'none'}{left}."
+    left = f" and {len(said) - NAMED} more reasons" if len(said) > NAMED else ""
+    return f"{'; '.join(said[:NAMED]) or 'none'}{left}"
+
+
+def at_page(refusals: Refusals) -> str:
+    """Connections to the page's own socket that were cut; empty where none was."""
+    return f"Connections to this page refused: {refused(refusals)}." if refusals.counts else ""
+
+
+def at_ports(refusals: Refusals) -> str:
+    """What came in at the ports, and what was refused."""
+    taken = ", ".join(f"{count} by {peer.value}" for peer, count in refusals.taken.items()) or "none"
+    return f"Messages of trackers: {taken}. Refused: {refused(refusals)}."
 
 
 def sentence(state: State, of: Figures) -> str:
@@ -63,7 +73,8 @@ def sentence(state: State, of: Figures) -> str:
     stages = ", ".join(f"{name} {1e-3 * cost:.0f} us" for name, cost in of.stages.items() if cost)
     lines = [
         f"**{'Paused. ' if state.is_paused else ''}{told}**",
-        f"Latency {milliseconds(of.latency_p50)} ms, p99 {milliseconds(of.latency_p99)} ms{left}.",
+        f"Latency {milliseconds(of.latency_p50)} ms, p99 {milliseconds(of.latency_p99)} ms{left}. "
+        f"Longest on the processor {milliseconds(of.worst_cpu)} of {milliseconds(of.worst)} ms.",
     ]
     if stages:
         lines.append(f"Stages: {stages}.")

@@ -20,7 +20,7 @@ from avatarsim.scene.tracker import TrackerSample
 from tests.live.drive.stages_driven import DT, driver, excess, fastest, places, random_sample
 
 BALL = (Piece(Sphere(0.1)),)
-BODY, HAND = stage("body").scene, stage("hand").scene
+BODY, HAND = stage("gallery").scene, stage("hand").scene
 
 
 def ticks(one: Driver, count: int, key: str = "") -> list[TrackerSample]:
@@ -78,14 +78,14 @@ def everything(one: Driver, seed: int) -> list[TrackerSample]:
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_the_same_calls_give_the_same_bits(seed: int) -> None:
-    first, again = everything(driver("body"), seed), everything(driver("body"), seed)
+    first, again = everything(driver("gallery"), seed), everything(driver("gallery"), seed)
     assert all(same(a, b) for a, b in zip(first, again, strict=True))
 
 
 @settings(max_examples=30)
 @given(st.integers(0, 10_000))
 def test_no_change_of_source_is_a_jump_and_all_is_within_limits(seed: int) -> None:
-    samples = [BODY.first_sample, *everything(driver("body"), seed)]
+    samples = [BODY.first_sample, *everything(driver("gallery"), seed)]
     root, turn = fastest(BODY, samples)
     # a clip's own speed is added to that of the offset, and a projection into a limit to that of a joint
     assert root <= FASTEST + 1.0
@@ -110,7 +110,7 @@ def test_a_finger_that_is_pulled_out_of_reach_takes_the_hand_along() -> None:
 
 
 def test_a_human_that_is_pulled_away_by_a_hand_walks_after_it() -> None:
-    one, start = driver("body"), places(BODY, BODY.first_sample)
+    one, start = driver("gallery"), places(BODY, BODY.first_sample)
     one.drag("human/left_hand", (-0.5, 0.4, 1.2))
     joints = places(BODY, ticks(one, 240)[-1])
     assert joints[0, 0] - start[0, 0] > 0.5
@@ -120,7 +120,7 @@ def test_a_human_that_is_pulled_away_by_a_hand_walks_after_it() -> None:
 
 
 def test_a_drag_goes_before_keys_and_keys_before_a_clip_before_a_tracker() -> None:
-    one = driver("body")
+    one = driver("gallery")
     one.set_sample(random_sample(BODY, 1))
     one.tick(DT)
     assert one.source == "tracker"
@@ -144,7 +144,7 @@ def test_a_drag_goes_before_keys_and_keys_before_a_clip_before_a_tracker() -> No
 
 
 def test_a_tracker_is_followed_exactly_once_the_change_is_over() -> None:
-    one, wanted = driver("body"), random_sample(BODY, 9)
+    one, wanted = driver("gallery"), random_sample(BODY, 9)
     for _ in range(180):
         one.set_sample(wanted)
         shown = one.tick(DT)
@@ -153,7 +153,7 @@ def test_a_tracker_is_followed_exactly_once_the_change_is_over() -> None:
 
 
 def test_a_clip_is_played_to_its_end_and_taken_over_where_it_is() -> None:
-    motion, one = waving(), driver("body")
+    motion, one = waving(), driver("gallery")
     one.play(motion)
     # what it begins with is farther away than its second of time would allow
     samples = ticks(one, 240)
@@ -196,7 +196,7 @@ def test_keys_turn_close_open_and_flick_a_hand() -> None:
 
 
 def test_a_human_reaches_out_and_takes_its_arms_back() -> None:
-    one, start = driver("body"), places(BODY, BODY.first_sample)
+    one, start = driver("gallery"), places(BODY, BODY.first_sample)
     hands = [BODY.names.index(f"human/{side}_hand") - len(BODY.bodies) for side in ("left", "right")]
     one.press("t")
     out = places(BODY, ticks(one, 120)[-1])
@@ -209,7 +209,7 @@ def test_a_human_reaches_out_and_takes_its_arms_back() -> None:
 
 
 def test_what_a_key_cannot_do_is_said() -> None:
-    assert "no fingers" in driver("body").press("g")
+    assert "no fingers" in driver("gallery").press("g")
     assert "no pair of arms" in driver("hand").press("t")
     with pytest.raises(UnknownName, match="key"):
         driver("hand").press("F13")
@@ -220,7 +220,7 @@ def test_what_a_key_cannot_do_is_said() -> None:
     (1, True, 2),
 ])
 def test_absurd_goals_are_refused_and_change_nothing(position: object) -> None:
-    one, other = driver("body"), driver("body")
+    one, other = driver("gallery"), driver("gallery")
     with pytest.raises(InvalidSample):
         one.drag("human/head", position)  # type: ignore[arg-type]
     for k in (one, other):
@@ -232,7 +232,7 @@ def test_absurd_goals_are_refused_and_change_nothing(position: object) -> None:
 
 
 def test_other_nonsense_is_refused_too() -> None:
-    one = driver("body")
+    one = driver("gallery")
     with pytest.raises(InvalidSample):
         one.drag("human/head", (0.0, 0.0, 1.0), (1.0, 1.0, 0.0, 0.0))
     for refused in (one.pose, one.release):
@@ -267,7 +267,7 @@ def test_other_avatars_stay_unless_they_are_dragged() -> None:
 
 
 def test_a_reset_begins_again() -> None:
-    one = driver("body")
+    one = driver("gallery")
     ticks(one, 30, "w")
     one.reset()
     assert same(one.tick(DT), BODY.first_sample) and one.source == "still"

@@ -27,7 +27,7 @@ def test_a_pulse_goes_there_and_back() -> None:
 @settings(max_examples=20)
 @given(st.integers(0, 1000))
 def test_an_offset_begins_at_what_was_shown_and_is_gone_within_its_speeds(seed: int) -> None:
-    scene = stage("body").scene
+    scene = stage("gallery").scene
     tree = Tree(scene.avatars)
     shown, wanted = posture_of(random_sample(scene, seed)), posture_of(random_sample(scene, seed + 1))
     shown.roots[0] = (2.0, -1.0, 1.0)

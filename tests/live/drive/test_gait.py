@@ -7,14 +7,14 @@ from avatarsim.live.stages import stage
 from avatarsim.scene.tracker import TrackerSample
 from tests.live.drive.stages_driven import DT, driver, excess, places
 
-SCENE = stage("body").scene
+SCENE = stage("gallery").scene
 NAMES = [link.name for link in SCENE.links]
 LEFT, RIGHT = NAMES.index("left_foot"), NAMES.index("right_foot")
 
 
 def walked(seconds: float, keys: str = "w") -> list[TrackerSample]:
     """Postures while keys are held."""
-    one, found = driver("body"), []
+    one, found = driver("gallery"), []
     for k in range(round(seconds / DT)):
         for key in keys if k % 2 == 0 else "":
             assert one.press(key) == ""
@@ -24,7 +24,7 @@ def walked(seconds: float, keys: str = "w") -> list[TrackerSample]:
 
 def test_feet_stand_and_swing_in_turn_with_the_period_that_is_said() -> None:
     feet = np.array([places(SCENE, sample)[[LEFT, RIGHT]] for sample in walked(8.0)])
-    feet = feet[-round(5.0 * driver("body").period / DT):]
+    feet = feet[-round(5.0 * driver("gallery").period / DT):]
     speeds = np.linalg.norm(np.diff(feet, axis=0), axis=2) / DT
     stands = speeds < 0.2
     # both stand for six tenths of the time, and never both swing
@@ -33,7 +33,7 @@ def test_feet_stand_and_swing_in_turn_with_the_period_that_is_said() -> None:
     begins = np.flatnonzero(stands[1:, 0] & ~stands[:-1, 0])
     # what only rounds over the edge for a frame is no step
     begins = begins[np.diff(begins, prepend=-100) > 10]
-    assert np.diff(begins).mean() * DT == pytest.approx(driver("body").period, rel=0.03)
+    assert np.diff(begins).mean() * DT == pytest.approx(driver("gallery").period, rel=0.03)
 
 
 def test_a_walk_goes_ahead_level_and_within_limits() -> None:
@@ -58,7 +58,7 @@ def test_turning_turns_the_feet_along() -> None:
 
 
 def test_a_crouch_lowers_the_root_over_feet_that_stay_and_ends_in_time() -> None:
-    one, start = driver("body"), places(SCENE, SCENE.first_sample)
+    one, start = driver("gallery"), places(SCENE, SCENE.first_sample)
     for k in range(240):
         if k % 2 == 0:
             one.press("f")
@@ -75,7 +75,7 @@ def test_a_crouch_lowers_the_root_over_feet_that_stay_and_ends_in_time() -> None
 
 
 def test_a_walk_that_is_let_go_comes_to_rest() -> None:
-    one = driver("body")
+    one = driver("gallery")
     for _ in range(60):
         one.press("w")
         one.tick(DT)

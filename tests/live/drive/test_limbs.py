@@ -37,7 +37,7 @@ def limbs(*links: Link) -> tuple[Tree, Limbs]:
 
 
 def test_a_human_has_legs_and_arms_and_no_fingers() -> None:
-    scene = stage("body").scene
+    scene = stage("gallery").scene
     tree = Tree(scene.avatars)
     found = limbs_of(tree, posture_of(scene.first_sample))
     assert [tree.nodes[leg.tip].name for leg in found.legs] == ["left_foot", "right_foot"]
@@ -99,7 +99,7 @@ def test_a_name_is_mirrored_where_it_names_a_side() -> None:
 
 
 def test_handles_are_roots_and_ends() -> None:
-    scene = stage("body").scene
+    scene = stage("gallery").scene
     tree = Tree(scene.avatars)
     names = [tree.nodes[k].name for k in handle_links(tree)]
     assert names == ["pelvis", "left_foot", "right_foot", "head", "left_hand", "right_hand"]

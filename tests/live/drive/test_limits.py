@@ -18,7 +18,7 @@ angle = st.floats(-3.1, 3.1)
 BALLS = [link.joint for link in body()[0].links if isinstance(link.joint, Ball) and link.joint.limits is not None]
 
 NAMES = [link.name for link in body()[0].links if isinstance(link.joint, Ball) and link.joint.limits is not None]
-SKELETON = skeleton(stage("body").scene)
+SKELETON = skeleton(stage("gallery").scene)
 
 
 @given(st.sampled_from(BALLS), st.tuples(angle, angle, angle))
@@ -34,7 +34,7 @@ def test_what_comes_out_is_inside_and_what_is_inside_stays(joint: Ball, vector: 
 
 @given(st.integers(0, len(BALLS) - 1), st.tuples(angle, angle, angle))
 def test_it_is_where_the_engine_puts_it(number: int, vector: tuple[float, float, float]) -> None:
-    scene = stage("body").scene
+    scene = stage("gallery").scene
     joint = BALLS[number]
     link = next(k for k, one in enumerate(scene.links) if one.joint.__class__ is Ball and one.name == NAMES[number])
     limits, turned = limits_of(joint, rotation.IDENTITY), exp(vector)

@@ -33,7 +33,7 @@ def test_goals_of_postures_are_reached_to_a_millimetre(where: tuple[str, str], s
 
 @given(st.integers(0, 10_000))
 def test_an_orientation_is_reached_along_with_a_place(seed: int) -> None:
-    scene, one = stage("body").scene, driver("body")
+    scene, one = stage("gallery").scene, driver("gallery")
     tree = Tree(scene.avatars)
     link = [node.name for node in tree.nodes].index("right_wrist")
     place, turned = tree.pose(posture_of(random_sample(scene, seed, 0.3)), link)
@@ -46,8 +46,8 @@ def test_an_orientation_is_reached_along_with_a_place(seed: int) -> None:
 
 
 @pytest.mark.parametrize(("name", "handle", "goal"), [
-    ("body", "human/right_hand", (-1.5, -1.0, 3.5)), ("body", "human/head", (-2.2, 0.0, 4.0)),
-    ("body", "human/left_hand", (3.0, 1.0, 1.2)), ("hand", "hand/thumb3", (1.0, 1.0, 0.2)),
+    ("gallery", "human/right_hand", (-1.5, -1.0, 3.5)), ("gallery", "human/head", (-2.2, 0.0, 4.0)),
+    ("gallery", "human/left_hand", (3.0, 1.0, 1.2)), ("hand", "hand/thumb3", (1.0, 1.0, 0.2)),
 ])
 def test_a_goal_out_of_reach_ends_in_a_posture_that_stays(name: str, handle: str, goal: tuple[float, float, float]) -> None:
     one = driver(name)
@@ -61,8 +61,8 @@ def test_a_goal_out_of_reach_ends_in_a_posture_that_stays(name: str, handle: str
 
 
 @pytest.mark.parametrize(("name", "handle", "way_there"), [
-    ("body", "human/left_foot", (0.0, 0.0, 0.4)), ("body", "human/right_foot", (0.3, 0.0, 0.5)),
-    ("body", "human/right_hand", (0.02, 0.02, 0.3)), ("hand", "hand/middle3", (-0.015, 0.0, -0.02)),
+    ("gallery", "human/left_foot", (0.0, 0.0, 0.4)), ("gallery", "human/right_foot", (0.3, 0.0, 0.5)),
+    ("gallery", "human/right_hand", (0.02, 0.02, 0.3)), ("hand", "hand/middle3", (-0.015, 0.0, -0.02)),
 ])
 def test_a_straight_limb_that_must_become_shorter_bends_and_the_root_stays(
     name: str, handle: str, way_there: tuple[float, float, float]
@@ -78,7 +78,7 @@ def test_a_straight_limb_that_must_become_shorter_bends_and_the_root_stays(
 
 def test_a_knee_bends_forward_whichever_way_the_foot_goes_up() -> None:
     for x in (-0.2, 0.0, 0.2):
-        one = driver("body")
+        one = driver("gallery")
         one.drag("human/left_foot", add(one.pose("human/left_foot")[0], (x, 0.0, 0.45)))
         for _ in range(120):
             one.tick(DT)
@@ -95,7 +95,7 @@ def test_the_angle_of_a_triangle_is_that_of_its_sides() -> None:
 
 
 def test_two_links_are_pulled_at_once() -> None:
-    one = driver("body")
+    one = driver("gallery")
     goals = {"human/left_hand": (-1.9, 0.4, 1.3), "human/right_hand": (-1.8, -0.3, 1.5)}
     for handle, goal in goals.items():
         one.drag(handle, goal)
@@ -106,7 +106,7 @@ def test_two_links_are_pulled_at_once() -> None:
 
 
 def test_links_that_are_held_do_not_turn() -> None:
-    scene = stage("body").scene
+    scene = stage("gallery").scene
     tree, posture = Tree(scene.avatars), posture_of(scene.first_sample)
     names = [node.name for node in tree.nodes]
     tip, spine = names.index("left_hand"), names.index("spine1")

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.live.figures import Figures
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Peer, Refusal, Refusals
-from avatarsim.live.view.telling import at_ports, depth, sentence, table
+from avatarsim.live.view.telling import at_page, at_ports, depth, sentence, table
 
 
 def state(**other: object) -> State:
@@ -51,3 +51,10 @@ def test_refusals_are_counted_by_reason_and_never_quoted() -> None:
     said = at_ports(refusals)
     assert said.startswith("Messages of trackers: 1 by UDP. Refused: 2 a peer dropped for flooding (WebSocket); 1 longer")
     assert said.endswith(" and 3 more reasons.") and "script" not in said
+
+
+def test_connections_to_the_page_that_were_cut_are_said() -> None:
+    refusals = Refusals()
+    assert at_page(refusals) == ""
+    refusals.count(Refusal.FOREIGN_ORIGIN, Peer.PAGE)
+    assert at_page(refusals) == "Connections to this page refused: 1 an Origin header that is none of ours (page)."

@@ -1,0 +1,56 @@
+"""The page's server: viser's, with the admission of our ports (Host and Origin headers; RFC 6454, RFC 6455 s. 10.2).
+
+viser takes any WebSocket, so that another page in the same browser could send drags and events of the panel. It has no public way to
+the headers of a connection; what is read here in place of that is `PRIVATE`, which a test holds against the installed version.
+"""
+
+import asyncio
+
+import viser
+from viser.infra import WebsockClientConnection
+
+from avatarsim.errors import MissingPackage
+from avatarsim.live.ports.admission import judged
+from avatarsim.live.ports.refusals import Peer, Refusals
+
+PRIVATE = ("_websock_server", "_live_connections")
+"""What is read of viser beside its public interface: the server of its sockets, and of that the connections by client."""
+
+
+class AdmittingServer(viser.ViserServer):
+    """A page's server for its own page alone, which no client can make public: viser would open a tunnel to a host of its own for
+    any that asks. A connection from elsewhere is cut before a browser can send on it, and counted in `refusals`.
+
+    Raises MissingPackage where the installed viser has no such connections."""
+
+    def __init__(self, host: str, port: int, label: str) -> None:
+        self.refusals = Refusals()
+        super().__init__(host=host, port=port, label=label, verbose=False)
+        if not hasattr(getattr(self, PRIVATE[0], None), PRIVATE[1]):
+            self.stop()
+            raise MissingPackage("viser", "view", f"admission to its page ({viser.__version__} names its connections otherwise)")
+        self._websock_server.on_client_connect(self._admit)
+        # what came before the line above
+        asyncio.run_coroutine_threadsafe(self._admit_all(), self.get_event_loop()).result()
+
+    async def _admit(self, client: WebsockClientConnection) -> None:
+        """viser reads nothing of a client before this returns."""
+        self._judge(client.client_id)
+
+    async def _admit_all(self) -> None:
+        for client in tuple(self._websock_server._live_connections):
+            self._judge(client)
+
+    def _judge(self, client: int) -> None:
+        """Cut the connection of a client whose page, or whose name for this machine, is another."""
+        connection = self._websock_server._live_connections[client]
+        assert connection.request is not None
+        headers = connection.request.headers
+        foreign = judged(headers.get_all("Host"), headers.get_all("Origin"), str(connection.local_address[0]))
+        if foreign is not None:
+            self.refusals.count(foreign, Peer.PAGE)
+            connection.transport.abort()
+
+    def request_share_url(self, verbose: bool = True) -> str | None:
+        """None, always."""
+        return None
