@@ -228,7 +228,7 @@ def _gallery() -> Stage:
     start = replace(start, positions=_first_root(avatar, (-2.2, 0.0, GAP - lowest)))
     scene = Scene("live gallery", (*_rooms(), *_furniture(), *_playthings()), (avatar,), start=start)
     what = "a human of 24 links in two rooms with a doorway, furniture, steps, and eight loose balls and boxes"
-    return Stage(scene, handles_of(scene), what, Camera((-6.5, -4.5, 4.2), (-0.8, 0.0, 0.9)))
+    return Stage(scene, handles_of(scene), what, Camera((-3.4, -6.6, 4.0), (-0.9, 0.0, 0.8)))
 
 
 def _half_height(piece: Piece, orientation: Array) -> float:

@@ -31,6 +31,7 @@ WARM = 5.0
 OF_LIBRARIES = ("THREE.Clock", "preventDefault inside passive", "Software WebGL")
 """What viser's own page says on the console: nothing of ours."""
 HUD = "!!document.body && document.body.innerText.includes('p99')"
+PLOT = "Object.values(window.__viserTestpoints.uplots)[0].chart"
 PATIENCE = 10.0
 
 
@@ -198,8 +199,12 @@ def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) 
             with browser(width, height) as window:
                 window.visit(one.page.address)
                 window.until(HUD)
-                time.sleep(2.0)
+                # the scene fades in
+                time.sleep(4.0)
                 assert window.value("document.documentElement.scrollWidth <= window.innerWidth")
+                # the plot shows the seconds that it has, in any colours
+                assert window.value(f"{PLOT}.scales.x.max") == 0.0 > window.value(f"{PLOT}.scales.x.min")
+                assert window.value(f"{PLOT}.data[0].length") > 100
                 shade = "dark" if dark else "light"
                 window.picture(SCREENSHOTS / f"live-{name}-{shade}-{width}.png")
                 quiet(window, one)

@@ -97,9 +97,11 @@ class Panel:
         series += [viser.uplot.Series(label=rate, stroke="#999999", width=1, dash=(4, 4)) for rate in BUDGETS]
         # a scale of logarithms has no zero
         nothing = (np.arange(2.0), *(np.ones(2) for _ in series[1:]))
+        # a fixed range: the page loses an automatic one where its colours change
+        seconds = viser.uplot.Scale(time=False, range=(-PLOTTED / self._page.session.first.plan.rate, 0.0))
         return self._server.gui.add_uplot(
             nothing, tuple(series), title="Frame time [ms]", aspect=2.4,
-            scales={"x": viser.uplot.Scale(time=False, auto=True), "y": viser.uplot.Scale(auto=True, distr=3)},
+            scales={"x": seconds, "y": viser.uplot.Scale(auto=True, distr=3)},
         )
 
     def _run_buttons(self) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from math import isnan
 
-from avatarsim.live.figures import Figures
+from avatarsim.live.figures import SPAN, Figures
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Refusals
 
@@ -21,8 +21,9 @@ SAID = {
 
 
 def milliseconds(nanoseconds: float) -> str:
-    """Three digits of milliseconds."""
-    return f"{1e-6 * nanoseconds:.3g}"
+    """Milliseconds to a hundredth; three digits of larger ones."""
+    value = 1e-6 * nanoseconds
+    return f"{value:.2f}" if value < 10.0 else f"{value:.3g}"
 
 
 def depth(metres: float) -> str:
@@ -34,15 +35,15 @@ def depth(metres: float) -> str:
 
 def table(figures: Mapping[str, Figures], depths: Mapping[str, float], target: float) -> str:
     """A table of all engines in Markdown: frame time, late frames, penetration of what each shows."""
-    lines = ["| | p50 ms | p99 | worst | late % | overlap |", "|---|---:|---:|---:|---:|---:|"]
+    lines = ["| | p50 | p99 | worst | late | overlap |", "|---|---:|---:|---:|---:|---:|"]
     lines += [
-        f"| {name} | {milliseconds(of.p50)} | {milliseconds(of.p99)} | {milliseconds(of.worst)} | {100.0 * of.late:.2g} "
+        f"| {name} | {milliseconds(of.p50)} | {milliseconds(of.p99)} | {milliseconds(of.worst)} | {100.0 * of.late:.2g}% "
         f"| {depth(depths.get(name, float('nan')))} |"
         for name, of in figures.items()
     ]
     lines += [f"| your own posture | | | | | {depth(target)} |"]
-    budgets = ", ".join(f"{ms:.3g} ms at {rate}" for rate, ms in BUDGETS.items())
-    return "\n".join([*lines, "", f"Of the last 10 s. A frame has {budgets}."])
+    budgets = ", ".join(f"{ms:.3g} at {rate}" for rate, ms in BUDGETS.items())
+    return "\n".join([*lines, "", f"In ms, of the last {SPAN:.0f} s. A frame has {budgets}."])
 
 
 def refused(refusals: Refusals) -> str:

@@ -27,8 +27,8 @@ def test_depths_are_in_millimetres(metres: float, said: str) -> None:
 def test_the_table_has_a_row_for_each_engine_and_for_the_user() -> None:
     figures = {"avatarsim": Figures(600, 123_456, 700_000, 1_500_000, 0.002), "mujoco/tuned": Figures(600, 5_000_000)}
     lines = table(figures, {"avatarsim": 0.0, "mujoco/tuned": 0.004}, 0.1).splitlines()
-    assert lines[2] == "| avatarsim | 0.123 | 0.7 | 1.5 | 0.2 | none |" and "| 4 mm |" in lines[3]
-    assert lines[4] == "| your own posture | | | | | 100 mm |" and "16.7 ms at 60 Hz, 11.1 ms at 90 Hz" in lines[-1]
+    assert lines[2] == "| avatarsim | 0.12 | 0.70 | 1.50 | 0.2% | none |" and "| 4 mm |" in lines[3]
+    assert lines[4] == "| your own posture | | | | | 100 mm |" and "16.7 at 60 Hz, 11.1 at 90 Hz" in lines[-1]
 
 
 def test_statuses_are_words() -> None:
