@@ -60,8 +60,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def staged_of(name: str) -> tuple[Stage, Mapping[str, Motion]]:
-    """A built-in stage, or a scene of the catalogue with its motion as a clip. Raises UnknownName for neither, InvalidInput for one
-    without an avatar."""
+    """A built-in stage, or a scene of the catalogue with its motion as a clip. Raises UnknownName for neither, InvalidInput for
+    one without an avatar."""
     if name in NAMES:
         return stage(name), {}
     scenario = get(name)

@@ -135,8 +135,8 @@ def _say_ports(ports: Ports) -> None:
 def drive(
     asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], rivals: Sequence[Plan], depth: Depth | None
 ) -> int:
-    """Run a session of our engine and of rivals until it is stopped; the exit code. Raises InvalidInput for an option, LoopRefused
-    for a preset or a scene that an engine does not take."""
+    """Run a session of our engine and of rivals until it is stopped; the exit code. Raises InvalidInput for an option,
+    LoopRefused for a preset or a scene that an engine does not take."""
     from avatarsim.live.drive.driver import Driver
     from avatarsim.live.view.page import Page, Shows
 

@@ -18,8 +18,8 @@ def rank(values: list[int], percent: float) -> int:
 @dataclass(frozen=True)
 class Figures:
     """Of the frames of the last `SPAN` seconds: frame times and latencies [ns], share late, frames left out, medians of stages
-    [ns], how often each status was reported, and the longest that a frame had the processor [ns], which `worst` may exceed by what
-    other programs took."""
+    [ns], how often each status was reported, and the longest that a frame had the processor [ns], which `worst` may exceed by
+    what other programs took."""
 
     frames: int = 0
     p50: int = 0

@@ -56,7 +56,8 @@ class Driven:
         self.touching: Touching | None = None
 
     def is_loaded(self) -> bool:
-        """Whether it has begun, once it says so. Raises LoopRefused with its sentence where it could not, LoopDied where it ended."""
+        """Whether it has begun, once it says so. Raises LoopRefused with its sentence where it could not, LoopDied where it
+        ended."""
         answer = self.answered(0, LOADING)
         if answer.refused:
             raise LoopRefused(f"{self.plan.name} could not begin: {answer.refused}")

@@ -1,4 +1,4 @@
-"""Built-in stages: a hand over a table, a gallery of two rooms with a human; of primitives alone, and of any avatar that a user brings.
+"""Built-in stages: a hand over a table, a human in a gallery of two rooms; of primitives, and of any avatar of a user.
 
 Lengths and masses of the hand are an adult's (Garrett 1971; de Leva 1996), its joints' ranges those of the ASSH, rounded; the
 human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).

@@ -5,10 +5,10 @@ import pytest
 
 pytest.importorskip("viser")
 
-from avatarsim.errors import InvalidInput, UnknownName  # noqa: E402
-from avatarsim.live.stages import NAMES, stage  # noqa: E402
-from avatarsim.scene.tracker import link_poses  # noqa: E402
-from scenarios.live import judged, main, plan_of, staged_of  # noqa: E402
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.live.stages import NAMES, stage
+from avatarsim.scene.tracker import link_poses
+from scenarios.live import judged, main, plan_of, staged_of
 
 QUIET = ["--no-browser", "--port", "0"]
 

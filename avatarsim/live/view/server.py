@@ -1,7 +1,7 @@
 """The page's server: viser's, with the admission of our ports (Host and Origin headers; RFC 6454, RFC 6455 s. 10.2).
 
-viser takes any WebSocket, so that another page in the same browser could send drags and events of the panel. It has no public way to
-the headers of a connection; what is read here in place of that is `PRIVATE`, which a test holds against the installed version.
+viser takes any WebSocket, so that another page in the same browser could send drags and events of the panel. It has no public way
+to the headers of a connection; what is read here in place of that is `PRIVATE`, held against the installed version at the start.
 """
 
 import asyncio
