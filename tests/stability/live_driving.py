@@ -2,20 +2,23 @@
 
     python -m tests.stability.live_driving --seconds 600 --viewers 1
     python -m tests.stability.live_driving --seconds 600 --viewers 3 --deaf 1
+    python -m tests.stability.live_driving --seconds 60 --garbage
 
 Drags into table and walls, keys, flicks and resets are drawn from a seed. Viewers are headless browsers; a deaf one opens the
-page's socket and never reads. Exit code 1 where a bound of `BOUNDS` is missed.
+page's socket and never reads. Garbage is what `tests.stability.garbage` sends to ports and page meanwhile. Exit code 1 where a
+bound of `BOUNDS` is missed.
 """
 
 import argparse
 import asyncio
 import random
+import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -27,11 +30,14 @@ from avatarsim.engine import FrameRecord, Settings
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Plan, State
+from avatarsim.live.ports.refusals import Refusals
+from avatarsim.live.ports.server import Ports
 from avatarsim.live.recording import OURS, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
 from avatarsim.live.view.page import Page, Shows
+from avatarsim.scene.scene import Scene
 from reference.judging.judge import Judge
 from tests.look.browser import Browser
 
@@ -143,6 +149,7 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
         stack.callback(page.close)
         is_over = threading.Event()
         listener = threading.Thread(target=deaf, args=(page.address, is_over), daemon=True)
+        refused = stack.enter_context(beside(page, found.scene, asked)) if asked.garbage else Refusals()
         for _ in range(asked.viewers - asked.deaf):
             stack.enter_context(Browser()).visit(page.address)
         if asked.deaf:
@@ -165,6 +172,8 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
         print(file=sys.stderr)
         is_over.set()
         session.save(folder / "a.live")
+        for (why, peer), count in sorted(refused.counts.items(), key=lambda one: -one[1]):
+            print(f"refused {count:8} {why.value} ({peer.value})", file=sys.stderr)
         missed = max(state.skipped for state in states.values()) - min(state.skipped for state in states.values())
     worst = max(states.values(), key=lambda state: state.engine_ns)
     latencies = sorted(state.latency for state in states.values() if state.latency >= 0)
@@ -180,6 +189,19 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
     }
 
 
+@contextmanager
+def beside(page: Page, scene: Scene, asked: argparse.Namespace) -> Iterator[Refusals]:
+    """Ports, and a process that sends garbage to them and to the page; what the ports refused."""
+    with Ports(scene, page.track) as page.ports:
+        udp, ws = (page.ports.addresses[kind][1] for kind in ("udp", "websocket"))
+        where = ["--udp", str(udp), "--ws", str(ws), "--page", str(page.server.get_port())]
+        how_long = ["--seconds", str(asked.seconds), "--seed", str(asked.seed)]
+        with subprocess.Popen([sys.executable, "-m", "tests.stability.garbage", *where, *how_long]) as sender:
+            yield page.ports.refusals
+            sender.terminate()
+        print(f"refused at the page: {page.server.refusals.counts}", file=sys.stderr)
+
+
 def rank(values: Sequence[int]) -> int:
     """The 99th percentile of sorted values."""
     return values[min(len(values) - 1, int(0.99 * len(values)))]
@@ -193,6 +215,7 @@ def main() -> int:
     top.add_argument("--rate", type=float, default=60.0)
     top.add_argument("--viewers", type=int, default=1)
     top.add_argument("--deaf", type=int, default=0, choices=(0, 1), help="of the viewers, how many never read")
+    top.add_argument("--garbage", action="store_true", help="send garbage to ports and page meanwhile")
     top.add_argument("--seed", type=int, default=1)
     top.add_argument("--judge-every", type=int, default=10)
     asked = top.parse_args()
