@@ -8,7 +8,7 @@ from scenarios.building.avatars.standing import standing
 from scenarios.scenario import INFINITE, Region
 
 SPAN = 20.0
-"""Width of floor and walls [m]: nobody walks round them within a scene, so their far side is the wrong side."""
+"""Width of floor and walls [m]: no motion leads round them within a scene, so their far side is the wrong side."""
 THICK = 0.2
 """Thickness of floor and walls [m]. A motion that goes 0.3 m beyond a face comes out at the back."""
 HIGH = 4.0

@@ -1,4 +1,4 @@
-"""Item 11: blocks on slopes. Friction a tenth of a degree below and above the slope decides whether they stay.
+"""Coulomb friction of blocks on slopes: a tenth of a degree below and above the slope decides whether they stay.
 
 Closed form: a = g (sin a - mu cos a) where that is positive, else none; a box tips where tan a > base / height.
 """

@@ -1,4 +1,4 @@
-"""Item 10: balls slide over a table without spin until friction has them rolling, at 5/7 of their speed.
+"""Sliding until rolling: balls slide over a table without spin until friction has them rolling, at 5/7 of their speed.
 
 Closed form: v0 - mu g t until 2 v0 / (7 mu g), after 12 v0^2 / (49 mu g); from then on 5/7 v0.
 """

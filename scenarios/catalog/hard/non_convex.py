@@ -1,5 +1,4 @@
-"""Item 26: rings, channels and angles of convex pieces: what is hollow is hollow, for those that fall through and for those that
-fall on.
+"""Non-convex bodies of convex pieces: rings, channels and angles are hollow for what falls through them and on what they fall.
 
 A ball falls through a fixed ring, one to the bottom of a channel, one into the notch of an angle. A ring falls over a post, a
 channel over a bar, as a staple does. None of these touches what its convex hull would hit; closed forms: free fall, and the
@@ -92,7 +91,7 @@ def falls(start: Vector, way: float, restitution: float) -> OfTime:
 
 
 def courses() -> tuple[Course, ...]:
-    """Who meets nothing on the way, and lands."""
+    """Bodies that meet nothing on the way, and land."""
     starts = {body.name: body.position for body in build().bodies}
     ways = {
         "through_ring": (HIGH + HEIGHT - BALL, RESTITUTION), "in_channel": (HEIGHT, RESTITUTION),

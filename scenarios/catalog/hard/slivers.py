@@ -1,4 +1,4 @@
-"""Item 22: boxes with edges of 1 to 20, 1 to 30 and 1 to 1000 fly at a sheet of a millimetre, flat, edge on and corner on.
+"""Slivers: boxes with edges of 1 to 20, 1 to 30 and 1 to 1000 fly at a sheet of a millimetre, flat, edge on and corner on.
 
 No gravity, elastic, no friction, every impact through the centre of mass: they come back the way they went. Beside them slivers
 collide with slivers, turned at random: no closed form, but momentum and energy stay. The judge's depth of such boxes is the least

@@ -1,4 +1,4 @@
-"""Item 27: balls of 1 cm fly at a wall of 1 cm with 2 to 1000 m/s, each from 20 starts spread over the way of one frame.
+"""Tunnelling: balls of 1 cm fly at a wall of 1 cm with 2 to 1000 m/s, each from 20 starts spread over the way of one frame.
 
 No gravity, elastic. Closed form: contact at (d - r) / v, d from the ball's centre to the wall's face;
 then back at the same speed.

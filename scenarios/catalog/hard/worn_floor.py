@@ -1,8 +1,8 @@
-"""Item 24, for floors that are not quite even: boxes slide down a stair whose steps are a micrometre high, and hardly go farther.
+"""A floor that is not quite even: boxes slide down a stair whose steps are a micrometre high, and hardly go farther.
 
 Each step adds m g times a micrometre to what friction has to take: eleven of them, three hundredths of a thousandth of the way.
 Corners that stand on different steps ask a rigid body for velocities that it cannot have at once, and a solver that takes its
-time, or jumps, goes centimetres too far. Nobody is on more than one step up: that would be a wall.
+time, or jumps, goes centimetres too far. No step leads up: that would be a wall.
 """
 
 from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
