@@ -26,7 +26,7 @@ def body_follows(scenario: Scenario) -> bool:
 
 
 def in_a_room(scenario: Scenario) -> bool:
-    """Whether a body follows a motion that nothing was tuned for: where limits of joints are met by what nobody has seen."""
+    """Whether a body follows a motion that nothing was tuned for: where joints meet their limits in unseen postures."""
     return scenario.name.startswith(RECORDED[1])
 
 

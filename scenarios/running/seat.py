@@ -106,7 +106,7 @@ class Seat:
 
     def _say(self, what: object) -> None:
         with suppress(ConnectionError):
-            # one that has died meanwhile is heard of
+            # `hear` tells of a process that has died meanwhile
             self.end.send(what)
 
     def hear(self) -> tuple[float, Repeat | None] | str:
@@ -128,7 +128,7 @@ class Seat:
         return answer
 
     def leave(self, at_once: bool = False) -> None:
-        """End the process, in the middle of its work if somebody stopped the run."""
+        """End the process, in the middle of its work if `at_once`."""
         with suppress(ConnectionError):
             self.end.send(None)
         if at_once:

@@ -38,7 +38,7 @@ class Turns:
         self.repeats: list[Repeat] = []
 
     def warmed(self) -> None:
-        """Hear of the warm-up that it was told to run, which counts by itself."""
+        """Take the answer to the warm-up, which counts by itself."""
         if not self.note and (found := self.hear()):
             self.warm_frames = len(found[0])
         if self.fresh:

@@ -57,7 +57,7 @@ class Finished:
         return True
 
     def missing(self, tasks: Iterable[Task]) -> list[Task]:
-        """Those that nobody has done yet."""
+        """Those that are not finished yet."""
         return [task for task in tasks if key_of(task) not in self.known]
 
     def of(self, task: Task) -> Outcome:
