@@ -1,4 +1,4 @@
-"""Rows of other engines beside their presets, each only in the scenes of its question: what a maintainer of it would ask for."""
+"""Variants of other engines beside their presets, as a maintainer would ask for them, each only in scenes of its question."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 

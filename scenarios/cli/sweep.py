@@ -1,4 +1,4 @@
-"""`python -m scenarios sweep`: what is to be asked, what is known already, the rest, and the files for the report."""
+"""`python -m scenarios sweep`: the cells to measure, which are known already, the rest, and the files for the report."""
 
 import argparse
 import json

@@ -1,1 +1,1 @@
-"""How close could it have been? Sampled contact frames of a run beside the nearest free posture that offline search finds."""
+"""Offline reference of closeness: sampled contact frames of a run beside the nearest free posture that a search finds."""

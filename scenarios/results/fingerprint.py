@@ -1,4 +1,4 @@
-"""What a result hangs on, as one key: scene and motion, sources and version of engine and measures, settings, seed.
+"""Content hash of what a result depends on: scene and motion, sources and version of engine and measures, settings, seed.
 
 An edit of one engine's adapter, of one scene or of one preset changes the keys of what it can change, and no others.
 """

@@ -1,4 +1,4 @@
-"""What is finished, a line of JSON each, so that a sweep that was stopped, or whose code did not change, goes on from there."""
+"""Checkpoints of a sweep: a line of JSON per finished task; one that was stopped, or whose code did not change, goes on there."""
 
 import hashlib
 import json

@@ -1,4 +1,4 @@
-"""What a group of bodies that nothing else touches must keep: momentum, angular momentum, and never more energy than before."""
+"""Conservation in a group of bodies that nothing else touches: momentum, angular momentum, and never more energy than before."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Does the shown avatar shake, jerk, or wait far off without a word? Finite differences of link origins against the target's.
+"""Smoothness: does the avatar shake, jerk, or wait far off and report nothing? Differences of link origins against the target's.
 
 A figure that is no number counts as the worst: comparisons are written so that nan shakes, is off, and is in contact.
 
