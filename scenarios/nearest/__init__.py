@@ -1,1 +1,1 @@
-"""Offline reference of closeness: sampled contact frames of a run beside the nearest free posture that a search finds."""
+"""Nearest free posture by offline search: how close to the target sampled contact frames of a run could have been."""

@@ -1,1 +1,1 @@
-"""Robustness: hard cases under changes that should not matter: start, seed, frame time, size, place. What survives and spreads."""
+"""Robustness of hard cases to changes that should not matter: start, seed, frame time, size, place; what survives and spreads."""
