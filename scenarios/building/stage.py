@@ -35,10 +35,10 @@ def above_floor(*bodies: str) -> Region:
     """No frame origin below the middle of the floor."""
     # the middle, not the face: origins of shoulders and hips lie up to 5 mm outside the avatar's own shapes
     low, high = (-INFINITE, -INFINITE, -0.5 * THICK), (INFINITE, INFINITE, INFINITE)
-    return Region(bodies, low, high, "nobody sinks through the floor")
+    return Region(bodies, low, high, "nothing sinks through the floor")
 
 
 def before_wall(face: float, *bodies: str) -> Region:
     """No frame origin beyond the middle of the wall at `face` [m], nor below that of the floor."""
     low, high = (-INFINITE, -INFINITE, -0.5 * THICK), (face + 0.5 * THICK, INFINITE, INFINITE)
-    return Region(bodies, low, high, "nobody goes through the wall, nor through the floor; it cannot be walked round")
+    return Region(bodies, low, high, "nothing goes through the wall, nor through the floor; it cannot be walked round")

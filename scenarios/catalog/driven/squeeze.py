@@ -78,7 +78,7 @@ SCENARIO = Scenario(
         ),
         Region(
             ("hand",), (-INFINITE, -INFINITE, -INFINITE), (FACE + 0.5 * THICK, INFINITE, INFINITE),
-            "nobody goes through the wall; it cannot be walked round",
+            "nothing goes through the wall; it cannot be walked round",
         ),
     ),
 )

@@ -73,6 +73,6 @@ SCENARIO = Scenario(
         Bound("spin_error_max", 4e-5, "as the velocity, over the radius"),
         Bound("energy_gain_max", 1e-9, "friction only takes"),
     ),
-    regions=(Region(tuple(LANES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls through the table"),),
+    regions=(Region(tuple(LANES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls through the table"),),
     expects={"courses": tuple(course(name) for name in LANES), "alone": tuple((name,) for name in LANES)},
 )

@@ -69,7 +69,7 @@ SCENARIO = Scenario(
         Bound("spin_error_max", 4e-5, "as the velocity, over the radius"),
         Bound("energy_gain_max", 1e-9, "friction only takes"),
     ),
-    regions=(Region(("ball_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls through the table"),),
+    regions=(Region(("ball_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls through the table"),),
     expects={
         "courses": tuple(course(friction, LANE * (k - 1)) for k, friction in enumerate(FRICTIONS)),
         "alone": tuple((f"ball_{friction:g}",) for friction in FRICTIONS),

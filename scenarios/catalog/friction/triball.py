@@ -67,6 +67,6 @@ SCENARIO = Scenario(
         Bound("velocity_error_max", 2e-6, "as the place, over a second"),
         Bound("energy_gain_max", 1e-9, "friction only takes"),
     ),
-    regions=(Region(("three_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls through a lane"),),
+    regions=(Region(("three_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls through a lane"),),
     expects={"courses": tuple(course(k) for k in range(len(FEET))), "alone": tuple((f"three_{k}",) for k in range(len(FEET)))},
 )

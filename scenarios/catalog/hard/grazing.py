@@ -91,7 +91,7 @@ SCENARIO = Scenario(
         NO_OVERLAP, FINITE,
         Bound(
             "course_error_max", TURNED * (SPEED * FRAMES * RENDERED - BEFORE),
-            "a stand-off of 2e-8 m turns who just misses by 9e-4 rad at most, over the way that is left",
+            "a stand-off of 2e-8 m turns a near miss by 9e-4 rad at most, over the way that is left",
         ),
         Bound("energy_gain_max", 1e-12, "elastic at most"),
     ),

@@ -111,14 +111,14 @@ SCENARIO = Scenario(
     frames=120,
     bounds=(
         NO_OVERLAP, RIGHT_SIDE, FINITE,
-        Bound("course_error_max", 1e-6, "nobody of these touches anything before landing; apexes are 2e-8 m off"),
+        Bound("course_error_max", 1e-6, "none of these touches anything before landing; apexes are 2e-8 m off"),
         Bound("energy_gain_max", 1e-9, "no bounce adds energy, whatever the shape"),
         Bound("travel_missing", 0.0, "those that tumble come down"),
     ),
     regions=(
         Region(
             ("through_ring", "in_*", "hoop", "staple", "tumbling_*"), (-INFINITE, -INFINITE, -0.1), (INFINITE,) * 3,
-            "nobody falls through the floor",
+            "nothing falls through the floor",
         ),
     ),
     expects={

@@ -173,12 +173,12 @@ SCENARIO = Scenario(
     bounds=(
         NO_OVERLAP, RIGHT_SIDE, FINITE,
         Bound("course_error_max", 3e-6, "the closed forms know nothing of seams; a micrometre for each box of the pile"),
-        Bound("velocity_error_max", 2e-6, "nobody is thrown, braked or turned aside by a seam; a ball keeps what it rolls with"),
+        Bound("velocity_error_max", 2e-6, "no body is thrown, braked or turned aside by a seam; a ball keeps what it rolls with"),
         Bound("stop_distance_error_max", 0.01, "v^2 / (2 mu g) to a ten-thousandth, as on one piece"),
-        Bound("stop_direction_error_max", 0.01, "a seam across the way at any angle pushes nobody aside"),
+        Bound("stop_direction_error_max", 0.01, "a seam across the way at any angle pushes no body aside"),
         Bound("energy_gain_max", 1e-9, "a seam adds no energy"),
     ),
-    regions=(Region((*SLIDERS, *ROLLERS), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls between the stones"),),
+    regions=(Region((*SLIDERS, *ROLLERS), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls between the stones"),),
     expects={
         "courses": (*map(sliding, SLIDERS), *map(rolling, ROLLERS)),
         "stops": tuple(

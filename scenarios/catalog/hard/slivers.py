@@ -118,7 +118,7 @@ SCENARIO = Scenario(
         Bound("energy_gain_max", 1e-9, "elastic at most"),
     ),
     regions=(
-        Region(tuple(f"{way}_*" for way in WAYS), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nobody gets through the sheet"),
+        Region(tuple(f"{way}_*" for way in WAYS), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nothing gets through the sheet"),
     ),
     expects={
         "courses": tuple(Course(name(*case), there_and_back(k)) for k, case in enumerate(CASES)),

@@ -78,6 +78,6 @@ SCENARIO = Scenario(
             "the time of contact is (d - r) / v; a gap of 1e-6 m is contact, and a ball that turns there is twice that off",
         ),
     ),
-    regions=(Region(("ball_*",), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nobody gets through the wall"),),
+    regions=(Region(("ball_*",), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nothing gets through the wall"),),
     expects={"courses": courses()},
 )

@@ -80,7 +80,7 @@ SCENARIO = Scenario(
         Bound("stop_direction_error_max", 0.01, "no step is higher on one side than on the other"),
         Bound("energy_gain_max", 1e-9, "a step gives what the box was higher, and no more"),
     ),
-    regions=(Region(tuple(CASES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls between the stones"),),
+    regions=(Region(tuple(CASES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls between the stones"),),
     expects={
         "stops": tuple(
             Stop(name, stop_distance(SPEED, FRICTION, GRAVITY), (1.0, 0.0, 0.0), stop_time(SPEED, FRICTION, GRAVITY))
