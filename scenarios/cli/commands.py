@@ -220,8 +220,8 @@ def lead_to(ran: Run, asked: argparse.Namespace, code: int) -> None:
 
 
 def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool, at_length: bool = False) -> int:
-    """Measure and time, many scenes at a glance unless `at_length`; the exit code so far, or STOPPED. What is
-    known is written either way."""
+    """Measure and time, many scenes at a glance unless `at_length`; the exit code so far, or STOPPED.
+    What is known is written either way."""
     try:
         ran.measure(made.ready, workers_of(asked, ran.folder))
         if timed:
