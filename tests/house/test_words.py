@@ -15,7 +15,7 @@ FILES = sorted(ENGINE.rglob("*.py"))
 ROOMS = (".setup", "docs", "examples", "reference", "reports", "runfiles", "scenarios", "tests")
 """Folders beside the engine whose prose is held to the same words."""
 PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
-OPENED = [*FILES, *(file for room in ("reports", "scenarios") for file in sorted((ROOT / room).rglob("*.py")))]
+OPENED = [*FILES, *(file for room in ROOMS for file in sorted((ROOT / room).rglob("*.py")))]
 """Modules that open with a sentence."""
 ENDINGS = {".toml", ".j2", ".html", ".js", ".css", ".yml"}
 TEXTS = [

@@ -1,3 +1,5 @@
+"""Tracking error: injected offsets and turns come out, and frames with a free target stand apart."""
+
 from dataclasses import replace
 
 import numpy as np
