@@ -24,7 +24,7 @@ TEXTS = [
 ]
 """Settings, templates and scripts: held to the same words as a whole, for they use none of them as names."""
 
-PERSONS = re.compile(r"\b(who|whom|whoever|nobody|somebody|everybody|anybody)\b", re.IGNORECASE)
+PERSONS = re.compile(r"\b(who|whom|whoever|(no|some|every|any)body|(some|every|any)one|strangers?)\b", re.IGNORECASE)
 """Subjects of which a reader cannot tell whether a body, a link, an avatar, a process or a user is meant."""
 
 SENTENCE = re.compile(r"[A-Z0-9`\"(]\S*( \S+){2,}[.?]")
