@@ -87,7 +87,7 @@ def _serve(connection: Connection) -> None:
 
 
 class Seat:
-    """One engine's place at the table: its process, and what has been asked of it. It answers one thing at a time."""
+    """The worker process of one engine, and what it was told to do. It answers one order at a time."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
         self.end, there = multiprocessing.Pipe()
