@@ -14,7 +14,7 @@ Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
 
 ADAPTER = "adapter"
-"""Stage in which an engine reports the Python that this project put round somebody else's engine. It is left out of that engine's
+"""Stage in which an engine reports the Python that this project put round another engine. It is left out of that engine's
 own time, in its favour; `frame_time_python_p50` has it."""
 TAIL = ("frame_time_p99", "frame_time_max", "frame_time_raw_p99", "frame_time_raw_max")
 """Figures that few frames decide: only from a row with enough of them."""
