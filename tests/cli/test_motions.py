@@ -127,6 +127,24 @@ def test_clips_of_earlier_commands_stay_in_the_certificate(tmp_path: Path) -> No
     assert [one["motion"] for one in certified(tmp_path / "out")["clips"]] == ["a.bvh", "b.bvh"]
 
 
+def test_what_earlier_commands_left_undone_stays_and_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, bad = tmp_path / "out", tmp_path / "bad.bvh"
+    bad.write_text("cut off")
+    assert clean(bvh(tmp_path / "a.bvh", frames=4), bad, "-o", out) == 3
+    capsys.readouterr()
+    # this command has done all that it was asked for
+    assert clean(bvh(tmp_path / "b.bvh", frames=4), "-o", out) == 0
+    assert "not done, of earlier commands into this folder: bad.bvh; certificate.json says why" in capsys.readouterr().err
+    assert [(one["name"], one["kind"]) for one in certified(out)["not_done"]] == [("bad.bvh", "unreadable")]
+    bvh(bad, frames=4)
+    assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []
+    assert "not done" not in capsys.readouterr().err
+    whole = certificate.MARK + "damaged"
+    (out / "certificate.json").write_text(whole)
+    assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []
+    assert "what earlier commands left undone" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("frames", [1, 2])
 @pytest.mark.parametrize("sinks", [-0.3, 0.2])
 def test_the_shortest_clips_are_cleaned_too(tmp_path: Path, frames: int, sinks: float) -> None:
@@ -289,7 +307,7 @@ def test_a_full_disk_costs_no_earlier_result(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert clean(bvh(tmp_path / "a.bvh", frames=4), "-o", tmp_path / "out") == 0
-    before = content(tmp_path / "out")
+    before, clip = content(tmp_path / "out"), bvh(tmp_path / "b.bvh", frames=4)
 
     def full(*words: object) -> None:
         raise OSError(28, "No space left on device")
@@ -297,8 +315,16 @@ def test_a_full_disk_costs_no_earlier_result(
     with monkeypatch.context() as patch:
         patch.setattr("avatarsim.clips.whole_files.os.fsync", full)
         with pytest.raises(OSError, match="No space left"):
-            clean(bvh(tmp_path / "b.bvh", frames=4), "-o", tmp_path / "out")
+            clean(clip, "-o", tmp_path / "out")
     assert content(tmp_path / "out") == before
+    with monkeypatch.context() as patch:
+        # full when the clip is to be written
+        patch.setattr("avatarsim.clips.task.put", full)
+        assert clean(clip, "-o", tmp_path / "out") == 3
+    whole = ("certificate.json", "index.html")
+    assert {name: one for name, one in content(tmp_path / "out").items() if name not in whole} == {
+        name: one for name, one in before.items() if name not in whole}
+    assert [one["name"] for one in certified(tmp_path / "out")["not_done"]] == ["b.bvh"]
     assert "b.bvh: the system refused" in capsys.readouterr().err
 
 
