@@ -164,8 +164,10 @@ def beside(model: Model, room: Model) -> Model:
     taken = {body.name for body in model.bodies}
     names = {body.name: f"room_{body.name}" if body.name in taken else body.name for body in room.bodies}
     bodies = tuple(replace(body, name=names[body.name]) for body in room.bodies)
-    apart = tuple((names.get(a, a), names.get(b, b)) for a, b in room.exclude)
-    return replace(model, bodies=(*model.bodies, *bodies), exclude=(*model.exclude, *apart))
+    apart, at_rest = (tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.at_rest))
+    return replace(
+        model, bodies=(*model.bodies, *bodies), exclude=(*model.exclude, *apart), at_rest=(*model.at_rest, *at_rest)
+    )
 
 
 def held(scene: Scene) -> Motion:

@@ -123,9 +123,11 @@ def _work(command: str, tasks: Sequence[Task], workers: "Workers", batch: Batch)
                 say(f"{one.place}: {one.trouble[1]}")
             else:
                 print(row(command, one), flush=True)
-            for said in one.said:
-                if said not in told:
-                    told.add(said)
+            avatar, pairs = tasks[0].wishes.avatar, excluded(one.entry or {})
+            of_avatar = [(pairs, f"{avatar.name if avatar else one.place}: {pairs}")] if pairs else []
+            for known, said in [*of_avatar, *((said, said) for said in one.said)]:
+                if known not in told:
+                    told.add(known)
                     if len(told) <= SENTENCES:
                         say(said)
             step(0.0)
@@ -206,6 +208,19 @@ def row(command: str, one: Outcome) -> str:
     return f"{begin}{_deepest(overlap['after']):15} {ways:>18}  {length(most):>9}  {last}"
 
 
+def excluded(entry: Mapping[str, Any]) -> str:
+    """A sentence on the pairs that are excluded from contact, the same for all clips of an avatar; "" without any."""
+    pairs = entry.get("excluded", ())
+    told = []
+    for why, words in ((certificate.BY_FILE, "by the file"), (certificate.AT_REST, "since they overlap at rest")):
+        # links without the name of their avatar, which of a recorded skeleton is that of its clip
+        names = [" and ".join(one[side].partition("/")[2] or one[side] for side in "ab") for one in pairs if one["why"] == why]
+        if names:
+            told.append(f"{len(names)} {words} ({_some(names)})")
+    count = "1 pair is" if len(pairs) == 1 else f"{len(pairs)} pairs are"
+    return f"{count} excluded from contact, and nothing looks at them: {', '.join(told)}" if told else ""
+
+
 def _deepest(one: dict[str, Any]) -> str:
     return f"{one['frames']} frames, {length(one['deepest_m'])}"
 
@@ -228,8 +243,7 @@ def _say_left(clips: Found) -> None:
 
 def _some(names: Sequence[str]) -> str:
     """The first few names, and how many more there are."""
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return ", ".join(names[:NAMED]) + more
+    return ", ".join([*names[:NAMED], *([f"{len(names) - NAMED} more"] if len(names) > NAMED else [])])
 
 
 def _earlier(out: Path, clips: Found) -> tuple[Trouble, ...]:

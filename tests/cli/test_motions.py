@@ -90,6 +90,37 @@ def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> N
     assert len((tmp_path / "out" / "a.csv").read_text().splitlines()) == 19
 
 
+def test_excluded_pairs_are_counted_once_for_an_avatar_and_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    hand = '<body name="hand" pos="-0.1 0 0"><joint name="wrist" range="-1 1"/><geom size="0.05"/></body>'
+    tail = '<body name="tail" pos="-0.2 0 0"><joint name="tail" range="-1 1"/><geom size="0.03"/></body>'
+    path = robot(tmp_path)
+    text = path.read_text().replace("</body>\n    </body>", f"{hand}</body>{tail}</body>")
+    path.write_text(text.replace("</worldbody>", '</worldbody><contact><exclude body1="arm" body2="tail"/></contact>'))
+    for name in ("in/a.csv", "in/b.csv"):
+        rows = csv(tmp_path / name).read_text().splitlines()
+        (tmp_path / name).write_text("\n".join(f"{row},0,0" for row in rows) + "\n")
+    line = ["audit", str(tmp_path / "in"), "--avatar", str(path), "--workers", "0", "-o", str(tmp_path / "out")]
+    main(line)
+    said = ("avatarsim: robot.xml: 2 pairs are excluded from contact, and nothing looks at them: 1 by the file (arm and tail), "
+            "1 since they overlap at rest (base and hand)\n")
+    assert capsys.readouterr().err.count(said) == 1
+    whole = json.loads((tmp_path / "out" / "audit.json").read_text())
+    for one in whole["clips"]:
+        assert {(pair["a"], pair["b"], pair["why"]) for pair in one["excluded"]} == {
+            ("stick/arm", "stick/tail", "by the file"), ("stick/base", "stick/hand", "overlaps at rest")}
+
+
+def test_equal_skeletons_of_clips_are_one_avatar(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("a.bvh", "b.bvh"):
+        bvh(tmp_path / "in" / name, frames=4)
+    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
+    (said,) = [line for line in capsys.readouterr().err.splitlines() if "excluded from contact" in line]
+    (first, second) = (one["excluded"] for one in certified(tmp_path / "out")["clips"])
+    assert said.startswith(f"avatarsim: a.bvh: {len(first)} pair") and len(first) == len(second)
+    # done before, it is said again
+    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0 and said in capsys.readouterr().err
+
+
 def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     source, out = bvh(tmp_path / "in" / "a.bvh"), tmp_path / "out"
     bvh(tmp_path / "in" / "b.bvh", seed=2)
