@@ -1,7 +1,6 @@
 """`avatarsim clean` and `avatarsim audit`: from the words of a command to its table, its files and its exit code."""
 
 import argparse
-import math
 import os
 import re
 import sys
@@ -25,6 +24,7 @@ from avatarsim.clips.wishes import FLOOR, Reading, Wishes
 from avatarsim.console import Progress, printable
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.running.stopping import stoppable
+from avatarsim.scene.checks import positive
 
 if TYPE_CHECKING:
     from avatarsim.running.processes import Workers
@@ -158,9 +158,8 @@ def exit_code(batch: Batch) -> int:
 def wishes_of(asked: argparse.Namespace) -> Wishes:
     """The options as what a clip asks for. Raises InvalidInput for numbers out of range."""
     for name in ("rate", "file_rate", "scale", "stature", "mass", "avatar_scale", "room_scale"):
-        value = getattr(asked, name)
-        if value is not None and not 0.0 < value < math.inf:
-            raise InvalidInput(f"--{name.replace('_', '-')}", value, "a finite number above 0")
+        if getattr(asked, name) is not None:
+            positive(f"--{name.replace('_', '-')}", getattr(asked, name), InvalidInput)
     for names, what in ((("fix", "couplings", "root", "leave", "avatar_scale"), "avatar"), (("room_scale", "room_up"), "room")):
         for name in names:
             if getattr(asked, name) and getattr(asked, what) is None:
