@@ -80,7 +80,7 @@ def test_what_is_cleaned_is_found_clean_and_what_was_not_is_not(tmp_path: Path, 
     assert content(tmp_path) == before and "clean" in capsys.readouterr().out
 
 
-def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> None:
+def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     csv(tmp_path / "a.csv")
     assert clean(tmp_path / "a.csv", "--avatar", robot(tmp_path), "-o", tmp_path / "out", "--no-page", "--rate", "60") == 0
     (one,) = certified(tmp_path / "out")["clips"]
@@ -88,6 +88,9 @@ def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> N
     assert [file["name"] for file in one["inputs"]["avatar"]] == ["robot.xml"]
     assert not (tmp_path / "out" / "pages").exists()
     assert len((tmp_path / "out" / "a.csv").read_text().splitlines()) == 19
+    said = "a.csv: columns matched by order: a root and 1 joint, no names in the file"
+    assert any(sentence.startswith(said) for sentence in one["said"])
+    assert f"avatarsim: {said}; --joints says names for another order\n" in capsys.readouterr().err
 
 
 def test_excluded_pairs_are_counted_once_for_an_avatar_and_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
