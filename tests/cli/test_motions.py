@@ -362,6 +362,24 @@ def test_a_full_disk_costs_no_earlier_result(
     assert "b.bvh: the system refused" in capsys.readouterr().err
 
 
+BARE = """
+import sys
+for name in ("coacd", "coal", "distributed", "joblib", "jsonschema", "mujoco", "pandas", "pebble", "tqdm", "trimesh", "viser"):
+    sys.modules[name] = None
+from avatarsim.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_bvh_on_level_ground_needs_no_extra_and_goes_on_without_one(tmp_path: Path) -> None:
+    bvh(tmp_path / "in" / "a.bvh", frames=4)
+    line = [sys.executable, "-c", BARE, "clean", str(tmp_path / "in"), "--room", "floor", "-o", str(tmp_path / "out")]
+    for last in ("clean", "clean, done before"):
+        done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.splitlines()[1].endswith(f"  {last}")
+
+
 def test_the_module_is_the_command(tmp_path: Path) -> None:
     shutil.copy(bvh(tmp_path / "in.bvh", frames=3), tmp_path / "a.bvh")
     line = [sys.executable, "-m", "avatarsim", "audit", str(tmp_path / "a.bvh"), "--workers", "0"]
