@@ -140,7 +140,7 @@ def test_the_command_runs_them_and_says_what_is_wrong(tmp_path: Path, boxes: str
 
 
 @pytest.mark.parametrize(("words", "said"), [
-    (["--room-scale", "2"], "--room-scale is '2.0': it must be with --scene"),
+    (["--room-scale", "2"], "--room-scale is '2.0'; valid: with --scene"),
     (["--scene", "x", "--scene-scale", "nan"], "--scene-scale is nan"), (["--scene", "x", "--scene-scale", "0"], "above 0"),
     (["--scene", "x", "--avatar-scale", "-1", "--avatar", "x"], "--avatar-scale is -1.0"),
     (["--scene", "x", "--avatar-scale", "2"], "an option beside --avatar"),
