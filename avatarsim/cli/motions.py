@@ -215,9 +215,9 @@ def excluded(entry: Mapping[str, Any]) -> str:
         # links without the name of their avatar, which of a recorded skeleton is that of its clip
         names = [" and ".join(one[side].partition("/")[2] or one[side] for side in "ab") for one in pairs if one["why"] == why]
         if names:
-            told.append(f"{len(names)} {words} ({_some(names)})")
+            told.append(f"{f'{len(names)} ' if len(names) < len(pairs) else ''}{words} ({_some(names)})")
     count = "1 pair is" if len(pairs) == 1 else f"{len(pairs)} pairs are"
-    return f"{count} excluded from contact, and nothing looks at them: {', '.join(told)}" if told else ""
+    return f"{count} excluded from contact, and no proof looks there: {', '.join(told)}" if told else ""
 
 
 def _deepest(one: dict[str, Any]) -> str:

@@ -104,7 +104,7 @@ def test_excluded_pairs_are_counted_once_for_an_avatar_and_why(tmp_path: Path, c
         (tmp_path / name).write_text("\n".join(f"{row},0,0" for row in rows) + "\n")
     line = ["audit", str(tmp_path / "in"), "--avatar", str(path), "--workers", "0", "-o", str(tmp_path / "out")]
     main(line)
-    said = ("avatarsim: robot.xml: 2 pairs are excluded from contact, and nothing looks at them: 1 by the file (arm and tail), "
+    said = ("avatarsim: robot.xml: 2 pairs are excluded from contact, and no proof looks there: 1 by the file (arm and tail), "
             "1 since they overlap at rest (base and hand)\n")
     assert capsys.readouterr().err.count(said) == 1
     whole = json.loads((tmp_path / "out" / "audit.json").read_text())
@@ -120,6 +120,7 @@ def test_equal_skeletons_of_clips_are_one_avatar(tmp_path: Path, capsys: pytest.
     (said,) = [line for line in capsys.readouterr().err.splitlines() if "excluded from contact" in line]
     (first, second) = (one["excluded"] for one in certified(tmp_path / "out")["clips"])
     assert said.startswith(f"avatarsim: a.bvh: {len(first)} pair") and len(first) == len(second)
+    assert "looks there: since they overlap at rest (" in said
     # done before, it is said again
     assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0 and said in capsys.readouterr().err
 
