@@ -49,11 +49,13 @@ DEFAULTS = Options()
 
 @dataclass(frozen=True)
 class Excluded:
-    """A pair that the avatar or the file excludes from contact: `depth` is its deepest overlap in any frame [m], 0 for none."""
+    """A pair that is excluded from contact: `depth` is its deepest overlap in any frame [m], 0 for none; `at_rest` whether it is
+    since the two overlap at rest, else by the word of the file or of the avatar."""
 
     a: str
     b: str
     depth: float
+    at_rest: bool = False
 
 
 @dataclass(frozen=True)
