@@ -21,7 +21,7 @@ class Options:
     """How a motion is cleaned.
 
     margin    gap that is kept between shapes where the input comes nearer [m], above 0
-    blend     how long before and after contact limbs give way [s], 0: not at all; at least 4 frames are taken
+    blend     how long limbs take to give way at either end of a contact [s], 0: none; at least 4 frames are taken
     loose     whether the bodies that the files call loose are left out; else they are fixed where they are
     seed      of the engine's random directions
     opinion   whether an independent library is asked as well, where it is installed: as long again as all else

@@ -62,7 +62,7 @@ def clean_motion(
     tell(0.1)
     written = Written(motion)
     follower = tracked(chords, motion, judged, options, written, lambda share: tell(0.1 + 0.4 * share))
-    improve(chords, follower, motion, written, options, lambda share: tell(0.5 + 0.4 * share))
+    improve(chords, follower, motion, written, judged.is_free, options, lambda share: tell(0.5 + 0.4 * share))
     done = written.motion
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion, model.at_rest)
     tell(1.0)

@@ -154,7 +154,7 @@ def _cleaning(one: argparse.ArgumentParser) -> None:
     cleaning = one.add_argument_group("cleaning")
     cleaning.add_argument("--margin", type=float, default=None, metavar="M", help="gap that is kept [m] (default 0.001)")
     cleaning.add_argument("--blend", type=float, default=None, metavar="S",
-                          help="how long before and after contact limbs give way [s] (default 0.1)")
+                          help="how long limbs take to give way at a contact [s] (default 0.1)")
 
 
 def _opinion(one: argparse.ArgumentParser) -> None:
