@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 NOTHING = Tally()
 """Nothing counted, nothing timed."""
+ADAPTER = "adapter"
+"""Name of the stage in which an engine reports what is not its own: the Python that wraps another simulator for this protocol. It
+is no part of that engine's own time; see `FrameRecord.stage_ns`."""
 
 
 @dataclass(eq=False, init=False, slots=True)
@@ -58,7 +61,9 @@ class FrameRecord:
     angles       (hinges,) [rad], as in TrackerSample; NaN-free; empty when there are none
     counts       work done in this frame, by name (pairs, queries, iterations, joints, contacts, segments, ...)
     statuses     how often a stage reported something else than success, by name
-    stage_ns     nanoseconds per stage; empty unless asked for
+    stage_ns     nanoseconds per stage, by names of the engine's own; empty unless asked for (`Settings.time_stages`). Stages do
+                 not overlap, and their sum without `ADAPTER` is the frame time that an engine is compared by; an engine that
+                 reports none is charged the whole call of `advance`, Python included
     inside       sub-steps and events inside the frame, in order; empty unless recording
     """
 

@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.engine import FrameRecord, Settings
+from avatarsim.engine import ADAPTER, FrameRecord, Settings
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
@@ -164,7 +164,7 @@ class MujocoEngine:
         shown, angles = inside[-1], self._angles()
         stages = {}
         if self._settings.time_stages:
-            stages = {"step": stepping, "adapter": perf_counter_ns() - began - stepping}
+            stages = {"step": stepping, ADAPTER: perf_counter_ns() - began - stepping}
         return FrameRecord(shown, angles, counts, self._statuses(), stages, inside if self._settings.record_inside else ())
 
     def close(self) -> None:

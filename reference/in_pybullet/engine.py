@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from avatarsim.engine import FrameRecord, Settings
+from avatarsim.engine import ADAPTER, FrameRecord, Settings
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
@@ -117,7 +117,7 @@ class PybulletEngine:
             counts["contacts"] = len(pybullet.getContactPoints(physicsClientId=self._client) or ())
         stages = {}
         if self._settings.time_stages:
-            stages = {"step": stepping, "adapter": perf_counter_ns() - began - stepping}
+            stages = {"step": stepping, ADAPTER: perf_counter_ns() - began - stepping}
         finite = np.isfinite(shown.positions).all() and np.isfinite(shown.orientations).all()
         statuses = {} if finite else {"not_finite": 1}
         return FrameRecord(shown, angles, counts, statuses, stages, inside if self._settings.record_inside else ())

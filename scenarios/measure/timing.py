@@ -7,15 +7,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.engine import ADAPTER
 from runfiles.timing_protocol import PHASE_FRAMES, REPEATS, Protocol
 from scenarios.measure.value import Missing, Value, Values
 
 Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
 
-ADAPTER = "adapter"
-"""Stage in which an engine reports the Python that this project put round another engine. It is left out of that engine's
-own time, in its favour; `frame_time_python_p50` has it."""
 TAIL = ("frame_time_p99", "frame_time_max", "frame_time_raw_p99", "frame_time_raw_max")
 """Figures that few frames decide: only from a row with enough of them."""
 
@@ -76,7 +74,8 @@ class Timed:
 
     @property
     def engine_ns(self) -> Integers:
-        """(R, F) engine only: the sum of its stages but the adapter's; the whole call from an engine that reports none."""
+        """(R, F) engine only: the sum of its stages but the adapter's (`frame_time_python_p50` has that too); the whole call
+        from an engine that reports none."""
         own = [spent for name, spent in self.stage_ns.items() if name != ADAPTER]
         return sum(own, np.zeros_like(self.around_ns)) if own else self.around_ns
 

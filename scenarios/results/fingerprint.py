@@ -6,6 +6,7 @@ An edit of one engine's adapter, of one scene or of one preset changes the keys 
 import hashlib
 import re
 from collections.abc import Iterable, Iterator
+from contextlib import closing
 from functools import cache
 from importlib import import_module
 from importlib.util import find_spec
@@ -15,12 +16,12 @@ from pkgutil import walk_packages
 from avatarsim.errors import MissingPackage
 from avatarsim.running.sources import version
 from scenarios import catalog
-from scenarios.engines import EXTRA, known
+from scenarios.engines import BUILT_IN, EXTRA, known, opened
 from scenarios.job import Job
 from scenarios.results.provenance import CODE, ROOT, scene_hash
 
 PACKAGES = {"avatarsim": ("numba",), "mujoco": ("mujoco",), "pybullet": ("pybullet",)}
-"""Distributions whose version can change what an engine shows; of an engine that joined its own module is all that is known."""
+"""Distributions whose version can change what a built-in engine shows. An engine that joined says its own (`joined_part`)."""
 JUDGES = ("numpy", "scipy", "coal")
 """Distributions that decide what is measured."""
 MEASURES = ("scenarios/running/run.py", "scenarios/studies/sweep/measure.py")
@@ -65,12 +66,35 @@ def engine_part(name: str) -> str:
     module = paths.get(name, "").partition(":")[0]
     if not module:
         return name
+    if name not in BUILT_IN:
+        return joined_part(name, module)
     versions = ",".join(f"{package} {version(package)}" for package in PACKAGES.get(name, ()))
     try:
         return f"{name} {versions} {sources([find(module)])}"
     except MissingPackage:
         # the row will say what is missing; its key must exist all the same
         return f"{name} {versions} absent"
+
+
+def joined_part(name: str, module: str) -> str:
+    """The same of an engine that joined by an entry point: the version it says, every source file of the package that its module
+    is in, and the files of this project that these import. Compiled parts and a simulator beneath count only by that version."""
+    try:
+        files = _package(module)
+        with closing(opened(name)) as engine:
+            said = engine.version
+    except Exception as error:
+        # the code of others: what it raises, the row will say; its key must exist all the same
+        return f"{name} absent: {type(error).__name__}"
+    return f"{name} {said} {sources(files)}"
+
+
+def _package(module: str) -> list[Path]:
+    """Every source file of the package that a module is in; the module's alone where it is in none, or in a namespace."""
+    top = find_spec(module.partition(".")[0])
+    if top is None or top.origin is None or not top.submodule_search_locations:
+        return [find(module)]
+    return sorted(Path(top.origin).parent.rglob("*.py"))
 
 
 @cache
@@ -120,7 +144,7 @@ def sources(beginning: Iterable[Path]) -> str:
 def imported(source: Path) -> tuple[Path, ...]:
     """Files of the project named in the import lines of `source`, those within functions too."""
     found = []
-    for match in _IMPORT.finditer(source.read_text(encoding="utf-8")):
+    for match in _IMPORT.finditer(source.read_text(encoding="utf-8", errors="replace")):
         names = re.findall(r"\w+", re.sub(r"\bas\s+\w+", "", match.group(2) or ""))
         stem = ROOT.joinpath(*match.group(1).split("."))
         for path in (stem, *(stem / name for name in names)):

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
+from avatarsim.engine import ADAPTER
 from avatarsim.scene.effects import KEPT, Effects
 from avatarsim.scene.scene import Scene
 from runfiles import record
@@ -19,7 +20,6 @@ from runfiles.files import write_json
 from runfiles.naming import GATED
 from runfiles.timing_protocol import REPEATS
 from scenarios.job import Job, Outcome
-from scenarios.measure.timing import ADAPTER
 from scenarios.results.gate import bounds_of
 from scenarios.results.machine import Meter
 from scenarios.running.harness import outcomes

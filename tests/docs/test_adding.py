@@ -6,11 +6,15 @@ from typing import Any
 
 import numpy as np
 
-from avatarsim.engine import Settings
-from avatarsim.scene.tracker import checked
+from avatarsim.engine import FrameRecord, Settings
 from avatarsim.simulator import AvatarsimEngine
-from runfiles.metrics import METRICS
+from scenarios.job import Job, Outcome
+from scenarios.measure.everything import measured
+from scenarios.results.gate import exit_code, rows_of
+from scenarios.running.asked import Asked
+from scenarios.running.run import gathered
 from scenarios.scenario import Scenario
+from tests.scenarios.scene_rules import begins_free_where_its_regions_allow, moves_soundly, says_what_it_is_and_what_must_hold
 
 PAGE = (Path(__file__).parents[2] / "docs" / "adding.md").read_text(encoding="utf-8")
 
@@ -25,18 +29,44 @@ def shown() -> Scenario:
     return scenario
 
 
-def test_its_bounds_are_on_metrics_that_exist() -> None:
-    assert {bound.metric for bound in shown().bounds} <= set(METRICS)
+def recorded(scenario: Scenario) -> tuple[list[FrameRecord], Asked]:
+    """Every frame that the engine shows of the scenario, and what it was asked."""
+    scene = scenario.build()
+    asked = Asked(scenario, scenario, scene, scenario.motion(scene, 0))
+    with AvatarsimEngine() as engine:
+        frames = [engine.load(scene, Settings(record_inside=True), scenario.dt)]
+        frames += [engine.advance(sample, scenario.dt) for sample in asked.samples]
+    return frames, asked
+
+
+def test_it_keeps_every_rule_of_the_catalogue() -> None:
+    scenario = shown()
+    says_what_it_is_and_what_must_hold(scenario)
+    begins_free_where_its_regions_allow(scenario)
+    moves_soundly(scenario)
+
+
+def test_each_of_its_bounds_is_measured_and_holds_at_the_gate() -> None:
+    scenario = shown()
+    frames, asked = recorded(scenario)
+    job = Job(scenario.name, "avatarsim", "default")
+    found = measured(gathered(job, scenario, asked.scene, asked.states, frames, {}, asked.raw), asked.known)
+    rows = rows_of(Outcome(job, "measured", frames=len(frames), values=found.values), scenario, {}, gated=True)
+    bounded = {row.metric: row.status for row in rows if row.bound is not None}
+    assert bounded == {bound.metric: "pass" for bound in scenario.bounds} and exit_code(rows) == 0
+
+
+def test_an_engine_that_freezes_breaks_one_of_its_bounds() -> None:
+    scenario = shown()
+    frames, asked = recorded(scenario)
+    job, frozen = Job(scenario.name, "frozen", "default"), [frames[0]] * len(frames)
+    found = measured(gathered(job, scenario, asked.scene, asked.states, frozen, {}, asked.raw), asked.known)
+    rows = rows_of(Outcome(job, "measured", frames=len(frames), values=found.values), scenario, {}, gated=True)
+    assert "still_frames" in {row.metric for row in rows if row.status == "fail"}
 
 
 def test_its_hand_stops_on_top_of_the_table_and_its_user_does_not() -> None:
-    scenario = shown()
-    scene = scenario.build()
-    samples = scenario.motion(scene, 0)
-    with AvatarsimEngine() as engine:
-        record = engine.load(scene, Settings(), scenario.dt)
-        np.testing.assert_array_equal(record.shown.positions[1], scene.first_sample.positions[0])
-        for frame in range(scenario.frames):
-            record = engine.advance(checked(samples(frame), scene.avatars), scenario.dt)
-    assert samples(scenario.frames - 1).positions[0, 2] < 0.0
-    np.testing.assert_allclose(record.shown.positions[1], [0.0, 0.0, 0.025 + 0.04 + 2e-4], atol=1e-9)
+    frames, asked = recorded(shown())
+    np.testing.assert_array_equal(frames[0].shown.positions[1], asked.scene.first_sample.positions[0])
+    assert asked.samples[-1].positions[0, 2] < 0.0
+    np.testing.assert_allclose(frames[-1].shown.positions[1], [0.0, 0.0, 0.025 + 0.04 + 2e-4], atol=1e-9)

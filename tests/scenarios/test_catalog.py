@@ -1,16 +1,16 @@
 """Every scene of the catalogue: found by its name, built free of overlap, its motion sound, its raw overlap as stated."""
 
 import tomllib
+from math import inf
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import TABLE_1
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, checked, link_poses, link_poses_each
+from avatarsim.scene.tracker import link_poses_each
 from reference.judging.judge import Judge
 from scenarios import catalog
 from scenarios.building.reach import reach
@@ -19,26 +19,21 @@ from scenarios.catalog.recorded import mocap_punch_wall, mocap_walk_wall
 from scenarios.motion.mocap import clip_names
 from scenarios.scenario import Bound, Drop, Motion, Region, Scenario
 from tests.scenarios.raw_overlap import RAW
+from tests.scenarios.scene_rules import (
+    BRISK,
+    begins_free_where_its_regions_allow,
+    moves_soundly,
+    poses,
+    says_what_it_is_and_what_must_hold,
+)
 
-Array = NDArray[np.float64]
 ALL = sorted(catalog.scenarios())
 CEILINGS = Path(catalog.__file__).parents[1] / "ceilings.toml"
 
-BRISK = 0.15
-"""Largest way of a link's origin per frame [m]: 9 m/s, the speed of a fist."""
 FASTEST = dict.fromkeys(("mocap_backflip", "mocap_dance_a", "mocap_kick", "mocap_run", "mocap_spinkick"), 0.21)
 """Clips that are faster as recorded: their feet make up to 12.3 m/s."""
 JUMPS_ABOUT = ("limit_torture", "limit_torture_hinges", "teleport", "thin_wall_hand")
 """Scenes whose users jump on purpose."""
-
-
-def poses(scene: Scene, sample: TrackerSample) -> tuple[Array, Array]:
-    """Body frames of the whole scene: bodies where they begin, links where the tracker has them."""
-    positions, orientations = link_poses(scene.avatars, sample)
-    return (
-        np.vstack([*(body.position for body in scene.bodies), positions]),
-        np.vstack([*(body.orientation for body in scene.bodies), orientations]),
-    )
 
 
 def built(name: str) -> tuple[Scenario, Scene, Motion]:
@@ -63,39 +58,17 @@ def test_every_recorded_clip_is_a_scene() -> None:
 
 @pytest.mark.parametrize("name", ALL)
 def test_a_scene_says_what_it_is_and_what_must_hold(name: str) -> None:
-    scenario = catalog.get(name)
-    assert scenario.build().name == name
-    assert scenario.title.endswith(".") and scenario.judged.endswith(".")
-    bounds = {bound.metric: bound for bound in scenario.bounds}
-    assert len(bounds) == len(scenario.bounds)
-    assert bounds["residual_overlap_max"].limit == 1e-6
-    assert {"not_finite_frames"} <= set(bounds)
-    # an engine that freezes must break something that it can measure
-    assert {"still_frames", "apex_error_max"} & set(bounds) or scenario.expects
+    says_what_it_is_and_what_must_hold(catalog.get(name))
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_a_scene_begins_free_of_overlap_where_its_regions_allow(name: str) -> None:
-    scenario, scene, _ = built(name)
-    positions, orientations = poses(scene, scene.first_sample)
-    assert scenario.expects.get("refusal") or Judge(scene).overlaps(positions, orientations).deepest == 0.0
-    for region in scenario.regions:
-        inside = positions[list(region.indices(scene.names))]
-        assert ((inside >= region.low) & (inside <= region.high)).all()
+    begins_free_where_its_regions_allow(catalog.get(name).as_run(full=False))
 
 
 @pytest.mark.parametrize("name", ALL)
 def test_a_motion_is_sound_repeatable_and_without_teleport(name: str) -> None:
-    scenario, scene, motion = built(name)
-    again = scenario.motion(scene, 0)
-    samples = [checked(motion(frame), scene.avatars) for frame in range(min(scenario.frames, 400))]
-    for frame, sample in enumerate(samples):
-        assert sample.time == pytest.approx((frame + 1) * scenario.dt)
-        same = again(frame)
-        assert (sample.positions == same.positions).all() and (sample.rotations == same.rotations).all()
-    places, _ = link_poses_each(scene.avatars, [scene.first_sample, *samples])
-    if name not in JUMPS_ABOUT:
-        assert np.linalg.norm(np.diff(places, axis=0), axis=-1).max(initial=0.0) < FASTEST.get(name, BRISK)
+    moves_soundly(catalog.get(name).as_run(full=False), inf if name in JUMPS_ABOUT else FASTEST.get(name, BRISK))
 
 
 @pytest.mark.parametrize("name", sorted(RAW))

@@ -1,5 +1,6 @@
 """A key changes with all that can change a result, and with nothing else."""
 
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -72,6 +73,52 @@ def test_an_edit_changes_the_hash_of_who_imports_it(tmp_path: Path, monkeypatch:
     assert hashed() != before
     fingerprint.imported.cache_clear()
     fingerprint._content.cache_clear()
+
+
+ENGINE = """
+from importlib import import_module
+from reference.raw_tracker import RawTracker
+
+class Engine(RawTracker):
+    version = import_module("simulator_of_a_stranger").VERSION
+"""
+
+
+def test_an_engine_that_joined_hangs_on_its_package_and_on_the_version_that_it_says(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    package = tmp_path / "package_of_a_stranger"
+    (package / "inner").mkdir(parents=True)
+    info = tmp_path / "stranger-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[avatarsim.engines]\nstranger = package_of_a_stranger.inner.engine:Engine\n")
+    beneath = tmp_path / "simulator_of_a_stranger.py"
+    for file, text in {
+        package / "__init__.py": "", package / "inner" / "__init__.py": "", package / "inner" / "engine.py": ENGINE,
+        package / "step.py": "STEP = 1\n", beneath: "VERSION = '1'\n",
+    }.items():
+        file.write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+
+    def key() -> str:
+        for kept in (fingerprint.engine_part, fingerprint.imported, fingerprint._content):
+            kept.cache_clear()
+        for name in [name for name in sys.modules if name.endswith("_of_a_stranger") or "_of_a_stranger." in name]:
+            monkeypatch.delitem(sys.modules, name)
+        return fingerprint.key_of(replace(JOB, engine="stranger"))
+
+    keys = [key()]
+    assert key() == keys[0]
+    (package / "step.py").write_text("STEP = 2\n")
+    keys.append(key())
+    beneath.write_text("VERSION = '2'\n")
+    keys.append(key())
+    (package / "inner" / "engine.py").write_text("raise RuntimeError\n")
+    keys.append(key())
+    assert len(set(keys)) == 4
+    assert "absent: RuntimeError" in fingerprint.engine_part("stranger")
 
 
 def test_what_nobody_has() -> None:

@@ -1,0 +1,64 @@
+"""What is asked of every scene of a catalogue: its words, its bounds, a beginning free of overlap, a motion that is sound."""
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses, link_poses_each
+from reference.judging.judge import Judge
+from scenarios.results.gate import bounds_of
+from scenarios.scenario import Scenario
+
+Array = NDArray[np.float64]
+
+BRISK = 0.15
+"""Largest way of a link's origin per frame [m]: 9 m/s, the speed of a fist."""
+FREEZES = ("still_frames", "apex_error_max")
+"""Metrics of which one has to be bounded, where nothing else is expected: an engine that freezes must break something that it
+can measure."""
+
+
+def poses(scene: Scene, sample: TrackerSample) -> tuple[Array, Array]:
+    """Body frames of the whole scene: bodies where they begin, links where the tracker has them."""
+    positions, orientations = link_poses(scene.avatars, sample)
+    return (
+        np.vstack([*(body.position for body in scene.bodies), positions]),
+        np.vstack([*(body.orientation for body in scene.bodies), orientations]),
+    )
+
+
+def says_what_it_is_and_what_must_hold(scenario: Scenario) -> None:
+    """One sentence each of what it is and what is judged, one name, one bound per metric, and those that no scene is without."""
+    assert scenario.build().name == scenario.name
+    assert scenario.title.endswith(".") and scenario.judged.endswith(".")
+    bounds = {bound.metric: bound for bound in scenario.bounds}
+    assert len(bounds) == len(scenario.bounds)
+    assert bounds["residual_overlap_max"].limit == 1e-6
+    assert "not_finite_frames" in bounds
+    assert set(FREEZES) & set(bounds) or scenario.expects
+    # raises for a metric that does not exist
+    assert set(bounds) <= set(bounds_of(scenario))
+
+
+def begins_free_where_its_regions_allow(scenario: Scenario) -> None:
+    """The judge finds no overlap in the first pose, and every body is in its regions."""
+    scene = scenario.build()
+    positions, orientations = poses(scene, scene.first_sample)
+    assert scenario.expects.get("refusal") or Judge(scene).overlaps(positions, orientations).deepest == 0.0
+    for region in scenario.regions:
+        inside = positions[list(region.indices(scene.names))]
+        assert ((inside >= region.low) & (inside <= region.high)).all()
+
+
+def moves_soundly(scenario: Scenario, fastest: float = BRISK) -> None:
+    """Valid samples, one per frame, the same when asked again; no origin goes farther than `fastest` [m] from frame to frame."""
+    scene = scenario.build()
+    motion, again = scenario.motion(scene, 0), scenario.motion(scene, 0)
+    samples = [checked(motion(frame), scene.avatars) for frame in range(min(scenario.frames, 400))]
+    for frame, sample in enumerate(samples):
+        assert sample.time == pytest.approx((frame + 1) * scenario.dt)
+        same = again(frame)
+        assert (sample.positions == same.positions).all() and (sample.rotations == same.rotations).all()
+    places, _ = link_poses_each(scene.avatars, [scene.first_sample, *samples])
+    assert np.linalg.norm(np.diff(places, axis=0), axis=-1).max(initial=0.0) < fastest
