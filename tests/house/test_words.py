@@ -14,13 +14,22 @@ ENGINE = ROOT / "avatarsim"
 FILES = sorted(ENGINE.rglob("*.py"))
 ROOMS = (".setup", "docs", "examples", "reference", "reports", "runfiles", "scenarios", "tests")
 """Folders beside the engine whose prose is held to the same words."""
-PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").rglob("*.md"))]
-OPENED = [*FILES, *(file for room in ROOMS for file in sorted((ROOT / room).rglob("*.py")))]
+OUTPUTS = ROOT / "reports" / "out"
+"""Where commands write."""
+
+
+def sources(folder: Path, pattern: str) -> list[Path]:
+    """Files below a folder, in order, without what commands wrote."""
+    return [file for file in sorted(folder.rglob(pattern)) if OUTPUTS not in file.parents]
+
+
+PAGES = [*sorted(ROOT.glob("*.md")), *sources(ROOT / "docs", "*.md")]
+OPENED = [*FILES, *(file for room in ROOMS for file in sources(ROOT / room, "*.py"))]
 """Modules that open with a sentence."""
 ENDINGS = {".toml", ".j2", ".html", ".js", ".css", ".yml"}
 TEXTS = [
     *(ROOT / name for name in ("Makefile", "pyproject.toml", ".pre-commit-config.yaml", ".ci/run")),
-    *(file for room in ("avatarsim", ".github", *ROOMS) for file in sorted((ROOT / room).rglob("*")) if file.suffix in ENDINGS),
+    *(file for room in ("avatarsim", ".github", *ROOMS) for file in sources(ROOT / room, "*") if file.suffix in ENDINGS),
 ]
 """Settings, templates and scripts: held to the same words as a whole, for they use none of them as names."""
 
@@ -66,7 +75,7 @@ def test_prose_has_no_persons_for_subjects(file: Path) -> None:
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_prose_beside_the_engine_has_none_either(room: str) -> None:
-    files = sorted((ROOT / room).rglob("*.py"))
+    files = sources(ROOT / room, "*.py")
     assert files
     found = {str(file.relative_to(ROOT)): persons_in(file.read_text(encoding="utf-8")) for file in files}
     assert {name: lines for name, lines in found.items() if lines} == {}
