@@ -6,8 +6,6 @@ bodies and speeds of people are of the order of one. On rounding: Higham 2002, A
 
 from sys import float_info
 
-from avatarsim.jit.kernel import kernel
-
 EPSILON = float_info.epsilon
 """[a share] from 1 to the next number of double precision."""
 
@@ -83,15 +81,3 @@ WEDGED_SHARE = 0.01
 """[stand-offs] gap to which a pair may go that is squeezed from two sides; 0 would let a wedged link never move again."""
 
 assert 0.0 < WEDGED_SHARE < LEAST_SHARE < 1.0
-
-
-@kernel
-def least_gap(stand_off: float) -> float:
-    """Gap [m] accepted of a pair whose step aims at `stand_off` [m]."""
-    return LEAST_SHARE * stand_off
-
-
-@kernel
-def wedged_gap(stand_off: float) -> float:
-    """Gap [m] accepted of a pair that is squeezed from two sides."""
-    return WEDGED_SHARE * stand_off

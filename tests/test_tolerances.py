@@ -2,7 +2,7 @@
 
 import pytest
 
-from avatarsim.tolerances import least_gap, wedged_gap
+from avatarsim.ik.gaps import least_gap, wedged_gap
 
 
 @pytest.mark.parametrize("stand_off", [1e-5, 1e-3, 0.1])

@@ -12,13 +12,14 @@ from avatarsim.collision.gjk import gjk
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.collision.status import CONVERGED
 from avatarsim.collision.support import gap_along
+from avatarsim.ik.gaps import least_gap, wedged_gap
 from avatarsim.ik.state import BAD_QUERIES, QUERIES, SUPPORTS, IkScratch, IkState, axis_at, keep_axis, slot_of
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
-from avatarsim.tolerances import NOTHING, ROUNDING, SAME_DIRECTION, least_gap, wedged_gap
+from avatarsim.tolerances import NOTHING, ROUNDING, SAME_DIRECTION
 
 LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
 """Trace of the turn [rad] of two bodies against each other up to which directions are carried by one of them. A larger angle: a

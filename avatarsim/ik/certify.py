@@ -12,6 +12,7 @@ from avatarsim.collision.support import support
 from avatarsim.ik.broad_phase import boxes_meet, list_near_bodies, sweep_boxes
 from avatarsim.ik.certificate import accepted_gap, certify_pair
 from avatarsim.ik.constraints import add_contact, add_failed_pair, check_limits, owner_of
+from avatarsim.ik.gaps import least_gap, wedged_gap
 from avatarsim.ik.kinematics import carry_avatar
 from avatarsim.ik.state import PAIRS, SUPPORTS, Avatars, IkScratch, IkState, slot_of
 from avatarsim.jit.kernel import kernel
@@ -20,7 +21,6 @@ from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, neg, row, sub
-from avatarsim.tolerances import least_gap, wedged_gap
 
 
 @kernel

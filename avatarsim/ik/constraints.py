@@ -10,6 +10,7 @@ from math import atan2, inf
 from avatarsim.collision.gjk import closest_points
 from avatarsim.collision.support import support
 from avatarsim.ik.certificate import EXACT, keep_nearest, nearest_direction
+from avatarsim.ik.gaps import least_gap, wedged_gap
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch, IkState, RowKind, Touching, axis_at, slot_of
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array, Geometry, Poses
@@ -27,7 +28,7 @@ from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, put_row, row, scale, sub
-from avatarsim.tolerances import ROUNDING, least_gap, wedged_gap
+from avatarsim.tolerances import ROUNDING
 
 CONTACT = int(RowKind.CONTACT)
 

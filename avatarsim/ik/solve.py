@@ -1,6 +1,7 @@
 """One frame of the posture solver, on one screen: target, budgets, islands, steps. See docs/posture.md."""
 
 from avatarsim.ik.broad_phase import forget_near, form_islands, notice_bodies, sweep_all
+from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.ik.target import clip_to_limits, meet_target
@@ -9,7 +10,6 @@ from avatarsim.jit.layout import Index
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
-from avatarsim.tolerances import least_gap
 
 ARRIVED = 3e-2
 """[rad or m] a step smaller than this ends the frame: what is left is left for the next one. Larger: contacts are followed late;

@@ -11,6 +11,7 @@ Lagrangian.
 
 from avatarsim.ik.certify import certify, foresee
 from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
+from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
 from avatarsim.ik.motion_budget import bound_step, keep_budget, spend
 from avatarsim.ik.objective import model, stretch
@@ -40,7 +41,7 @@ from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import add, put_row, row, scale
-from avatarsim.tolerances import FINE, least_gap
+from avatarsim.tolerances import FINE
 
 CONTACT = int(RowKind.CONTACT)
 

@@ -15,6 +15,7 @@ where the target is by now, since targets move on while paths are searched, paid
 
 from avatarsim.ik.broad_phase import sweep_boxes
 from avatarsim.ik.certify import certify
+from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.kinematics import take_step, tangent_error, try_step
 from avatarsim.ik.motion_budget import budgets_of, time_of
 from avatarsim.ik.objective import locate
@@ -28,7 +29,7 @@ from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, drawn, get_node
 from avatarsim.settings import PostureSettings
-from avatarsim.tolerances import FINE, least_gap
+from avatarsim.tolerances import FINE
 
 
 @kernel

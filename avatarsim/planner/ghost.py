@@ -5,6 +5,7 @@ shown.
 """
 
 from avatarsim.ik.broad_phase import forget_near, sweep_boxes
+from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
 from avatarsim.ik.motion_budget import SLACK, keep_budget
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
@@ -18,7 +19,6 @@ from avatarsim.model.skeleton import Skeleton
 from avatarsim.planner.state import Ghost, Plan
 from avatarsim.planner.tree import get_node
 from avatarsim.settings import PostureSettings
-from avatarsim.tolerances import least_gap
 
 STRIDE = LOSS_RADIUS
 """[rad, and mean reaches of a link] how far a step goes at most: as far as the objective still is a square."""
