@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim import tolerances
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance
+from avatarsim.ik import gaps
 from avatarsim.ik.broad_phase import notice_bodies
 from avatarsim.ik.certificate import accepted_gap
 from avatarsim.ik.certify import certify
@@ -26,7 +26,7 @@ from tests.ik.solvers import Solver, solver_of
 from tests.worlds.little_worlds import Z, at, hand, hand_scene, mixed_avatar, panel
 
 SETTINGS, SCRATCH, ANY = PostureSettings(), make_scratch(), np.zeros(0, dtype=np.int64)
-LEAST, WEDGED = tolerances.least_gap(SETTINGS.stand_off), tolerances.wedged_gap(SETTINGS.stand_off)
+LEAST, WEDGED = gaps.least_gap(SETTINGS.stand_off), gaps.wedged_gap(SETTINGS.stand_off)
 HANDS = {
     "ball": (Piece(Sphere(0.05)),), "box": (Piece(Box((0.1, 0.08, 0.06))),), "capsule": (Piece(Capsule(0.03, 0.1)),),
     "hull": (Piece(ellipsoid_hull((0.05, 0.04, 0.08))),),
