@@ -1,8 +1,6 @@
-"""Instruments of a frame: time and calls per stage, counters by name.
+"""Instruments of a frame: time and calls per stage, and counters by name.
 
-Counters of a frame by name, unpacked only when they are read.
-
-Time and calls per stage of a frame. Off, it costs one count per stage.
+Off, the clock costs one count per stage; counters are unpacked only when they are read.
 """
 
 from collections.abc import ItemsView, Iterator, Mapping, Sequence
@@ -13,7 +11,9 @@ from typing import ClassVar
 import numpy as np
 
 STAGES = ("coupling", "posture", "motion")
-"""The stages of a frame that are timed apart."""
+"""The stages of a frame that are timed apart: "posture" is the lower loop, eq. 6 included (`coupling.virtual_coupling.pull` comes
+first in it); "motion" the upper loop; "coupling" what goes back afterwards: impulses into eq. 6, and a second solve of the
+posture within the budget of the frame, for links that bodies held which have moved on."""
 
 
 class Stage:

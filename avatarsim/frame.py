@@ -1,6 +1,10 @@
 """One rendered frame: the paper's Figure 3 on one screen, and nothing else.
 
 Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
+
+The same frame stands in `batch.advance_worlds` once more, for `advance_many`: there a kernel passes the frames of all worlds that
+need nothing between their stages. `engine.advance` comes here, and so do worlds of `advance_many` whose stages are timed, which
+are recorded, or whose method is another than `default`.
 """
 
 from collections.abc import Mapping
@@ -99,7 +103,8 @@ class Frames:
         self.time += dt
 
     def frame(self, sample: TrackerSample, dt: float) -> None:
-        """Pass `dt` seconds: first the driven bodies, then the simulated ones."""
+        """Pass `dt` seconds: first the driven bodies, then the simulated ones. What is changed here is changed in
+        `batch.advance_worlds` too."""
         self.clock.frame()
         self.passed = ()
         if self.driven:

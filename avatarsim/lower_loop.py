@@ -174,7 +174,7 @@ class IkLoop:
         return known
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Bodies, pieces and counts; `ik.sound` says what holds between them."""
+        """Bodies, pieces and counts; `ik.state.state_is_sound` says what holds between them."""
         geo = self.world.geometry
         pieces, bodies = len(geo.body), len(geo.first_shape) - 1
         return {

@@ -83,7 +83,8 @@ def column(skel: Skeleton, m: int, j: int, arm: Vec3, axes: Rows) -> Vec3:
 
 @kernel
 def bounded(skel: Skeleton, posture: Posture, m: int, j: int, way: float) -> float:
-    """The way of degree j, cut where its joint ends."""
+    """The way of degree j, cut where its hinge ends and at `MOST_TURN`. Balls turn beyond their cones: the posture that comes of
+    it is a target, which `ik.target` clips. Free roots are not bounded."""
     if skel.kind[m] == FREE:
         return way
     low, high = -MOST_TURN, MOST_TURN

@@ -65,9 +65,9 @@ TOP_SPIN = 60.0
 class Springs(NamedTuple):
     """The springs of all links of a world.
 
-    offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press` added [m/s];
-    mass (nl) [kg]; ease (nd) 1 / weight of a degree where joints share an offset; still (nd) no step; axes (nd, 3) of the
-    tracker's posture, way (nd) the step by which its joints yield;
+    settings of eq. 6; offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press`
+    added [m/s]; mass (nl) [kg]; ease (nd) 1 / weight of a degree where joints share an offset; still (nd) no step; axes (nd, 3)
+    of the degrees at the tracker's posture, world axes; way (nd) the step by which its joints yield [rad], or its roots [m];
     one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1), with boxes only of links
     with an offset.
     """

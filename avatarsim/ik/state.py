@@ -41,9 +41,9 @@ EMPTY = -1
 
 class PairCache(NamedTuple):
     """key (n) of the pair in a slot, or EMPTY; used (n) step in which it was last asked for; axis (n, 3) the direction that last
-    held, out of the second piece into the first, zero if none has; axis_gap (n) its gap [m] at the shown state, right if
-    axis_step (n) is the present one; normal (n, 3), gap (n) nearest direction and gap at the shown state, right if gap_step (n)
-    is the present one; step (1): number of the present step; pieces (1): how many there are."""
+    held, a unit vector out of the second piece into the first, zero if none has; axis_gap (n) its gap [m] at the shown state,
+    right if axis_step (n) is the present one; normal (n, 3), gap (n) nearest direction and gap [m] at the shown state, right if
+    gap_step (n) is the present one; step (1): number of the present step; pieces (1): how many there are."""
 
     key: IndexLine
     used: IndexLine
@@ -172,7 +172,8 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     share: Array
     """Share of the Newton step that a step takes."""
     speed: Array
-    """[1/s] of the fastest target in the island, low-passed over the settle time: of its joints [rad/s] and roots [m/s]."""
+    """Of the fastest target in the island, low-passed over the settle time: the largest number among its joints [rad/s] and its
+    roots [m/s]."""
     stalled: Array
     """[s] for which the objective has not fallen as it does where an avatar makes progress."""
     since: Array
@@ -228,8 +229,8 @@ class Budget(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """The active contacts of the last solved step: used (1) how many; pair (m, 2) pieces; normal (m, 3), out of the second into
-    the first; multiplier (m) [m], how hard the objective presses."""
+    """The active contacts of the last solved step: used (1) how many; pair (m, 2) pieces; normal (m, 3) unit vectors out of the
+    second into the first; multiplier (m) [m], how hard the objective [m^2] presses."""
 
     used: IndexLine
     pair: IndexGrid
@@ -253,10 +254,21 @@ class Touching(NamedTuple):
 
 
 class IkState(NamedTuple):
-    """What stays from frame to frame. before, own: the clipped target and the tracker's posture of the last frame; force (nl, 3)
-    what the contacts press on each link with, bend (nl) [m^2] the inertia by which they bend the Lagrangian; near (na, nb) bodies
-    that are no links and in reach of an avatar, near_count (na), near_box (na, 6) for which the list is good; axes (nd, 3) of the
-    degrees at the shown posture."""
+    """What stays from frame to frame.
+
+    tracking          a row per avatar
+    before, own       the clipped target and the tracker's posture of the last frame
+    force             (nl, 3) [m] what the contacts of the last step press on each link with: multipliers times normals, a
+                      gradient of the objective [m^2]
+    bend              (nl) [m^2] the inertia by which these forces bend the Lagrangian
+    contacts          that were active in the last solved step
+    touching          pairs that were in contact lately
+    pairs             what was last known of each pair of pieces
+    near, near_count  (na, nb), (na) bodies that are no links and in reach of an avatar, and how many
+    near_box          (na, 6) [m] low x, y, z and high x, y, z of an avatar, for which the list is good
+    axes              (nd, 3) world axes of the degrees at the shown posture
+    budget            what is left to move in this frame
+    """
 
     tracking: Tracking
     before: Posture

@@ -132,8 +132,9 @@ class Geometry(NamedTuple):
 
 
 class Poses(NamedTuple):
-    """Where every body is: position (nb, 3), rotation (nb, 3, 3), vertices (nv, 3) in the world, boxes (ns, 6)
-    around the pieces and hulls (nb, 6) around the bodies, each as low x, y, z, high x, y, z."""
+    """Where every body is, in the world: position (nb, 3) of its origin [m] and rotation (nb, 3, 3) matrix out of its axes;
+    vertices (nv, 3) of its pieces [m]; boxes (ns, 6) around the pieces and hulls (nb, 6) around the bodies [m], each as low x, y,
+    z, high x, y, z."""
 
     position: Vectors
     rotation: Matrices

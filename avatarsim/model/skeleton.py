@@ -71,7 +71,8 @@ class Skeleton(NamedTuple):
 
 
 class Posture(NamedTuple):
-    """A posture: root position (nl, 3), rotation (nl, 3, 3) of balls and roots, hinge angle (nd)."""
+    """A posture: root (nl, 3) position of free roots in the world [m]; turn (nl, 3, 3) rotation matrix of balls and free roots in
+    their parents, the world for a root; angle (nd) of hinges [rad]. Rows of links and degrees of another kind are not read."""
 
     root: Vectors
     turn: Matrices

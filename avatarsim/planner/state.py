@@ -137,10 +137,17 @@ known_as_table(Searches, SEARCH)
 
 
 class Plan(NamedTuple):
-    """What stays from frame to frame. node (na, NODES + 1, w) postures of the nodes, packed, the last of them the end of the
-    extension; before (na, NODES) the node that each was reached from, -1 at a root; tree (na, NODES) of each node, 2 for those of
-    shortcuts; path (na, NODES) nodes from the shown posture to the goal; turn (1): the avatar whose search has the first
-    slice."""
+    """What stays from frame to frame.
+
+    searches  a row per avatar
+    node      (na, NODES + 1, w) postures of the nodes, the last of them the end of the extension. One is packed link by link in
+              the scene's order, without gaps: of a free root its position (3) [m] and its rotation matrix (9) row by row, of a
+              ball its rotation matrix (9), of hinges their angles [rad]; what an avatar does not need of w is not read
+    before    (na, NODES) the node that each was reached from, -1 at a root
+    tree      (na, NODES) of each node: 0 from the shown posture, 1 from the goal, 2 of shortcuts
+    path      (na, NODES) nodes from the shown posture to the goal
+    turn      (1) the avatar whose search has the first slice
+    """
 
     searches: Searches
     node: Cube

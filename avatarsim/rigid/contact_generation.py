@@ -1,12 +1,7 @@
-"""Contact generation: narrow phase and contact manifolds of near pairs, with restitution, friction and warm-start keys.
+"""Contact generation: narrow phase (GJK and EPA) and contact manifolds (Sutherland and Hodgman 1974) of near pairs.
 
-Extra corner contacts for touching pairs at which conservative advancement stalls although they do not approach.
-
-Two edges that cross at a small angle and slip: a corner beyond the contact area passes through the separating plane, which turns
-with one of the bodies, beside the other's face, so no motion is proved free. For some frames such corners count as contacts with
-that plane; the bodies then move as if the face were a little larger, instead of not at all.
-
-Slip velocity of driven contacts: the user's, or the displayed one where a contact or a limit holds the driven body back.
+Each point gets restitution, friction and a key for the warm start; pairs at which conservative advancement stalls get corners
+besides, and contacts of driven bodies the slip that counts.
 """
 
 from math import inf
@@ -32,6 +27,11 @@ from avatarsim.spatial.tangent import columns, step_between, turned
 from avatarsim.spatial.vec3 import Vec3, along, dot, neg, norm, put_row, row, scale, sub
 
 Index = NDArray[np.int64]
+
+# Extra corner contacts for touching pairs at which conservative advancement stalls although they do not approach. Two edges cross
+# at a small angle and slip: a corner beyond the contact area passes through the separating plane, which turns with one of the
+# bodies, beside the other's face, so no motion is proved free. For some frames such corners count as contacts with that plane;
+# the bodies then move as if the face were a little larger, instead of not at all.
 
 LASTS = 10
 """Frames for which a pair counts as blocked. Fewer: it stops again and again; more: faces are larger than they are for longer."""
@@ -113,6 +113,8 @@ def add_corners(
     return True
 
 
+# Slip velocity of driven contacts: the user's, or the displayed one where a contact or a limit holds the driven body back.
+
 SEEN = 0.005
 """[m/s] by which a driven body must be displayed slower than its user along a surface to count as held back there. The springs of
 eq. 6 make smaller differences; larger: slow users drag bodies along. 0: a pushed box sticks to a hand that its spring lets slide,
@@ -132,8 +134,9 @@ def note_shown(poses: Poses, dt: float, memory: Memory, b: int) -> None:
 def note_drift(velocities: Velocities, memory: Memory, k: int) -> None:
     """Fill ``drift`` of contact k of a driven body: the part of its user's tangential velocity that is not displayed.
 
-    A free driven body strikes with the user's velocity. A hand that is held back, itself (see `coupling.holding`) or by its arm
-    or a limit, must not drag a body like a conveyor belt while its user goes on: there the displayed, slower velocity counts.
+    A free driven body strikes with the user's velocity. A hand that is held back, itself (`coupling.virtual_coupling.hold`) or by
+    its arm or a limit, must not drag a body like a conveyor belt while its user goes on: there the displayed, slower velocity
+    counts.
     """
     contacts, side = memory.contacts, 0 if memory.contacts.driven[k] == DRIVEN_A else 1
     b, n = contacts.body[k, side], axis(contacts, k, 0)
@@ -147,6 +150,8 @@ def note_drift(velocities: Velocities, memory: Memory, k: int) -> None:
 
 
 Array = NDArray[np.float64]
+
+# Contacts of one pair, and of all pairs of an island.
 
 FOUND, NO_ROOM, BROKEN = 0, 1, 2
 """Outcome: all contacts found; more than fit; a pose is not finite."""

@@ -1,10 +1,6 @@
 """Contact law: Newton's law of restitution (eqs 7 to 9) and Coulomb friction (eq. 10) of Schmidl and Lin 2004.
 
-Coulomb friction (eq. 10): as printed, limited to the impulse that ends the slip, kinetic, and as a disc of contact forces.
-
-Relative velocity at a contact (eq. 7) and its normal part after an impact (eq. 8, Newton's law of restitution).
-
-Normal impulse of a collision with restitution (eq. 9; Newton's law of restitution).
+Friction comes in four forms: as printed, limited to the impulse that ends the slip, kinetic, and as a disc of contact forces.
 """
 
 from math import sqrt
@@ -12,6 +8,8 @@ from math import sqrt
 from avatarsim.jit.kernel import kernel
 from avatarsim.spatial.tangent import Columns, turned
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, scale, sub
+
+# Relative velocity at a contact (eq. 7) and its normal part after an impact (eq. 8).
 
 
 @kernel
@@ -44,6 +42,9 @@ def velocity_after(restitution: float, before: float) -> float:
     return -restitution * before
 
 
+# Normal impulse of a collision with restitution (eq. 9).
+
+
 @kernel
 def turning_term(inverse_inertia: Columns, arm: Vec3, n: Vec3) -> float:
     """A or B of eq. 9 [1/kg]: n . ((I^-1 (r x n)) x r), the rotational part of the inverse effective mass.
@@ -63,6 +64,8 @@ def collision_impulse(
     """
     return -(1.0 + restitution) * before / (inverse_mass_b + inverse_mass_a + turning_a + turning_b)
 
+
+# Coulomb friction (eq. 10).
 
 NO_SLIP = 1e-300
 """Below this speed [m/s] there is no direction to oppose; dividing by it would give inf or nan."""

@@ -1,12 +1,7 @@
 """Contact points of one instant: frames, lever arms, inverse effective masses and relative velocities (contact Jacobian).
 
-Inverse masses and inverse inertia tensors of all bodies in world axes, at the present instant.
-
-Application of an impulse at a contact to its two bodies: velocities change by M^-1 J^T times the impulse.
-
-Warm start of the contact solver (contact caching: Catto 2005): a hash table of the last segment's forces by contact key.
-
-An entry is valid as long as its body has had no other segment since; a contact without one starts from zero.
+With the masses of the bodies that they are of, the impulses that act there, and their forces in the last segment, from which the
+solver starts (contact caching: Catto 2005).
 """
 
 from math import sqrt
@@ -22,6 +17,9 @@ from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row, scale, sub
 
 Array = NDArray[np.float64]
+
+
+# Inverse masses and inverse inertia tensors of all bodies in world axes, at the present instant.
 
 
 class Masses(NamedTuple):
@@ -65,6 +63,8 @@ def yielding(masses: Masses, b: int, arm: Vec3, j: Vec3) -> Vec3:
 
 
 Index = NDArray[np.int64]
+
+# The points, and velocities there.
 
 ROOM = 2048
 """Least room for contact points. A wall of 100 boxes has about 1000; too many are told by a status, never dropped silently."""
@@ -308,6 +308,9 @@ def speed_along(contacts: Contacts, k: int, i: int, linear: Array, angular: Arra
     return float(on_a - on_b - drift)
 
 
+# An impulse at a contact, applied to its two bodies: velocities change by M^-1 J^T times the impulse.
+
+
 @kernel
 def push(contacts: Contacts, masses: Masses, k: int, j: Vec3, linear: Array, angular: Array) -> None:
     """Apply the impulse j [N s] (world axes) to A and -j to B at contact k."""
@@ -346,6 +349,9 @@ def push_all(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array,
         angular[a, x] += d[0] * p[k, 0, x] + d[1] * p[k, 1, x] + d[2] * p[k, 2, x]
         angular[b, x] -= d[0] * q[k, 0, x] + d[1] * q[k, 1, x] + d[2] * q[k, 2, x]
 
+
+# Warm start: a hash table of the last segment's forces by contact key. An entry is valid as long as its body has had no other
+# segment since; a contact without one starts from zero.
 
 SLOTS_PER_POINT = 4
 """Slots of the table per contact point that there may be at once; fewer: more forces are lost and solved for from zero."""

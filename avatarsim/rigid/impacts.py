@@ -1,11 +1,7 @@
 """Sequential impacts at one instant (eqs 7 to 10): the fastest approach first, one block of impulses per pair of bodies.
 
-Recorded time of an impact: when the surfaces meet, extrapolated over the stand-off at which the bodies were stopped.
-
-Closed-form tail of a Zeno sequence: the infinitely many last bounces of a ball, too low to be told apart from rest.
-
-After an impact from which a ball rebounds with v, too slowly to leave its stand-off, all flights to come take 2 v / (g (1 - e))
-together. For that long it lies where it is, with the speed v of its last rebound; then it is at rest.
+Before them the time at which an impact is recorded; after them what is left where the budget ends, and the closed-form tail of a
+ball's Zeno sequence of bounces.
 """
 
 from math import inf, sqrt
@@ -35,6 +31,9 @@ from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, 
 from avatarsim.tolerances import NOTHING as NEGLIGIBLE
 
 Array = NDArray[np.float64]
+
+
+# Recorded time of an impact: when the surfaces meet, extrapolated over the stand-off at which the bodies were stopped.
 
 
 @kernel
@@ -72,9 +71,12 @@ def time_to_contact(contacts: Contacts, head: int, linear: Array, angular: Array
 
 Index = NDArray[np.int64]
 
+# Impacts of a queue, one after the other.
+
 REST_SPEED = -RESTING
-"""A rebound slower than this [m/s], times the pace of the scene, is rest: it would rise 1.1e-7 m. Larger: visible bounces end
-early; smaller: a bouncing ball takes more impacts to come to rest, without limit as it goes to 0."""
+"""No rebound is slower than this [m/s], times the pace of the scene (`pace_of` of `rigid.contacts`): it would rise 1.1e-7 m, and
+is rest. So no approach slower than that over the restitution bounces. Larger: visible bounces end early; smaller: a bouncing ball
+takes more impacts to come to rest, without limit as it goes to 0."""
 
 TIE = NEGLIGIBLE
 """Pairs whose approach speeds differ by less than this part are solved together, so that a corner is hit symmetrically."""
@@ -349,6 +351,10 @@ def settle(
     collect(contacts, 0, count, received)
     return left
 
+
+# Closed-form tail of a Zeno sequence: the infinitely many last bounces of a ball, too low to be told apart from rest. After an
+# impact from which it rebounds with v, too slowly to leave its stand-off, all flights to come take 2 v / (g (1 - e)) together.
+# For that long it lies where it is, with the speed v of its last rebound; then it is at rest.
 
 NONE = -1.0
 """End of the tail [s] of a body that has none."""

@@ -146,7 +146,7 @@ apart in height, would ask for velocities that no rigid body can have at once.""
 
 PARTING = LIFTED
 """Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
-below the slowest rebound of `impact_queue`."""
+below the slowest rebound (`REST_SPEED` of `rigid.impacts`)."""
 
 HOP = 1e-6
 """Slower separations are braked over the segment if they rise less than half of this [m] meanwhile. Without it a box that settles

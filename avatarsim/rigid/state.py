@@ -156,19 +156,48 @@ class Switches(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """received (nb, 3): impulses [N s] that each driven body got in this frame, for eq. 6. moving, asleep, ball, held (nb) flags.
+    """What the upper loop keeps from frame to frame, and its working memory (`WORKING`). nb bodies; flags are 0 or 1.
 
-    strike, hold: masses with driven bodies yielding, and not. reach, span (nb): largest distance of a vertex, of a point, from
-    the centre of mass. trial: poses used while searching for impacts; between frames those of the last frame. owed_linear,
-    owed_angular (nb, 3): velocities that bodies get back, owing (1) whether there are any, see `rigid.deferred_impacts`. began:
-    poses at the start of each body's last segment. joins (nb) 1 for bodies that connect islands: moving or driven; corrected (nb)
-    time of the last position projection; when (room) time of the first event of each near pair; then the numbers of all bodies
-    (nb); blocked (ROOM, 3) see `rigid.contact_generation`, clogged (1) the last frame in which a pair counts as blocked; frames
-    (1) so far; edges (2, 6) working memory of `collision.edge_edge`; tail_end (nb) [s], tail_speed (nb, 3) [m/s]: see
-    `rigid.impacts`; newest (nb), older (contacts, 2) contacts of a body one after the other: see `rigid.internal_edges`,
-    `rigid.impacts`; margin (1) [m] see `rigid.near_pairs`; touch (1) [m] gap below which a driven body has contacts; soonest:
-    event queue, see `rigid.budget_fallback`; shown_linear, shown_angular (nb, 3) velocities of the displayed motion of driven
-    bodies.
+    received           (nb, 3) [N s] impulses that each driven body got in this frame, for eq. 6
+    moving, asleep     (nb) flags: moves in this frame; left alone until something comes near
+    ball, round        (nb) flags: one sphere about its centre of mass; spinning makes no torque on it
+    held               (nb) flags: has contact forces in this segment
+    strike, hold       masses with driven bodies yielding, for impacts, and not, for forces
+    inertia            (nb, 3, 3) [kg m^2] about the centres of mass, world axes
+    reach, span        (nb) [m] largest distance of a vertex, of a point of the surface, from the centre of mass
+    trial              poses used while searching for impacts; between frames those of the last frame
+    paths, series      of the bodies in their last segment; working memory of their rotation
+    contacts           of the island that is solved
+    manifold, scratch  working memory of the narrow phase
+    linear_end         (nb, 3) [m/s] velocities at the end of a segment, or before an impact
+    angular_end        (nb, 3) [rad/s] the same
+    before, direction  (contacts, 3) [N s] impulses before a sweep of the solver, and its direction of descent
+    boxes              (nb, 6) [m] around the motion of bodies to the end of the frame: low x, y, z, high x, y, z
+    wanted             pairs of bodies that may meet, those of driven ones left out
+    sweep, pairs       working memory of the broad phase; (room, 2) near pairs
+    a_rows, b_rows     (vertices, 6) of two pieces, what bounds the motion of each vertex: see `collision.motion_bounds`
+    last               forces of the last segment
+    counts             work done in this frame: see `COUNT_NAMES`
+    owed_linear        (nb, 3) [m/s] velocities that bodies get back: see `rigid.deferred_impacts`
+    owed_angular       (nb, 3) [rad/s] the same
+    owing              (1) flag: whether there are any
+    began              poses at the start of each body's last segment
+    islands            and their clocks
+    joins              (nb) flags: connects islands, since it is moving or driven
+    corrected          (nb) [s] since the frame began at which the last position projection was, -1 before it
+    when               (room) [s] time of the first event of each near pair
+    all_bodies         (nb) their numbers, from 0 on
+    blocked            (ROOM, 3) pairs found blocked: see `rigid.contact_generation`
+    clogged, frames    (1) the last frame in which a pair counts as blocked; (1) frames so far
+    edges              (2, 6) working memory of `collision.edge_edge`
+    tail_end           (nb) [s] since the frame began at which the last bounces of a ball end, -1 without: see `rigid.impacts`
+    tail_speed         (nb, 3) [m/s] its velocity until then
+    newest, older      (nb), (contacts, 2) contacts of a body one after the other: see `rigid.internal_edges`, `rigid.impacts`
+    margin             (1) [m] by which boxes of the broad phase are larger: see `rigid.near_pairs`
+    touch              (1) [m] gap below which a driven body has contacts
+    soonest            event queue: see `rigid.budget_fallback`
+    shown_linear       (nb, 3) [m/s] velocities of the displayed motion of driven bodies
+    shown_angular      (nb, 3) [rad/s] the same
     """
 
     received: Vectors

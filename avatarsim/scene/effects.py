@@ -17,7 +17,10 @@ from avatarsim.scene.joint import Ball, Hinges
 
 @dataclass(frozen=True)
 class Effects:
-    """One switch per effect; `frame.py` is the one place that looks at them."""
+    """One switch per effect. Which loops a frame has, `frame.py` and `batch.py` decide by them. Within a loop they are asked for
+    once, when a world is built: self-contact by `Scene`, restitution and friction by `model.dynamics`, limits and cones by
+    `model.skeleton`, coupling and dynamics by the loops; and by `simulator.py` and `snapshot.py` where a body comes, goes or is
+    put elsewhere."""
 
     overlap_removal: bool = True
     kinematics: bool = True
@@ -153,7 +156,7 @@ def tumbling(parts: Parts) -> list[str]:
 
 
 NO_OVERLAP, STAYS, BOUNCES, FAST = "1 (no overlap)", "2 (stays with the user)", "3 (bounces as stated)", "4 (speed)"
-"""The engine's promises, as ARCHITECTURE.md numbers them."""
+"""The engine's promises, as README.md numbers them."""
 
 CALLS = (
     Call("overlap_removal", "an avatar", "a tracked posture goes into things; the one shown must not", NO_OVERLAP, driven),

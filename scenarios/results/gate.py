@@ -30,9 +30,9 @@ MEANINGS = {
     NOTHING: "a name or pattern of the filter matched no scene",
     STOPPED: "stopped before the end",
 }
+"""Exit codes. A failed bound wins over an incomplete comparison."""
 UNGATED = "nothing was gated"
 """What code 0 means when no bound was put to the test."""
-"""Exit codes. A failed bound wins over an incomplete comparison."""
 
 Ceilings = Mapping[str, Mapping[str, float]]
 

@@ -40,7 +40,7 @@ def swept(pattern: str | None, full: bool) -> dict[str, Scenario]:
 
 
 def errors_of(name: str) -> tuple[str, ...]:
-    """The metrics that are this scene's errors."""
+    """The metrics that are this scene's errors in a whole sweep; in the short one: `phenomena.short_errors_of`."""
     return TELLING.get(name, ERRORS)
 
 
