@@ -2,7 +2,7 @@
 
 One file for Python 3.11 to 3.13 and every platform, resolved by uv, fetched into a throw-away folder.
 Pins that still fit are kept; `--upgrade` takes the newest versions. No host name, address or index option is
-written: where packages come from is the business of whoever installs them.
+written: where packages come from is for each user to set.
 """
 
 import subprocess

@@ -4,6 +4,8 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from avatarsim.tolerances import JUDGED, NOTHING, POSTURE_GAP
+
 
 class PostureSettings(NamedTuple):
     """How a posture follows the tracker (method `default`, docs/posture.md).
@@ -27,7 +29,7 @@ class PostureSettings(NamedTuple):
                     hand without any that is pushed through a table is to lie on it. 2: for all.
     """
 
-    stand_off: float = 2e-4
+    stand_off: float = POSTURE_GAP
     catch_up_turn: float = 12.5
     catch_up_move: float = 5.0
     damping_time: float = 0.01
@@ -80,12 +82,12 @@ class PaperSettings(NamedTuple):
     stand_off: float = 1e-4
     tolerance: float = 2e-5
     sweeps: int = 24
-    still: float = 1e-9
+    still: float = NOTHING
     bend: float = 0.1
     parallel: float = 0.17
     rounds: int = 16
     patience: int = 6
-    walk_back: float = 1e-6
+    walk_back: float = JUDGED
     couple: int = 1
 
 

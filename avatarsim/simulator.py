@@ -276,8 +276,8 @@ class AvatarsimEngine:
         """Go back, or on, to where `snapshot` returned `data`; returns what is shown there.
 
         The scene, but for where it starts, and the options must be those that are loaded, dt and what is recorded need not. Bytes
-        may come from strangers: InvalidSnapshot if they are damaged, of something else, or hold a number that no state can. With
-        the method `default` that includes links beyond joint limits, and links that overlap each other or what does not move.
+        need not be trusted: InvalidSnapshot if they are damaged, of something else, or hold a number that no state can. With the
+        method `default` that includes links beyond joint limits, and links that overlap each other or what does not move.
         If it raises, the engine is what it was.
         """
         with self._alone():

@@ -1,7 +1,7 @@
 """Checkpoint and restart: the state of a world between two frames as bytes, and back.
 
 What the parts of a frame keep from one frame to the next is written, constants and working memory are not: they are those of the
-engine that the bytes are handed to, which has loaded the same scene with the same settings. Bytes come from strangers: nothing in
+engine that the bytes are handed to, which has loaded the same scene with the same settings. Bytes are not trusted: nothing in
 them is run or looked up by name, no length in them is believed before it is compared, and every whole number, which might be a
 place in memory, is held against the range that its field has. Only when all is well anything is written.
 

@@ -1,4 +1,4 @@
-"""What we say: pages and summaries from the files of one run. Reads files, runs nothing."""
+"""Reports: pages and summaries from the files of one run. Reads files, runs nothing."""
 
 import os
 from collections.abc import Callable, Iterable, Iterator

@@ -1,1 +1,1 @@
-"""What we ask of every engine: scenes, tracker motions, bounds. Knows no engine by name."""
+"""Benchmark of engines: scenes, tracker motions and bounds, the same for all. Knows no engine by name."""

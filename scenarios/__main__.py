@@ -58,6 +58,8 @@ def parser() -> argparse.ArgumentParser:
     brought.add_argument("--avatar", metavar="FILE", help="avatar in these scenes, MJCF or URDF, if they hold none")
     brought.add_argument("--room", metavar="FILE", help="room about them: MJCF, URDF, a mesh, or the word floor")
     brought.add_argument("--motion", metavar="FILE", help="motion of the avatar; without one it holds its first posture")
+    for file in comparison.SCALES:
+        brought.add_argument(f"--{file}-scale", type=float, metavar="M", help=f"metres a unit of length of --{file} (default 1)")
     brought.add_argument("--seconds", type=float, default=5.0, help="how long (default 5; with a motion, of it at most)")
     chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
     chosen.add_parser("bench", help="frame times only", parents=[shared])

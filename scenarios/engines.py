@@ -65,13 +65,13 @@ def hushed() -> Iterator[None]:
 def opened(name: str) -> Engine:
     """A fresh engine. Raises UnknownName, MissingPackage when it needs a package that is not installed, and ImportError when a
     module of its own is missing."""
-    # whoever else joined is looked for in every installed package: only those who ask for a stranger wait for that
+    # entry points of all installed packages are read only for an engine that is not built in, since that takes a while
     paths = BUILT_IN if name in BUILT_IN else known()
     if name not in paths:
         raise UnknownName("engine", name, paths)
     module, _, attribute = paths[name].partition(":")
     try:
-        # only in processes of the harness, and never a stranger's complaints
+        # only in processes of the harness, and never what an engine that joined complains of
         with hushed() if name in BUILT_IN and parent_process() is not None else nullcontext():
             made = getattr(import_module(module), attribute)()
     except ImportError as error:

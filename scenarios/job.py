@@ -1,4 +1,4 @@
-"""What is to be run, and what came of it: both travel between processes."""
+"""Jobs and their outcomes: what is to be run, and what came of it; both travel between processes."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace

@@ -9,7 +9,7 @@ import os
 import re
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache, partial, reduce
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -48,7 +48,8 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class OwnScene:
     """A scene as its user asks for it: `file` with whatever is in it, an `avatar` beside it, a `room`, a `motion`; empty words
-    for what is not there. `seconds` how long it runs without a motion, at most how long with one."""
+    for what is not there. `seconds` how long it runs without a motion, at most how long with one; `scene_scale`, `avatar_scale`
+    and `room_scale` are metres a unit of length of the file, the avatar's and the room's."""
 
     name: str
     file: str
@@ -56,6 +57,9 @@ class OwnScene:
     room: str = ""
     motion: str = ""
     seconds: float = 5.0
+    scene_scale: float = 1.0
+    avatar_scale: float = 1.0
+    room_scale: float = 1.0
 
     @cached_property
     def recorded(self) -> "MotionFile | None":
@@ -74,18 +78,20 @@ class OwnScene:
         """What has the avatar, if anything has, then what stands about it. Raises InvalidFile for what cannot be read."""
         from avatarsim.assets.models.load import load_avatar, load_room
 
-        rooms = [load_room(self.room)] if self.room else []
+        rooms = [load_room(self.room, scale=self.room_scale)] if self.room else []
+        as_room = partial(load_room, self.file, scale=self.scene_scale)
         if self.avatar:
-            return load_avatar(self.avatar), load_room(self.file), *rooms
-        found = load_avatar(self.file) if Path(self.file).suffix.lower() in MODELS else load_room(self.file)
+            return load_avatar(self.avatar, scale=self.avatar_scale), as_room(), *rooms
+        has_joints = Path(self.file).suffix.lower() in MODELS
+        found = load_avatar(self.file, scale=self.scene_scale) if has_joints else as_room()
         if found.avatar is not None and len(found.avatar.links) > 1:
             return found, *rooms
         brought = None if self.recorded is None else self.recorded.model()
         if brought is not None:
             # a recording on its own skeleton
-            return brought, load_room(self.file), *rooms
+            return brought, as_room(), *rooms
         # a loose body is an avatar only where a motion drives it
-        return (found if self.motion else load_room(self.file)), *rooms
+        return (found if self.motion else as_room()), *rooms
 
     @property
     def said(self) -> tuple[str, ...]:
@@ -98,10 +104,12 @@ class OwnScene:
     def replayed(self) -> tuple[Scene, Track]:
         """Scene and samples of a recording of `avatarsim live`; what was ordered in between, switches among it, is left out.
 
-        Raises InvalidFile for what is no recording, or beside which an avatar, a room or a motion is named."""
+        Raises InvalidFile for what is no recording, or beside which an avatar, a room, a motion or a scale is named."""
         from avatarsim.live.recording import Frame, read
 
-        for name, other in (("--avatar", self.avatar), ("--room", self.room), ("--motion", self.motion)):
+        scale = "" if self.scene_scale == 1.0 else f"{self.scene_scale:g}"
+        beside = (("--avatar", self.avatar), ("--room", self.room), ("--motion", self.motion), ("--scene-scale", scale))
+        for name, other in beside:
             if other:
                 raise InvalidFile(f"{name} beside {Path(self.file).name}", other, "nothing: a recording has all of it")
         found = read(Path(self.file))
@@ -164,8 +172,10 @@ def beside(model: Model, room: Model) -> Model:
     taken = {body.name for body in model.bodies}
     names = {body.name: f"room_{body.name}" if body.name in taken else body.name for body in room.bodies}
     bodies = tuple(replace(body, name=names[body.name]) for body in room.bodies)
-    apart = tuple((names.get(a, a), names.get(b, b)) for a, b in room.exclude)
-    return replace(model, bodies=(*model.bodies, *bodies), exclude=(*model.exclude, *apart))
+    apart, at_rest = (tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.at_rest))
+    return replace(
+        model, bodies=(*model.bodies, *bodies), exclude=(*model.exclude, *apart), at_rest=(*model.at_rest, *at_rest)
+    )
 
 
 def held(scene: Scene) -> Motion:
@@ -185,8 +195,12 @@ def named(file: str, taken: Sequence[str]) -> str:
     return plain if number == 1 else f"{plain}_{number}"
 
 
-def ask(files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float) -> list[str]:
-    """Take these files as the scenes of this process and of those that it starts, once each is read and its start is free.
+def ask(
+    files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float, *,
+    scene_scale: float = 1.0, avatar_scale: float = 1.0, room_scale: float = 1.0,
+) -> list[str]:
+    """Take these files as the scenes of this process and of those that it starts, once each is read and its start is free. Scales
+    are metres a unit of length of the files of scenes, avatar and room.
 
     Returns what readers say of each: units guessed, bodies raised and pairs left out of contact since they overlap in the file.
 
@@ -196,7 +210,7 @@ def ask(files: Sequence[str], avatar: str | None, room: str | None, motion: str 
     for file in files:
         own = OwnScene(
             named(file, [one.name for one in found]), whole(file), whole(avatar), room if room == "floor" else whole(room),
-            whole(motion), seconds,
+            whole(motion), seconds, scene_scale, avatar_scale, room_scale,
         )
         scene, _ = _parts(own)
         engine = opened(GATED[0])

@@ -1,7 +1,7 @@
 """Sensitivity of the posture solver to its tuned numbers: each a fifth less and more, one at a time, on motions drawn afresh
 (one-at-a-time analysis; Saltelli and others 2008, chapter 2).
 
-A number whose change moves no figure by more than chance is needed by nobody: it is derived from another, or goes. What chance
+A number whose change moves no figure by more than chance is not needed: it is derived from another, or goes. What chance
 does is told by a change of a millionth, after which hostile motion takes another course all the same.
 """
 
@@ -31,7 +31,7 @@ SETTINGS, GROUP = "avatarsim/settings.py", "PostureSettings"
 """File and class of the settings that are looked at."""
 
 SHARES = (0.8, 1.2)
-"""A fifth less and more: what two people who tune the same number by hand differ by."""
+"""A fifth less and more: the scatter of one number tuned twice by hand."""
 
 CHANCE = 1.0 + 1e-6
 """Factor of the change that tells what chance does."""

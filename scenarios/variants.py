@@ -1,4 +1,4 @@
-"""Rows of other engines beside their presets, each only in the scenes of its question: what a maintainer of it would ask for."""
+"""Variants of other engines beside their presets, as a maintainer would ask for them, each only in scenes of its question."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
@@ -26,7 +26,7 @@ def body_follows(scenario: Scenario) -> bool:
 
 
 def in_a_room(scenario: Scenario) -> bool:
-    """Whether a body follows a motion that nothing was tuned for: where limits of joints are met by what nobody has seen."""
+    """Whether a body follows a motion that nothing was tuned for: where joints meet their limits in unseen postures."""
     return scenario.name.startswith(RECORDED[1])
 
 

@@ -177,7 +177,7 @@ def test_who_writes_into_a_record_changes_no_other() -> None:
         record = engine.advance(sample, DT)
         assert same(record, other.advance(sample, DT))
         record.shown.positions[:], record.shown.orientations[:] = 7.0, 7.0
-        # nobody has a velocity here, and all records share that
+        # no body is simulated here: all records share the zeros
         assert not record.shown.velocities.flags.writeable and not record.shown.angular_velocities.flags.writeable
 
 
@@ -247,7 +247,7 @@ def test_events_that_found_no_room_are_counted() -> None:
 
 
 def test_the_spring_does_not_run_away_where_nothing_moves_by_itself() -> None:
-    """Without dynamics nobody gives back what a hand that presses on a loose box took."""
+    """Without dynamics nothing gives back what a hand that presses on a loose box took."""
     box, hand = (Piece(Box((0.4, 0.4, 0.4))),), (Piece(Sphere(0.05)),)
     loose = simulated("box", box, "wood", solid(box, 5.0), (0.0, 0.0, 0.2))
     scene = replace(hand_scene((0.0, 0.0, 0.6), loose, shape=hand), narrow=("dynamics",))

@@ -1,4 +1,4 @@
-"""Limits on files from strangers: what a reader takes before it has to trust what a file says of itself.
+"""Limits on untrusted files: what a reader takes before it has to trust what a file says of itself.
 
 A file states how much it holds, and a reader that makes room for it before it looks gives a few bytes the machine's memory or its
 day. So each quantity is compared with a limit first. Together the limits keep a reader below 1 GB and 5 s."""

@@ -1,12 +1,14 @@
 """Look-ahead smoothing of what was displaced: an envelope by running maximum and a Hann window, as in a look-ahead limiter.
 
-Where a motion was held off its input the displacement begins late and with a jerk. The clip is known whole, so the target may
-give way before contact: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response
-of the same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input, and tracked again.
-Its support is bounded, so frames far from contact keep the input to the bit.
+Where a motion was held off its input the displacement changes with a jerk. The clip is known whole, so the target may give way
+before it has to: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response of the
+same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input as in motion warping (Witkin
+and Popovic 1995), and tracked again. Its support is compact: towards frames that kept the input it is faded to what was tracked
+first, and those keep the input to the bit. Only where that leaves too much jerk may limbs give way in free frames as well, by at
+most the length of the window before and after.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +30,11 @@ WIDEST = 1.0
 """[rad] a displacement of a joint beyond this is no small one that may be scaled and averaged."""
 
 WORTH = 0.95
-"""Share of the jerk of what was tracked first that a smoothed episode has at most: else free frames would change for nothing."""
+"""Share of the jerk of what was tracked first that a smoothed episode has at most: else frames would change for nothing."""
+
+MOST_JERK = 1.5
+"""Jerk up to which free frames keep the input, in multiples of the input's, where that was free and elsewhere. Larger: a motion
+that gives way within few frames is seen to; smaller: more frames change for it."""
 
 TRIES = 2
 """Windows that are tried, each twice as long as the one before."""
@@ -98,26 +104,58 @@ def smoothed(d: Array, half: int) -> Array:
     return np.stack([np.convolve(column, weights, mode="valid") for column in raised.T], axis=1)
 
 
+def faded(first: Array, smooth: Array, is_input: NDArray[np.bool_], half: int) -> Array:
+    """A smoothed displacement (n, w) that goes over into the first one within `half` frames of those that kept the input, by a
+    raised cosine."""
+    frames = np.arange(len(first))
+    inputs = np.flatnonzero(is_input)
+    away = np.abs(frames[:, None] - inputs[None, :]).min(axis=1, initial=half + 1)
+    share = 0.5 - 0.5 * np.cos(np.pi * np.minimum(away, half + 1) / (half + 1))
+    return np.asarray(first + share[:, None] * (smooth - first))
+
+
 def improve(
-    chords: Chords, follower: Follower, motion: Motion, written: Written, options: Options,
+    chords: Chords, follower: Follower, motion: Motion, written: Written, is_free: NDArray[np.bool_], options: Options,
     progress: Callable[[float], None],
 ) -> None:
-    """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
+    """Track each episode again towards a target that gives way in time, where that ends well and is smoother. `is_free` (F,):
+    which frames of the input were free."""
     if options.blend == 0.0 or len(motion) <= LEAST_FRAMES:
         return
     half = max(LEAST_FRAMES, round(options.blend * motion.rate)) // 2
     found = episodes(written.kind == Kind.INPUT, 2 * half)
     for n, episode in enumerate(found):
-        for attempt in range(TRIES):
-            if again(chords, follower, motion, written, options, episode, half << attempt):
-                break
+        tried(chords, follower, motion, written, is_free, options, episode, half, True)
         progress((n + 1) / len(found))
+    before, jerks = jerk(chords, motion), jerk(chords, written.motion)
+    for episode in by_jerk(found, jerks, 2 * half):
+        if not any(high(jerks[some]) > MOST_JERK * high(before[some]) for some in (is_free, ~is_free)):
+            break
+        if tried(chords, follower, motion, written, is_free, options, episode, half, False):
+            jerks = jerk(chords, written.motion)
+
+
+def by_jerk(found: Sequence[Episode], jerks: Array, near: int) -> list[Episode]:
+    """Episodes in order of the largest jerk in them and `near` frames before and after, the largest first."""
+    largest = np.nan_to_num(jerks).max(axis=1)
+    return sorted(found, key=lambda one: -float(largest[max(0, one.first - near) : one.last + near + 1].max()))
+
+
+def tried(
+    chords: Chords, follower: Follower, motion: Motion, written: Written, is_free: NDArray[np.bool_], options: Options,
+    episode: Episode, half: int, is_compact: bool,
+) -> bool:
+    """Whether an episode became smoother with a window, or one twice as long."""
+    windows = (half << attempt for attempt in range(TRIES))
+    return any(again(chords, follower, motion, written, is_free, options, episode, one, is_compact) for one in windows)
 
 
 def again(
-    chords: Chords, follower: Follower, motion: Motion, written: Written, options: Options, episode: Episode, half: int
+    chords: Chords, follower: Follower, motion: Motion, written: Written, is_free: NDArray[np.bool_], options: Options,
+    episode: Episode, half: int, is_compact: bool,
 ) -> bool:
-    """Track an episode again with a window of `half` frames on each side, and take what is written if it is better."""
+    """Track an episode again with a window of `half` frames on each side, and take what is written if it is better; if compact,
+    frames that kept the input keep it."""
     first, last = max(0, episode.first - 2 * half - 1), min(len(motion) - 1, episode.last + 2 * half + 1)
     some, is_input = slice(first, last + 1), written.kind == Kind.INPUT
     if last - first < LEAST_FRAMES or (first > 0 and not is_input[first]) or (last < len(motion) - 1 and not is_input[last]):
@@ -128,17 +166,23 @@ def again(
     if d is None:
         return False
     d[is_input[some]] = 0.0
-    d = smoothed(d, half)
+    smooth = smoothed(d, half)
+    d = faded(d, smooth, is_input[some], half) if is_compact else smooth
     aim = part_of(displaced(chords, motion, some, d), some)
     trial, start = Written(aim), old.sample(0)
     follower.begin(start, bool(is_input[first]))
     trial.put(0, start, Kind.TRACKED)
     track(follower, aim, Judged(chords, aim, options.margin).is_free, range(len(aim)), trial)
-    if is_input[last] and trial.kind[-1] != Kind.INPUT:
+    if is_input[last] and trial.kind[-1] != Kind.INPUT or is_compact and np.any(trial.kind[is_input[some]] != Kind.INPUT):
         return False
     new = trial.motion
     # every way between its frames was proved free as it was written
-    if not high(jerk(chords, new)) < WORTH * high(jerk(chords, old)):
+    jerks, jerks_before = jerk(chords, new), jerk(chords, old)
+    if not high(jerks) < WORTH * high(jerks_before):
+        return False
+    # nothing where no frame was free
+    most = max(high(jerks_before[is_free[some]]), MOST_JERK * high(jerk(chords, part_of(motion, some))[is_free[some]]))
+    if is_compact and high(jerks[is_free[some]]) > most:
         return False
     trial.kind[0] = written.kind[first]
     trial.kind[(trial.kind == Kind.INPUT) & np.any(d != 0.0, axis=1)] = Kind.BLENDED

@@ -5,12 +5,13 @@ Jerk: third differences of link positions over the time of a frame cubed (Flash 
 motion by it).
 """
 
+from collections.abc import Iterable
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.cleaning.chords import Chords, certified
+from avatarsim.cleaning.chords import Chords, Pair, certified
 from avatarsim.cleaning.result import OVERLAP, Audit, Excluded, Moved
 from avatarsim.cleaning.second_opinion import opinion_of
 from avatarsim.cleaning.track import Judged
@@ -46,12 +47,15 @@ def high(values: Array) -> float:
     return float(np.percentile(known, HIGH)) if known.size else float("nan")
 
 
-def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, with_opinion: bool) -> Audit:
-    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free."""
+def audited(
+    chords: Chords, motion: Motion, judged: Judged, was_free: Flags, with_opinion: bool, at_rest: Iterable[Pair] = ()
+) -> Audit:
+    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free; `at_rest`: pairs that
+    are excluded since they overlap at rest."""
     jerks = jerk(chords, motion)
     deepest = int(np.argmin(judged.gap))
     depths = np.maximum(0.0, -judged.gap)
-    excluded, said = excluded_pairs(chords, motion), []
+    excluded, said = excluded_pairs(chords, motion, at_rest), []
     blind = sorted((one for one in excluded if one.depth > OVERLAP), key=lambda one: -one.depth)
     if blind:
         named = ", ".join(f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in islice(blind, NAMED))
@@ -66,7 +70,7 @@ def audited(chords: Chords, motion: Motion, judged: Judged, was_free: Flags, wit
     )
 
 
-def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
+def excluded_pairs(chords: Chords, motion: Motion, at_rest: Iterable[Pair] = ()) -> tuple[Excluded, ...]:
     """The pairs that avatar and model exclude, besides each link and its parent, and how deep they get into each other."""
     scene, avatar, names = chords.scene, chords.scene.avatars[0], chords.scene.names
     at = {link.name: len(scene.bodies) + k for k, link in enumerate(avatar.links)}
@@ -75,7 +79,11 @@ def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
     depths = np.zeros(len(pairs))
     for frame in range(len(motion) if len(pairs) else 0):
         depths = np.maximum(depths, -chords.gaps(motion.sample(frame), pairs))
-    return tuple(Excluded(names[a], names[b], depth) for (a, b), depth in zip(pairs.tolist(), depths.tolist(), strict=True))
+    resting = {frozenset(pair) for pair in at_rest}
+    return tuple(
+        Excluded(names[a], names[b], depth, frozenset((names[a], names[b])) in resting)
+        for (a, b), depth in zip(pairs.tolist(), depths.tolist(), strict=True)
+    )
 
 
 def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:

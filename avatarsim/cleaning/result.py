@@ -21,7 +21,7 @@ class Options:
     """How a motion is cleaned.
 
     margin    gap that is kept between shapes where the input comes nearer [m], above 0
-    blend     how long before and after contact limbs give way [s], 0: not at all; at least 4 frames are taken
+    blend     how long limbs take to give way at either end of a contact [s], 0: none; at least 4 frames are taken
     loose     whether the bodies that the files call loose are left out; else they are fixed where they are
     seed      of the engine's random directions
     opinion   whether an independent library is asked as well, where it is installed: as long again as all else
@@ -49,11 +49,13 @@ DEFAULTS = Options()
 
 @dataclass(frozen=True)
 class Excluded:
-    """A pair that the avatar or the file excludes from contact: `depth` is its deepest overlap in any frame [m], 0 for none."""
+    """A pair that is excluded from contact: `depth` is its deepest overlap in any frame [m], 0 for none; `at_rest` whether it is
+    since the two overlap at rest, else by the word of the file or of the avatar."""
 
     a: str
     b: str
     depth: float
+    at_rest: bool = False
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Op
     """See `avatarsim.cleaning.audit`."""
     chords = chords_of(motion, model, room, options)
     judged = Judged(chords, motion, options.margin)
-    return audited(chords, motion, judged, judged.is_free, options.opinion)
+    return audited(chords, motion, judged, judged.is_free, options.opinion, model.at_rest)
 
 
 def clean_motion(
@@ -58,13 +58,13 @@ def clean_motion(
     tell = progress or (lambda share: None)
     chords = chords_of(motion, model, room, options)
     judged = Judged(chords, motion, options.margin)
-    before = audited(chords, motion, judged, judged.is_free, options.opinion)
+    before = audited(chords, motion, judged, judged.is_free, options.opinion, model.at_rest)
     tell(0.1)
     written = Written(motion)
     follower = tracked(chords, motion, judged, options, written, lambda share: tell(0.1 + 0.4 * share))
-    improve(chords, follower, motion, written, options, lambda share: tell(0.5 + 0.4 * share))
+    improve(chords, follower, motion, written, judged.is_free, options, lambda share: tell(0.5 + 0.4 * share))
     done = written.motion
-    after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion)
+    after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion, model.at_rest)
     tell(1.0)
     return Cleaned(
         done, before, after, moved(chords, motion, done), written.kind != Kind.INPUT, ~judged.is_free,

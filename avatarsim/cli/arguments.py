@@ -25,7 +25,7 @@ CLEAN_END = """\
 in the output folder: the motions, with the layout of the folders that were named; certificate.json, with what was measured of
 each clip; index.html, which leads to a page that plays each clip before and after.
 
-exit codes: 0 clean; 1 overlap is left, or no free posture was found; 2 wrong usage; 3 something could not be read or done, which
+exit codes: 0 clean; 1 something is not, or no free posture was found; 2 wrong usage; 3 something could not be read or done, which
 is named, and the rest is done; 130 stopped, and the same command goes on."""
 
 AUDIT = """\
@@ -37,7 +37,8 @@ examples:
   avatarsim audit retargeted/ --avatar robot.xml -o measures"""
 
 AUDIT_END = """\
-exit codes: 0 clean; 1 overlap was found; 2 wrong usage; 3 something could not be read, which is named, and the rest is done."""
+exit codes: 0 clean; 1 overlap, ways that are not certified, or joints outside limits were found; 2 wrong usage; 3 something could
+not be read, which is named, and the rest is done."""
 
 
 LIVE = """\
@@ -153,7 +154,7 @@ def _cleaning(one: argparse.ArgumentParser) -> None:
     cleaning = one.add_argument_group("cleaning")
     cleaning.add_argument("--margin", type=float, default=None, metavar="M", help="gap that is kept [m] (default 0.001)")
     cleaning.add_argument("--blend", type=float, default=None, metavar="S",
-                          help="how long before and after contact limbs give way [s] (default 0.1)")
+                          help="how long limbs take to give way at a contact [s] (default 0.1)")
 
 
 def _opinion(one: argparse.ArgumentParser) -> None:

@@ -1,14 +1,12 @@
 """`avatarsim clean` and `avatarsim audit`: from the words of a command to its table, its files and its exit code."""
 
 import argparse
-import math
 import os
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from importlib.util import find_spec
-from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +14,7 @@ from avatarsim.cleaning import Options
 from avatarsim.clips import batch as batches
 from avatarsim.clips import certificate
 from avatarsim.clips.batch import Batch
+from avatarsim.clips.certificate import Trouble
 from avatarsim.clips.found import Found, found
 from avatarsim.clips.inputs import files_of, given
 from avatarsim.clips.page.layout import angle, length
@@ -25,6 +24,7 @@ from avatarsim.clips.wishes import FLOOR, Reading, Wishes
 from avatarsim.console import Progress, printable
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.running.stopping import stoppable
+from avatarsim.scene.checks import positive
 
 if TYPE_CHECKING:
     from avatarsim.running.processes import Workers
@@ -37,7 +37,7 @@ STOPPED = 130
 AUDIT = "audit.json"
 """File of an audit's measures."""
 NAMED = 5
-"""Files that are left alone and are named; of more, the number."""
+"""Names in a sentence; of more, the number."""
 SENTENCES = 24
 """Different sentences on clips that are said; the certificate has all. More would bury the table of a thousand clips."""
 OF_READERS = re.compile(
@@ -67,7 +67,11 @@ def run(asked: argparse.Namespace) -> int:
         elif asked.out is not None:
             require_ours(asked.out / AUDIT, certificate.MARK, False)
         _say_left(clips)
-        batch = Batch(troubles=[(name, UNREADABLE, why) for name, why in clips.unreadable])
+        batch = Batch(
+            troubles=[(place, UNREADABLE, why) for place, _, why in clips.unreadable],
+            clips=frozenset(clip.place for clip in clips.clips),
+            earlier=_earlier(asked.out, clips) if asked.command == "clean" else (),
+        )
         try:
             return _done(asked, wishes, clips, batch)
         except KeyboardInterrupt:
@@ -78,8 +82,8 @@ def run(asked: argparse.Namespace) -> int:
 
 def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch) -> int:
     """Do all clips and write what the whole of them leaves; the exit code."""
-    for name, _, why in batch.troubles:
-        say(f"{name}: {why}")
+    for _, path, why in clips.unreadable:
+        say(f"{path}: {why}")
     try:
         models = given(wishes, files_of(wishes))
     except InvalidFile as error:
@@ -90,33 +94,40 @@ def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch)
             say(said)
     is_clean = asked.command == "clean"
     tasks = batches.tasks_of(clips.clips, wishes, asked.out if is_clean else None, is_clean and asked.force)
+    workers = _workers(asked, len(tasks), asked.out if asked.out is not None else asked.motions[0].parent)
+    if is_clean:
+        # what is asked for, should this process be killed
+        batches.leave(asked.out, batch)
     try:
-        _work(asked, tasks, batch)
+        _work(asked.command, tasks, workers, batch)
     finally:
         # also of what was done until the user stopped it
-        if is_clean and (batch.outcomes or batches.has_clips(asked.out)):
-            batches.leave(asked.out, batch)
+        if is_clean:
+            whole = batches.leave(asked.out, batch)
     if not is_clean and asked.out is not None:
         write_whole(asked.out / AUDIT, certificate.text(certificate.summary("audit", batch.entries, batch.troubles)))
-    if is_clean and batch.outcomes:
+    if is_clean:
         print(f"{asked.out / batches.INDEX}")
+        _say_earlier(whole, clips)
     return exit_code(batch)
 
 
-def _work(asked: argparse.Namespace, tasks: Sequence[Task], batch: Batch) -> None:
+def _work(command: str, tasks: Sequence[Task], workers: "Workers", batch: Batch) -> None:
     told = set[str]()
-    print(HEAD[asked.command], flush=True)
-    with Progress("cleaning" if asked.command == "clean" else "auditing", sys.stderr) as bar:
+    print(HEAD[command], flush=True)
+    with Progress("cleaning" if command == "clean" else "auditing", sys.stderr) as bar:
 
         def ended(one: Outcome) -> None:
             bar.erase()
             if one.trouble is not None:
                 say(f"{one.place}: {one.trouble[1]}")
             else:
-                print(row(asked.command, one), flush=True)
-            for said in one.said:
-                if said not in told:
-                    told.add(said)
+                print(row(command, one), flush=True)
+            avatar, pairs = tasks[0].wishes.avatar, excluded(one.entry or {})
+            of_avatar = [(pairs, f"{avatar.name if avatar else one.place}: {pairs}")] if pairs else []
+            for known, said in [*of_avatar, *((said, said) for said in one.said)]:
+                if known not in told:
+                    told.add(known)
                     if len(told) <= SENTENCES:
                         say(said)
             step(0.0)
@@ -126,8 +137,7 @@ def _work(asked: argparse.Namespace, tasks: Sequence[Task], batch: Batch) -> Non
             if done < len(tasks):
                 bar.step((done + share) / len(tasks), f"{done} of {len(tasks)} clips")
 
-        folder = asked.out if asked.out is not None else asked.motions[0].parent
-        batches.run(tasks, _workers(asked, len(tasks), folder), batch, ended, step)
+        batches.run(tasks, workers, batch, ended, step)
 
 
 def _workers(asked: argparse.Namespace, clips: int, folder: Path) -> "Workers":
@@ -148,9 +158,8 @@ def exit_code(batch: Batch) -> int:
 def wishes_of(asked: argparse.Namespace) -> Wishes:
     """The options as what a clip asks for. Raises InvalidInput for numbers out of range."""
     for name in ("rate", "file_rate", "scale", "stature", "mass", "avatar_scale", "room_scale"):
-        value = getattr(asked, name)
-        if value is not None and not 0.0 < value < math.inf:
-            raise InvalidInput(f"--{name.replace('_', '-')}", value, "a finite number above 0")
+        if getattr(asked, name) is not None:
+            positive(f"--{name.replace('_', '-')}", getattr(asked, name), InvalidInput)
     for names, what in ((("fix", "couplings", "root", "leave", "avatar_scale"), "avatar"), (("room_scale", "room_up"), "room")):
         for name in names:
             if getattr(asked, name) and getattr(asked, what) is None:
@@ -198,6 +207,19 @@ def row(command: str, one: Outcome) -> str:
     return f"{begin}{_deepest(overlap['after']):15} {ways:>18}  {length(most):>9}  {last}"
 
 
+def excluded(entry: Mapping[str, Any]) -> str:
+    """A sentence on the pairs that are excluded from contact, the same for all clips of an avatar; "" without any."""
+    pairs = entry.get("excluded", ())
+    told = []
+    for why, words in ((certificate.BY_FILE, "by the file"), (certificate.AT_REST, "since they overlap at rest")):
+        # links without the name of their avatar, which of a recorded skeleton is that of its clip
+        names = [" and ".join(one[side].partition("/")[2] or one[side] for side in "ab") for one in pairs if one["why"] == why]
+        if names:
+            told.append(f"{f'{len(names)} ' if len(names) < len(pairs) else ''}{words} ({_some(names)})")
+    count = "1 pair is" if len(pairs) == 1 else f"{len(pairs)} pairs are"
+    return f"{count} excluded from contact, and no proof looks there: {', '.join(told)}" if told else ""
+
+
 def _deepest(one: dict[str, Any]) -> str:
     return f"{one['frames']} frames, {length(one['deepest_m'])}"
 
@@ -215,5 +237,25 @@ def _as_option(found: re.Match[str]) -> str:
 def _say_left(clips: Found) -> None:
     """Name what is left alone in folders, since it is no motion."""
     if clips.left:
-        more = f" and {len(clips.left) - NAMED} others" if len(clips.left) > NAMED else ""
-        say(f"left alone, no motions: {', '.join(path.name for path in islice(clips.left, NAMED))}{more}")
+        say(f"left alone, no motions: {_some([path.name for path in clips.left])}")
+
+
+def _some(names: Sequence[str]) -> str:
+    """The first few names, and how many more there are."""
+    return ", ".join([*names[:NAMED], *([f"{len(names) - NAMED} more"] if len(names) > NAMED else [])])
+
+
+def _earlier(out: Path, clips: Found) -> tuple[Trouble, ...]:
+    """What earlier commands into the folder left undone."""
+    try:
+        return batches.left_undone(out, clips.places)
+    except InvalidFile as error:
+        say(f"what earlier commands left undone in {out} is not known: {error}")
+        return ()
+
+
+def _say_earlier(whole: Mapping[str, Any], clips: Found) -> None:
+    """Name what is not done of earlier commands into the same folder."""
+    names = [str(one["name"]) for one in whole["not_done"] if one["name"] not in clips.places]
+    if names:
+        say(f"not done, of earlier commands into this folder: {_some(names)}; {batches.WHOLE} says why")

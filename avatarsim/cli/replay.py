@@ -54,7 +54,7 @@ def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]]
 
 def _say(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> None:
     plan = recorded.plan
-    # a stranger's words may hold what a terminal obeys
+    # texts of an untrusted file may hold what a terminal obeys
     name, method = (text if text.isprintable() else repr(text) for text in (plan.scene.name, plan.settings.preset))
     print(
         f"{name}, method {method}, {done.frames} frames at {plan.rate:g} Hz, {len(recorded.rows) - recorded.frames} commands; "

@@ -1,10 +1,11 @@
 """All clips of a command: one task each, side by side (Pebble, Dask) or here, and what the whole of them leaves.
 
 A batch can be killed at any time and be gone on with by the same command: clips that are done are known by their certificates,
-and what is left in the folder in the end are the same bytes.
+and what is left in the folder in the end are the same bytes. What a command asks for stands in the folder's certificate as not
+done before anything is, so that it is not forgotten however the command ends (write-ahead logging; Gray and Reuter 1993).
 """
 
-from collections.abc import Callable, Generator, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Generator, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from functools import partial
@@ -12,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from avatarsim.clips import certificate
+from avatarsim.clips.certificate import Trouble
 from avatarsim.clips.found import Clip
 from avatarsim.clips.page.index_page import index_page
 from avatarsim.clips.page.layout import GENERATOR
@@ -27,6 +29,10 @@ if TYPE_CHECKING:
 INDEX, WHOLE = "index.html", "certificate.json"
 """Page and certificate of the whole folder."""
 
+UNFINISHED = "not finished"
+"""Kind of trouble: asked for, and neither a result nor a reason is there."""
+GOES_ON = "the command that asked for it did not come to its end; the same command goes on from there"
+
 PATIENCE = 6 * 3600.0
 """Longest a clip may take [s]. A million frames take some two hours; an endless loop must end somewhere."""
 
@@ -40,13 +46,27 @@ class Batch:
 
     outcomes: list[Outcome] = field(default_factory=list)
     """One of each clip, in the order in which they ended."""
-    troubles: list[tuple[str, str, str]] = field(default_factory=list)
-    """(name, kind, why) of what could not be done."""
+    troubles: list[Trouble] = field(default_factory=list)
+    """What could not be done."""
+    clips: frozenset[str] = frozenset()
+    """Places of the clips that are asked for."""
+    earlier: tuple[Trouble, ...] = ()
+    """What earlier commands into the same folder left undone, and this one does not ask for."""
 
     @property
     def entries(self) -> list[Mapping[str, object]]:
         """Entries of the certificate."""
         return [one.entry for one in self.outcomes if one.entry is not None]
+
+    def not_done(self, done: Container[str]) -> list[Trouble]:
+        """What of all that was asked for in a folder is not done; `done` are the places of clips with a result there.
+
+        A clip of which an earlier result is there counts as unfinished no more: its entry says what that was made of."""
+        ended = {one.place for one in self.outcomes}
+        return [
+            *self.troubles, *((place, UNFINISHED, GOES_ON) for place in self.clips - ended if place not in done),
+            *(one for one in self.earlier if one[1] != UNFINISHED or one[0] not in done),
+        ]
 
 
 def run(
@@ -103,7 +123,9 @@ def answer(task: Task) -> Outcome:
 
 
 def _refused(error: OSError) -> str:
-    return f"the system refused {error.filename or 'a file'}: {error.strerror or error}"
+    # without its folder: what is being written lies in one whose name is drawn, and certificates name no path
+    name = Path(error.filename).name if isinstance(error.filename, str) else "a file"
+    return f"the system refused {name}: {error.strerror or error}"
 
 
 def shares_its_process(task: Task) -> bool:
@@ -136,16 +158,19 @@ def require_place(out: Path, force: bool) -> None:
     require_ours(out / WHOLE, certificate.MARK, force)
 
 
-def has_clips(out: Path) -> bool:
-    """Whether a folder holds certificates of clips."""
-    return (out / CERTIFICATES).is_dir()
+def left_undone(out: Path, places: frozenset[str]) -> tuple[Trouble, ...]:
+    """What earlier commands into a folder left undone, but for `places`, which are asked for now. Raises InvalidFile where the
+    folder's certificate cannot be read."""
+    if not (out / WHOLE).exists():
+        return ()
+    return tuple(one for one in certificate.not_done(out / WHOLE) if one[0] not in places)
 
 
 def leave(out: Path, batch: Batch) -> dict[str, object]:
     """Write `certificate.json` and `index.html` of all clips in the folder, of earlier commands too; the former's value."""
     entries = {str(one["motion"]): one for one in earlier(out)}
     entries.update({str(one["motion"]): one for one in batch.entries})
-    whole = certificate.summary("clean", list(entries.values()), batch.troubles)
+    whole = certificate.summary("clean", list(entries.values()), batch.not_done(entries))
     write_whole(out / INDEX, index_page(whole))
     write_whole(out / WHOLE, certificate.text(whole))
     return whole

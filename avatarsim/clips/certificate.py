@@ -29,8 +29,15 @@ LINES = 3
 MARK = '{\n "layout": '
 """What the certificate of a folder begins with."""
 
-LARGEST = 2**27
-"""Bytes of a certificate at most. An entry has some 20 kB, so this is a folder of 6,000 clips."""
+LARGEST, LARGEST_WHOLE = 2**27, 2**30
+"""Bytes of a clip's certificate at most, and of a folder's. An entry has some 20 kB, so this is a folder of 50,000 clips; of a
+larger one what earlier commands left undone is not read back."""
+
+BY_FILE, AT_REST = "by the file", "overlaps at rest"
+"""Why a pair is excluded from contact."""
+
+Trouble = tuple[str, str, str]
+"""(name, kind, why) of what could not be done."""
 
 OPINIONS = ("coal",)
 """Distributions of the independent judge."""
@@ -67,7 +74,9 @@ def entry(
         },
         "limits": {"excess_before_rad": before.limit_excess, "excess_after_rad": after.limit_excess if after else None},
         "jerk_p95_m_s3": {"before": _jerk(before), "after": _jerk(after) if after else None},
-        "excluded": [{"a": one.a, "b": one.b, "depth_m": one.depth} for one in last.excluded],
+        "excluded": [
+            {"a": one.a, "b": one.b, "depth_m": one.depth, "why": AT_REST if one.at_rest else BY_FILE} for one in last.excluded
+        ],
         "said": list(dict.fromkeys(sentences)),
     }
     if cleaned is not None:
@@ -83,8 +92,8 @@ def entry(
     return plain(found)
 
 
-def summary(command: str, entries: Sequence[Mapping[str, object]], troubles: Sequence[tuple[str, str, str]]) -> dict[str, object]:
-    """The certificate of a folder: its clips by their places, and (name, kind, why) of what could not be done."""
+def summary(command: str, entries: Sequence[Mapping[str, object]], troubles: Sequence[Trouble]) -> dict[str, object]:
+    """The certificate of a folder: its clips by their places, and what is not done."""
     return {
         "layout": LAYOUT, "command": command,
         "clips": sorted(entries, key=lambda one: str(one["motion"])),
@@ -158,15 +167,27 @@ def _in_lines(value: object, deep: int, end: str) -> str:
 
 def read(path: Path) -> dict[str, object] | None:
     """A certificate of one clip; None where there is none, or what is there is none of this layout."""
-    thing = f"certificate {path.name}"
     try:
-        found = parsed_json(read_text(path, thing, "the whole file", LARGEST), thing, "the whole file", _no_number)
+        found = _parsed(path, LARGEST)
     except InvalidFile:
         return None
     whole = schema()
-    parts = whole["$defs"]
-    assert isinstance(parts, dict)
-    return found if isinstance(found, dict) and not fault(found, parts["clip"], whole) and _is_of_clean(found) else None
+    return found if isinstance(found, dict) and not fault(found, whole["$defs"]["clip"], whole) and _is_of_clean(found) else None
+
+
+def not_done(path: Path) -> tuple[Trouble, ...]:
+    """What a folder's certificate says is not done. Raises InvalidFile for what is none of this layout."""
+    found, whole, name = _parsed(path, LARGEST_WHOLE), schema(), "not_done"
+    part = found.get(name) if isinstance(found, dict) else None
+    wrong = fault(part, whole["properties"][name], whole, name)
+    if wrong:
+        raise InvalidFile(f"certificate {path.name}", wrong, "as `avatarsim clean` writes it")
+    return tuple((one["name"], one["kind"], one["why"]) for one in part or ())
+
+
+def _parsed(path: Path, largest: int) -> object:
+    thing, valid = f"certificate {path.name}", "the whole file, as `avatarsim clean` writes it"
+    return parsed_json(read_text(path, thing, valid, largest), thing, valid, _no_number)
 
 
 def _is_of_clean(one: Mapping[str, Any]) -> bool:
@@ -194,7 +215,7 @@ def output_hash(one: Mapping[str, object] | None, name: str) -> str | None:
 
 
 @cache
-def schema() -> dict[str, object]:
+def schema() -> dict[str, Any]:
     """The JSON schema of `summary`."""
-    found: dict[str, object] = json.loads(resources("avatarsim.clips").joinpath("certificate.schema.json").read_text("utf-8"))
+    found: dict[str, Any] = json.loads(resources("avatarsim.clips").joinpath("certificate.schema.json").read_text("utf-8"))
     return found

@@ -28,27 +28,35 @@ class Clip:
 @dataclass(frozen=True)
 class Found:
     """The clips of a command in the order of their places, files of folders that are `left` alone since they are no motions, and
-    folders that could not be read: (name, why)."""
+    `folders` by their places, those that could not be read among them: (place, path, why)."""
 
     clips: tuple[Clip, ...]
     left: tuple[Path, ...]
-    unreadable: tuple[tuple[str, str], ...]
+    folders: tuple[str, ...]
+    unreadable: tuple[tuple[str, Path, str], ...]
+
+    @property
+    def places(self) -> frozenset[str]:
+        """The places of all that was looked at."""
+        return frozenset([*(clip.place for clip in self.clips), *self.folders])
 
 
 def found(named: Sequence[Path], out: Path | None) -> Found:
     """The clips that `named` files and folders stand for; what lies in the folder `out` is none of them.
 
-    A file's place is its name, that of a file in a folder its path in that folder. Raises InvalidInput where two clips would have
-    one place, where a result would take the place of a file that was named, and for names that the output uses itself."""
+    A file's place is its name, that of a file in a folder its path in that folder; that of a folder ends in a slash. Raises
+    InvalidInput where two clips would have one place, where a result would take the place of a file that was named, and for names
+    that the output uses itself."""
     clips: list[Clip] = []
     left: list[Path] = []
-    unreadable: list[tuple[str, str]] = []
+    folders: list[str] = []
+    unreadable: list[tuple[str, Path, str]] = []
     for path in named:
         # by os.path, which takes names that are too long for the system as names of nothing
         if not os.path.isdir(path):
             clips.append(Clip(path.name, path))
             continue
-        for file in _files(path, out, unreadable):
+        for file in _files(path, out, folders, unreadable):
             if is_motion(file):
                 clips.append(Clip(file.relative_to(path).as_posix(), file))
             else:
@@ -57,19 +65,27 @@ def found(named: Sequence[Path], out: Path | None) -> Found:
                 raise InvalidInput("number of clips", f"above {CLIPS}", f"up to {CLIPS} in one command")
     clips = sorted(set(clips))
     _require_places(clips, out)
-    return Found(tuple(clips), tuple(left), tuple(unreadable))
+    return Found(tuple(clips), tuple(left), tuple(sorted(set(folders))), tuple(unreadable))
 
 
-def _files(folder: Path, out: Path | None, unreadable: list[tuple[str, str]]) -> Iterator[Path]:
+def _files(folder: Path, out: Path | None, looked: list[str], unreadable: list[tuple[str, Path, str]]) -> Iterator[Path]:
     """Files in and below a folder, sorted; links to folders are not followed, since they may lead in a circle."""
 
     def refused(error: OSError) -> None:
-        unreadable.append((str(error.filename), error.strerror or str(error)))
+        at = Path(error.filename)
+        looked.append(_place(at, folder))
+        unreadable.append((looked[-1], at, error.strerror or str(error)))
 
     inside = _real(out) if out is not None else None
     for place, folders, files in os.walk(folder, onerror=refused):
+        looked.append(_place(Path(place), folder))
         folders[:] = sorted(name for name in folders if not name.startswith(".") and _real(Path(place, name)) != inside)
         yield from (Path(place, name) for name in sorted(files) if not name.startswith("."))
+
+
+def _place(at: Path, named: Path) -> str:
+    """The place of a folder in the folder that was named, which itself goes by its own name."""
+    return f"{named.name or named if at == named else at.relative_to(named).as_posix()}/"
 
 
 def is_motion(path: Path) -> bool:

@@ -1,6 +1,8 @@
 """Validation of JSON by a schema: the part of JSON Schema 2020-12 that the schema of certificates uses, and no package for it.
 
-https://json-schema.org/draft/2020-12. A keyword that is not known here is an error of the schema, so that none is passed over.
+A folder is gone on with by what its certificates say, also by an install without extras, which has no `jsonschema`; tests hold
+the two against each other. https://json-schema.org/draft/2020-12. A keyword that is not known here is an error of the schema, so
+that none is passed over.
 """
 
 import re

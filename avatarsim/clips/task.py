@@ -119,7 +119,7 @@ class _Clip:
             if self.wishes.page:
                 shown = Shown(model, bodies, motion, back, cleaned.before, after, cleaned.flagged)
                 page = page_of(self.place)
-                require_ours(out / page, GENERATOR, self.task.force)
+                require_ours(out / page, GENERATOR, self.task.force, page)
                 write_whole(out / page, clip_page(entry, shown, page))
             moved(path, target)
         write_whole(out / certificate_of(self.place), certificate.text(entry))
@@ -153,7 +153,7 @@ class _Clip:
         ours = {content, certificate.output_hash(before, "motion")}
         if not target.is_file() or sha256_of(target) not in ours:
             valid = "a place without a file that something else wrote; take another folder, or --force to write over it"
-            raise InvalidInput("place of the result", str(target), valid)
+            raise InvalidInput("place of the result", self.place, valid)
 
 
 def _model(avatar: Model | None, own: Model | None, path: Path) -> Model:

@@ -111,9 +111,9 @@ def alone_in(out: Path) -> Iterator[None]:
         os.close(handle)
 
 
-def require_ours(place: Path, mark: str, force: bool) -> None:
+def require_ours(place: Path, mark: str, force: bool, named: str = "") -> None:
     """Raise InvalidInput where a file stands in the place of one of ours that does not have `mark` near its beginning; with
-    `force` it is written over."""
+    `force` it is written over. `named`: what the error calls the place; else its path."""
     if force or not os.path.lexists(place):
         return
     try:
@@ -123,7 +123,7 @@ def require_ours(place: Path, mark: str, force: bool) -> None:
         ours = False
     if not ours:
         valid = "a place without a file that something else wrote; take another folder, or --force to write over it"
-        raise InvalidInput("place of a result", str(place), valid)
+        raise InvalidInput("place of a result", named or str(place), valid)
 
 
 def _why(error: OSError | ValueError) -> str:

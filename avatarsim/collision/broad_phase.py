@@ -109,18 +109,21 @@ STAY = 128.0
 move together would leave their boxes together. Larger: fewer searches, but more candidates for bodies that move."""
 
 SLOW, SHARE = 2.0, 0.125
-"""Factor on that room for slow bodies, up to this share of the most room that the body may have."""
+"""Factor on that room for slow bodies, up to this share of the most room that the body may have. Larger: more candidates;
+smaller: bodies that tremble leave their boxes more often."""
 
 TIGHT, WIDE = 0.5, 64.0
 """Limits of the room to move on one side, as parts of what the box measures that way: so it takes the same share of candidates
 more on any side, for slabs and rods too. It doubles when a body leaves its fat box and is LONELY
 in the next one, and halves when it is in a CROWD: room costs candidates where bodies are many, and nothing where they are few."""
 
-THIN = 1.0 / 64.0
-"""A box counts as no thinner than this part of its length. 0: a moving one without thickness is searched for in every sweep."""
+THIN = 1.0 / WIDE
+"""A box counts as no thinner than this part of its length, so that one without thickness has room for its own length at most. 0:
+a moving one is searched for in every sweep."""
 
 LONELY, CROWD = 1, 4
-"""Candidates found for a body: up to the one there is room to spare, from above the other on there is too much."""
+"""Candidates found for a body: up to the one there is room to spare, from above the other on there is too much. Larger: more
+candidates in crowds; smaller: more searches."""
 
 PATIENCE = 1024
 """Calls during which no fat box is enlarged after the candidates did not fit. Fewer: fat boxes of a fast crowd grow and shrink

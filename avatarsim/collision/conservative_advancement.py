@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.edge_edge import edge_step, edges_apart
+from avatarsim.collision.gjk import ITERATIONS_CAP
 from avatarsim.collision.motion_bounds import follow, follow_ball, follow_centres, longest_horizon, longest_safe_step, turning
 from avatarsim.collision.path import HELD, STILL, Paths, Series, acceleration, move_along, spinning
 from avatarsim.collision.scratch import Scratch
@@ -19,6 +20,7 @@ from avatarsim.collision.status import NOT_FINITE
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.spatial.vec3 import Vec3, neg, norm, row, sub
+from avatarsim.tolerances import EPSILON, FINE, JUDGED, PROOF
 
 Array = NDArray[np.float64]
 
@@ -26,38 +28,50 @@ STAND_OFF = 2e-8
 """Gap [m] at which bodies stop, meet and rest, so that they never overlap by rounding. The first apex of a bounce of height h is
 off by 2e-8/h; must stay above about a hundred roundings of a coordinate."""
 
-FAR_OUT = 1e3 * 2.220446049250313e-16
+FAR_OUT = 1e3 * EPSILON
 """The stand-off is at least this part of the coordinates, or rounding would swallow it (beyond 90 km from the origin)."""
 
-TOLERANCE = STAND_OFF / 10.0
+TOLERANCE = FINE * STAND_OFF
 """Accuracy [m] of the gap found: above rounding."""
 
-DIP = -2.5e-7
+DIP = -0.25 * JUDGED
 """How far [m] bodies that rest or roll on each other may dip before that is an event. Nearer to 0: a hundred segments a frame for
-rocking boxes; lower: overlap that one can measure, the promise being 1e-6."""
+rocking boxes; lower: overlap that one can measure, the promise being JUDGED."""
 
-CREEP = 4e-9
+CREEP = 2.0 * TOLERANCE
 """How much lower [m] a pair that has dipped already may go before the next event. Above the tolerance, else such a pair has an
 event at once, again and again; resting forces lift it in the meantime."""
 
-TOUCH = 1e-6
-"""Gap [m] below which a pair counts as touching at the start of its path."""
+TOUCH = JUDGED
+"""Gap [m] below which a pair counts as touching at the start of its path: more could be seen."""
 
-LEAVING, RESTING = 1e-4, -1.5e-3
-"""Normal velocities [m/s]: above the first a touching pair separates, between the two it rests or rolls."""
+LEAVING = 1e-4
+"""Normal velocity [m/s] above which a touching pair separates; below it rests or rolls. Larger: what flies off is followed as if
+it touched, and may dip; smaller: resting pairs that tremble have events. The other slow speeds are multiples of it."""
 
-LIFTED = 5e-4
-"""The first of a pair that has dipped [m/s]: forces lift it again at 2e-4 m/s. As a separating one, a rolling egg that rises by
-less than the tolerance until its next bound would have an event then, a hundred times a frame."""
+LIFT = 2.0 * LEAVING
+"""Speed [m/s] at which a dip is lifted, if the body has the energy for it (`can_pay`): within 3 ms, and a flight of 2e-9 m at its
+end. Lifting by position projection instead would feed rocking bodies with potential energy, and they would never rest."""
 
-ROUNDS = 200
-"""Advancement rounds per pair; spheres need 3, tumbling boxes 5 to 20. If spent, the last safe time is the event."""
+LIFTED = 2.5 * LIFT
+"""LEAVING of a pair that has dipped [m/s], which forces lift again, by less than this. As a separating one, a rolling egg that
+rises by less than the tolerance until its next bound would have an event then, a hundred times a frame."""
+
+RESTING = -3.0 * LIFTED
+"""Normal velocity [m/s] down to which a touching pair rests or rolls; below it collides. The slowest rebound is as fast, and so
+must be above LIFTED, from which on a contact gets no force."""
+
+assert -JUDGED < DIP < 0.0 < TOLERANCE < CREEP < STAND_OFF < TOUCH
+assert 0.0 < LEAVING < LIFT < LIFTED < -RESTING
+
+ROUNDS = ITERATIONS_CAP
+"""Advancement rounds per pair. If spent, the last safe time is the event."""
 
 UNKNOWN = 0.0
 """Depth of a pair that is not known to be at an internal edge (`rigid.internal_edges`)."""
 
-STALLED = 1e-13
-"""Advancement has stalled at a safe step shorter than this [s]: at 1 km/s that is a tenth of a nanometre."""
+STALLED = PROOF / 1e3
+"""Advancement has stalled at a safe step shorter than this [s]: at 1 km/s that is a tenth of a nanometre, PROOF."""
 
 CLEAR, IMPACT, DIPPED, BROKEN, SPENT, OVERLAPPING = range(6)
 """Outcome: no event before the horizon; two bodies met; resting bodies came too close; a pose or velocity is not finite; the

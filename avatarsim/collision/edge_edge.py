@@ -15,18 +15,20 @@ from avatarsim.collision.path import Paths, acceleration
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Geometry, Poses, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, row, scale, sub
-from avatarsim.tolerances import NOTHING
+from avatarsim.tolerances import JUDGED, NOTHING
 
 Array = NDArray[np.float64]
 
-ON_PLANE = 1e-6
+ON_PLANE = JUDGED
 """Height [m] up to which a corner lies on the plane. Larger: edges that lie on faces count as edges that cross."""
 
 HORIZONS = 6
-"""Most times that the horizon of the bounds is shortened in the search of the longest safe step."""
+"""Most times that the horizon of the bounds is shortened in the search of the longest safe step. Fewer: shorter steps, and more
+rounds; more: rounds take longer."""
 
 TURN_LEFT = 0.6
-"""Part of a corner's slope over the plane by which the plane may turn: c (1 - f^2 / 2) >= d f for f = 0.6 c / d, c <= d."""
+"""Part of a corner's slope over the plane by which the plane may turn: c (1 - f^2 / 2) >= d f for f = 0.6 c / d, c <= d.
+Larger than sqrt(3) - 1: not proved; smaller: shorter steps."""
 
 
 @kernel

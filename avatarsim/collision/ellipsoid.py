@@ -12,33 +12,30 @@ All bounds are of h, the support function of A - B on unit vectors, whose least 
 
 from math import inf, sqrt
 
-from avatarsim.collision.gjk import NOWHERE, ROUNDING
+from avatarsim.collision.gjk import NOWHERE
 from avatarsim.collision.support import reach
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, perpendicular, row, scale, sub, unit
-from avatarsim.tolerances import GRAIN, PROOF
-from avatarsim.tolerances import ROUNDING as ROUNDING_OF_SUMS
+from avatarsim.tolerances import COARSE_ROUNDING, GRAIN, LAST_PLACES, PROOF, ROUNDING, SHORT_TURN
 
 Found = tuple[bool, Vec3, float, Vec3, Vec3]
 """(whether stationary, unit normal m of A - B, h(m) [m], point of A, point of B)."""
 
-STEPS_CAP = 20
-"""Newton steps: from a coarse start 4 to 6. Fewer: flat minima are given up too early."""
+ROUNDS = 20
+"""Most Newton steps, and most cones tried from a right angle on, each with half of the last one's 1 - cosine. From a coarse start
+4 to 6 steps do; the last cone is 0.1 degrees wide. Fewer: flat minima are given up too early, or no cone is found."""
 
 STATIONARY = GRAIN
 """Relative to the shapes' size: a gradient this small is rounding."""
 
-NEARLY = 1e-11
+NEARLY = COARSE_ROUNDING
 """Relative to the shapes' size: a gradient that is accepted when rounding leaves no smaller one."""
 
 PROVED = PROOF
 """Relative to the shapes' size: largest difference of the bounds above and below. Larger: a wrong answer by as much."""
 
-LONGEST_STEP = 0.5
-"""Radians: a longer step leaves the neighbourhood in which the quadratic model means anything."""
-
-SLACK = ROUNDING_OF_SUMS
+SLACK = ROUNDING
 """Relative: a bend or a condition this small is rounding. That for the largest ball holds with equality at the centre."""
 
 
@@ -82,7 +79,7 @@ def newton(
     Returns (whether found, m, point of A - B with outward normal m, for the feature that ``centre`` stands for).
     """
     steep, w = inf, centre
-    for _ in range(STEPS_CAP):
+    for _ in range(ROUNDS):
         am, bm = stretched(vertices, shapes, a, m), stretched(vertices, shapes, b, m)
         w = centre
         if shapes.kind[a] != POINTS:
@@ -111,8 +108,9 @@ def newton(
         det = uu * vv - uv * uv
         t_u, t_v = -(vv * g_u - uv * g_v) / det, -(uu * g_v - uv * g_u) / det
         length = sqrt(t_u * t_u + t_v * t_v)
-        if length > LONGEST_STEP:
-            t_u, t_v = t_u * LONGEST_STEP / length, t_v * LONGEST_STEP / length
+        if length > SHORT_TURN:
+            # a longer step leaves the neighbourhood in which the quadratic model means anything
+            t_u, t_v = t_u * SHORT_TURN / length, t_v * SHORT_TURN / length
         m = unit(along(along(m, t_u, u), t_v, v))
     return steep <= NEARLY * size, m, w
 
@@ -175,12 +173,8 @@ def polish(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, i: int, j: i
     above = reach(vertices, shapes, a, m) + reach(vertices, shapes, b, neg(m))
     between = sub(on_a, on_b)
     missed = max(norm(along(between, -above, m)), abs(above - height))
-    # Far from the origin the coordinates themselves are no finer than ROUNDING times their size.
-    return missed <= PROVED * size + ROUNDING * (abs(above) + norm(on_a)), m, above, on_a, on_b
-
-
-HALVINGS = 20
-"""Cones tried, from a right angle on, each with half the last one's 1 - cosine; the last is 0.1 degrees wide."""
+    # Far from the origin the coordinates themselves are no finer than LAST_PLACES times their size.
+    return missed <= PROVED * size + LAST_PLACES * (abs(above) + norm(on_a)), m, above, on_a, on_b
 
 
 @kernel
@@ -220,7 +214,7 @@ def ball_fits(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: fl
     leaves as much of it as can be. The condition holds with equality at a common centre, so it is missed by rounding.
     """
     # Far from the origin a depth is no finer than the coordinates it was measured with.
-    depth = (1.0 - SLACK) * depth - ROUNDING * norm(row(vertices, shapes.start[a]))
+    depth = (1.0 - SLACK) * depth - LAST_PLACES * norm(row(vertices, shapes.start[a]))
     am, bm = stretched(vertices, shapes, a, m), stretched(vertices, shapes, b, m)
     if shapes.kind[a] == POINTS or shapes.kind[b] == POINTS:
         s = b if shapes.kind[a] == POINTS else a
@@ -271,7 +265,7 @@ def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth:
     Stationary means that the point of A - B at m is depth m, so that h(d) >= depth + (bend - depth) (1 - cos t).
     """
     from_one = 1.0
-    for _ in range(HALVINGS):
+    for _ in range(ROUNDS):
         if least_bend(vertices, shapes, a, b, m, 1.0 - from_one) * (1.0 - SLACK) >= depth:
             return 1.0 - from_one
         from_one *= 0.5

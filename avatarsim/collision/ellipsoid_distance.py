@@ -35,7 +35,8 @@ START = 0.03
 they do slowly what it does fast."""
 
 NEARER = 0.5
-"""By this much nearer EPA comes before Newton is tried again, if it found nothing new."""
+"""Part of its distance by which EPA comes nearer before Newton is tried again, if it found nothing new. Larger: it is tried in
+vain; smaller: EPA does slowly what it does fast."""
 
 FEATURE = 3
 """Points in which the rows of a vertex, an edge or a face are handed on: rows may repeat."""

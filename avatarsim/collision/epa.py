@@ -34,7 +34,7 @@ from avatarsim.spatial.vec3 import (
     scale,
     sub,
 )
-from avatarsim.tolerances import GRAIN, NOTHING, PROOF, ROUNDING
+from avatarsim.tolerances import GRAIN, NOTHING, PROOF, ROUNDING, SLIM
 
 
 @kernel
@@ -183,10 +183,6 @@ def cone_to(apex: int, edges: int, marked: int, faces: int, scratch: Scratch) ->
     return True, faces
 
 
-INDEPENDENT = 1e-3
-"""Relative to the shapes' size: a point that GJK left is kept only if it is this far off the others' point,
-line or plane. A flat first tetrahedron is legal but gives thin faces; a new support is cheap."""
-
 FLAT = ROUNDING
 """Relative to the shapes' size: if no support leaves the others' plane by more, A - B has no inside."""
 
@@ -250,7 +246,8 @@ def grow_tetrahedron(
     """
     points = 1
     for i in range(1, count):
-        if points < 4 and off_the_others(points, row(scratch.w, i), scratch) > INDEPENDENT * size:
+        # a flat first tetrahedron is legal but gives thin faces; a new support is cheap
+        if points < 4 and off_the_others(points, row(scratch.w, i), scratch) > SLIM * size:
             move_point(i, points, scratch)
             points += 1
     while points < 4:
@@ -281,8 +278,8 @@ EXACT = ROUNDING
 """Relative to the shapes' size: support minus face at which a polytope's depth is found. True faces differ by
 rounding only."""
 
-SMOOTH = 5e-10
-"""The same for ellipsoids, whose surface facets only approach. Tighter: more iterations than the scratch has
+SMOOTH = 0.5 * NOTHING
+"""The same for ellipsoids, whose surface facets only approach; below NOTHING. Tighter: more iterations than the scratch has
 points."""
 
 VISIBLE = GRAIN

@@ -43,20 +43,20 @@ from avatarsim.scene.checks import as_number, vector
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from avatarsim.spatial.vec3 import norm, row
+from avatarsim.tolerances import EPSILON, FINE, ROUNDING
 
 Array = NDArray[np.float64]
 
-ROUNDING, ROUNDING_FAR = 64.0 * 2.220446049250313e-16, 4.0 * 2.220446049250313e-16
+ROUNDING_NEAR, ROUNDING_FAR = 64.0 * EPSILON, 4.0 * EPSILON
 """Parts of size and coordinates below which a gap is rounding: pieces so near touch, and do not overlap."""
 
 CONTACT = 1e-3
-"""Part of the stand-off at which the surfaces count as met: 1e-11 s at 2 m/s."""
-
-ACCURACY = 0.1
-"""Part of its target by which a search may stop above it."""
+"""Part of the stand-off at which the surfaces count as met: 1e-11 s at 2 m/s. Larger: contacts are found early by as much;
+smaller: rounding decides when."""
 
 RESTORED = 2.0
-"""Pieces that started nearer than the stand-off keep all of it again once they have been this many times that far apart."""
+"""Pieces that started nearer than the stand-off keep all of it again once they have been this many times that far apart. 1:
+rounding decides whether they have; more: they may come nearer again for longer."""
 
 
 class Budget(NamedTuple):
@@ -113,7 +113,7 @@ def approach(
             lowered, target = False, stand_off
         if spent == 0 or gap >= max(target, 0.0) - rounding:
             safe, held = t, gap
-        if spent > 0 and gap <= target + ACCURACY * abs(target):
+        if spent > 0 and gap <= target + FINE * abs(target):
             return IMPACT, safe, held, spent + 1
         count_a, count_b, horizon = follow_both(geometry, angular, paths, reach, sa, sb, n, left, trial, a_rows, b_rows)
         step = safe_time(
@@ -155,7 +155,7 @@ def first_contact_of_pieces(
         return Found(BROKEN, 0.0, 0.0, inf, 0, sa, sb)
     far = farthest(start, a, b)
     stand_off = max(budget.stand_off, FAR_OUT * far)
-    rounding = ROUNDING * max(geometry.shapes.extent[sa], geometry.shapes.extent[sb]) + ROUNDING_FAR * far
+    rounding = ROUNDING_NEAR * max(geometry.shapes.extent[sa], geometry.shapes.extent[sb]) + ROUNDING_FAR * far
     move_along(geometry, start, linear, angular, paths, series, a, 0.0, trial)
     move_along(geometry, start, linear, angular, paths, series, b, 0.0, trial)
     zero = (0.0, 0.0, 0.0)
@@ -215,9 +215,6 @@ NAMES = {
 }
 """What to print for each outcome."""
 
-ROUND = 1e-12
-"""Principal moments closer than this part of the largest are equal: spinning about any axis is then free of torque."""
-
 
 def reaches(geo: Geometry) -> Array:
     """(nb,) largest distance of a body's points from its centre of mass, rounding radii left out [m]."""
@@ -253,7 +250,8 @@ class TwoBodies:
         scene = Scene("two bodies", tuple(named), materials=PairTable({("m", "m"): ContactLaw(0.0, 0.0)}))
         self.geometry, masses = geometry(scene), dynamics(scene)
         moments = np.linalg.eigvalsh(masses.inertia)
-        round_ = np.array([not gyroscopic or np.ptp(m) <= ROUND * m.max() for m in moments], np.int64)
+        # with equal principal moments spinning about any axis is free of torque
+        round_ = np.array([not gyroscopic or np.ptp(m) <= ROUNDING * m.max() for m in moments], np.int64)
         self._paths = make_paths(masses.inertia.copy(), masses.inverse_inertia.copy(), round_)
         self._paths.kind[:] = [FREE if body.role is Role.SIMULATED else STILL for body in (a, b)]
         self._centres = [np.array(x.mass.centre) if x.mass and x.role is Role.SIMULATED else np.zeros(3) for x in (a, b)]

@@ -14,20 +14,16 @@ from avatarsim.collision.support import reach, support
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, put_row, row, scale, sub
-from avatarsim.tolerances import GRAIN, PROOF
+from avatarsim.tolerances import GRAIN, GRAINS, LAST_PLACES, PROOF, ROUNDING, SLIM
 
 Share2 = tuple[float, float]
 Share4 = tuple[float, float, float, float]
-
-THIN = 1e-3
-"""Sine of an angle: below it the edges of a triangle are put at right angles before they are multiplied. Smaller: of a sine
-x, a normal by vector product alone is off by 1e-16 / x; larger: only costs time."""
 
 FLAT = GRAIN
 """Relative to the product of three edges: below this volume of a tetrahedron the side of a plane on which the origin lies is
 rounding noise, and it is treated as the union of its faces. Larger: well-formed thin ones lose their inside."""
 
-NOISE = 2e-15
+NOISE = 2.0 * LAST_PLACES
 """Relative: what rounding may do to a product of three lengths. A face of a tetrahedron is passed over only if the origin is
 on its inner side by more."""
 
@@ -48,7 +44,7 @@ def across(v: Vec3, u: Vec3) -> Vec3:
 def upright(u: Vec3, v: Vec3) -> Vec3:
     """u x v, at right angles to both but for the rounding of their lengths, however nearly parallel they are."""
     n, uu, vv = cross(u, v), dot(u, u), dot(v, v)
-    if dot(n, n) > THIN * THIN * uu * vv or not (uu > 0.0 and vv > 0.0):
+    if dot(n, n) > SLIM * SLIM * uu * vv or not (uu > 0.0 and vv > 0.0):
         return n
     return cross(u, across(v, u)) if uu >= vv else cross(across(u, v), v)
 
@@ -80,7 +76,7 @@ def closest_on_triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, Vec3]:
     ab, bc, ca = sub(b, a), sub(c, b), sub(a, c)
     n = cross(ab, bc)
     area, longest = dot(n, n), max(dot(ab, ab), dot(bc, bc), dot(ca, ca))
-    if not (area > THIN * THIN * longest * longest):
+    if not (area > SLIM * SLIM * longest * longest):
         return closest_on_thin_triangle(a, b, c)
     for_c, for_a, for_b = dot(n, cross(a, ab)), dot(n, cross(b, bc)), dot(n, cross(c, ca))
     if for_a > 0.0 and for_b > 0.0 and for_c > 0.0:
@@ -184,11 +180,12 @@ def closest_on_tetrahedron(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[bool, Ve
     return False, best, share
 
 
-ITERATIONS_CAP = 128
-"""Polytopes end below 20, smooth shapes below 60. Too low: OUT_OF_ITERATIONS; too high: only costs time on a
-failure."""
+ITERATIONS_CAP = 200
+"""Iterations after which a query, or a search along paths, is given up. GJK ends below 20 of polytopes and below 60 of smooth
+shapes; advancement after 3 rounds of spheres and 5 to 20 of tumbling boxes, seldom a hundred. Too low: answers are missed; too
+high: only costs time on a failure."""
 
-CLOSE_ENOUGH = 1e-13
+CLOSE_ENOUGH = GRAINS
 """Relative to the shapes' size: largest difference between the distance found and the one proved. Below
 rounding (2e-16 times the coordinates) smooth shapes would never end; polytopes end exactly, whatever it
 is."""
@@ -197,12 +194,9 @@ ACCEPTED = PROOF
 """Relative to the shapes' size: when rounding stops progress, a larger difference than this is reported as
 DEGENERATE."""
 
-TOUCHING = 1e-12
+TOUCHING = ROUNDING
 """Relative to the shapes' size: closer cores are handed to `epa`, whose normal does not come from the
 vanishing distance."""
-
-ROUNDING = 1e-15
-"""A few units in the last place of a float64: the relative error of a distance however large."""
 
 STALLS_CAP = 8
 """Times that rounding may leave a point no nearer than the last. Fewer: a pair with nearly parallel edges, where the next
@@ -352,13 +346,13 @@ def gjk_from(
         if measured:
             missing = length - proved
             # A coarse answer must at least prove the cores apart; a fine one that does not says that they touch.
-            done = missing <= (close if proved > 0.0 else CLOSE_ENOUGH) * size + ROUNDING * length
+            done = missing <= (close if proved > 0.0 else CLOSE_ENOUGH) * size + LAST_PLACES * length
             if done or stalls > STALLS_CAP or known(count, scratch):
                 if not (proved > 0.0):
                     return CONVERGED, NOWHERE, 0.0, count
                 # Far from the origin the coordinates themselves are no finer than this.
-                grain = ROUNDING * norm(row(scratch.on_a, count))
-                if missing <= max(close, ACCEPTED) * size + ROUNDING * length + grain:
+                grain = LAST_PLACES * norm(row(scratch.on_a, count))
+                if missing <= max(close, ACCEPTED) * size + LAST_PLACES * length + grain:
                     # Only what was proved may be above the margin, and that was not.
                     return CONVERGED, scale(v, 1.0 / length), min(length, margin), count
                 n, facet = proved_by_facet(vertices, shapes, a, b, v, balls, scratch) if count > 1 else (NOWHERE, 0.0)

@@ -35,7 +35,8 @@ from avatarsim.tolerances import NOTHING, ROUNDING, SAME_DIRECTION
 Array = NDArray[np.float64]
 
 SLIVER = 1e-5
-"""Polygons of less area than this part of their squared perimeter are taken as segments: their plane is noise."""
+"""Polygons of less area than this part of their squared perimeter are taken as segments: their plane is noise.
+Larger: narrow faces stand like edges; smaller: the noise tilts contact normals."""
 
 
 @kernel
@@ -179,7 +180,8 @@ def clip(subject: Array, count: int, window: Array, sides: int, other: Array) ->
 
 
 MANIFOLD_POINTS = 8
-"""Most contact points of two convex shapes; an octagon of support stands like the whole face."""
+"""Most contact points of two convex shapes; an octagon of support stands like the whole face. Fewer: discs stand on less; more:
+contacts of faces take longer to solve."""
 
 FEATURE_ROOM = 64
 """Vertices of one touching feature; the face of a hull rarely has ten. Of one with more, those stay that are farthest in so many
@@ -193,7 +195,8 @@ EQUAL = ROUNDING
 
 
 LEANING = 1e-2
-"""Rise of a face over its own size up to which it counts as lying on another, and not as standing on its edge."""
+"""Rise of a face over its own size up to which it counts as lying on another, and not as standing on its edge. Larger: faces that
+stand on an edge get more points than touch; smaller: corners beyond the crossing of two edges are missed."""
 
 EVEN = NOTHING
 """Corners that leave their common plane by more than this part of the shapes' size are of several faces."""

@@ -18,10 +18,12 @@ from avatarsim.tolerances import NOTHING
 Array = NDArray[np.float64]
 
 HORIZONS = 8
-"""Most times that the horizon of the bounds is shortened in the search of the longest safe step."""
+"""Most times that the horizon of the bounds is shortened in the search of the longest safe step. Fewer: shorter steps, and more
+rounds; more: rounds take longer."""
 
 ENOUGH, LEAST = 0.7, 0.2
-"""Parts of a horizon: a safe step that takes this much of it is taken, and the next horizon is at least the other."""
+"""Parts of a horizon: a safe step that takes this much of it is taken, and the next horizon is at least the other.
+Larger: more horizons are tried; smaller: shorter steps, and more rounds."""
 
 ROUNDED = NOTHING
 """Part of an arm by which its distance from the axis may be off: rounding, with room."""

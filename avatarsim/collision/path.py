@@ -14,21 +14,22 @@ from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.spatial.tangent import Columns, about, columns, product, put_columns, straightened, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, scale
+from avatarsim.tolerances import LAST_PLACES, SHORT_TURN
 
 Array = NDArray[np.float64]
 
 ORDER = 24
 """Terms of the series. With steps of TURN the last ones are below rounding; fewer lose energy, more cost nothing (early stop)."""
 
-TURN = 0.5
+TURN = SHORT_TURN
 """Largest angle [rad] of one step of the series. Larger: the series needs more terms than ORDER; smaller: more steps."""
 
 STEPS_CAP = 2000
 """Most steps of the series at once. A body that turns farther, by 1000 rad at a time (60,000 rad/s in a frame), keeps its
 angular velocity instead: without a cap a finite input could take for ever."""
 
-NEGLIGIBLE = 1e-17
-"""The series ends when a whole term is below this part of its first."""
+NEGLIGIBLE = LAST_PLACES / 100.0
+"""The series ends when a whole term is below this part of its first: all that follow together then change no digit."""
 
 
 class Series(NamedTuple):
@@ -197,7 +198,7 @@ def of_rotation_vector(theta: Vec3, rate: Vec3, gain: Vec3) -> tuple[Vec3, Vec3]
     derivative. Only while theta and rate are parallel is w the rate itself.
     """
     ff = dot(theta, theta)
-    if ff > 0.25:
+    if ff > SHORT_TURN * SHORT_TURN:
         f = sqrt(ff)
         s, c = sin(f), 1.0 - cos(f)
         b, k = c / ff, (f - s) / (ff * f)

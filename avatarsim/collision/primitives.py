@@ -13,12 +13,12 @@ answer with certainty (cores that touch, boxes bent by rounding) are left to GJK
 from math import inf, sqrt
 
 from avatarsim.collision.epa import EXACT
-from avatarsim.collision.gjk import ACCEPTED, CLOSE_ENOUGH, NOWHERE, ROUNDING, TOUCHING, Share2, closest_on_triangle
+from avatarsim.collision.gjk import ACCEPTED, CLOSE_ENOUGH, NOWHERE, TOUCHING, Share2, closest_on_triangle
 from avatarsim.collision.support import reach
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, row, scale, sub
-from avatarsim.tolerances import NOTHING, SAME_DIRECTION
+from avatarsim.tolerances import COARSE_ROUNDING, LAST_PLACES, NOTHING, SAME_DIRECTION
 
 Answer = tuple[bool, float, Vec3, Vec3, Vec3]
 """(whether known, signed distance of the cores [m], unit normal out of b into a, point of a, point of b)."""
@@ -33,7 +33,7 @@ in both orders."""
 UNKNOWN = (False, 0.0, NOWHERE, NOWHERE, NOWHERE)
 """The answer where no formula gives one."""
 
-SQUARE = 1e-11
+SQUARE = COARSE_ROUNDING
 """Relative to a box's size: how far eight points may be off a box and still be taken for one. Larger: a wrong distance
 by as much; smaller: boxes whose corners are rounded, far from the origin, are missed, and only take longer."""
 
@@ -84,7 +84,7 @@ def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     n = scale(w, 1.0 / length)
     # The least of four heights: p - r and what the other ends add to it.
     proved = dot(n, between) + min(dot(n, u), 0.0) - max(dot(n, v), 0.0)
-    if not (length - proved <= CLOSE_ENOUGH * size + ROUNDING * length):
+    if not (length - proved <= CLOSE_ENOUGH * size + LAST_PLACES * length):
         return between_segments_by_triangles(p, q, r, s, size)
     return True, length, n, along(p, of_q, u), along(r, of_s, v)
 

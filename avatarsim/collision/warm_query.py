@@ -13,7 +13,6 @@ from avatarsim.collision.epa import EXACT, SAME_FACE, deepest_points, expand, po
 from avatarsim.collision.gjk import (
     CLOSE_ENOUGH,
     NOWHERE,
-    ROUNDING,
     TOUCHING,
     WHOLE,
     closest_in_simplex,
@@ -55,7 +54,7 @@ from avatarsim.collision.warm_start import (
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import POINTS, Shapes
 from avatarsim.spatial.vec3 import Rows, Vec3, along, neg, norm, row, scale, sub
-from avatarsim.tolerances import NOTHING
+from avatarsim.tolerances import LAST_PLACES, NOTHING
 
 CLEARLY_DEEP = NOTHING
 """Relative to the shapes' size: below this depth a query starts cold, with GJK first. Smaller: rounding decides on which side of
@@ -183,7 +182,7 @@ def same_simplex(
     proved = -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n)
     if proved > margin:
         return True, proved, n, NOWHERE, NOWHERE
-    if not (proved > 0.0 and length - proved <= CLOSE_ENOUGH * size + ROUNDING * length):
+    if not (proved > 0.0 and length - proved <= CLOSE_ENOUGH * size + LAST_PLACES * length):
         return UNKNOWN
     on_a = along(along(scale(p_a, share[0]), share[1], q_a), share[2], r_a)
     on_b = along(along(scale(p_b, share[0]), share[1], q_b), share[2], r_b)

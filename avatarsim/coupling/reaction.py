@@ -16,7 +16,7 @@ from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.model.skeleton import FREE, HINGES, Posture, Skeleton
 from avatarsim.spatial import rotation
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, row, solved, sub
-from avatarsim.tolerances import REGULAR
+from avatarsim.tolerances import REGULAR, SHORT_TURN, SMALL
 
 Array = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def joint_weights(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array) -> A
                 weight[first : first + 3] += 1.0
                 first += 3
             arms = rotation.cross(axes[first:end, None], points - poses.position[skel.first + m])
-            weight[first:end] += (arms**2).sum(axis=-1).mean(axis=-1) + 1e-4
+            weight[first:end] += (arms**2).sum(axis=-1).mean(axis=-1) + SMALL * SMALL
     roots = np.zeros(len(weight), dtype=bool)
     for link in np.flatnonzero(skel.kind == FREE).tolist():
         roots[skel.first_dof[link] : skel.first_dof[link + 1]] = True
@@ -59,9 +59,10 @@ def joint_weights(geo: Geometry, skel: Skeleton, poses: Poses, axes: Array) -> A
 
 
 ROUNDS = 4
-"""Times all offsets are gone through. Links of one finger share joints; a lone link is done after one."""
+"""Times all offsets are gone through. Links of one finger share joints; a lone link is done after one. Fewer: links that were
+hit together stay off their offsets; more: time."""
 
-MOST_TURN = 0.5
+MOST_TURN = SHORT_TURN
 """[rad] a joint yields at most: beyond it columns of the Jacobian point elsewhere. A link that is pushed farther waits for it."""
 
 

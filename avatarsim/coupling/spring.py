@@ -19,7 +19,8 @@ from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, put_row, row, scale, sub
 
 NEARLY_CRITICAL = 1e-3
-"""|frequency x time| below which sin x/x is taken by its series; x^6/5040 is then far below rounding."""
+"""|frequency x time| below which sin x/x is taken by its series; x^6/5040 is then far below rounding. Larger: the
+series is off; smaller: differences cancel."""
 
 
 @kernel

@@ -7,6 +7,7 @@ displace the whole avatar, those of other links bend the joints that hold them (
 Velocities of driven links projected onto the non-penetration cone of active contacts with fixed bodies, before impacts.
 """
 
+from math import ceil, log
 from typing import NamedTuple
 
 import numpy as np
@@ -23,11 +24,11 @@ from avatarsim.model.skeleton import FREE, Posture, Skeleton, carry, displace
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
 from avatarsim.spatial.vec3 import Vec3, add, along, dot, norm, put_row, row, scale, sub
-from avatarsim.tolerances import NOTHING
+from avatarsim.tolerances import JUDGED, NOTHING
 
-ROUNDS = 10
+ROUNDS = ceil(log(JUDGED, 0.25))
 """Times that all that holds a link is gone through: what one wall leaves may go into another. In a corner of 60 degrees each time
-leaves a quarter of that; fewer would leave a hand in a corner a velocity."""
+leaves a quarter of that, so that JUDGED of it is left; fewer would leave a hand in a corner a velocity."""
 
 
 @kernel

@@ -54,7 +54,8 @@ def notice(geo: Geometry, poses: Poses, b: int, scratch_out: IkScratch) -> bool:
 
 
 REACH = 0.5
-"""[m] the box around an avatar is grown by this before bodies near it are listed; beyond it the list is made again."""
+"""[m] the box around an avatar is grown by this before bodies near it are listed; beyond it the list is made again. Larger:
+longer lists in every frame; smaller: they are made more often."""
 
 
 @kernel

@@ -21,10 +21,12 @@ from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
 from avatarsim.tolerances import NOTHING, ROUNDING, SAME_DIRECTION, least_gap, wedged_gap
 
 LEAST_TRACE = 1.0 + 2.0 * cos(0.35)
-"""Trace of the turn [rad] of two bodies against each other up to which directions are carried by one of them."""
+"""Trace of the turn [rad] of two bodies against each other up to which directions are carried by one of them. A larger angle: a
+wall may lie between both ends; a smaller: steps that are free are refused."""
 
 EXACT = 0.02
-"""[m] directions of pairs farther apart than this need not be exact: the search stops at the first proof."""
+"""[m] directions of pairs farther apart than this need not be exact: the search stops at the first proof. Larger:
+longer searches; smaller: directions of pairs that touch next are off."""
 
 
 @kernel

@@ -17,7 +17,7 @@ of length l bends by at most l S^2, and the segments of a chain add up. A pair o
 common ancestor, which only the joints below it move.
 """
 
-from math import sqrt
+from math import ceil, log2, sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -39,17 +39,17 @@ from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton, carr
 from avatarsim.model.world import World, WorldParts
 from avatarsim.spatial.tangent import columns, put_columns, step_between, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, row, scale, sub
-from avatarsim.tolerances import ROUNDING
+from avatarsim.tolerances import ROUNDING, SAME_DIRECTION, SLIGHT
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-DEPTH = 12
-"""Halvings of a way before it counts as not free: a 4096th. There the bulge of a limb that turns by a radian is some 1e-8 m.
-More: what touches takes longer to fail."""
-
 SAGITTA = 1.0 / 8.0
 """A path whose acceleration is at most a bend stays within this part of it, times the square of the time, of its chord."""
+
+DEPTH = ceil(0.5 * log2(SAGITTA / SLIGHT))
+"""Halvings of a way before it counts as not free: a 4096th. There the bulge of a limb of a metre that turns by a radian is below
+SLIGHT. More: what touches takes longer to fail."""
 
 ROOM_MOST, ROOM_DEEPER = 1 << 20, 1 << 14
 """Pairs of pieces that may be listed as undecided for a whole way, and beside these for parts of it; what does not fit counts as
@@ -332,7 +332,7 @@ def test_pair(
         return PROVED
     middle = add(n0, n1)
     length = norm(middle)
-    if length > 1e-6:
+    if length > SAME_DIRECTION:
         n = scale(middle, 1.0 / length)
         if holds(geo, skel, left, right, above, a, b, n, bulge, least):
             keep_axis(c.pairs, at, n)

@@ -20,13 +20,15 @@ from avatarsim.ik.objective import solve_down, solve_up
 from avatarsim.ik.state import MOST_PRESSED, PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.skeleton import FREE, Skeleton
-from avatarsim.tolerances import NOTHING, REGULAR
+from avatarsim.tolerances import JUDGED, NOTHING, REGULAR
 
 CHANGES = 24
-"""Rows that come or go at most; what is reached then is as good as more sweeps would be."""
+"""Rows that come or go at most; what is reached then is as good as more sweeps would be. Fewer: more answers come of sweeps
+alone, which break rows; more: steps in crowds take longer."""
 
 MET = 1e-3
-"""Share of the sweeps' tolerance by which a condition may stay broken."""
+"""Share of the sweeps' tolerance by which a condition may stay broken. Larger: the certificate sees it; smaller: rounding makes
+rows come and go."""
 
 
 @kernel
@@ -135,13 +137,19 @@ def solve_change(size: int, rows_out: ConstraintRows) -> None:
 BOUND, BUDGET = int(RowKind.BOUND), int(RowKind.BUDGET)
 
 FIRST_SWEEPS, SWEEPS_MOST = 4, 15
-"""Sweeps after which the active set is solved for, and after which the answer is taken where that does not succeed."""
+"""Sweeps after which the active set is solved for, and after which the answer is taken where that does not succeed. Fewer:
+more solves, or answers that break rows; more: time."""
 
-SOFTNESS = 1e-6
+SOFTNESS = JUDGED
 """Added to the diagonal of the dual: parallel rows then share the load instead of dividing by zero."""
 
-BOUND_ROUNDS, BOUNDS_PER_ROUND = 4, 8
-"""Rounds in which violated bounds join, and how many of them in each. What is still outside after them is clipped."""
+CUTS = 4
+"""Rounds in which what an answer breaks joins as rows, and it is solved for again (cutting planes: Kelley 1960): bounds and
+budgets within a QP, of which what is still outside is then clipped; pairs and limits at a trial; and QPs in such a round. 8: the
+slowest frames take 2.5 times as long."""
+
+BOUNDS_PER_ROUND = 8
+"""Violated bounds of an avatar that join in a round. More: rows that press nothing; fewer: more rounds."""
 
 
 @kernel
@@ -154,7 +162,7 @@ def solve_qp(
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = s.objective.newton[j]
     add_broken_bounds(skel, avatars, first, last, state, s)
-    for _ in range(BOUND_ROUNDS):
+    for _ in range(CUTS):
         transform(avatars, s)
         find_residuals(avatars, s)
         before = s.counts[SWEEPS]

@@ -12,7 +12,8 @@ from avatarsim.settings import PostureSettings
 from avatarsim.tolerances import least_gap
 
 ARRIVED = 3e-2
-"""[rad or m] a step smaller than this ends the frame: what is left is left for the next one."""
+"""[rad or m] a step smaller than this ends the frame: what is left is left for the next one. Larger: contacts are followed late;
+smaller: second steps that show nothing."""
 
 
 @kernel

@@ -14,7 +14,7 @@ from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, kee
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
 from avatarsim.ik.motion_budget import bound_step, keep_budget, spend
 from avatarsim.ik.objective import model, stretch
-from avatarsim.ik.qp import solve_qp
+from avatarsim.ik.qp import CUTS, solve_qp
 from avatarsim.ik.state import (
     ADOPTED,
     BACKED,
@@ -40,7 +40,7 @@ from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import add, put_row, row, scale
-from avatarsim.tolerances import least_gap
+from avatarsim.tolerances import FINE, least_gap
 
 CONTACT = int(RowKind.CONTACT)
 
@@ -71,12 +71,9 @@ def note_forces(geo: Geometry, skel: Skeleton, avatars: Avatars, rows: Constrain
             s.bend[link] += stretch(force, arm)
 
 
-CORRECTIONS = 4
-"""Rounds in which what failed at a trial becomes rows, and solves of a round. 8: the slowest frames take 2.5 times as long."""
-
 BACK_OFF, ATTEMPTS = 0.25, 5
 """Factor by which the goal of a step that is still refused draws nearer, from the third attempt on, and how many attempts there
-are before the avatar stays."""
+are before the avatar stays. Fewer, or nearer to 1: it stays more often; more: slowest frames take longer."""
 
 
 @kernel
@@ -133,10 +130,10 @@ def try_qp(
     last: int, is_soft: bool, most_work: int, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
     """Solve and certify with growing rows; the number of failures that are left."""
-    s, failed, tolerance = scratch_out, 0, 0.1 * least_gap(settings.stand_off)
+    s, failed, tolerance = scratch_out, 0, FINE * least_gap(settings.stand_off)
     add_touching(geo, skel, avatars, settings, is_soft, poses, state_out, s)
-    for round_ in range(CORRECTIONS + 1):
-        for _ in range(CORRECTIONS):
+    for round_ in range(CUTS + 1):
+        for _ in range(CUTS):
             choose_step(skel, avatars, poses, first, last, tolerance, state_out, s)
             s.counts[QPS] += 1
             if not foresee(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
@@ -145,7 +142,7 @@ def try_qp(
             state_out.tracking.is_certified[s.members[m]] = 0
             place_avatar(geo, skel, avatars, s.members[m], s.trial)
         s.counts[FORWARDS] += last - first
-        is_last = round_ == CORRECTIONS or work_done(s) > most_work
+        is_last = round_ == CUTS or work_done(s) > most_work
         failed = certify(
             geo, skel, avatars, settings, posture, poses, first, last, not is_last, is_soft, state_out, s
         )

@@ -28,7 +28,7 @@ from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, drawn, get_node
 from avatarsim.settings import PostureSettings
-from avatarsim.tolerances import least_gap
+from avatarsim.tolerances import FINE, least_gap
 
 
 @kernel
@@ -172,8 +172,9 @@ FOLLOW_PATH = int(Mode.FOLLOW_PATH)
 AHEAD = 3.0
 """Budgets of a frame within which nodes are looked at. 1: kinks of the path are shown as shaking limbs; more costs work."""
 
-AT = 0.1
-"""Budgets of a frame within which an avatar is at a node, and goes on whether it sees the next one or not: along its edge."""
+AT = FINE
+"""Budgets of a frame within which an avatar is at a node, and goes on whether it sees the next one or not: along its edge.
+Larger: it leaves that edge; smaller: it stops at nodes."""
 
 
 @kernel

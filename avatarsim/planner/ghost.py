@@ -24,10 +24,12 @@ STRIDE = LOSS_RADIUS
 """[rad, and mean reaches of a link] how far a step goes at most: as far as the objective still is a square."""
 
 LONGEST = 4.0
-"""Strides that a step is long at most: each doubles the one before, until something is in the way."""
+"""Strides that a step is long at most: each doubles the one before, until something is in the way. Longer: more
+steps are refused; shorter: more nodes."""
 
 SLOWEST = 0.1
-"""Share of a stride by which the farthest link origin comes nearer where a step makes progress."""
+"""Share of a stride by which the farthest link origin comes nearer where a step makes progress. Larger: extensions end where they
+slide along something; smaller: they creep."""
 
 TRAPPED, ADVANCED, REACHED = range(3)
 """What a step came to, in the words of Kuffner and LaValle (2000)."""

@@ -31,7 +31,8 @@ CLOSER = 0.5
 """Share of the shown posture's objective that a goal has at most. Larger: avatars walk about for little."""
 
 JOINTS, DIRECTIONS, RINGS = 3, 7, 4
-"""Postures of the joints, directions in which the root is drawn aside, and distances: half a loss radius, doubled each time."""
+"""Postures of the joints; directions in which the root is drawn aside, six along the axes and one back to where it is shown; and
+distances: half a loss radius, doubled each time. More: farther goals are found, and looking for them takes longer."""
 
 CANDIDATES = JOINTS * (1 + DIRECTIONS * RINGS)
 

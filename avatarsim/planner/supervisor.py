@@ -20,7 +20,8 @@ from avatarsim.planner.state import Ghost, Outcome, Plan
 from avatarsim.settings import PostureSettings
 
 SLOWEST = 0.25
-"""Share of the catch-up speed with which all link origins come nearer where an avatar makes progress."""
+"""Share of the catch-up speed with which all link origins come nearer where an avatar makes progress. Larger: paths are sought
+for avatars that come free by themselves; smaller: those that creep along a trap are left to it."""
 
 FALLEN = 1.0 / 3.0
 """Or share of itself by which the objective falls within the stall time: near the target most origins are there already."""
@@ -57,10 +58,12 @@ TRACK, WAIT, PLAN, FOLLOW_PATH = int(Mode.TRACK), int(Mode.WAIT), int(Mode.PLAN)
 FOUND, FAILED, NO_GOAL, STALE = int(Outcome.FOUND), int(Outcome.FAILED), int(Outcome.NO_GOAL), int(Outcome.STALE)
 
 LONGEST_REST = 4.0
-"""[s] that an avatar rests at most between two searches in vain."""
+"""[s] that an avatar rests at most between two searches in vain. Longer: a way that opens is found late; shorter: work in
+vain."""
 
 LEAST_SLICE = 100
-"""Least work of a slice: some two steps. Where there are more searches than slices they take turns."""
+"""Least work of a slice: some two steps. Less: slices end before a step does; more: longer frames. Where there are more searches
+than slices they take turns."""
 
 NEVER, JOINTED = 0, 1
 """Values of the setting `around`."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.conservative_advancement import TOUCH
 from avatarsim.collision.edge_edge import lone_edge
-from avatarsim.collision.manifold import manifold
+from avatarsim.collision.manifold import MANIFOLD_POINTS, manifold
 from avatarsim.collision.signed_distance import signed_distance_up_to
 from avatarsim.collision.status import NOT_FINITE
 from avatarsim.collision.support import reach as reach_along
@@ -22,7 +22,7 @@ from avatarsim.rigid.contact_law import point_velocity, tangential_velocity
 from avatarsim.rigid.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, Contacts, add_contact, axis
 from avatarsim.rigid.internal_edges import forget, level_seams, note
 from avatarsim.rigid.rolling import is_smooth, note_smooth
-from avatarsim.rigid.state import WORK, Memory
+from avatarsim.rigid.state import QUERY_WORK, WORK, Memory
 from avatarsim.spatial.tangent import columns, step_between, turned
 from avatarsim.spatial.vec3 import Vec3, along, dot, neg, norm, put_row, row, scale, sub
 
@@ -35,9 +35,6 @@ Index = NDArray[np.int64]
 
 LASTS = 10
 """Frames for which a pair counts as blocked. Fewer: it stops again and again; more: faces are larger than they are for longer."""
-
-MOST = 8
-"""Corners of one pair that are added."""
 
 
 @kernel
@@ -103,7 +100,7 @@ def add_corners(
     for i in range(shapes.start[s], shapes.start[s + 1]):
         p = row(vertices, i)
         gap = dot(m, p) - top
-        if gap < TOUCH and added < MOST:
+        if gap < TOUCH and added < MANIFOLD_POINTS:
             middle = along(p, -shapes.radius[s] - 0.5 * gap, m)
             if not add_contact(
                 contacts, a, b, NOT_DRIVEN, n, sub(middle, row(poses.position, a)), sub(middle, row(poses.position, b)), gap
@@ -156,8 +153,6 @@ Array = NDArray[np.float64]
 FOUND, NO_ROOM, BROKEN = 0, 1, 2
 """Outcome: all contacts found; more than fit; a pose is not finite."""
 
-QUERY_WORK = 8
-"""Work of one contact query, see `state.WORK`."""
 
 @kernel
 def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.rigid.contact_law import point_velocity, relative_velocity
@@ -73,8 +74,9 @@ ROOM_PER_BODY = 16
 """Room for contact points per simulated body, if that is more: a box in the middle of a wall touches others with 24 corners, each
 of which belongs to two bodies."""
 
-POINTS_OF_PAIR = 16
-"""Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
+POINTS_OF_PAIR = 2 * MANIFOLD_POINTS
+"""Contact points of two shapes, at most, those of the manifold and as many corners of blocked pairs: numbers of one pair of
+shapes follow each other in `Contacts.key`."""
 
 ROW, MOTION = 104, 8
 """Numbers that a pass of the solver reads: of a contact, thirteen lines of the cache, and of a body."""

@@ -17,10 +17,11 @@ from avatarsim.rigid.resting import SWEEPS
 from avatarsim.rigid.solver import sweeps
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.vec3 import add, along, dot, put_row, row, scale, sub
+from avatarsim.tolerances import SLIGHT
 
 Index = NDArray[np.int64]
 
-ENOUGH = 1e-8
+ENOUGH = SLIGHT
 """Accuracy [m/s] to which bodies are stopped: in a frame they come nearer by a tenth of a nanometre, much below the stand-off."""
 
 MOST_ELASTIC = 2.0

@@ -17,12 +17,12 @@ from avatarsim.rigid.contacts import Masses, to_world
 from avatarsim.rigid.state import AUDITED, Memory
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import dot, put_row, row
-from avatarsim.tolerances import PROOF
+from avatarsim.tolerances import GRAINS, PROOF
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-NO_GAIN, NO_PART = 1e-13, PROOF
+NO_GAIN, NO_PART = GRAINS, PROOF
 """A gain below this [J], and below this part of the motion's energy, is rounding. The first alone lets a world of millimetres,
 which has so little energy, gain more than a part in 1e9 in a frame."""
 

@@ -35,7 +35,7 @@ from avatarsim.collision.path import STILL
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Geometry
 from avatarsim.rigid.internal_edges import depth_to_pass
-from avatarsim.rigid.state import SEARCHES, WORK, Memory
+from avatarsim.rigid.state import QUERY_WORK, SEARCHES, WORK, Memory
 from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
 
 
@@ -114,9 +114,10 @@ def never_meet(memory: Memory, a: int, b: int, h: float) -> bool:
 
 Index = NDArray[np.int64]
 
-SEARCH_WORK, ROUND_WORK = 8, 25
-"""Work of one search for an impact, and of each of its rounds after the first, see `state.WORK`. Most searches take five
-rounds or none; of boxes that slide past each other's edges a hundred, and 300 such searches a frame take 35 ms."""
+SEARCH_WORK, ROUND_WORK = QUERY_WORK, 25
+"""Work of one search for an impact, a query, and of each of its rounds after the first, see `state.WORK`. Most searches take five
+rounds or none; of boxes that slide past each other's edges a hundred, and 300 such searches a frame take 35 ms. Less: frames
+of such boxes take longer than the budget says; more: they lose time."""
 
 
 @kernel

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.conservative_advancement import RESTING
+from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
@@ -24,10 +25,11 @@ from avatarsim.rigid.contact_law import (
     velocity_after,
 )
 from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, Masses, axis, impulse_of, speed_along, velocity_at
-from avatarsim.rigid.solver import FIRST_TRY, ROUGH, change, solve_contacts, solve_roughly
+from avatarsim.rigid.solver import FIRST_TRY, PATIENCE, change, solve_contacts, solve_roughly
 from avatarsim.rigid.state import APPROACH, IMPACT, Events, Memory
 from avatarsim.spatial.tangent import columns
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.tolerances import GRAINS, LAST_PLACES, ROUGH
 from avatarsim.tolerances import NOTHING as NEGLIGIBLE
 
 Array = NDArray[np.float64]
@@ -81,16 +83,17 @@ takes more impacts to come to rest, without limit as it goes to 0."""
 TIE = NEGLIGIBLE
 """Pairs whose approach speeds differ by less than this part are solved together, so that a corner is hit symmetrically."""
 
-BLOCK_TOLERANCE = 1e-15
-"""Block impulses are solved to this part of the approach speed (times 10); it bounds the error of restitution."""
-
-BLOCK_SWEEPS = 3000
-"""Double sweeps per block; a box face needs about 25."""
+BLOCK_TOLERANCE = 10.0 * LAST_PLACES
+"""Block impulses are solved to this part of the approach speed; it bounds the error of restitution."""
 
 BLOCK_VISITS = 48000
-"""Most contact points that each stage of the solve of one block visits; where a wall lands at once that is fewer sweeps."""
+"""Most contact points that each stage of the solve of one block visits; where a wall lands at once that is few sweeps. Fewer:
+walls land with friction or restitution that is not solved for."""
 
-ROUGH_TOLERANCE, ROUGH_SWEEPS = ROUGH, 150
+BLOCK_SWEEPS = BLOCK_VISITS // (2 * MANIFOLD_POINTS)
+"""Double sweeps per block: those of the points of one pair of shapes. A box face needs about 25."""
+
+ROUGH_TOLERANCE, ROUGH_SWEEPS = ROUGH, PATIENCE
 """The same where many blocks follow each other at one instant: the approach that is left is resolved by a later block."""
 
 NOTHING = -1
@@ -273,7 +276,7 @@ def resolve_impact(
                 b = members[m]
                 put_row(linear_before, b, row(linear, b))
                 put_row(angular_before, b, row(angular, b))
-            tolerance = 10.0 * BLOCK_TOLERANCE * max(1.0, -fastest) if precise else -ROUGH_TOLERANCE * fastest
+            tolerance = BLOCK_TOLERANCE * max(1.0, -fastest) if precise else -ROUGH_TOLERANCE * fastest
             solve_contacts(
                 contacts, masses, first, last, linear, angular, tolerance, FIRST_TRY,
                 min(BLOCK_SWEEPS if precise else ROUGH_SWEEPS, max(1, BLOCK_VISITS // (2 * (last - first)))), before, direction,
@@ -298,7 +301,7 @@ def guard_energy(
             work += dot(j, u0)
             gained += 0.5 * (dot(j, u0) + dot(j, u1))
     # rounding of an elastic impact is no gain
-    if not (gained > 1e-13 * abs(work)):
+    if not (gained > GRAINS * abs(work)):
         return False
     kept = min(1.0, max(0.0, -work / (gained - work)))
     for m in range(members.shape[0]):

@@ -23,13 +23,13 @@ from avatarsim.rigid.rolling import put_radius
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, perpendicular, put_row, row, sub
+from avatarsim.tolerances import JUDGED, PROOF, SLIGHT
 from avatarsim.tolerances import NOTHING as NEGLIGIBLE
-from avatarsim.tolerances import PROOF
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-FLUSH = -5e-7
+FLUSH = -0.5 * JUDGED
 """Gap [m] along a neighbour's normal from which on two pieces count as flush. Must be below the dip of resting bodies, which
 slide on at that depth, and above the depth at which positions are corrected."""
 
@@ -39,13 +39,13 @@ SAME = PROOF
 BEHIND = -NEGLIGIBLE
 """Normals that point against each other by more than this are of two sides of a body."""
 
-EVEN = 1e-8
+EVEN = SLIGHT
 """Corners within this part of a piece's size below the highest along a normal are of one face."""
 
 LOOKS = 16
 """Most contacts of a body that are tried for a normal. A face on more pieces than that has them all in one plane."""
 
-FASTER = 1e-6
+FASTER = JUDGED
 """[m/s] by which the body must leave a face faster for its normal to replace another one."""
 
 NOTHING, NO_FACE = -1, -2

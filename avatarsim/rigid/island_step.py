@@ -8,6 +8,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.conservative_advancement import DIP
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
@@ -19,11 +20,13 @@ from avatarsim.rigid.deferred_impacts import go_on, hand_over, wait
 from avatarsim.rigid.energy_audit import audit, energy_of, stay
 from avatarsim.rigid.first_event import first_event
 from avatarsim.rigid.impacts import end_tails, until_tail_ends
+from avatarsim.rigid.internal_edges import FLUSH
 from avatarsim.rigid.near_pairs import keeps_promise
-from avatarsim.rigid.response import change_at_once, impacts, is_brisk, note_change, segment, unsqueeze
+from avatarsim.rigid.response import FIRST_SWEEPS, change_at_once, impacts, is_brisk, note_change, segment, unsqueeze
 from avatarsim.rigid.sleeping import regroup
 from avatarsim.rigid.state import (
     DONE,
+    EVENTS_CAP,
     NOT_FINITE,
     OUT_OF_ROOM,
     OUT_OF_SEGMENTS,
@@ -32,35 +35,34 @@ from avatarsim.rigid.state import (
     SQUEEZED,
     UNSQUEEZED,
     WORK,
+    WORK_CAP,
     Events,
     Memory,
     Switches,
 )
-from avatarsim.tolerances import GRAIN
+from avatarsim.tolerances import GRAIN, JUDGED
 
 Index = NDArray[np.int64]
 
-SEGMENTS_CAP = 100
-"""Segments of one island in a frame. A bouncing ball needs 2, a landing box 5 to 20; each costs a contact solve."""
-
 STALL_COSTS = 5
-"""Segments of the budget that a segment costs whose event comes at once (stalled advancement)."""
+"""Segments of the budget that a segment costs whose event comes at once (stalled advancement). Fewer: frames that stall take
+longer; more: their bodies lose time."""
 
-UNDONE_COSTS = 50
+UNDONE_COSTS = EVENTS_CAP // 2
 """The same of a fallback step undone because its island changed; after four of them, islands follow from the old velocities."""
 
-WORK_CAP = 24000
-"""Work of a frame, see `state.WORK`, after which islands end it with the fallback step; about two milliseconds."""
+PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, WORK_CAP // 2, 250, 40
+"""Most fallback steps of a frame, and their work together; solver visits per contact point, and work per near pair. Fewer steps,
+or more work of each: stopped bodies lose more of the frame; more steps: frames of small heaps take longer."""
 
-PIECES, PLASTIC_WORK, SWEEPS_OF_STEP, WORK_OF_PAIR = 8, 12000, 250, 40
-"""Most fallback steps of a frame, and their work together; solver visits per contact point, and work per near pair."""
+CROWD = PLASTIC_WORK // (2 * FIRST_SWEEPS)
+"""Contact points for which the first sweeps of one solve take the work of all fallback steps of a frame."""
 
-CROWD = 100
-"""Contact points for which the first sweeps of one solve take the work of a whole frame."""
-
-DEEPEST = -7e-7
+DEEPEST = -0.7 * JUDGED
 """Gap [m] below which positions are projected apart. Must be well below the dip of resting pairs (see `time_of_impact`): lifting
-a body that hardly moves adds energy. Must be above -1e-6, the deepest that may be shown."""
+a body that hardly moves adds energy. Must be above -JUDGED, the deepest that may be shown."""
+
+assert -JUDGED < DEEPEST < FLUSH < DIP
 
 
 @kernel
@@ -120,7 +122,7 @@ def step(
         return NOT_FINITE
     status = OUT_OF_ROOM if outcome == NO_ROOM else status
     # a body without contacts flies on at no cost
-    hasty = islands.spent[lead] >= SEGMENTS_CAP or (memory.counts[WORK] > WORK_CAP and contacts.used[0] > 0)
+    hasty = islands.spent[lead] >= EVENTS_CAP or (memory.counts[WORK] > WORK_CAP and contacts.used[0] > 0)
     ends = hasty or is_late(memory, velocities, members)
     at_once = ends and of_balls(memory)
     kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, ends)
@@ -142,7 +144,7 @@ def step(
     until = h
     if not all_keep(poses, velocities, memory, members, h):
         # velocities follow from the members of the island, and members from velocities: without a cap that may alternate for ever
-        old = at_once and islands.spent[lead] >= 2 * SEGMENTS_CAP
+        old = at_once and islands.spent[lead] >= 2 * EVENTS_CAP
         if old:
             change_at_once(velocities, memory, members)
         found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)

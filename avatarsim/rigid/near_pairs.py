@@ -4,23 +4,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.broad_phase import sweep_and_prune
+from avatarsim.collision.conservative_advancement import STAND_OFF
 from avatarsim.collision.grid import SweepMemory
 from avatarsim.collision.path import FREE, STILL, Paths
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import PairFilter, may_meet
 from avatarsim.spatial.vec3 import dot, norm, row
+from avatarsim.tolerances import POSTURE_GAP, SMALL
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
-MARGIN, NARROW, PART = 5e-4, 1e-5, 0.05
-"""Margin added to every box [m]. Above the gaps at which bodies touch (1e-6, driven ones 4e-4); smaller: more broad phases for
-bodies that tremble; larger: more pairs. In a world without driven bodies and with one smaller than a centimetre, it is PART of
-the smallest radius, but at least NARROW: else neighbours ten radii apart form one island."""
+DRIVEN_TOUCH = 2.0 * POSTURE_GAP
+"""Gap [m] below which a driven body has contacts, or twice its stand-off if that is more: at a gap below the stand-off it would
+never push anything."""
+
+ROOM_TO_TOUCH = 1.25
+"""Broad-phase margin of driven bodies, as a multiple of that gap. At 1 rounding would decide whether a pair is near."""
+
+MARGIN, NARROW = ROOM_TO_TOUCH * DRIVEN_TOUCH, 500.0 * STAND_OFF
+"""Margin added to every box [m]. Above the gaps at which bodies touch (`TOUCH`, driven ones DRIVEN_TOUCH); smaller: more broad
+phases for bodies that tremble; larger: more pairs. In a world without driven bodies and with one smaller than SMALL it falls
+with the smallest radius, but is at least NARROW, ten times `TOUCH`: else neighbours ten radii apart form one island."""
+
+PART = MARGIN / SMALL
+"""The margin of small bodies, as a part of their radius."""
 
 SMALL_TURN = 0.3
-"""Turns below this [rad] grow the box by the arc of the farthest point; larger ones to the whole bounding ball."""
+"""Turns below this [rad] grow the box by the arc of the farthest point; larger ones to the whole bounding ball. Either is a
+bound: another gives wider boxes, and more pairs."""
 
 
 def margin_for(span: Array, simulated: Flags, driven: bool) -> float:

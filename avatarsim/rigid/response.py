@@ -11,7 +11,8 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collision.conservative_advancement import STAND_OFF
+from avatarsim.collision.conservative_advancement import STAND_OFF, TOUCH
+from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.collision.path import FREE, HELD, STILL, spun
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
@@ -29,13 +30,14 @@ from avatarsim.rigid.impacts import (
     settle,
     time_to_contact,
 )
-from avatarsim.rigid.resting import ATTEMPTS, HOP, PARTING, SOLVED, SWEEPS, Care, hold
+from avatarsim.rigid.resting import ATTEMPTS, DETERMINED, HOP, ONCE, PARTING, SOLVED, SWEEPS, Care, hold
 from avatarsim.rigid.rolling import curvature
-from avatarsim.rigid.solver import FIRST_TRY, ROUGH
+from avatarsim.rigid.solver import FIRST_TRY
 from avatarsim.rigid.state import (
     APPROACH,
     CONTACTS,
     DONE,
+    EVENTS_CAP,
     GUARDED,
     IMPACT,
     IMPACTS,
@@ -43,24 +45,26 @@ from avatarsim.rigid.state import (
     SOLVES,
     UNSOLVED,
     WORK,
+    WORK_CAP,
     Events,
     Memory,
     Switches,
 )
 from avatarsim.spatial.tangent import columns, put_columns, turned
 from avatarsim.spatial.vec3 import add, cross, dot, norm, put_row, row, scale, sub
-from avatarsim.tolerances import PROOF, ROUNDING
+from avatarsim.tolerances import JUDGED, PROOF, ROUGH, ROUNDING, SLIGHT, SMALL
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 PASSES, WEIGHED = 10, 4
-"""Passes, each of which finds the contacts anew, and those weighted by mass. Normals of deep overlaps turn as bodies part."""
+"""Passes, each of which finds the contacts anew, and those weighted by mass. Normals of deep overlaps turn as bodies part.
+Fewer: overlap is left (SQUEEZED), or a light body under a heavy one stays in it; more: frames that overlap take longer."""
 
 ROUNDS = 30
-"""Gauss-Seidel rounds over the contacts of one pass."""
+"""Gauss-Seidel rounds over the contacts of one pass. Fewer: more passes; more: rounds for normals that turn."""
 
-GOOD = -1e-7
+GOOD = -ROUGH
 """A gap above this [m] is left as it is."""
 
 
@@ -128,54 +132,55 @@ def unsqueeze(
     return worst
 
 
-IMPACTS_ALONE, IMPACTS_PER_POINT = 100, 4
-"""Most impacts resolved one after the other at one instant: in all, and more per contact point. Contacts that still approach then
-are resolved together without rebound: they pass ever slower rebounds between the same bodies. Fewer: Newton's cradles lose speed;
-more: a struck stack takes thousands."""
+IMPACTS_PER_POINT = 4
+"""Most impacts per contact point, beside EVENTS_CAP, resolved one after the other at one instant. Contacts that still approach
+then are resolved together without rebound: they pass ever slower rebounds between the same bodies."""
 
 GENTLE_TURN = 0.1
-"""Largest turn [rad] of a touching body that is no ball in one segment; its contact points move on arcs, not on lines."""
+"""Largest turn [rad] of a touching body that is no ball in one segment; its contact points move on arcs, not on lines.
+Larger: it dips or gains energy, which is taken back; smaller: more segments."""
 
 STEADY_TURN = 2.0
 """The same [rad] about any axis for smooth bodies that are no balls, such as a rolling log: over larger turns the gyroscopic
 torque, taken from the start of the segment, makes a tilt of nanometres grow from segment to segment."""
 
-RISE, FEW = 8e-7, 2
-"""Largest spin x gravity x h^3 [m] of a segment for a body on at most FEW points: it rises by a quarter of that (h^3 / 12 times
-three times spin x twist x arm), and from a micrometre on it would leave its contacts, land and lose energy."""
+RISE = 0.8 * TOUCH
+"""Largest spin x gravity x h^3 [m] of a segment for a body on fewer points than determine its motion: it rises by a quarter of
+that (h^3 / 12 times three times spin x twist x arm), and from TOUCH on it would leave its contacts, land and lose energy."""
 
-SETTLED, BRISKLY_SETTLED = PROOF, 1e-8
+SETTLED, BRISKLY_SETTLED = PROOF, SLIGHT
 """Approach [m/s] that needs no impulse, and that of many bodies in motion: forces brake it within a nanometre."""
 
 PRECISE, VISITS, LOOKS = 24, 20000, 80000
 """Impacts of one instant that are solved to rounding; solver visits of contact points after which the remaining impacts of this
-instant are resolved together; the same for points searched for the fastest approach."""
+instant are resolved together, and that the sweeps of a fallback step may make; the same for points searched for the fastest
+approach. Fewer: restitution is less exact, or lost in what is left; more: instants with many impacts take longer."""
 
-HASTY, HASTY_VISITS = Care(tolerance=1e-6, first=60, sweeps=60, attempts=1), 20000
-"""Accuracy of a fallback step, and most contact points that its sweeps may visit. Most heaps in motion converge within the first
-sweeps, friction included; normals alone take about as many and leave friction where it is. The tolerance [m/s] is 17 nm in a
-sixtieth of a second, less than the stand-off; a tenth of it takes a third more sweeps."""
+FIRST_SWEEPS = 60
+"""Double sweeps of bodies in motion, friction included, before normals are solved alone. Fewer: friction is left where it is;
+more: heaps cost more, most of which converge within them."""
 
-SOLVE_VISITS, CAREFUL_VISITS, LATE = 24000, 60000, 100000
+HASTY = Care(JUDGED, FIRST_SWEEPS, FIRST_SWEEPS, ONCE)
+"""Accuracy of a fallback step. Normals alone take about as many sweeps as the first and leave friction where it is. The tolerance
+[m/s] is 17 nm in a sixtieth of a second, less than the stand-off; a tenth of it takes a third more sweeps."""
+
+SOLVE_VISITS, CAREFUL_VISITS, LATE = WORK_CAP, 60000, 100000
 """Most contact points that each stage of any other solve may visit, of bodies in motion and at rest; sweeps alone are no bound on
 work. About one and two milliseconds; less at rest, and a standing wall of a hundred boxes does not find the forces that hold it,
-and creeps. LATE: work of a frame above which its fallback steps get a quarter of HASTY_VISITS."""
+and creeps. LATE: work of a frame above which its fallback steps get a quarter of VISITS."""
 
 CAREFUL = Care(SOLVED, FIRST_TRY, SWEEPS, ATTEMPTS)
 """Accuracy where bodies rest, or are few."""
 
-BRISK = Care(tolerance=ROUGH, first=60, sweeps=40, attempts=3)
-"""Accuracy for many bodies in motion: they sink by a few nanometres a frame, which is corrected later."""
+BRISK = Care(tolerance=ROUGH, first=FIRST_SWEEPS, sweeps=40, attempts=3)
+"""Accuracy for many bodies in motion: they sink by a few nanometres a frame, which is corrected later.
+Fewer sweeps or attempts: they sink more, and slips end late; more: heaps take longer."""
 
-MANY, MOTION = 8, 1e-2
-"""More contact points than this are many; a body faster than this [m/s] moves."""
+MANY, MOTION = MANIFOLD_POINTS, 1e-2
+"""More contact points than this, those of one pair of shapes, are many; a body faster than this [m/s] moves."""
 
-STILLNESS = 1e-7
+STILLNESS = ROUGH
 """A held body slower than this [m/s, rad/s] at both ends of a segment rests: its velocities become exactly zero."""
-
-SMALL = 1e-2
-"""Bodies smaller than this [m] may spin faster in proportion and still count as resting: the solver's residual at a contact, over
-a lever arm of a tenth of a millimetre, is a spin of 1e-5."""
 
 
 @kernel
@@ -190,7 +195,7 @@ def impacts(
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 0
-    status, resolved, patience = DONE, 0, 0 if hasty else IMPACTS_ALONE + IMPACTS_PER_POINT * contacts.used[0]
+    status, resolved, patience = DONE, 0, 0 if hasty else EVENTS_CAP + IMPACTS_PER_POINT * contacts.used[0]
     weigh(contacts, memory.strike)
     head, fastest = fastest_approach(contacts, v, w)
     calm = BRISKLY_SETTLED if is_brisk(memory, velocities, members) else SETTLED
@@ -226,10 +231,10 @@ def impacts(
         few = contacts.used[0] <= MANY and not rough
         care = care_for(memory, velocities, members, rough)
         # forces brake what is left within a nanometre
-        tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -1e-6 * fastest)
+        tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -JUDGED * fastest)
         settle(
-            contacts, memory.strike, members, care.attempts == 1, ROUNDING if few else tolerance, care.first, care.sweeps, v, w,
-            memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
+            contacts, memory.strike, members, care.attempts == ONCE, ROUNDING if few else tolerance, care.first, care.sweeps, v,
+            w, memory.linear_end, memory.angular_end, memory.before, memory.direction, memory.received,
         )
     return status
 
@@ -244,7 +249,7 @@ def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool
     care, visits = CAREFUL, CAREFUL_VISITS
     if hasty:
         late = memory.counts[WORK] + memory.contacts.visits[0] > LATE
-        care, visits = HASTY, HASTY_VISITS // 4 if late else HASTY_VISITS
+        care, visits = HASTY, VISITS // 4 if late else VISITS
     elif is_brisk(memory, velocities, members):
         care, visits = BRISK, SOLVE_VISITS
     most = max(1, visits // (2 * count))
@@ -299,7 +304,7 @@ def segment(
                 if moving[b] == 1 and not hasty:
                     if spin * h > GENTLE_TURN:
                         h = GENTLE_TURN / spin
-                    if count <= FEW and spin * pull * h * h * h > RISE:
+                    if count < DETERMINED and spin * pull * h * h * h > RISE:
                         h = (RISE / (spin * pull)) ** (1.0 / 3.0)
                     rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
                     if rolls * h > STEADY_TURN:
@@ -339,6 +344,8 @@ def segment(
         if held[b] == 1:
             v, w = row(velocities.linear, b), row(velocities.angular, b)
             v_end, w_end = row(memory.linear_end, b), row(memory.angular_end, b)
+            # small bodies may spin faster in proportion and still count as resting: the solver's residual at a contact, over a
+            # lever arm of a tenth of a millimetre, is a spin of 1e-5
             size = min(1.0, memory.span[b] / SMALL)
             if max(norm(v), size * norm(w), norm(v_end), size * norm(w_end)) < STILLNESS:
                 paths.kind[b] = STILL

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collision.conservative_advancement import LIFTED, STAND_OFF
+from avatarsim.collision.conservative_advancement import LIFT, LIFTED, STAND_OFF, TOUCH
 from avatarsim.jit.kernel import kernel
 from avatarsim.rigid.contact_law import kinetic_friction, tangential_velocity
 from avatarsim.rigid.contacts import (
@@ -28,11 +28,11 @@ from avatarsim.rigid.contacts import (
 from avatarsim.rigid.solver import change, solve_contacts, solve_roughly, sweeps, unsolved
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row, sub
-from avatarsim.tolerances import NOTHING
+from avatarsim.tolerances import JUDGED, NOTHING, PROOF, ROUGH, SLIGHT
 
 Array = NDArray[np.float64]
 
-SLIPPED = 1e-8
+SLIPPED = SLIGHT
 """The end of a slip is looked for if it would go farther than this [m] in the segment, and is faster than `remainder`."""
 
 PARALLEL = NOTHING
@@ -115,7 +115,7 @@ def end_of_slip(
             slip, share = norm(u0), pull / limit
             u1 = along(velocity_at(contacts, touching, linear_end, angular_end), h, row(contacts.bend, touching))
             u1 = tangential_velocity(n, u1)
-            if share < 1.0 - 1e-7:
+            if share < 1.0 - ROUGH:
                 share = power / most if 0.0 < power < share * most else share
                 soonest = min(soonest, h * share)
             elif dot(u0, u1) < 0.0:
@@ -148,13 +148,9 @@ PARTING = LIFTED
 """Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
 below the slowest rebound (`REST_SPEED` of `rigid.impacts`)."""
 
-HOP = 1e-6
+HOP = TOUCH
 """Slower separations are braked over the segment if they rise less than half of this [m] meanwhile. Without it a box that settles
 rocks from corner to corner by nanometres, thousands of times."""
-
-LIFT = 2e-4
-"""Speed [m/s] at which a dip is lifted, if the body has the energy for it (`can_pay`): within 3 ms, and a flight of 2e-9 m at its
-end. Lifting by position projection instead would feed rocking bodies with potential energy, and they would never rest."""
 
 PAYS = 400.0
 """A dip is lifted where speed^2 is above this [m/s^2] times its depth: twenty times the cost of the lift on Earth. Slower bodies
@@ -165,21 +161,27 @@ SOLVED = NOTHING
 slower."""
 
 SWEEPS = 600
-"""Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest."""
+"""Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest. Fewer: walls sink, or
+creep; more: what does not converge takes longer."""
 
 GUESSES = 8
-"""Rounds in which normals are solved and the friction of slipping contacts is set in turn, before all are solved together."""
+"""Rounds in which normals are solved and the friction of slipping contacts is set in turn, before all are solved together.
+Fewer: slips that end are solved for slowly; more: in vain."""
 
 ALONE = 32
 """Most contact points for which that is done. Among more, some slip and some stick, and it does not converge."""
 
 ATTEMPTS = 6
-"""Times one segment may be shortened because a slip ends inside it."""
+"""Times one segment may be shortened because a slip ends inside it. Fewer: friction goes on after a slip has ended; more:
+solves."""
+
+ONCE = 1
+"""Attempts of a solve that is done once and roughly, by `solve_roughly`."""
 
 
 class Care(NamedTuple):
     """How exactly forces are solved for: accuracy [m/s], double sweeps of the first try and of each later one, and
-    attempts; 1 attempt asks for `solve_roughly`."""
+    attempts; ONCE asks for `solve_roughly`."""
 
     tolerance: float
     first: int
@@ -307,7 +309,7 @@ def hold(
             sweeps(contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, False, before, direction)
             residual = unsolved(contacts, 0, count, linear_end, angular_end)
         if residual > 10.0 * care.tolerance or not (residual >= 0.0):
-            if care.attempts == 1:
+            if care.attempts == ONCE:
                 residual = solve_roughly(
                     contacts, masses, 0, count, linear_end, angular_end, care.tolerance, care.first, care.sweeps, before,
                     direction,
@@ -321,7 +323,7 @@ def hold(
                 # the end of a slip cannot be found from forces that have not converged
                 break
         shorter = end_of_slip(contacts, masses, h, linear, angular, linear_end, angular_end)
-        if shorter >= h * (1.0 - 1e-6) or shorter < 1e-10 or attempt == care.attempts - 1:
+        if shorter >= h * (1.0 - JUDGED) or shorter < PROOF or attempt == care.attempts - 1:
             break
         for k in range(count):
             for i in range(3):

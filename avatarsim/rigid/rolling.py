@@ -28,13 +28,9 @@ from avatarsim.rigid.contacts import (
 )
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, perpendicular, put_row, row, scale, sub
+from avatarsim.tolerances import JUDGED, ROUGH, SLIM
 
 Array = NDArray[np.float64]
-
-CROSSING = 1e-3
-"""Sine of the angle between two edges above which they cross in a point; below they lie along each other. Smaller: that point
-runs away at any speed."""
-
 
 @kernel
 def normal_of_edges(e: Vec3, f: Vec3, n: Vec3, turn_a: Vec3, turn_b: Vec3) -> Vec3:
@@ -87,7 +83,7 @@ def roll_on(contacts: Contacts, k: int, linear: Array, angular: Array) -> tuple[
         turns, of_a = turn_a, False
     elif contacts.face[k] == 2:
         turns = turn_b
-    elif long_e > 0.0 and long_f > 0.0 and norm(cross(e, f)) > CROSSING * long_e * long_f:
+    elif long_e > 0.0 and long_f > 0.0 and norm(cross(e, f)) > SLIM * long_e * long_f:
         turns = normal_of_edges(e, f, n, turn_a, turn_b)
         # the point runs along e by what is left of the way over B's edge
         rest = sub(add(turned(bend_a, turns), turned(bend_b, turns)), drive)
@@ -184,11 +180,11 @@ def bend_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -
     return bend
 
 
-EVEN = 1e-7
+EVEN = ROUGH
 """Corners that are lower along a normal than the farthest by no more than this part of a shape's size touch as well. Larger:
 balls near a corner count as on its edge; smaller than what the normal is accurate to: balls on a face count as on its edge."""
 
-INSIDE = 1e-6
+INSIDE = JUDGED
 """A point of a segment that is farther from both of its ends than this part of its length is no end."""
 
 CORNER, EDGE, FACE = 1, 2, 3

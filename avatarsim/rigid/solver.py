@@ -19,10 +19,12 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.collision.conservative_advancement import LEAVING
 from avatarsim.jit.kernel import kernel
 from avatarsim.rigid.contact_law import in_friction_disc
 from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, Masses, axis, push_all, speed_along
 from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
+from avatarsim.tolerances import JUDGED, PROOF, ROUGH
 
 Array = NDArray[np.float64]
 
@@ -241,26 +243,26 @@ def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: 
 
 
 FIRST_TRY = 25
-"""Double sweeps before normals are solved alone. Single bodies and sliding boxes converge within them."""
+"""Double sweeps before normals are solved alone. Single bodies and sliding boxes converge within them. Fewer:
+they are solved for again without friction; more: stacks take longer."""
 
 PATIENCE = 150
 """Double sweeps in which the best residual must halve. Impulses of four corners of a face are not unique: rounding may shift load
 between them for thousands of sweeps without a measurable change of velocities. Fewer: tall stacks are given up while they still
 converge."""
 
-POINTS_OF_FACE, PATIENCE_OF_FACE, EXACT = 4, 30, 1e-10
+POINTS_OF_FACE, PATIENCE_OF_FACE = 4, 30
 """The same for as few points as a face has, which converge slowly only where load wanders between corners. Not for impacts that
-are solved to below this tolerance [m/s]: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
+are solved to a tolerance of PROOF [m/s] or less: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
 
-WANDERING, WANDERS = 2e-6, 10
+WANDERING, WANDERS = 2.0 * JUDGED, 10
 """Double sweeps in a row without progress, below this change [m/s], after which the load only wanders. Points of one face whose
 target velocities no rigid body can have at once (one is a nanometre higher) pass it on for millions of sweeps."""
 
-
-ROUGH, STALE, SHRINKS, STALE_BELOW = 1e-7, 12, 0.8, 5e-5
+STALE, SHRINKS, STALE_BELOW = 12, 0.8, 0.5 * LEAVING
 """Stop rule for tolerances of at least ROUGH [m/s]: after STALE double sweeps whose change stays above SHRINKS times the least so
 far, and that below STALE_BELOW [m/s], only the load wanders. Corners of one face at different heights ask bodies in motion for
-velocities that no rigid body can have, at micrometres a second."""
+velocities that no rigid body can have, at micrometres a second. STALE_BELOW is less than what sets a contact free."""
 
 
 @kernel
@@ -326,7 +328,7 @@ def passes(
     least, stale = inf, 0
     for k in range(first, last):
         points += 1 if contacts.target[k] != -inf else 0
-    of_face = points <= POINTS_OF_FACE and tolerance > EXACT
+    of_face = points <= POINTS_OF_FACE and tolerance > PROOF
     patience = PATIENCE_OF_FACE if of_face else PATIENCE
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)

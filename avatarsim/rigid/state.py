@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collision.first_contact import ROUND
 from avatarsim.collision.grid import SweepMemory, make_sweep_memory
 from avatarsim.collision.manifold import Manifold, make_manifold
 from avatarsim.collision.path import Paths, Series, make_paths, make_series
@@ -24,7 +23,7 @@ from avatarsim.model.geometry import OPEN, Geometry, PairFilter, Poses
 from avatarsim.model.world import World
 from avatarsim.rigid.contacts import ROOM, ROOM_PER_BODY, Contacts, LastForces, Masses, make_contacts, make_last_forces, pace_of
 from avatarsim.rigid.islands import Islands, Soonest, make_islands, make_soonest
-from avatarsim.rigid.near_pairs import margin_for
+from avatarsim.rigid.near_pairs import DRIVEN_TOUCH, ROOM_TO_TOUCH, margin_for
 from avatarsim.scene.body import Role
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
@@ -106,13 +105,6 @@ def trail_snapshots(world: World, trail: Array, time: float) -> tuple[Snapshot, 
     return tuple(kept)
 
 
-DRIVEN_TOUCH = 4e-4
-"""Gap [m] below which a driven body has contacts, or twice its stand-off if that is more: at a gap below the stand-off it would
-never push anything."""
-
-ROOM_TO_TOUCH = 1.25
-"""Broad-phase margin of driven bodies, as a multiple of that gap. At 1 rounding would decide whether a pair is near."""
-
 BLOCKED_ROOM = 64
 """Most blocked pairs recorded at once."""
 
@@ -143,6 +135,18 @@ COUNT_NAMES = (
     "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
     "positions_corrected", "sweep_and_prune", "contacts", "islands", "plastic_steps", "bodies_stopped", "pairs_blocked", "work",
 )
+
+WORK_CAP = 24000
+"""Work of a frame after which islands end it with the fallback step, and of one stage of a solve: about two milliseconds. Fewer:
+bodies lose time in calm scenes; more: frames of heaps take longer."""
+
+QUERY_WORK = 8
+"""Work of one contact query."""
+
+EVENTS_CAP = 100
+"""Events of one island that are taken one after the other, before what is left is taken at once: segments of a frame, of which a
+bouncing ball needs 2, a landing box 5 to 20, and each costs a contact solve; and, beside `response.IMPACTS_PER_POINT`, impacts of
+an instant. Fewer: bodies lose time, and Newton's cradles speed; more: a struck stack takes thousands."""
 
 
 class Switches(NamedTuple):
@@ -273,7 +277,8 @@ def make_memory(
     n = len(dynamics.role)
     simulated = dynamics.role == Role.SIMULATED.value
     moments = np.linalg.eigvalsh(dynamics.inertia)
-    round_ = np.array([not gyroscopic or np.ptp(m) <= ROUND * m.max() for m in moments], np.int64)
+    # with equal principal moments spinning about any axis is free of torque
+    round_ = np.array([not gyroscopic or np.ptp(m) <= ROUNDING * m.max() for m in moments], np.int64)
     reach, span, ball = np.zeros(n), np.zeros(n), np.zeros(n, np.int64)
     shapes = geometry.shapes
     for b in range(n):

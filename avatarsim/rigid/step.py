@@ -26,6 +26,7 @@ from avatarsim.rigid.sleeping import begin, regroup
 from avatarsim.rigid.state import (
     COUNT_NAMES,
     DONE,
+    EVENTS_CAP,
     NOT_FINITE,
     OUT_OF_SEGMENTS,
     STATUS_NAMES,
@@ -42,8 +43,8 @@ from avatarsim.spatial.vec3 import put_row, row
 
 __all__ = ["DONE", "STATUS_NAMES", "advance"]
 
-STEPS_CAP = 200
-"""Segments of all islands of a frame, per body, whatever happens."""
+STEPS_CAP = 2 * EVENTS_CAP
+"""Segments of all islands of a frame, per body, whatever happens: after so many of its own an island keeps its members."""
 
 
 @kernel

@@ -7,6 +7,8 @@ All functions broadcast over leading axes.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from avatarsim.tolerances import ROUNDING
+
 Array = NDArray[np.float64]
 
 IDENTITY: tuple[float, float, float, float] = (1.0, 0.0, 0.0, 0.0)
@@ -119,7 +121,7 @@ def between(a: ArrayLike, b: ArrayLike) -> Array:
     """The smallest rotation that turns unit vector a into unit vector b; any axis when they are opposite."""
     u, v = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
     w = 1.0 + float(np.dot(u, v))
-    if w < 1e-12:
+    if w < ROUNDING:
         side = np.cross(u, np.eye(3)[int(np.argmin(np.abs(u)))])
         return np.concatenate([[0.0], side / np.linalg.norm(side)])
     return normalised(np.concatenate([[w], np.cross(u, v)]))

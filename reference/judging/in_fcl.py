@@ -1,4 +1,4 @@
-"""python-fcl's signed distance of two convex shapes, also asked in a process of its own: on some boxes face to face it ends it.
+"""Signed distance of two convex shapes by python-fcl, also in a process of its own: on some boxes face to face it ends it.
 
 Only `fcl.distance` is asked: fcl's collide reports depths that are not minimal, or negative.
 """

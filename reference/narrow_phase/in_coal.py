@@ -1,4 +1,4 @@
-"""coal's signed distance, at its defaults, at its fastest, and at its most exact."""
+"""Signed distance by coal, at its defaults, at its fastest, and at its most exact."""
 
 from functools import lru_cache
 

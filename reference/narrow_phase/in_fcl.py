@@ -1,4 +1,4 @@
-"""python-fcl's signed distance."""
+"""Signed distance by python-fcl."""
 
 from functools import lru_cache
 

@@ -1,1 +1,1 @@
-"""Which engine is best where, what held, what we lose: rules and sentences, no layout."""
+"""Verdicts: which engine is best where, what held, what we lose. Rules and sentences, no layout."""

@@ -1,4 +1,4 @@
-"""When does each engine look worst in a scene? The states that its buttons on the page lead to, and what is wrong in each.
+"""Worst moments of each engine in a scene: the states that its buttons on the page lead to, and what is wrong in each.
 
 Argmax of what a run kept over time: the moment of a replay at which a figure of one engine in one scene is largest.
 """

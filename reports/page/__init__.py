@@ -1,1 +1,1 @@
-"""index.html and the pages of scenes."""
+"""`index.html` and the pages of scenes."""

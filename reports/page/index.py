@@ -1,4 +1,4 @@
-"""index.html: one self-contained page, built from results alone. The template lays out; here the words are gathered."""
+"""`index.html`: one self-contained page, built from results alone. The template lays out; here the words are gathered."""
 
 from collections import defaultdict
 from collections.abc import Mapping

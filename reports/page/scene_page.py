@@ -1,4 +1,4 @@
-"""scenes/<name>.html: one scene played again in every engine side by side, its course over time, its rows of the table."""
+"""`scenes/<name>.html`: one scene played again in every engine side by side, its course over time, its rows of the table."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,1 +1,1 @@
-"""What did a run leave, and is it whole? Typed rows, recordings, scenes."""
+"""Reading of a run's files: typed rows, recordings, scenes, and whether they are whole."""

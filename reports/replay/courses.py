@@ -1,5 +1,4 @@
-"""What happens over the time of a scene: overlap, distance from the user, energy, contacts,
-iterations and frame time of every engine, side by side."""
+"""Time series of a scene: overlap, distance from the user, energy, contacts, iterations and frame time of every engine."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""three.js (MIT), which draws the replays: read from an installed package when a report is written, never kept here."""
+"""Source of three.js (MIT), which draws the replays: read from an installed package when a report is written, never kept here."""
 
 import zipfile
 from functools import cache

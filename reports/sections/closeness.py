@@ -1,4 +1,4 @@
-"""Does the avatar stay with its user? Beside the nearest free posture, and beside another engine, from what two commands left."""
+"""Distance from the user, beside the nearest free posture and beside another engine, from what two commands left."""
 
 import math
 from collections.abc import Mapping

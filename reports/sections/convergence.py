@@ -1,4 +1,4 @@
-"""Consistent or right: what `scenarios sweep` found of each engine beside its own finest run, in scenes without a closed form."""
+"""Self-convergence: what `scenarios sweep` found of each engine beside its own finest run, in scenes without a closed form."""
 
 import math
 from collections.abc import Mapping

@@ -98,7 +98,7 @@ def walls(results: Results, ours: str) -> str:
 
 
 def leaps() -> str:
-    """How leaps are followed."""
+    """How teleports of the tracker are followed."""
     return ("In the frame of the leap, as far as the straight way is free; avatars with joints are then led around what is in "
             f"between, at {quantity(PostureSettings().catch_up_move, 'm/s')} at most. To cross walls there is reset, which "
             "begins the whole scene again, loose bodies too.")

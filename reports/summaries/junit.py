@@ -1,4 +1,4 @@
-"""junit.xml: one test case per scene and bound of the gate, and one for each run that crashed or was not measured."""
+"""`junit.xml`: one test case per scene and bound of the gate, and one for each run that crashed or was not measured."""
 
 from xml.etree import ElementTree
 

@@ -1,4 +1,4 @@
-"""How sure a change of frame time is: the bootstrap over frames of two runs of the same scene."""
+"""Bootstrap over frames: how sure a change of frame time between two runs of the same scene is."""
 
 import numpy as np
 

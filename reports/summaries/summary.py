@@ -1,4 +1,4 @@
-"""summary.md: the run in the order in which a reviewer needs it. What we lose stands first."""
+"""`summary.md`: the run in the order in which a reviewer needs it. What we lose stands first."""
 
 from collections.abc import MutableSequence
 from functools import partial

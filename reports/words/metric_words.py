@@ -1,4 +1,4 @@
-"""What is each metric called on a page? A short name in words for every metric that `runfiles.metrics` defines."""
+"""Names of metrics on pages: a short one in words for every metric that `runfiles.metrics` defines."""
 
 WORDS: dict[str, str] = {
     "residual_overlap_max": "deepest overlap shown",

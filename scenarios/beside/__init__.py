@@ -1,1 +1,1 @@
-"""Who stays nearer to the user? Ours and another engine over the frames in which the other leaves next to no overlap."""
+"""Distance of the shown avatar from its target, ours beside another engine's, over frames in which that one hardly overlaps."""

@@ -45,7 +45,7 @@ def rows(run: Path, pattern: str, theirs: str) -> list[Beside]:
 
 
 def csv_text(found: Sequence[Beside], theirs: str) -> str:
-    """All rows as CSV, with who is nearer and what is known of figures in which theirs is."""
+    """All rows as CSV, with which engine is nearer and what is known of figures in which the other is."""
     parts = "kept", "alike"
     whole = [entry.name for entry in fields(Beside) if entry.name not in parts]
     among = [name for part in parts for name in (part, *(f"{part}_{entry.name}" for entry in fields(Among)[1:]))]

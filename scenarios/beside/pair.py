@@ -42,7 +42,7 @@ class Among:
 
     @property
     def winner(self) -> tuple[str, str]:
-        """Who is nearer in offset, and who in angle: "ours", "theirs", "same", or "-" where there is nothing to compare."""
+        """Which is nearer in offset, and which in angle: "ours", "theirs", "same", or "-" where there is nothing to compare."""
         return _nearer(self.offset, self.their_offset), _nearer(self.angle, self.their_angle)
 
 
@@ -71,12 +71,12 @@ class Beside:
 
     @property
     def winner(self) -> tuple[str, str]:
-        """Who is nearer in offset, and who in angle: "ours", "theirs", "same", or "-" where there is nothing to compare."""
+        """Which is nearer in offset, and which in angle: "ours", "theirs", "same", or "-" where there is nothing to compare."""
         return _nearer(self.offset, self.their_offset), _nearer(self.angle, self.their_angle)
 
     @property
     def body_winner(self) -> str:
-        """Who is nearer with all of the body."""
+        """The same by the distance of all points of the links."""
         return _nearer(self.body, self.their_body)
 
 

@@ -6,7 +6,7 @@ NO_OVERLAP = Bound(
     "residual_overlap_max", 1e-6,
     "nothing shown may overlap; 1e-6 m is a hundred times the judge's own error, and invisible",
 )
-RIGHT_SIDE = Bound("wrong_side_frames", 0.0, "who is found behind a wall went through it")
+RIGHT_SIDE = Bound("wrong_side_frames", 0.0, "what is found behind a wall went through it")
 FINITE = Bound("not_finite_frames", 0.0, "a pose that is not a number cannot be shown")
 WITHIN_LIMITS = Bound(
     "joint_limit_excess_max", 1e-9,

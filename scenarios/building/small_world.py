@@ -1,4 +1,4 @@
-"""One little world with a closed form for everything in it, at any size, anywhere, at any frame time (item 38).
+"""One little world with a closed form for everything in it, at any size, anywhere, at any frame time.
 
 A ball is dropped and bounces until it rests, a box slides until it stops, three boxes stand on one another, and a ball is shot at
 a wall from a centimetre. Written in other units nothing changes but the numbers: lengths, speeds and gravity grow with `scale`,
@@ -119,6 +119,6 @@ def expects(place: Place, seconds: float) -> dict[str, object]:
         Course("dropped", lambda time: dropped(place, time)), Course("slides", lambda time: slides(place, time)),
         Course("shot", lambda time: shot(place, time)),
     )
-    # who has hardly begun to fall has no kinetic energy that the rounding of its height could be compared with
+    # a body that has hardly begun to fall has too little kinetic energy to compare the rounding of its height with
     alone = (("slides",), ("shot",), *((("dropped",),) if seconds > FALLEN else ()))
     return {"courses": courses, "rests": (Rest(STACK, 0.0),), "alone": alone}

@@ -8,7 +8,7 @@ from scenarios.building.avatars.standing import standing
 from scenarios.scenario import INFINITE, Region
 
 SPAN = 20.0
-"""Width of floor and walls [m]: nobody walks round them within a scene, so their far side is the wrong side."""
+"""Width of floor and walls [m]: no motion leads round them within a scene, so their far side is the wrong side."""
 THICK = 0.2
 """Thickness of floor and walls [m]. A motion that goes 0.3 m beyond a face comes out at the back."""
 HIGH = 4.0
@@ -35,10 +35,10 @@ def above_floor(*bodies: str) -> Region:
     """No frame origin below the middle of the floor."""
     # the middle, not the face: origins of shoulders and hips lie up to 5 mm outside the avatar's own shapes
     low, high = (-INFINITE, -INFINITE, -0.5 * THICK), (INFINITE, INFINITE, INFINITE)
-    return Region(bodies, low, high, "nobody sinks through the floor")
+    return Region(bodies, low, high, "nothing sinks through the floor")
 
 
 def before_wall(face: float, *bodies: str) -> Region:
     """No frame origin beyond the middle of the wall at `face` [m], nor below that of the floor."""
     low, high = (-INFINITE, -INFINITE, -0.5 * THICK), (face + 0.5 * THICK, INFINITE, INFINITE)
-    return Region(bodies, low, high, "nobody goes through the wall, nor through the floor; it cannot be walked round")
+    return Region(bodies, low, high, "nothing goes through the wall, nor through the floor; it cannot be walked round")

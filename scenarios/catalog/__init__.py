@@ -1,4 +1,4 @@
-"""All scenes by name. One file per scene, found by looking: each exports SCENARIO or SCENARIOS.
+"""Catalogue: all scenes by name. One file per scene, found on disk: each exports SCENARIO or SCENARIOS.
 
 The scenes of one file are variants of one scene: a family, unless a scene names its own.
 """

@@ -68,7 +68,7 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
 
 
 def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: bool) -> Plan:
-    """Every scene with every engine, preset and seed. Raises UnknownName for an engine or preset that nobody has."""
+    """Every scene with every engine, preset and seed. Raises UnknownName for an unknown engine or preset."""
     for name in names:
         if name not in known():
             raise UnknownName("engine", name, known())
@@ -112,7 +112,7 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
                           "frames": asked.frames, "catalogue": scenes_offered.catalogue_of(scene)}
                 if name in missing:
                     state: State = "crashed" if offered[name].crashed else "not-measured"
-                    # a row at least, whatever was asked for: nobody knows what it would have had
+                    # one row at least, whatever was asked for: its presets are not known
                     absent = [Job(**common, preset=preset) for preset, _ in presets[name] or [("default", None)]]
                     jobs += absent
                     ready += [Outcome(job, state, offered[name].trouble) for job in absent]
@@ -154,7 +154,7 @@ def carried_out(
         try:
             trouble = reported(ran.folder)
         except KeyboardInterrupt:
-            # whoever asks while the report is being written does not want to wait for it
+            # Ctrl-C while the report is being written ends the writing too
             code, trouble = STOPPED, "the report was not written: stopped"
         if trouble:
             ran.note, code = trouble, code or INCOMPLETE
@@ -220,8 +220,8 @@ def lead_to(ran: Run, asked: argparse.Namespace, code: int) -> None:
 
 
 def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool, at_length: bool = False) -> int:
-    """Measure and time, many scenes at a glance unless `at_length`; the exit code so far, or that somebody stopped it, and what
-    is known is written either way."""
+    """Measure and time, many scenes at a glance unless `at_length`; the exit code so far, or STOPPED.
+    What is known is written either way."""
     try:
         ran.measure(made.ready, workers_of(asked, ran.folder))
         if timed:

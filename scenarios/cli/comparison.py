@@ -5,6 +5,7 @@ import sys
 from collections.abc import Sequence
 
 from avatarsim.errors import InvalidInput
+from avatarsim.scene.checks import positive
 from runfiles.naming import GATED
 from scenarios import own_scenes
 from scenarios.cli.commands import Plan, carried_out, plan
@@ -19,6 +20,9 @@ STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, stability.STUDY, judg
 """The studies of a comparison, in the order in which they run."""
 OWN_STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, judge_trust.STUDY)
 """Those of a comparison in scenes that a user brings; hard cases are the catalogue's."""
+
+SCALES = {"scene": "scene_scale", "avatar": "avatar_scale", "room": "room_scale"}
+"""Files of a scene of one's own, and the option that says how many metres a unit of length has in each."""
 
 
 def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
@@ -42,9 +46,9 @@ def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
 def alone(asked: argparse.Namespace) -> None:
     """Refuse what says something of a scene of one's own where none is named: the catalogue would run without it."""
-    for option in ("avatar", "room", "motion"):
+    for option in ("avatar", "room", "motion", *SCALES.values()):
         if getattr(asked, option, None) is not None:
-            raise InvalidInput(f"--{option}", str(getattr(asked, option)), "with --scene FILE, the scene that it belongs to")
+            raise InvalidInput(_word(option), str(getattr(asked, option)), "with --scene FILE, the scene that it belongs to")
 
 
 def take(asked: argparse.Namespace) -> None:
@@ -53,9 +57,26 @@ def take(asked: argparse.Namespace) -> None:
         if getattr(asked, option, None) is not None:
             valid = "none: own scenes run whole, and on this machine"
             raise InvalidInput(f"--{option} with --scene", str(getattr(asked, option)), valid)
-    for said in own_scenes.ask(asked.scene, asked.avatar, asked.room, asked.motion, asked.seconds):
+    for said in own_scenes.ask(asked.scene, asked.avatar, asked.room, asked.motion, asked.seconds, **scales(asked)):
         print(said, file=sys.stderr)
     asked.own, asked.scene = asked.scene, None
+
+
+def scales(asked: argparse.Namespace) -> dict[str, float]:
+    """The scales that are asked for. Raises InvalidInput for one out of range, and for one of a file that is not named."""
+    found: dict[str, float] = {}
+    for file, option in SCALES.items():
+        value = getattr(asked, option)
+        if value is None:
+            continue
+        found[option] = positive(_word(option), value, InvalidInput)
+        if getattr(asked, file) is None:
+            raise InvalidInput(_word(option), value, f"an option beside --{file}")
+    return found
+
+
+def _word(option: str) -> str:
+    return f"--{option.replace('_', '-')}"
 
 
 def request_of(asked: argparse.Namespace, ran: Run) -> Request:

@@ -1,4 +1,4 @@
-"""`python -m scenarios sweep`: what is to be asked, what is known already, the rest, and the files for the report."""
+"""`python -m scenarios sweep`: the cells to measure, which are known already, the rest, and the files for the report."""
 
 import argparse
 import json
@@ -78,7 +78,7 @@ class Sweep:
             said.step(f"{cell.scenario} {cell.setting.run}: {entry['state']}")
 
     def clock(self) -> None:
-        """Find the times that are not known, scene by scene, of everybody who ran through."""
+        """Find the times that are not known, scene by scene, of all cells that ran through."""
         ran = [cell for cell in self.cells if self.errors.get(cell, {}).get("state") == "measured"]
         todo = [cell for cell in ran if cell not in self.times]
         said = Estimate("times", len(todo), sys.stderr)

@@ -43,7 +43,7 @@ def jobs_of(name: str, size: int, engines: dict[str, tuple[str, ...]]) -> list[J
         Job(name, engine, preset, full=True, catalogue=worlds.__name__) for engine, presets in engines.items()
         for preset in presets if size <= MOST.get((engine, grows), size)
     ]
-    # what rests may sleep in the others too, if somebody asks for it
+    # the others let bodies sleep where an option asks for it
     asleep = [
         Job(name, engine, SLEEPS, full=True, base=presets[0], options={"sleep": True}, catalogue=worlds.__name__)
         for engine, presets in engines.items() if engine in BEST and grows == "objects"

@@ -1,4 +1,4 @@
-"""A gallery of objects at rest and one visitor's hand: idle above them, or pushing one object along."""
+"""A gallery of objects at rest and one driven hand: idle above them, or pushing one object along."""
 
 from math import ceil, sqrt
 
@@ -13,11 +13,11 @@ from scenarios.scenario import RENDERED, Motion
 MODES = ("idle", "pushed")
 """The hand hangs still; or it goes back and forth and pushes one object."""
 APART = 0.3
-"""Distance between two neighbours [m]: nobody meets anybody who is not pushed into them."""
+"""Distance between adjacent objects [m]: none touches another unless it is pushed."""
 SIDE, RADIUS, HAND = 0.1, 0.05, 0.06
 """Edge of a box, radius of a ball and of the hand [m]."""
 FRAMES = 300
-"""Five seconds: some engines let nobody sleep who has not rested for two."""
+"""Five seconds: some engines put a body to sleep only after two of rest."""
 WAY = 0.12
 """How far the hand goes in that time [m], less than half the way to the next object."""
 ABOVE = 1.0

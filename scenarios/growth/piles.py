@@ -7,7 +7,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 
 MODES = ("rolling", "standing", "dropped")
-"""Balls, one contact each and nobody's neighbour; bricks, whose contacts all depend on one another, at rest and falling."""
+"""Balls, one contact each, all independent; bricks, whose contacts all depend on one another, at rest and falling."""
 FRAMES = 90
 """One and a half seconds."""
 RADIUS, APART, SPEED = 0.05, 0.3, 0.2
@@ -46,7 +46,7 @@ def bricks(contacts: int, gap: float) -> tuple[Body, ...]:
 
 
 def pile(contacts: int, mode: str) -> Scene:
-    """The scene of that many contacts. Nobody may sleep: what is asked is what contacts cost, not what rest saves."""
+    """The scene of that many contacts. Without sleeping: it shows what contacts cost, not what rest saves."""
     bodies = balls(contacts) if mode == MODES[0] else bricks(contacts, DROP if mode == MODES[2] else 0.0)
     ground = fixed("floor", (Piece(Box((100.0, 100.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
     return Scene(f"contacts_{contacts}_{mode}", (ground, *bodies), narrow=("sleeping",))

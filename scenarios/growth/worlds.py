@@ -1,4 +1,4 @@
-"""Scenes of any size: a comb of many limbs over a floor, people before a wall, a gallery of objects, piles of bricks.
+"""Scenes of any size: a comb of many limbs over a floor, avatars before a wall, a gallery of objects, piles of bricks.
 
 A module of scenarios by name, as the catalogue is: `links_31_contact`, `avatars_10_apart`, `objects_2000_idle`.
 """
@@ -31,7 +31,7 @@ from scenarios.scenario import RENDERED, Motion, Scenario
 LINKS = (16, 31, 61, 100, 199)
 """Links of the comb: a back, and limbs of three links."""
 AVATARS = (1, 3, 10, 30, 100)
-"""People in the row, of 15 links each."""
+"""Avatars in the row, of 15 links each."""
 OBJECTS = (20, 200, 2000)
 """Objects in the gallery."""
 CONTACTS = (1, 10, 100, 1000)
@@ -49,9 +49,9 @@ THICK, LONG = 0.025, 0.1
 DEEP = 0.05
 """How far the user goes into floor or wall [m]."""
 FACE = 0.45
-"""Where the wall begins before the people [m]: a stretched hand reaches well into it."""
+"""Where the wall begins before the avatars [m]: a stretched hand reaches well into it."""
 ROOM = 1.6
-"""Distance between two people in the row [m]."""
+"""Distance between two avatars in the row [m]."""
 SWINGS = 3
 """How often the user goes there and back."""
 HELD = 1.6
@@ -107,12 +107,12 @@ def comb_motion(scene: Scene, seed: int) -> Motion:
 
 
 def row_scene(count: int, mode: str) -> Scene:
-    """People side by side before a wall, or far from it."""
+    """Avatars side by side before a wall, or far from it."""
     one = humanoid()
     people = tuple(replace(one, name=f"human_{k}") for k in range(count))
     postures = [standing(one, 0.0, ROOM * (k - 0.5 * (count - 1))) for k in range(count)]
     wall = wall_ahead(FACE + (2.0 if mode == "apart" else 0.0))
-    # the floor and the wall of the stage are 20 m wide; a hundred people need more
+    # the floor and the wall of the stage are 20 m wide; a hundred avatars need more
     bodies = tuple(
         replace(body, pieces=(Piece(Box((size[0], max(size[1], ROOM * count + 4.0), size[2]))),))
         for body in (floor(), wall) if isinstance(body.pieces[0].shape, Box) for size in (body.pieces[0].shape.size,)
@@ -129,7 +129,7 @@ def together(postures: list[TrackerSample], time: float) -> TrackerSample:
 
 
 def row_motion(scene: Scene, seed: int) -> Motion:
-    """Everybody stretches both arms forward, neighbours a little after one another, and takes them back."""
+    """Each avatar stretches both arms forward, a little after the one beside it, and takes them back."""
     one, count = scene.avatars[0], len(scene.avatars)
     starts = [standing(one, 0.0, ROOM * (k - 0.5 * (count - 1))) for k in range(count)]
 

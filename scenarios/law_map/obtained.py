@@ -29,7 +29,7 @@ def restitution(height: Array, speed: Array, gravity: float, dt: float) -> float
 
     `height` (F,) [m] of the centre above where it is when it touches, `speed` (F,) [m/s] vertical. The last state before the
     contact, inside the floor or above it, says with which energy the body crosses the surface; those after it which are above and
-    rise say with which it leaves. Who never does has not bounced.
+    rise say with which it leaves. 0 where none does.
     """
     k = first_jolt(speed, gravity, dt)
     if k is None or not float(np.min(height)) > -THROUGH:

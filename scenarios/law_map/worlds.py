@@ -33,13 +33,13 @@ SPEED, HEIGHT = 3.96, 0.2
 SPREAD = 4.43 / 60.0
 """Way [m] of a step of 1/60 s at the impact: heights are spread over it."""
 DOWN, ALONG = 2.0, 25.0
-"""Of those who slide [m/s]. So fast along the floor that no contact stops sliding: a corner may lose 16 m/s of its slip."""
+"""Of sliding bodies [m/s]. So fast along the floor that no contact stops sliding: a corner may lose 16 m/s of its slip."""
 BOUNCE = 0.5
-"""Restitution of those who slide: they leave the floor again."""
+"""Restitution of sliding bodies: they leave the floor again."""
 GAP = 0.1
-"""Smallest first gap of those who slide [m]: three coarse steps of free flight, which show the drag there is."""
+"""Smallest first gap of sliding bodies [m]: three coarse steps of free flight, which show the drag there is."""
 DIRECTIONS = (0.0, 45.0)
-"""Of those who slide [deg]: a friction pyramid shows in the second."""
+"""Of sliding bodies [deg]: a friction pyramid shows in the second."""
 SECONDS = {"restitution": 0.3, "friction": 0.2}
 """Length of a run: long enough for contacts that take 50 ms."""
 MASS = 1.0
@@ -65,7 +65,7 @@ def solid_of(law: str, shape: str) -> tuple[tuple[Piece, ...], Quaternion, float
     if shape == "sphere":
         return (Piece(Sphere(RADIUS)),), rotation_of((1.0, 0.0, 0.0), 0.0), RADIUS
     if shape == "capsule":
-        # its axis along x; who slides is turned into its direction, or it would roll and slip another way
+        # its axis along x; where it slides it is turned into its direction, or it would roll and slip another way
         return (Piece(Capsule(RADIUS, 0.2)),), rotation_of((0.0, 1.0, 0.0), 90.0), RADIUS
     if shape == "box_corner":
         w, x, y, z = rotation.between(np.full(3, 1.0 / sqrt(3.0)), (0.0, 0.0, 1.0)).tolist()
@@ -94,7 +94,7 @@ def build(law: str, shape: str) -> Scene:
                 at = (APART * k, APART * phase, touch + HEIGHT + SPREAD * phase / PHASES)
                 velocity, turned = (0.0, 0.0, -SPEED), rotation_of((0.0, 0.0, 1.0), 0.0)
             else:
-                # one block of lanes per direction, far enough apart that nobody crosses the other's
+                # one block of lanes per direction, far enough apart that no body crosses the other's
                 way = len(DIRECTIONS) * phase // PHASES
                 angle = radians(DIRECTIONS[way])
                 lane = APART * (PHASES * k + phase)

@@ -32,7 +32,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class Measured:
     """Figures by metric, remarks by metric, the overlap of every state shown (F+1,) [m] and the pairs that overlap; both empty
-    when nobody could judge."""
+    without the judge."""
 
     values: dict[str, Value]
     notes: dict[str, str]

@@ -1,4 +1,4 @@
-"""What frames say of themselves: work as the engine counts it, halts and spent budgets, poses that are no number."""
+"""Figures from frame records: work as the engine counts it, halts and spent budgets, poses that are no number."""
 
 import numpy as np
 

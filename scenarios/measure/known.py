@@ -1,4 +1,4 @@
-"""What the measures of one scene have in common, whichever engine was recorded in it."""
+"""Shared by all measures of one scene, whichever engine was recorded: the judge, free targets, frames in contact."""
 
 import hashlib
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""Is everything where the scene says that it can be? An engine may overlap nothing and have walked through the wall."""
+"""Is everything in its region, or has it tunnelled? An engine may overlap nothing and have walked through the wall."""
 
 import numpy as np
 from numpy.typing import NDArray

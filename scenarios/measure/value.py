@@ -1,4 +1,4 @@
-"""What a measurement gives: a number, or the reason why there is none. Silence is not among the answers."""
+"""Values of measures: a number, or the reason why there is none."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

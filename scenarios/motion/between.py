@@ -1,4 +1,4 @@
-"""What the user did between two samples of the tracker: linear for places and hinge angles, spherical for rotations."""
+"""Interpolation between two tracker samples: linear for places and hinge angles, spherical for rotations (slerp)."""
 
 import numpy as np
 

@@ -74,7 +74,7 @@ def through(start: TrackerSample, keys: Sequence[Key], frames: int) -> Track:
 
 
 def again_and_again(start: TrackerSample, ready: Draw, push: Draw, frames: int, seed: int) -> Track:
-    """A user who gets ready, pushes, holds and lets go, again and again, never twice the same: Figure 8's spikes.
+    """Cycles of getting ready, pushing, holding and letting go, never twice the same: Figure 8's spikes.
 
     Half a second to a push and back, as humans reach; holds and rests are shorter. A longer track begins as a shorter one.
     """

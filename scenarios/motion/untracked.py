@@ -1,4 +1,4 @@
-"""Scenes without avatar: nobody is tracked, only time passes."""
+"""Motion of scenes without an avatar: samples are empty, only time passes."""
 
 from collections.abc import Callable
 
@@ -8,7 +8,7 @@ from scenarios.scenario import RENDERED, Motion
 
 
 def untracked(dt: float = RENDERED) -> Callable[[Scene, int], Motion]:
-    """The motion of nobody: empty samples, one per frame of `dt` [s]."""
+    """Empty samples, one per frame of `dt` [s]."""
 
     def motion(scene: Scene, seed: int) -> Motion:
         def sample(frame: int) -> TrackerSample:

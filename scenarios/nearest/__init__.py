@@ -1,1 +1,1 @@
-"""How close could it have been? Sampled contact frames of a run beside the nearest free posture that offline search finds."""
+"""Nearest free posture by offline search: how close to the target sampled contact frames of a run could have been."""

@@ -1,4 +1,4 @@
-"""One scene of a run, searched: a module of its own, so that a child finds it whoever was started."""
+"""One scene of a run, searched: a module of its own, so that worker processes find it by name under any command."""
 
 from pathlib import Path
 

@@ -26,7 +26,7 @@ def effects_of(scene: Scene) -> dict[str, object]:
 
 
 def lines_of(scene: Scene) -> list[str]:
-    """The same for people: one line an effect."""
+    """The same in words: one line an effect."""
     on = [effect.name for effect in fields(scene.effects) if getattr(scene.effects, effect.name)]
     said = [f"{effect:16} {parts_named(scene.calls[effect])}" for effect in on]
     said += [f"{effect:16} left out by its author: promise {lapsed} lapses" for effect, lapsed in scene.lapsed.items()]

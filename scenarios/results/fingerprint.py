@@ -1,4 +1,4 @@
-"""What a result hangs on, as one key: scene and motion, sources and version of engine and measures, settings, seed.
+"""Content hash of what a result depends on: scene and motion, sources and version of engine and measures, settings, seed.
 
 An edit of one engine's adapter, of one scene or of one preset changes the keys of what it can change, and no others.
 """
@@ -61,7 +61,7 @@ def _scene_part(name: str, seed: int, full: bool, frames: int | None, catalogue:
 
 @cache
 def engine_part(name: str) -> str:
-    """The version of an engine and the sources that it is made of; for names and modules that nobody has, a text that says so."""
+    """The version of an engine and the sources that it is made of; for unknown names and modules, a text that says so."""
     paths = known()
     module = paths.get(name, "").partition(":")[0]
     if not module:

@@ -56,7 +56,7 @@ def ceilings(path: Path = CEILINGS) -> Ceilings:
 
 
 def bounds_of(scenario: Scenario) -> dict[str, Bound]:
-    """The scenario's bounds by metric, with those that hold everywhere; UnknownName for a metric that nobody measures."""
+    """The scenario's bounds by metric, with those that hold everywhere; UnknownName for a metric that is not measured."""
     bounds = {bound.metric: bound for bound in (*EVERYWHERE, *scenario.bounds)}
     for metric in (*bounds, *scenario.metrics):
         unit(metric)
@@ -107,7 +107,7 @@ def rows_of(outcome: Outcome, scenario: Scenario, limits: Mapping[str, float], g
             continue
         else:
             missing = value if isinstance(value, Missing) else Missing("no measure gave a value", "scene")
-            # what an engine fails to do is information about it; what nobody could measure leaves the comparison incomplete,
+            # what an engine fails to do is information about it; what could not be measured leaves the comparison incomplete,
             # unless neither a bound nor the scenario asked for it
             asked = missing.fault == "package" or (gated and metric in wanted)
             status, why = ("not-measured" if asked and missing.fault != "engine" else "info"), missing.reason
@@ -130,7 +130,7 @@ def meaning(code: int, rows: Iterable[Row], gated: frozenset[tuple[str, str]]) -
 
 
 def presets_of(name: str, presets: tuple[str, ...], asked: Iterable[str]) -> list[str]:
-    """Presets of one engine to run: those `asked` for that it has, all when nobody asks; UnknownName when it has none of them."""
+    """Presets of one engine to run: those `asked` for that it has, all when none is; UnknownName when it has none of them."""
     wanted = list(asked)
     if not wanted:
         return list(presets)

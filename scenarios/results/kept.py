@@ -13,7 +13,7 @@ from scenarios.scenario import Scenario
 
 
 def scenes_of(run: Path, who: str, pattern: str = "*") -> list[str]:
-    """Names of the scenes of which `run` has the recording of `who` (engine.preset), seed 0."""
+    """Names of the scenes that `run` has a recording of by one "engine.preset", seed 0."""
     ending = f".{who}.0.npz"
     names = [path.name.removesuffix(ending) for path in sorted((run / "recordings").glob(f"*{ending}"))]
     return [name for name in names if fnmatchcase(name, pattern)]

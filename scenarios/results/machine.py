@@ -1,4 +1,4 @@
-"""What the machine does beside what is timed: clock, processors that may be used, load, and time that other work took."""
+"""Disturbances of timing by the machine: clock, processors that may be used, load, and time that other work took."""
 
 import os
 import time

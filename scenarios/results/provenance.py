@@ -1,4 +1,4 @@
-"""Where figures come from: versions, machine, command, and hashes of the scenes they are about."""
+"""Provenance of figures: versions, machine, command, and hashes of the scenes they are about."""
 
 import hashlib
 import os

@@ -1,4 +1,4 @@
-"""What a run leaves behind for reports and strangers: results.json, results.csv, bench.csv."""
+"""Files of a run for reports and other readers: results.json, results.csv, bench.csv."""
 
 import csv
 import io
@@ -14,7 +14,7 @@ from scenarios.job import Outcome
 
 Status = Literal["pass", "fail", "info", "crashed", "not-measured", "cannot-say", "refused"]
 COLUMNS = ("scenario", "engine", "preset", "seed", "frames", "metric", "value", "unit", "bound", "status")
-"""Columns of results.csv, fixed: other people's scripts read them."""
+"""Columns of results.csv, fixed: scripts of users read them."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def write(results: Results, folder: Path) -> None:
     }
     write_json(folder / "results.json", whole)
     if results.exit_code is not None and results.rows and find_spec("jsonschema"):
-        # who installed no report has no checker either, and gets no report that could mislead
+        # without the report's packages there is no checker, and no report that could mislead
         check(plain(whole), folder / "results.json")
 
 

@@ -104,5 +104,5 @@ def command_to_go_on(folder: Path, words: Sequence[str]) -> str:
 
 
 def how_to_go_on(folder: Path, words: Sequence[str]) -> str:
-    """One sentence for the user who stopped a run."""
+    """One sentence for the user: how a run that was stopped goes on."""
     return f"stopped; what was finished is kept, and `{command_to_go_on(folder, words)}` goes on from there"

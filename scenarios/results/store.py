@@ -1,4 +1,4 @@
-"""What was found, by key: one small file each, whole or absent, so that a run that is killed loses nothing it had finished.
+"""Store of results by content hash: one small file each, whole or absent, so that a killed run loses nothing it had finished.
 
 An entry carries the checksum of its content: commands take it as they wrote it; what a disk or a hand has changed is found again.
 """

@@ -1,4 +1,4 @@
-"""What is kept of a recording once it has been measured: every pose shown with all its bits, few of those inside frames.
+"""Thinning of a recording once it has been measured: every pose shown is kept with all its bits, few of those inside frames.
 
 Sub-steps and events are nine tenths of what an engine gives, and what they are for is measured while the run has them. Later
 questions (`scenarios.beside`) ask only in which frames something was on the wrong side inside: one snapshot of each such frame is

@@ -1,7 +1,7 @@
 """What a job asks of every engine alike: the scene, what the user does in it, and what follows from these alone.
 
-Building a scene and checking a motion may take longer than an engine's frames, and nobody changes either: what one run of a
-process worked out, the next in the same scene finds again.
+Building a scene and checking a motion may take longer than an engine's frames, and neither changes: what one run of a process
+worked out, the next in the same scene finds again.
 """
 
 from dataclasses import dataclass
@@ -33,11 +33,11 @@ class Asked:
 
     @cached_property
     def samples(self) -> list[TrackerSample]:
-        """What the user does, frame by frame. Raises InvalidSample for what nobody can do."""
+        """The user's samples, frame by frame. Raises InvalidSample for one that is not valid."""
         return [checked(self.motion(k), self.scene.avatars) for k in range(self.scenario.frames)]
 
     def first(self, frames: int) -> list[TrackerSample]:
-        """What the user does in the first `frames` frames, or in all there are; each is worked out once."""
+        """The samples of the first `frames` frames, or of all there are; each is worked out once."""
         kept = self._worked_out
         kept += [self.motion(k) for k in range(len(kept), min(frames, self.scenario.frames))]
         return kept[:frames]

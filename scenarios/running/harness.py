@@ -35,7 +35,7 @@ OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
 of hundreds of runs takes longer than the runs; what a kill loses is in the recordings."""
 SELDOM = 50.0
-"""The same in multiples of what the last writing took: nobody should wait for writing more than a fiftieth of the time."""
+"""The same in multiples of what the last writing took: at most a fiftieth of a run is spent on writing."""
 
 
 class Said(NamedTuple):

@@ -25,8 +25,8 @@ def unmatched(names: Iterable[str], text: str) -> list[str]:
 
 
 def filtered(scenes: Mapping[str, Scene], text: str) -> dict[str, Scene]:
-    """Scenes by name that a pattern lets through; none if one of the patterns matches nothing: who misspells a name in a list
-    would otherwise believe that its scene held."""
+    """Scenes by name that a pattern lets through; none if one of the patterns matches nothing: a misspelt name in a list would
+    otherwise pass for a scene that held."""
     if unmatched(scenes, text):
         return {}
     patterns = patterns_of(text)

@@ -1,13 +1,13 @@
-"""What every child of the harness needs of the project, imported once by their mother.
+"""Preloading for the fork server: what every worker process of the harness needs of the project is imported once, before forks.
 
-A module at fault is left to the child that needs it, which fails where it is used and says so.
+A module at fault is left to the worker process that needs it, which fails where it is used and says so.
 """
 
 from contextlib import suppress
 from importlib import import_module
 
 NEEDED = ("scenarios.running.run", "scenarios.running.timing", "reference.judging.judge")
-"""The harness and the judge; importing them takes a child half a second, and a comparison has hundreds of children."""
+"""The harness and the judge; importing them takes half a second, and a comparison has hundreds of worker processes."""
 SMALL = "parallel_link"
 """A scene with an avatar, quickly made: for what is compiled, or read from where compiled code is kept, at its first use."""
 
@@ -26,7 +26,7 @@ def targets_in_use() -> None:
 
 
 def sources_read() -> None:
-    """Hash every source file, which each child would do again."""
+    """Hash every source file, which each worker process would do again."""
     import_module("scenarios.results.provenance").code_hash()
 
 

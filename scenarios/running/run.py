@@ -48,7 +48,7 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     except MissingPackage as error:
         return Outcome(job, "not-measured", str(error))
     except Exception as error:
-        # an engine is someone else's code: whatever it raises is its result, not the end of the comparison
+        # an engine may raise anything: that is its result, not the end of the comparison
         return Outcome(job, "crashed", f"before loading: {described(error)}")
     path = folder / "recordings" / f"{job.stem}.npz"
     judging = None if job.full else judged

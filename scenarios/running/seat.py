@@ -87,7 +87,7 @@ def _serve(connection: Connection) -> None:
 
 
 class Seat:
-    """One engine's place at the table: its process, and what has been asked of it. It answers one thing at a time."""
+    """The worker process of one engine, and what it was told to do. It answers one order at a time."""
 
     def __init__(self, patience: float = PATIENCE) -> None:
         self.end, there = multiprocessing.Pipe()
@@ -106,7 +106,7 @@ class Seat:
 
     def _say(self, what: object) -> None:
         with suppress(ConnectionError):
-            # one that has died meanwhile is heard of
+            # `hear` tells of a process that has died meanwhile
             self.end.send(what)
 
     def hear(self) -> tuple[float, Repeat | None] | str:
@@ -128,7 +128,7 @@ class Seat:
         return answer
 
     def leave(self, at_once: bool = False) -> None:
-        """End the process, in the middle of its work if somebody stopped the run."""
+        """End the process, in the middle of its work if `at_once`."""
         with suppress(ConnectionError):
             self.end.send(None)
         if at_once:

@@ -45,5 +45,5 @@ def errors_of(name: str) -> tuple[str, ...]:
 
 
 def swept_engines(known: Mapping[str, str]) -> tuple[str, ...]:
-    """Everybody but the raw tracker, who has no settings."""
+    """All engines but the raw tracker, which has no settings."""
     return tuple(name for name in known if name != BASELINE)

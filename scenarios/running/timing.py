@@ -38,7 +38,7 @@ class Turns:
         self.repeats: list[Repeat] = []
 
     def warmed(self) -> None:
-        """Hear of the warm-up that it was told to run, which counts by itself."""
+        """Take the answer to the warm-up, which counts by itself."""
         if not self.note and (found := self.hear()):
             self.warm_frames = len(found[0])
         if self.fresh:
@@ -96,7 +96,7 @@ def timed_pass(
     side, each on a load that is thrown away; then one at a time, turn by turn, `repeats` times round, each on a load of its own.
 
     `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES), `repeats`
-    how often, for all or for each, `firsts` at which frame timing begins. `meter` hears of every turn."""
+    how often, for all or for each, `firsts` at which frame timing begins. `meter` runs during every turn."""
     counts = [MOST_FRAMES] * len(jobs) if frames is None else frames
     often = [repeats] * len(jobs) if isinstance(repeats, int) else repeats
     meter, table = meter or Meter(), list[Turns]()

@@ -1,1 +1,1 @@
-"""Does the order in which chains are treated matter? One scene, one motion, a hundred orders, and how far the frames spread."""
+"""Sensitivity to the order in which chains are treated: one scene and motion, a hundred orders, and how far the frames spread."""

@@ -1,1 +1,1 @@
-"""The hard cases under changes that should not matter: start, seed, frame time, size, place. What survives, what spreads."""
+"""Robustness of hard cases to changes that should not matter: start, seed, frame time, size, place; what survives and spreads."""

@@ -1,4 +1,4 @@
-"""The same world elsewhere: larger or smaller, turned, at another place; and what was shown there, brought back.
+"""Similarity transforms of a scene: larger or smaller, turned, at another place; and what was shown there, brought back.
 
 Lengths, speeds and gravity grow with `scale`, times and masses stay: what happens is then the same, and so is every verdict on a
 recording that was brought back.

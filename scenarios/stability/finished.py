@@ -1,4 +1,4 @@
-"""What is finished, a line of JSON each, so that a sweep that was stopped, or whose code did not change, goes on from there."""
+"""Checkpoints of a sweep: a line of JSON per finished task; one that was stopped, or whose code did not change, goes on there."""
 
 import hashlib
 import json
@@ -57,7 +57,7 @@ class Finished:
         return True
 
     def missing(self, tasks: Iterable[Task]) -> list[Task]:
-        """Those that nobody has done yet."""
+        """Those that are not finished yet."""
         return [task for task in tasks if key_of(task) not in self.known]
 
     def of(self, task: Task) -> Outcome:

@@ -124,7 +124,7 @@ def outcome(task: Task) -> Outcome:
     except StartOverlaps as error:
         return Outcome(REFUSED, note=described(error), seconds=time.monotonic() - begun)
     except Exception as error:
-        # an engine is someone else's code: whatever it raises is its result
+        # an engine may raise anything: that is its result
         return Outcome(CRASHED, len(shown.frames), note=described(error), seconds=time.monotonic() - begun)
     found = _judged(task, scenario, case, shown)
     return Outcome(**{**found, "seconds": time.monotonic() - begun})  # type: ignore[arg-type]

@@ -86,7 +86,7 @@ def moved(sample: TrackerSample, aside: Array) -> TrackerSample:
 def spread_out(bodies: tuple[Body, ...], start: float, random: np.random.Generator) -> tuple[Body, ...]:
     """Simulated bodies moved by up to `start` [m] along each axis, at random, and farther the farther along that axis they are.
 
-    In that order nobody is moved nearer to another, so stacks and cradles that touch begin free of overlap again.
+    In that order no body is moved nearer to another, so stacks and cradles that touch begin free of overlap again.
     """
     own = [k for k, body in enumerate(bodies) if body.role is Role.SIMULATED]
     if not start or not own:

@@ -1,4 +1,4 @@
-"""PyBullet's balls at their limits: who is beyond is found as the measure of limits finds it, and held back."""
+"""PyBullet's balls at their limits: excess is found as the measure of limits finds it, and held back."""
 
 import numpy as np
 import pytest

@@ -59,7 +59,7 @@ def near_the_wall(shape: Shape, driven: bool, pieces: int = 1) -> Scene:
 @pytest.mark.parametrize("driven", [False, True], ids=["simulated", "driven"])
 @pytest.mark.parametrize("shape", SHAPES, ids=[type(shape).__name__ for shape in SHAPES])
 def test_one_piece_is_met_before_it_overlaps(shape: Shape, driven: bool) -> None:
-    # a box is a box where nobody drives it, and two boxes make no contact before they overlap
+    # a box that is not driven stays a box, and two boxes make no contact before they overlap
     met = driven or not isinstance(shape, Box)
     assert (contacts(near_the_wall(shape, driven), {}) > 0) is met
 

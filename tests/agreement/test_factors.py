@@ -62,7 +62,7 @@ def test_zero_stays_almost_zero_and_many_bodies_share_factors() -> None:
 
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_factors_do_not_depend_on_the_size_of_the_world(scale: float) -> None:
-    """Six balls on six slabs, in millimetres and in kilometres: who meets whom is the same."""
+    """Six balls on six slabs, in millimetres and in kilometres: the same pairs meet."""
     def balls(size: float) -> Scene:
         materials = [(a, b) for k, a in enumerate(("wood", "human", "metal")) for b in ("wood", "human", "metal")[k:]]
         ball, slab = (Piece(Sphere(0.1 * size)),), (Piece(Box((0.6 * size, 0.6 * size, 0.2 * size))),)

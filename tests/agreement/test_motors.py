@@ -46,7 +46,7 @@ def test_balls_arrive_without_swinging_on() -> None:
 
 
 def test_who_is_led_ahead_follows_a_swing_several_times_nearer() -> None:
-    """From half a second on: at the start nobody knows yet that the tracker will move."""
+    """From half a second on: at the start no engine can foresee that the tracker will move."""
     scene, off = Scene("chain", (), (chain(),), start=swung(0)), {}
     for lead in (0.0, 1.0):
         engine = MujocoEngine()

@@ -1,4 +1,4 @@
-"""Limits on files from strangers: what is at a limit passes, what is beyond is refused with the limit, before it is read."""
+"""Limits on untrusted files: what is at a limit passes, what is beyond is refused with the limit, before it is read."""
 
 from pathlib import Path
 

@@ -131,6 +131,16 @@ def test_limbs_give_way_before_contact_and_without_blend_they_do_not() -> None:
     require_clean(late, FLOOR)
 
 
+def test_free_frames_keep_the_input_where_that_leaves_little_jerk() -> None:
+    times = np.arange(90)
+    motion = lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 1.5) ** 2)))
+    cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
+    require_clean(cleaned, FLOOR)
+    assert cleaned.changed.any() and np.array_equal(cleaned.changed, cleaned.held)
+    assert np.array_equal(same(motion, cleaned.motion), ~cleaned.held)
+    assert cleaned.after.jerk_free <= 1.5 * cleaned.before.jerk_free
+
+
 def test_loose_bodies_stand_still_or_are_left_out() -> None:
     block = (Piece(Box((0.3, 2.0, 0.3))),)
     loose = simulated("block", block, "wood", solid(block, 1.0), (1.0, 0.0, 0.2))

@@ -1,5 +1,6 @@
 """A command that is killed in the middle is gone on with by the same command, and ends with the same bytes."""
 
+import json
 import os
 import signal
 import subprocess
@@ -66,9 +67,12 @@ def test_a_killed_command_goes_on_and_ends_with_the_same_bytes(tmp_path: Path, w
     assert whole.returncode == 0, whole.stderr
     line, out = command(tmp_path, "out", workers), tmp_path / "out"
     killed(line, out, 2)
-    # what is there is whole, and as it will be
+    # what is there is whole, and as it will be, but for what says that the clips are not done
     wanted, halves = content(tmp_path / "whole"), [name for name in content(out) if ".avatarsim-" in name]
-    assert {name: one for name, one in content(out).items() if name not in halves}.items() <= wanted.items()
+    open_ = {one["name"] for one in json.loads((out / "certificate.json").read_text())["not_done"]}
+    assert open_ == {f"c{k:02}.bvh" for k in range(CLIPS)}
+    folder = {"certificate.json", "index.html"}
+    assert {name: one for name, one in content(out).items() if name not in {*halves, *folder}}.items() <= wanted.items()
     first = {name: (out / name).stat().st_mtime_ns for name in content(out) if name.startswith("certificates/")}
     killed(line, out, len(first) + 2)
     last = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
@@ -91,7 +95,8 @@ def test_a_command_that_is_stopped_says_how_to_go_on(tmp_path: Path) -> None:
         said, err = running.communicate(timeout=120.0)
     assert running.returncode == 130, err
     assert "the same command goes on from there" in err and "Traceback" not in err
-    assert (out / "certificate.json").exists() and 1 <= len(list(out.glob("certificates/*.json"))) < CLIPS
+    whole, count = json.loads((out / "certificate.json").read_text()), len(list(out.glob("certificates/*.json")))
+    assert 1 <= count < CLIPS and len(whole["clips"]) == count and len(whole["not_done"]) == CLIPS - count
     require_over(running.pid)
     assert not [path for path in out.rglob("*") if ".avatarsim-" in path.name]
 

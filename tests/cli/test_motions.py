@@ -80,7 +80,7 @@ def test_what_is_cleaned_is_found_clean_and_what_was_not_is_not(tmp_path: Path, 
     assert content(tmp_path) == before and "clean" in capsys.readouterr().out
 
 
-def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> None:
+def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     csv(tmp_path / "a.csv")
     assert clean(tmp_path / "a.csv", "--avatar", robot(tmp_path), "-o", tmp_path / "out", "--no-page", "--rate", "60") == 0
     (one,) = certified(tmp_path / "out")["clips"]
@@ -88,6 +88,41 @@ def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> N
     assert [file["name"] for file in one["inputs"]["avatar"]] == ["robot.xml"]
     assert not (tmp_path / "out" / "pages").exists()
     assert len((tmp_path / "out" / "a.csv").read_text().splitlines()) == 19
+    said = "a.csv: columns matched by order: a root and 1 joint, no names in the file"
+    assert any(sentence.startswith(said) for sentence in one["said"])
+    assert f"avatarsim: {said}; --joints says names for another order\n" in capsys.readouterr().err
+
+
+def test_excluded_pairs_are_counted_once_for_an_avatar_and_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    hand = '<body name="hand" pos="-0.1 0 0"><joint name="wrist" range="-1 1"/><geom size="0.05"/></body>'
+    tail = '<body name="tail" pos="-0.2 0 0"><joint name="tail" range="-1 1"/><geom size="0.03"/></body>'
+    path = robot(tmp_path)
+    text = path.read_text().replace("</body>\n    </body>", f"{hand}</body>{tail}</body>")
+    path.write_text(text.replace("</worldbody>", '</worldbody><contact><exclude body1="arm" body2="tail"/></contact>'))
+    for name in ("in/a.csv", "in/b.csv"):
+        rows = csv(tmp_path / name).read_text().splitlines()
+        (tmp_path / name).write_text("\n".join(f"{row},0,0" for row in rows) + "\n")
+    line = ["audit", str(tmp_path / "in"), "--avatar", str(path), "--workers", "0", "-o", str(tmp_path / "out")]
+    main(line)
+    said = ("avatarsim: robot.xml: 2 pairs are excluded from contact, and no proof looks there: 1 by the file (arm and tail), "
+            "1 since they overlap at rest (base and hand)\n")
+    assert capsys.readouterr().err.count(said) == 1
+    whole = json.loads((tmp_path / "out" / "audit.json").read_text())
+    for one in whole["clips"]:
+        assert {(pair["a"], pair["b"], pair["why"]) for pair in one["excluded"]} == {
+            ("stick/arm", "stick/tail", "by the file"), ("stick/base", "stick/hand", "overlaps at rest")}
+
+
+def test_equal_skeletons_of_clips_are_one_avatar(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("a.bvh", "b.bvh"):
+        bvh(tmp_path / "in" / name, frames=4)
+    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
+    (said,) = [line for line in capsys.readouterr().err.splitlines() if "excluded from contact" in line]
+    (first, second) = (one["excluded"] for one in certified(tmp_path / "out")["clips"])
+    assert said.startswith(f"avatarsim: a.bvh: {len(first)} pair") and len(first) == len(second)
+    assert "looks there: since they overlap at rest (" in said
+    # done before, it is said again
+    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0 and said in capsys.readouterr().err
 
 
 def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -125,6 +160,24 @@ def test_clips_of_earlier_commands_stay_in_the_certificate(tmp_path: Path) -> No
     assert clean(bvh(tmp_path / "a.bvh"), "-o", tmp_path / "out") == 0
     assert clean(bvh(tmp_path / "b.bvh", seed=1), "-o", tmp_path / "out") == 0
     assert [one["motion"] for one in certified(tmp_path / "out")["clips"]] == ["a.bvh", "b.bvh"]
+
+
+def test_what_earlier_commands_left_undone_stays_and_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out, bad = tmp_path / "out", tmp_path / "bad.bvh"
+    bad.write_text("cut off")
+    assert clean(bvh(tmp_path / "a.bvh", frames=4), bad, "-o", out) == 3
+    capsys.readouterr()
+    # this command has done all that it was asked for
+    assert clean(bvh(tmp_path / "b.bvh", frames=4), "-o", out) == 0
+    assert "not done, of earlier commands into this folder: bad.bvh; certificate.json says why" in capsys.readouterr().err
+    assert [(one["name"], one["kind"]) for one in certified(out)["not_done"]] == [("bad.bvh", "unreadable")]
+    bvh(bad, frames=4)
+    assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []
+    assert "not done" not in capsys.readouterr().err
+    whole = certificate.MARK + "damaged"
+    (out / "certificate.json").write_text(whole)
+    assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []
+    assert "what earlier commands left undone" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("frames", [1, 2])
@@ -289,7 +342,7 @@ def test_a_full_disk_costs_no_earlier_result(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert clean(bvh(tmp_path / "a.bvh", frames=4), "-o", tmp_path / "out") == 0
-    before = content(tmp_path / "out")
+    before, clip = content(tmp_path / "out"), bvh(tmp_path / "b.bvh", frames=4)
 
     def full(*words: object) -> None:
         raise OSError(28, "No space left on device")
@@ -297,9 +350,35 @@ def test_a_full_disk_costs_no_earlier_result(
     with monkeypatch.context() as patch:
         patch.setattr("avatarsim.clips.whole_files.os.fsync", full)
         with pytest.raises(OSError, match="No space left"):
-            clean(bvh(tmp_path / "b.bvh", frames=4), "-o", tmp_path / "out")
+            clean(clip, "-o", tmp_path / "out")
     assert content(tmp_path / "out") == before
+    with monkeypatch.context() as patch:
+        # full when the clip is to be written
+        patch.setattr("avatarsim.clips.task.put", full)
+        assert clean(clip, "-o", tmp_path / "out") == 3
+    whole = ("certificate.json", "index.html")
+    assert {name: one for name, one in content(tmp_path / "out").items() if name not in whole} == {
+        name: one for name, one in before.items() if name not in whole}
+    assert [one["name"] for one in certified(tmp_path / "out")["not_done"]] == ["b.bvh"]
     assert "b.bvh: the system refused" in capsys.readouterr().err
+
+
+BARE = """
+import sys
+for name in ("coacd", "coal", "distributed", "joblib", "jsonschema", "mujoco", "pandas", "pebble", "tqdm", "trimesh", "viser"):
+    sys.modules[name] = None
+from avatarsim.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+def test_bvh_on_level_ground_needs_no_extra_and_goes_on_without_one(tmp_path: Path) -> None:
+    bvh(tmp_path / "in" / "a.bvh", frames=4)
+    line = [sys.executable, "-c", BARE, "clean", str(tmp_path / "in"), "--room", "floor", "-o", str(tmp_path / "out")]
+    for last in ("clean", "clean, done before"):
+        done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.splitlines()[1].endswith(f"  {last}")
 
 
 def test_the_module_is_the_command(tmp_path: Path) -> None:

@@ -1,6 +1,7 @@
 """Folders are taken whole, sorted, with their layout; what is no motion is left alone; no result takes another file's place."""
 
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,23 @@ def test_links_that_lead_in_circles_and_pipes_end_nothing(tmp_path: Path) -> Non
     os.mkfifo(tmp_path / "pipe.txt")
     one = found([tmp_path], None)
     assert [clip.place for clip in one.clips] == ["a.bvh"] and [path.name for path in one.left] == ["pipe.txt"]
+
+
+def test_a_folder_that_cannot_be_read_has_a_place_without_a_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    touch(tmp_path, "in/a.bvh", "in/deep/locked/b.bvh")
+    scan = os.scandir
+
+    def refusing(place: str) -> "Iterator[os.DirEntry[str]]":
+        if str(place).endswith(("locked", "shut")):
+            raise PermissionError(13, "Permission denied", str(place))
+        return scan(place)
+
+    monkeypatch.setattr(os, "scandir", refusing)
+    one = found([tmp_path / "in"], None)
+    assert one.unreadable == (("deep/locked/", tmp_path / "in" / "deep" / "locked", "Permission denied"),)
+    assert one.places == {"in/", "deep/", "deep/locked/", "a.bvh"}
+    (tmp_path / "shut").mkdir()
+    assert [place for place, _, _ in found([tmp_path / "shut"], None).unreadable] == ["shut/"]
 
 
 def test_a_file_that_is_named_twice_is_one_clip(tmp_path: Path) -> None:

@@ -118,4 +118,4 @@ def test_a_folder_of_nothing_has_a_page_that_says_so() -> None:
     text = index_page(whole).decode()
     assert "No clip." in text and "&lt;b&gt;" in text and "cut &amp; off" in text
     assert verdict(1, 0, 0) == "1 clip: all free of overlap, in and between frames"
-    assert verdict(3, 1, 2) == "3 clips: 1 not clean; 2 could not be done"
+    assert verdict(3, 1, 2) == "3 clips: 1 not clean; 2 not done"

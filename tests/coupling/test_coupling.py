@@ -125,7 +125,7 @@ def test_every_link_returns_by_eq_6_with_its_own_mass() -> None:
 @pytest.mark.parametrize("preset", ["default", "paper"])
 @pytest.mark.parametrize("mass", [1.0, 1e6])
 def test_a_finger_that_meets_a_heavy_block_does_not_throw_its_hand_away(preset: str, mass: float) -> None:
-    """The user goes 10 cm into it at 1 m/s; the hand is never farther than that from its user, and comes back with him."""
+    """The user goes 10 cm into it at 1 m/s; the hand is never farther than that from its user, and comes back too."""
     avatar = pointing()
     engine = AvatarsimEngine()
     engine.load(Scene("point", (block(mass, 0.15),), (avatar,), gravity=NO_GRAVITY), Settings(preset), DT)

@@ -1,4 +1,4 @@
-"""docs/adding.md: the scene that it shows is a scenario whose every part the harness takes, and which does what it says."""
+"""`docs/adding.md`: the scene that it shows is a scenario whose every part the harness takes, and which does what it says."""
 
 import re
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""docs/equations.md: each equation of the paper with functions that exist and name it in their docstrings, and with its tests."""
+"""`docs/equations.md`: each equation of the paper with functions that exist and name it in their docstrings, and its tests."""
 
 import ast
 import re

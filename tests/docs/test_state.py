@@ -1,4 +1,4 @@
-"""docs/state.md lists what frames keep, and the docstring of each type in there says something of each of its fields."""
+"""The page of state lists what frames keep, and the docstring of each type in there says something of each of its fields."""
 
 import ast
 import inspect

@@ -1,4 +1,4 @@
-"""docs/using.md: its Python runs after the example of the README, and its options and statuses are those of the engine."""
+"""`docs/using.md`: its Python runs after the example of the README, and its options and statuses are those of the engine."""
 
 import re
 from pathlib import Path

@@ -64,6 +64,11 @@ def certified(folder: Path, path: Path) -> object:
     return None if found is None else index_page(certificate.summary("clean", [found], []))
 
 
+def certified_folder(folder: Path, path: Path) -> object:
+    """A folder's certificate: one whose list of what is not done makes a page."""
+    return index_page(certificate.summary("clean", [], certificate.not_done(path)))
+
+
 def whole_mesh(folder: Path, path: Path) -> object:
     """A mesh as it was read: finite, each triangle among its vertices."""
     found = finite_mesh(read_mesh(path))
@@ -273,6 +278,7 @@ def doors() -> tuple[Door, ...]:
         of_files("mesh of an avatar", 0.5, FileDoor(valid.robot_mesh, damaged, public_model, valid.robots), slow=True),
         of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
         of_files("certificate", 20.0, FileDoor(valid.certificate_of_a_clip, damaged_json, certified)),
+        of_files("certificate of a folder", 10.0, FileDoor(valid.certificate_of_a_folder, damaged_json, certified_folder)),
         of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),
         of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),
         of_files("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look)),

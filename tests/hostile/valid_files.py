@@ -172,6 +172,13 @@ def certificate_of_a_clip() -> Files:
     return {"walk.bvh.json": certificate.text(entry())}
 
 
+@cache
+def certificate_of_a_folder() -> Files:
+    """What is kept of a folder of clips, of which two are not done."""
+    troubles = [("cut.bvh", "unreadable", "cut off"), ("deep/", "unreadable", "Permission denied")]
+    return {"certificate.json": certificate.text(certificate.summary("clean", [entry()], troubles))}
+
+
 def settings() -> Files:
     """Rows of two engines."""
     return {"mine.toml": SETTINGS.encode()}

@@ -1,4 +1,4 @@
-"""Doors for command lines: words that nobody should type, with files that are damaged or missing."""
+"""Doors for command lines: words that no user should type, with files that are damaged or missing."""
 
 import random
 import shutil

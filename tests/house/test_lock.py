@@ -1,4 +1,4 @@
-"""The lock: every pin hashed, nothing missing, nobody's address in it, in agreement with pyproject.toml."""
+"""The lock: every pin hashed, nothing missing, no address of a user in it, in agreement with pyproject.toml."""
 
 import re
 import tomllib

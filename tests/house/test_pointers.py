@@ -16,7 +16,7 @@ FOLDERS = ("", "avatarsim", "reference", "reports", "scenarios")
 """Where a file or a module may be counted from, beside the folder of the file that names it."""
 SPAN = re.compile(r"(`+)([^`]+?)\1")
 IDENTIFIER, FILE = re.compile(r"[A-Za-z_]\w*"), re.compile(r"(?:[\w.-]+/)*[\w-]+\.(?:py|toml|css|js)")
-DOTTED = re.compile(r"[A-Za-z_]\w*(?:\.(?!(?:json|csv|npz|html)$)[A-Za-z_]\w*)+(?=\(\)$|$)")
+DOTTED = re.compile(r"[A-Za-z_]\w*(?:\.(?!(?:json|csv|npz|html|md)$)[A-Za-z_]\w*)+(?=\(\)$|$)")
 ELSEWHERE = {
     "lShldr", "L_Thigh", "nohup", "reserve", "AVTS", "AVPO", "XrQuaternionf", "_optical", "_ned", "is_pressed",
     "avatarsim.engines", "links_31_contact", "avatars_10_apart", "restitution_sphere_240", "friction_box_flat_1000",

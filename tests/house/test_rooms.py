@@ -1,4 +1,4 @@
-"""Who may know whom, what an import costs, and how long a file may be."""
+"""Which room may import which, what an import costs, and how long a file may be."""
 
 import ast
 import subprocess
@@ -68,7 +68,7 @@ def test_lower_rooms_do_not_know_higher_ones(room: str) -> None:
 
 @pytest.mark.parametrize("room", sorted(WRITES))
 def test_no_room_writes_what_it_may_not(room: str) -> None:
-    """No assignment to an element or attribute of a name or field that says it belongs to somebody else."""
+    """No assignment to an element or attribute of a name or field that says it belongs to another room."""
     for file in sorted((ENGINE / room).glob("*.py")):
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AugAssign) else []

@@ -1,4 +1,4 @@
-"""Docstrings and comments of the engine and beside it, and all pages, name bodies, links, avatars; modules say their subject."""
+"""Prose of the whole project, code and pages, names bodies, links, engines, users; modules open with a sentence."""
 
 import ast
 import io
@@ -12,14 +12,28 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 ENGINE = ROOT / "avatarsim"
 FILES = sorted(ENGINE.rglob("*.py"))
-ROOMS = (
-    "examples", "reference", "reports", "runfiles", "tests/collision", "tests/coupling", "tests/ik", "tests/model", "tests/rigid",
-    "tests/scene",
-)
+ROOMS = (".setup", "docs", "examples", "reference", "reports", "runfiles", "scenarios", "tests")
 """Folders beside the engine whose prose is held to the same words."""
-PAGES = [*sorted(ROOT.glob("*.md")), *sorted((ROOT / "docs").glob("*.md"))]
+OUTPUTS = ROOT / "reports" / "out"
+"""Where commands write."""
 
-PERSONS = re.compile(r"\b(who|whom|whoever|nobody|somebody|everybody|anybody)\b", re.IGNORECASE)
+
+def sources(folder: Path, pattern: str) -> list[Path]:
+    """Files below a folder, in order, without what commands wrote."""
+    return [file for file in sorted(folder.rglob(pattern)) if OUTPUTS not in file.parents]
+
+
+PAGES = [*sorted(ROOT.glob("*.md")), *sources(ROOT / "docs", "*.md")]
+OPENED = [*FILES, *(file for room in ROOMS for file in sources(ROOT / room, "*.py"))]
+"""Modules that open with a sentence."""
+ENDINGS = {".toml", ".j2", ".html", ".js", ".css", ".yml"}
+TEXTS = [
+    *(ROOT / name for name in ("Makefile", "pyproject.toml", ".pre-commit-config.yaml", ".ci/run")),
+    *(file for room in ("avatarsim", ".github", *ROOMS) for file in sources(ROOT / room, "*") if file.suffix in ENDINGS),
+]
+"""Settings, templates and scripts: held to the same words as a whole, for they use none of them as names."""
+
+PERSONS = re.compile(r"\b(who|whom|whoever|(no|some|every|any)body|(some|every|any)one|strangers?)\b", re.IGNORECASE)
 """Subjects of which a reader cannot tell whether a body, a link, an avatar, a process or a user is meant."""
 
 SENTENCE = re.compile(r"[A-Z0-9`\"(]\S*( \S+){2,}[.?]")
@@ -61,7 +75,7 @@ def test_prose_has_no_persons_for_subjects(file: Path) -> None:
 
 @pytest.mark.parametrize("room", ROOMS)
 def test_prose_beside_the_engine_has_none_either(room: str) -> None:
-    files = sorted((ROOT / room).rglob("*.py"))
+    files = sources(ROOT / room, "*.py")
     assert files
     found = {str(file.relative_to(ROOT)): persons_in(file.read_text(encoding="utf-8")) for file in files}
     assert {name: lines for name, lines in found.items() if lines} == {}
@@ -72,7 +86,12 @@ def test_pages_have_no_persons_for_subjects(page: Path) -> None:
     assert persons_on(page.read_text(encoding="utf-8")) == []
 
 
-@pytest.mark.parametrize("file", FILES, ids=[str(file.relative_to(ENGINE)) for file in FILES])
+@pytest.mark.parametrize("file", TEXTS, ids=[str(file.relative_to(ROOT)) for file in TEXTS])
+def test_settings_templates_and_scripts_have_none(file: Path) -> None:
+    assert not PERSONS.search(file.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("file", OPENED, ids=[str(file.relative_to(ROOT)) for file in OPENED])
 def test_modules_open_with_a_sentence(file: Path) -> None:
     assert opens_with_a_sentence(file.read_text(encoding="utf-8"))
 

@@ -25,7 +25,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
 NOBODY = 65534
-"""The user and group of nobody, as which everything runs where this is started by root."""
+"""Id of the unprivileged user and group, as which everything runs where root starts this."""
 PYTHONS = ("python3.11", "python3.12", "python3.13")
 PROMISED = 5.0
 """Longest [s] from `pip install` of a wheel with kernels, where its dependencies are there, to the first frame."""
@@ -131,7 +131,7 @@ def example() -> tuple[str, str]:
 
 
 def as_nobody() -> dict[str, Any]:
-    """Options of a process that is not root's: only root can choose another user, everybody else is one already."""
+    """Options of a process that is not root's: only root can choose another user, and only root has to."""
     return {"user": NOBODY, "group": NOBODY, "extra_groups": []} if os.getuid() == 0 else {}
 
 

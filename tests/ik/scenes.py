@@ -92,7 +92,7 @@ def posed(scene: Scene, rng: np.random.Generator, spread: float, room: float) ->
 
 
 def drawn(scene: Scene, seed: int, frames: int) -> Iterator[TrackerSample]:
-    """A motion that drifts, twitches, rests and leaps, into whatever stands around and beyond the limits of joints."""
+    """A motion that drifts, twitches, rests and jumps, into whatever stands around and beyond the limits of joints."""
     rng, sample = np.random.default_rng(seed), scene.first_sample
     roots = np.array([isinstance(link.joint, Free) for link in scene.links])
     balls = np.array([isinstance(link.joint, Ball) for link in scene.links])

@@ -1,4 +1,4 @@
-"""Ways between postures: what is proved free is free at a thousand places on it, and what is free by a little is proved."""
+"""Straight motions between postures: one proved free is free at a thousand places on it, one free by a little is proved."""
 
 from dataclasses import replace
 

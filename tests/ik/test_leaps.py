@@ -1,4 +1,4 @@
-"""A target that leaps and spins is followed through nothing, though the frame's budget would reach it."""
+"""Teleports: a target that jumps and spins is followed through nothing, though the frame's budget would reach it."""
 
 from itertools import islice
 
@@ -18,7 +18,7 @@ def test_a_palm_whose_target_leaps_out_of_the_room_stays_inside(seed: int, frame
 
 @pytest.mark.parametrize("begins", ["loaded", "restored"])
 def test_an_avatar_does_not_leap_into_one_whose_island_is_solved_for_later(begins: str) -> None:
-    """Seed 264: in the very first frame the arm of one leaps to where the other, which touches nothing, still is."""
+    """Seed 264: in the very first frame the arm of one jumps to where the other, which touches nothing, still is."""
     trial = TRIALS["two"]()
     go = ride(trial.scene, 264)
     samples = [sample for _, sample in islice(one_return(trial, 264, 60, 0), 12)]

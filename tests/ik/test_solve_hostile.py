@@ -1,4 +1,4 @@
-"""Frames where it is hard: leaps into things, squeezes, walls between avatar and target; and what rests, rests."""
+"""Frames where it is hard: jumps into bodies, squeezes, walls between avatar and target; and what rests, rests."""
 
 from dataclasses import replace
 from itertools import islice

@@ -26,7 +26,7 @@ OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
 TALLEST = 12_000
 """Height [px] of the index of a full run that is still read to its end, at the width of `wide`."""
 LARGEST_GIF = 20_000_000
-"""Bytes; a moving picture of a whole scene that is larger cannot be sent to anyone."""
+"""Bytes; a moving picture of a whole scene that is larger is too large to send."""
 
 COLOURS = """
 new Promise((done) => {

@@ -1,4 +1,4 @@
-"""Which avatars are led around what holds them off, along which paths, and what their frames say and cost."""
+"""The supervisor: which stalled avatars follow a path, along which, and what their frames report and cost."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_a_door_is_found_and_gone_through_within_the_motion_budget() -> None:
         shown = record.shown
         assert judge.overlaps(shown.positions, shown.orientations).deepest == 0.0
         moved_by = float(np.linalg.norm(shown.positions[3] - before))
-        # the first frame has the leap of the target in its budget
+        # the first frame has the jump of the target in its budget
         assert first or moved_by <= SETTINGS.catch_up_move * DT * 1.2
         before, first = shown.positions[3], False
     assert run.far(target) < 1e-3 and run.said["planning"] > 0 and run.said["following"] > 0

@@ -1,4 +1,4 @@
-"""The dumb twin of a pass: one contact after the other."""
+"""The dumb twin of a projected Gauss-Seidel sweep: one contact after the other."""
 
 import numpy as np
 
@@ -6,7 +6,7 @@ from avatarsim.rigid.solver import change, wanted_friction, wanted_normal
 
 
 def one_by_one(contacts, masses, order, grip: bool, linear, angular) -> float:
-    """The dumb twin of a pass over contacts in that order, each asked what it wants and pushed; returns the largest change."""
+    """Sweep over contacts in that order, normal first, friction if `grip`; returns the largest change of velocity."""
     worst = 0.0
     for k in order:
         if contacts.target[k] == -np.inf:

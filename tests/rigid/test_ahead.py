@@ -1,4 +1,4 @@
-"""Bodies that would meet within a plastic step are foreseen, come as near as that allows, and lose no time."""
+"""Speculative contacts: bodies that would meet in an inelastic fallback step come as near as that allows, and lose no time."""
 
 import numpy as np
 import pytest

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from avatarsim.rigid.contacts import Masses, add_contact, axis, make_contacts, velocity_at, weigh
-from avatarsim.rigid.solver import PATIENCE, ROUGH, STALE_BELOW, WANDERS, solve_contacts, sweeps, unsolved
+from avatarsim.rigid.solver import PATIENCE, STALE_BELOW, WANDERS, solve_contacts, sweeps, unsolved
+from avatarsim.tolerances import ROUGH
 
 ROOM = 16
 

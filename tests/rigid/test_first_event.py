@@ -1,4 +1,4 @@
-"""What is called out of reach has no impact in the frame: the quick answer against the search itself."""
+"""Pairs called out of reach have no time of impact in the frame: the quick answer against the search itself."""
 
 import numpy as np
 import pytest

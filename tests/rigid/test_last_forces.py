@@ -1,4 +1,4 @@
-"""Forces of the last segment come back to the points that had them, beside a plain dictionary."""
+"""Contact force warm start: forces of the last segment come back to the points that had them, against a plain dictionary."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Promised boxes hold the motion, and sleepers near it wake."""
+"""Swept boxes contain the motion, and sleeping bodies near it wake."""
 
 import numpy as np
 

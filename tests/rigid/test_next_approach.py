@@ -1,4 +1,4 @@
-"""The next contact in the queue of impacts, by looking again only at bodies that were hit, against looking at all."""
+"""The next contact in the queue of impacts, updated only for bodies that were hit, against a search over all."""
 
 import numpy as np
 import pytest

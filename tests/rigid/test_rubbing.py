@@ -1,4 +1,4 @@
-"""A hand that is held up rubs as it is seen to move; one that goes freely, as its user does."""
+"""Driven contact velocity: of a hand that is blocked, as it is shown to move; of one that goes freely, as its user moves."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Seams of floors that are cut in pieces: no body notices them, and every real step is met."""
+"""Internal edges of floors that are cut in pieces: they move no body, and every real step is met."""
 
 from collections.abc import Sequence
 

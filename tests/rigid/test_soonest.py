@@ -1,4 +1,4 @@
-"""The order of near pairs by time against looking at all of them, and the pairs of a body against a search."""
+"""The order of near pairs by time of impact against a search over all, and the pairs of a body against a search."""
 
 import numpy as np
 import pytest

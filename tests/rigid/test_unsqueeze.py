@@ -1,4 +1,4 @@
-"""Simulated bodies that overlap are pushed apart, whatever they weigh; and a state that is left overlapping says so."""
+"""Position projection: bodies that overlap are moved apart, whatever they weigh; a state that is left overlapping says so."""
 
 import pytest
 

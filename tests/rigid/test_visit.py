@@ -1,4 +1,4 @@
-"""A pass over all contacts against its dumb twin: one after the other, each asked what it wants, each pushed along its axes."""
+"""A projected Gauss-Seidel sweep over all contacts against its dumb twin, which takes one after the other."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Sums of a pass of the contact solver: against numpy, and those along the normal alone against those along all three axes."""
+"""Sums of a sweep of the contact solver: against numpy, and those along the normal alone against those along all three axes."""
 
 import numpy as np
 import pytest

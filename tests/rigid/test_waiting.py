@@ -1,4 +1,4 @@
-"""What a driven body gets from heavy bodies, and what happens to those, against equation 9."""
+"""Deferred impacts: what a driven body gets from heavy bodies, and what happens to those, against equation 9."""
 
 import numpy as np
 import pytest

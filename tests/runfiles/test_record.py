@@ -1,3 +1,5 @@
+"""Recordings in files: bits and hashes survive, a write that fails changes nothing, damaged files are refused."""
+
 from dataclasses import fields, replace
 from pathlib import Path
 

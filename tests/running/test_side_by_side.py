@@ -1,4 +1,4 @@
-"""Every task gets its answer, side by side or not; who dies is told, and nobody else is lost."""
+"""Every task gets its answer, side by side or not; a process that dies is reported, and no other answer is lost."""
 
 import multiprocessing
 import os

@@ -1,6 +1,6 @@
 """Deliberately bad engines. A scene that any of them passes cannot tell good from bad.
 
-They join the harness as a stranger's engine would: through the entry-point group, from a folder on the path (`joined`).
+They join the harness as any outside engine does: through the entry-point group, from a folder on the path (`joined`).
 """
 
 import os

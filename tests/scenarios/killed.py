@@ -144,7 +144,7 @@ def killed(words: Sequence[str], out: Path, moment: float, group: bool) -> bool:
             os.killpg(running.pid, signal.SIGKILL)
         else:
             running.kill()
-    # children that outlive it hold its error stream until they hear that it has gone
+    # worker processes that outlive it hold its error stream until they notice that it has gone
     running.communicate(timeout=PATIENCE)
     return True
 

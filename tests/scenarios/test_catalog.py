@@ -106,7 +106,7 @@ def test_the_wall_stands_a_foot_inside_the_reach_and_is_never_wholly_passed(name
     samples = [motion(frame) for frame in range(scenario.frames)]
     assert reach(scene.avatars, samples, (1.0, 0.0, 0.0)).max() - face == pytest.approx(0.3, abs=0.01)
     places, _ = link_poses_each(scene.avatars, samples)
-    # whoever follows the tracker blindly is seen on the wrong side, but most of the avatar never gets there
+    # the raw tracker is seen on the wrong side, but most of the avatar never gets there
     wrong = places[:, :, 0] > scenario.regions[0].high[0]
     assert wrong.any() and wrong.mean(axis=1).max() < 0.5
     assert places[:, 0, 0].max() < face

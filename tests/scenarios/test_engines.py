@@ -1,3 +1,5 @@
+"""Engines by name: built in or by entry points, and what is refused."""
+
 import sys
 from pathlib import Path
 

@@ -11,7 +11,9 @@ import pytest
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.live.orders import World
 from avatarsim.live.recording import Recorder
+from avatarsim.scene.scene import Scene
 from scenarios import catalog, own_scenes
+from scenarios.__main__ import main
 from scenarios.running import offered
 from tests.live.small import plan, pushed
 
@@ -79,6 +81,27 @@ def test_an_avatar_goes_into_a_room_of_another_file(boxes: str, arm: tuple[str, 
     assert scene.avatars and {"a", "ball"} <= {body.name.removeprefix("room_") for body in scene.bodies}
 
 
+def test_scales_are_metres_a_unit_of_each_file(tmp_path: Path, boxes: str, arm: tuple[str, str]) -> None:
+    (tmp_path / "shelf.xml").write_text(
+        '<mujoco><worldbody><body name="board" pos="4 0 1"><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>')
+
+    def made(**scales: float) -> Scene:
+        own_scenes.ask([boxes], arm[0], str(tmp_path / "shelf.xml"), None, 1.0, **scales)
+        (scenario,) = catalog.scenarios().values()
+        return scenario.build()
+
+    plain, scaled = made(), made(scene_scale=0.5, avatar_scale=0.2, room_scale=2.0)
+    places = [{body.name: body.position for body in scene.bodies} for scene in (plain, scaled)]
+    assert places[0]["ball"][2] == pytest.approx(1.0) and places[1]["ball"][2] == pytest.approx(0.5)
+    assert places[0]["board"][0] == pytest.approx(4.0) and places[1]["board"][0] == pytest.approx(8.0)
+    spans = [scene.avatars[0].span for scene in (plain, scaled)]
+    assert spans[1] == pytest.approx(0.2 * spans[0])
+    # and a file that has the avatar itself
+    own_scenes.ask([arm[0]], None, None, arm[1], 1.0, scene_scale=0.5)
+    (scenario,) = catalog.scenarios().values()
+    assert scenario.build().avatars[0].span == pytest.approx(0.5 * spans[0])
+
+
 def test_what_cannot_be_run_is_refused_at_the_door(tmp_path: Path, boxes: str, arm: tuple[str, str]) -> None:
     (tmp_path / "arm_in_ball.xml").write_text(ARM.replace("0 1 1", "0 0 1"))
     with pytest.raises(StartOverlaps, match="ball"):
@@ -114,6 +137,19 @@ def test_the_command_runs_them_and_says_what_is_wrong(tmp_path: Path, boxes: str
     assert mixed.returncode == 2 and "--filter with --scene" in mixed.stderr
     lone = compared(tmp_path / "out", "--motion", boxes)
     assert lone.returncode == 2 and "--motion" in lone.stderr
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (["--room-scale", "2"], "--room-scale is '2.0'; valid: with --scene"),
+    (["--scene", "x", "--scene-scale", "nan"], "--scene-scale is nan"), (["--scene", "x", "--scene-scale", "0"], "above 0"),
+    (["--scene", "x", "--avatar-scale", "-1", "--avatar", "x"], "--avatar-scale is -1.0"),
+    (["--scene", "x", "--avatar-scale", "2"], "an option beside --avatar"),
+    (["--scene", "x", "--room-scale", "2"], "an option beside --room"),
+    (["--scene", "x.xml", "--scene-scale", "1e9"], "metres a unit of length of x.xml"),
+])
+def test_a_scale_without_sense_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", *words]) == 2
+    assert said in capsys.readouterr().err
 
 
 def test_an_avatar_that_meets_nothing_is_whole(arm: tuple[str, str], tmp_path: Path) -> None:
@@ -156,6 +192,8 @@ def test_a_recording_of_a_live_session_is_a_scene_with_its_motion(tmp_path: Path
     np.testing.assert_array_equal(motion(41).positions, pushed(42).positions)
     with pytest.raises(InvalidFile, match="--room beside mine.live"):
         own_scenes.ask([str(tmp_path / "mine.live")], None, "floor", None, 5.0)
+    with pytest.raises(InvalidFile, match="--scene-scale beside mine.live"):
+        own_scenes.ask([str(tmp_path / "mine.live")], None, None, None, 5.0, scene_scale=0.5)
 
 
 def test_a_recording_without_frames_is_refused(tmp_path: Path) -> None:

@@ -6,14 +6,16 @@ A process of its own, beside what it is sent to. It prints how many messages it 
 """
 
 import argparse
+import logging
 import random
 import socket
 import sys
+import threading
 import time
 from collections import Counter
-from collections.abc import Callable
 from contextlib import suppress
 
+import viser
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
@@ -26,6 +28,8 @@ BATCH = 50
 """Datagrams sent at once, between two looks at the clock."""
 HALF_OPEN = 100
 """TCP connections that say nothing, or half of a request."""
+PAUSE = 0.2
+"""[s] between two such things."""
 NUMBERS = 100_000_000
 """Zeros of one message: more than any reader may keep."""
 
@@ -38,25 +42,37 @@ def main() -> int:
     top.add_argument("--seconds", type=float, default=60.0)
     top.add_argument("--seed", type=int, default=1)
     asked = top.parse_args()
-    chance, done, end = random.Random(asked.seed), Counter[str](), time.monotonic() + asked.seconds
+    # a client that is cut says so at length
+    logging.disable()
+    done, end = Counter[str](), time.monotonic() + asked.seconds
+    connecting = threading.Thread(target=connections, args=(asked, random.Random(asked.seed + 1), done, end), daemon=True)
+    connecting.start()
+    chance, messages = random.Random(asked.seed), [*GARBAGE.values(), GOOD.encode()]
+    prepared = [damaged(chance.choice(messages), chance) for _ in range(A_SECOND)]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as datagrams:
+        due = time.monotonic()
+        while time.monotonic() < end:
+            for _ in range(BATCH):
+                datagrams.sendto(chance.choice(prepared), (HOST, asked.udp))
+            done["datagrams"] += BATCH
+            due += BATCH / A_SECOND
+            time.sleep(max(0.0, due - time.monotonic()))
+    print(dict(done), flush=True)
+    return 0
+
+
+def connections(asked: argparse.Namespace, chance: random.Random, done: Counter[str], end: float) -> None:
+    """Floods, half-open sockets, foreign origins and endless messages, one after the other until the time is over."""
     others = (
         lambda: flood(asked.ws, chance), lambda: foreign(asked.ws, "/tracker"), lambda: foreign(asked.page, "/"),
         lambda: half_open(asked.ws, chance), lambda: endless(asked.ws),
     )
-    messages = [*GARBAGE.values(), GOOD.encode()]
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as datagrams:
-        next_other, due = time.monotonic(), time.monotonic()
-        while (now := time.monotonic()) < end:
-            for _ in range(BATCH):
-                datagrams.sendto(damaged(chance.choice(messages), chance), (HOST, asked.udp))
-            done["datagrams"] += BATCH
-            if now >= next_other:
-                next_other = now + 0.5
-                attempt(chance.choice(others), done)
-            due = max(due + BATCH / A_SECOND, now - 1.0)
-            time.sleep(max(0.0, due - time.monotonic()))
-    print(dict(done))
-    return 0
+    while time.monotonic() < end:
+        try:
+            done[chance.choice(others)()] += 1
+        except (OSError, WebSocketException) as error:
+            done[type(error).__name__] += 1
+        time.sleep(PAUSE)
 
 
 def damaged(message: bytes, chance: random.Random) -> bytes:
@@ -72,14 +88,6 @@ def damaged(message: bytes, chance: random.Random) -> bytes:
     return message
 
 
-def attempt(other: Callable[[], str], done: Counter[str]) -> None:
-    """Do another thing, and count how it ended."""
-    try:
-        done[other()] += 1
-    except (OSError, WebSocketException) as error:
-        done[type(error).__name__] += 1
-
-
 def flood(port: int, chance: random.Random) -> str:
     """Messages as fast as they go, until the socket is cut."""
     messages = list(GARBAGE.values())
@@ -90,8 +98,10 @@ def flood(port: int, chance: random.Random) -> str:
 
 
 def foreign(port: int, path: str) -> str:
-    """A handshake of another page."""
-    with connect(f"ws://{HOST}:{port}{path}", origin="http://example.com", compression=None) as one:  # type: ignore[arg-type]
+    """A handshake of another page, which speaks as ours does."""
+    ours = [f"viser-v{viser.__version__}"] if path == "/" else None
+    where = f"ws://{HOST}:{port}{path}"
+    with connect(where, origin="http://example.com", subprotocols=ours, compression=None) as one:  # type: ignore[arg-type]
         one.recv(5.0)
     return "foreign origins that were served"
 

@@ -162,7 +162,7 @@ def humanoid_trial() -> Trial:
 
 
 def two_trial() -> Trial:
-    """The sixteen hulls and a palm that somebody else holds: two avatars in the room, each in the other's way."""
+    """The sixteen hulls and a palm driven by another user: two avatars in the room, each in the other's way."""
     palm = (Piece(Box((0.18, 0.09, 0.03))),)
     avatars = hinged_avatar(), rigid_avatar("palm", palm, solid(palm, 0.5))
     at_rest = rest(avatars)

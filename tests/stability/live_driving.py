@@ -196,9 +196,8 @@ def beside(page: Page, scene: Scene, asked: argparse.Namespace) -> Iterator[Refu
         udp, ws = (page.ports.addresses[kind][1] for kind in ("udp", "websocket"))
         where = ["--udp", str(udp), "--ws", str(ws), "--page", str(page.server.get_port())]
         how_long = ["--seconds", str(asked.seconds), "--seed", str(asked.seed)]
-        with subprocess.Popen([sys.executable, "-m", "tests.stability.garbage", *where, *how_long]) as sender:
+        with subprocess.Popen([sys.executable, "-m", "tests.stability.garbage", *where, *how_long]):
             yield page.ports.refusals
-            sender.terminate()
         print(f"refused at the page: {page.server.refusals.counts}", file=sys.stderr)
 
 

@@ -1,7 +1,7 @@
 """Soak test: one engine through a million frames of the same minutes again; memory stays flat, frames do not get slower.
 
 `python -m tests.stability.soak --frames 1000000`. A humanoid turns, bends and leans against the furniture of a closed room, and a
-palm that somebody else holds stirs loose balls in a bin: postures, contacts, impacts, islands that fall asleep and wake. Time is
+palm of another user stirs loose balls in a bin: postures, contacts, impacts, islands that fall asleep and wake. Time is
 held against a second engine, loaded anew for every sample, whose frames take turns with the old one's: what slows the machine
 down slows both, and only what the old one has gathered is left.
 """
@@ -153,7 +153,7 @@ class Report:
 
 
 def resident() -> int:
-    """Bytes of this process that are in memory, once what nobody uses was given back."""
+    """Bytes of this process that are in memory, once unused objects were given back."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize()
 

@@ -11,7 +11,7 @@ from tests.stability.hostile_run import AT_LAST, PATIENCE, PROMPT, RETURN_SEEDS,
 
 
 def assert_nothing_broke(report: Report) -> None:
-    """No overlap, no excess, nobody outside, no nan, and nobody lost without a word."""
+    """No overlap, no excess, no link outside, no nan, and no avatar that stays away and reports nothing."""
     assert report.overlaps == []
     assert report.outside == []
     assert report.hinges == []

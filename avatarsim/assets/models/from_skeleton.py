@@ -96,7 +96,8 @@ def human(
     if ignored:
         listed = ", ".join(f"{a} and {b}" for a, b in ignored)
         said.append(f"pairs that overlap in a standing posture or in the first frame, and may: {listed}")
-    return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
+    at_rest = tuple((f"{avatar.name}/{a}", f"{avatar.name}/{b}") for a, b in ignored)
+    return Model(avatar, coordinates(avatar, skeleton), (), tuple(said), at_rest=at_rest)
 
 
 def coordinates(avatar: Avatar, skeleton: Skeleton) -> Coordinates:

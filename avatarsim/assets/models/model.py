@@ -18,7 +18,9 @@ class Model:
     bodies       the fixed room and loose bodies
     said         sentences for the user: what was excluded, fixed, guessed
     exclude      pairs of names that never touch, besides those of the avatar itself, as in `Scene.exclude`
-    start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar"""
+    start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar
+    at_rest      of the pairs that never touch, by their names in a scene, those that do not since they overlap at the file's
+                 reference or, of a recorded skeleton, standing or in the first frame; the others are the file's own word"""
 
     avatar: Avatar | None
     coordinates: Coordinates | None
@@ -26,6 +28,7 @@ class Model:
     said: tuple[str, ...]
     exclude: tuple[tuple[str, str], ...] = ()
     start: TrackerSample | None = None
+    at_rest: tuple[tuple[str, str], ...] = ()
 
     def scene(self, name: str = "model") -> Scene:
         """All of it as a scene, at its start."""

@@ -4,7 +4,7 @@ Depths are those of EPA (van den Bergh 2001). An avatar with a free root, and a 
 raised; what overlaps after that is excluded and said.
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from dataclasses import replace
 
 from avatarsim.assets.models.model import Model
@@ -86,7 +86,7 @@ def _raised(model: Model, lifts: dict[str, float]) -> Model:
     return replace(model, bodies=bodies, start=start)
 
 
-def _without(model: Model, pairs: Iterable[tuple[str, str, float]]) -> Model:
+def _without(model: Model, pairs: Sequence[tuple[str, str, float]]) -> Model:
     """The model in which these pairs never touch."""
     avatar, own, others = model.avatar, [], []
     named = {} if avatar is None else {f"{avatar.name}/{link.name}": link.name for link in avatar.links}
@@ -97,4 +97,5 @@ def _without(model: Model, pairs: Iterable[tuple[str, str, float]]) -> Model:
             others.append((a, b))
     if avatar is not None and own:
         avatar = replace(avatar, ignore=(*avatar.ignore, *own))
-    return replace(model, avatar=avatar, exclude=(*model.exclude, *others))
+    at_rest = (*model.at_rest, *((a, b) for a, b, _ in pairs))
+    return replace(model, avatar=avatar, exclude=(*model.exclude, *others), at_rest=at_rest)

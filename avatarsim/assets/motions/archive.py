@@ -1,4 +1,4 @@
-"""NumPy archives (.npz: a zip of .npy arrays, NEP 1) from strangers, read with limits; equal arrays are written as equal bytes.
+"""NumPy archives (.npz: a zip of .npy arrays, NEP 1), untrusted, read with limits; equal arrays are written as equal bytes.
 
 What an entry unpacks to, its shape and its type are compared with the limits before a byte of it is unpacked; nothing is ever
 unpickled. An entry of Python objects (a pickle) is left out and named.

@@ -124,6 +124,14 @@ def left_alone(layout: Layout, coordinates: Coordinates) -> tuple[str, ...]:
     return tuple(joint for joint in layout.joints or () if joint not in coordinates.names)
 
 
+def by_order(coordinates: Coordinates) -> str:
+    """What is taken for what where a file names no joints: width alone says that it fits."""
+    # what is held at the reference has a slot for each of its numbers
+    count = len({slot.name for slot in coordinates.slots if slot.kind != "free"})
+    root = "a root and " if any(slot.kind == "free" for slot in coordinates.slots) else ""
+    return f"columns matched by order: {root}{count} joint{'' if count == 1 else 's'}, no names in the file"
+
+
 def shortened(names: list[str] | tuple[str, ...]) -> str:
     """Names in a row, of many the first and how many more."""
     more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""

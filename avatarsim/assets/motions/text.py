@@ -1,4 +1,4 @@
-"""Numbers and texts of files from strangers: what a word says, if it says a number that means anything."""
+"""Numbers and texts of untrusted files: what a word says, if it says a number that means anything."""
 
 from pathlib import Path
 

@@ -89,10 +89,15 @@ class Trajectory:
         caps.require_frames(self.name, len(self.times), coordinates.links)
         found = self._motion(coordinates)
         alone = matching.left_alone(self.layout, coordinates)
-        sentence = f"{self.name}: left as they are, since the avatar has no such joints: {matching.shortened(alone)}"
-        if alone and sentence not in self.notes:
-            self.notes.append(sentence)
+        if alone:
+            self._note(f"{self.name}: left as they are, since the avatar has no such joints: {matching.shortened(alone)}")
+        if self.layout.joints is None:
+            self._note(f"{self.name}: {matching.by_order(coordinates)}; joints= says names for another order")
         return found
+
+    def _note(self, sentence: str) -> None:
+        if sentence not in self.notes:
+            self.notes.append(sentence)
 
     def _columns(self, coordinates: Coordinates) -> matching.Columns:
         return matching.columns(self.name, self.layout, self.table.shape[1], coordinates)

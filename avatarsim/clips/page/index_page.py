@@ -1,4 +1,4 @@
-"""The page of a folder: one line for each clip, with what it was before and what it is after, and what could not be done."""
+"""The page of a folder: one line for each clip, with what it was before and what it is after, and what is not done."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -34,7 +34,7 @@ def verdict(clips: int, left: int, troubles: int) -> str:
     """One sentence on a folder."""
     state = f"{left} not clean" if left else "all free of overlap, in and between frames"
     done = f"{clips} clip{'' if clips == 1 else 's'}: {state}"
-    return f"{done}; {troubles} could not be done" if troubles else done
+    return f"{done}; {troubles} not done" if troubles else done
 
 
 def _row(one: Mapping[str, Any]) -> list[str]:

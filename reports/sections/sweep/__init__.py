@@ -1,1 +1,1 @@
-"""Accuracy against time: points, fronts, the cheapest setting, ladders of steps, performance profiles."""
+"""Work-precision sweep: points, fronts, the cheapest setting, ladders of steps, performance profiles."""

@@ -1,4 +1,4 @@
-"""Does an error fall as steps get finer? Ladders of steps in which it grows, by one rule for all engines and scenes."""
+"""Step refinement: ladders of steps in which an error grows, by one rule for all engines and scenes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

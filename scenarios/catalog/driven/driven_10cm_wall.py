@@ -39,7 +39,7 @@ def build() -> Scene:
 def motion(scene: Scene, seed: int) -> Motion:
     """In, along, and out again."""
     inside = FACE - RADIUS + DEEP
-    # never straight in: a user who moves along the normal alone is rightly answered by standing still
+    # never straight in: to motion along the normal alone standing still is the right answer
     keys = [(0.6, _at(inside, 0.1)), (1.0, _at(inside, 0.2)), (2.0, _at(inside, 0.6)), (2.6, _at(0.0, 0.5)), (3.0, _at(0.0, 0.3))]
     return through(scene.first_sample, keys, FRAMES).motion()
 
@@ -59,7 +59,7 @@ SCENARIO = Scenario(
     regions=(
         Region(
             ("hand",), (-INFINITE, -INFINITE, -INFINITE), (FACE + 0.5 * THICK, INFINITE, INFINITE),
-            "nobody goes through the wall; it cannot be walked round",
+            "nothing goes through the wall; it cannot be walked round",
         ),
     ),
 )

@@ -1,4 +1,4 @@
-"""Who gives way: a driven hand presses a simulated box against a wall, further than there is room.
+"""Squeezing: a driven hand presses a simulated box against a fixed wall, further than there is room.
 
 Fixed bodies never give way, driven ones first, simulated ones if they must. The user pushes the box along the floor until
 it stands at the wall, presses on, 8 cm further within 0.3 s, moves about while pressing, lets go, and once more. In the end
@@ -78,7 +78,7 @@ SCENARIO = Scenario(
         ),
         Region(
             ("hand",), (-INFINITE, -INFINITE, -INFINITE), (FACE + 0.5 * THICK, INFINITE, INFINITE),
-            "nobody goes through the wall; it cannot be walked round",
+            "nothing goes through the wall; it cannot be walked round",
         ),
     ),
 )

@@ -1,4 +1,4 @@
-"""Item 15: a box spinning about its middle axis turns over again and again, without gravity and without anything to touch.
+"""Dzhanibekov effect: a box that spins about its middle axis turns over again and again, in free space.
 
 Box of 0.1 x 0.4 x 0.9 m, 10 kg, first angular velocity (0.1, 5, 0.1) rad/s. The spin about the middle axis crosses zero at 1.166,
 4.194, 7.223 s and so on (Jacobi's elliptic functions).

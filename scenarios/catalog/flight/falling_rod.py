@@ -1,4 +1,4 @@
-"""Item 13: a thin rod falls over on a frictionless floor; its centre comes straight down.
+"""A thin rod falls over on a frictionless floor; its centre comes straight down.
 
 Closed form: w^2 = 12 g (cos a0 - cos a) / (L (1 + 3 sin^2 a)), a the angle from upright. It holds for a rod with round ends too,
 since the floor pushes through the middle of the end.

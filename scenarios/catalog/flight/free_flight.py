@@ -1,4 +1,4 @@
-"""Item 1: a ball and a turning box are thrown through the air, and a second ball falls on a slab at the end.
+"""Free flight: a ball and a turning box are thrown through the air, and a second ball falls on a slab at the end.
 
 Closed form: z = h + v t - g t^2 / 2. Engines that step semi-implicitly are g t dt / 2 too low at any time t. The last ball shows
 that the same engine sees contact at all.

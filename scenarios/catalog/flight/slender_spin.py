@@ -1,4 +1,4 @@
-"""Item 16: a slender rod, one moment of inertia a thousandth of the others, spins at 100 rad/s almost about its thin axis.
+"""Torque-free rotation: a slender rod, one inertia a thousandth of the others, spins at 100 rad/s almost about its thin axis.
 
 No gravity and nothing to touch. Angular momentum and energy must stay for a minute; the thin axis turns 16 times a second.
 """

@@ -1,4 +1,4 @@
-"""Item 11: blocks on slopes. Friction a tenth of a degree below and above the slope decides whether they stay.
+"""Coulomb friction of blocks on slopes: a tenth of a degree below and above the slope decides whether they stay.
 
 Closed form: a = g (sin a - mu cos a) where that is positive, else none; a box tips where tan a > base / height.
 """
@@ -85,7 +85,7 @@ def courses() -> tuple[Course, ...]:
 SCENARIO = Scenario(
     name="incline",
     title="Blocks on slopes of 10 to 40 degrees, with friction just below and just above what holds them.",
-    judged="Who slides and who stays, the acceleration of those that slide, and that a tall box does not tip.",
+    judged="Which blocks slide and which stay, the acceleration of those that slide, and that a tall box does not tip.",
     build=build,
     motion=untracked(),
     frames=90,
@@ -95,7 +95,7 @@ SCENARIO = Scenario(
         Bound("course_error_max", 2e-6, "at a tenth of a degree a block slides 9 mm in a second or none; plus 1e-6 m of air"),
         Bound("energy_gain_max", 1e-9, "friction only takes"),
     ),
-    regions=(Region(("sl*", "st*"), (-INFINITE, -INFINITE, -1.3), (INFINITE,) * 3, "nobody falls through a board"),),
+    regions=(Region(("sl*", "st*"), (-INFINITE, -INFINITE, -1.3), (INFINITE,) * 3, "nothing falls through a board"),),
     expects={
         "courses": courses(),
         "alone": tuple((name,) for name in (*(name for name, _, _ in CASES), *TALL)),

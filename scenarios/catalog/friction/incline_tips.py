@@ -1,4 +1,4 @@
-"""Item 11, tipping: a box on a rough slope of 20 degrees, one degree taller than what stands (`incline` has that one)."""
+"""Tipping: a box on a rough slope of 20 degrees, one degree taller than what stands (`incline` has that one)."""
 
 from math import radians, tan
 

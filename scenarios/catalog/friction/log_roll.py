@@ -1,7 +1,7 @@
-"""Item 10, for logs: capsules across their way slide over a table until they roll, or roll from the start.
+"""Sliding until rolling, for logs: capsules across their way slide over a table until they roll, or roll from the start.
 
 With k = I / (m r^2) about its axis a log slides with v0 - mu g t until v0 k / ((1 + k) mu g) and then rolls at v0 / (1 + k). The
-line on which it touches stays below its axis however it turns: nobody may carry it round with the body.
+line on which it touches stays below its axis however it turns: no engine may carry it round with the body.
 """
 
 from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
@@ -73,6 +73,6 @@ SCENARIO = Scenario(
         Bound("spin_error_max", 4e-5, "as the velocity, over the radius"),
         Bound("energy_gain_max", 1e-9, "friction only takes"),
     ),
-    regions=(Region(tuple(LANES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls through the table"),),
+    regions=(Region(tuple(LANES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls through the table"),),
     expects={"courses": tuple(course(name) for name in LANES), "alone": tuple((name,) for name in LANES)},
 )

@@ -1,4 +1,4 @@
-"""Item 14: rods slide with their lower end ahead over ever rougher floors: Painleve's paradox.
+"""Painleve's paradox: rods slide with their lower end ahead over ever rougher floors.
 
 At an angle of arctan 2 from upright no finite force is consistent from mu = 4/3 on; impulses are. Nothing but invariants is
 judged: the rod is a number, above the floor, and has no more energy than before.

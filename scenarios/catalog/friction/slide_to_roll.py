@@ -1,4 +1,4 @@
-"""Item 10: balls slide over a table without spin until friction has them rolling, at 5/7 of their speed.
+"""Sliding until rolling: balls slide over a table without spin until friction has them rolling, at 5/7 of their speed.
 
 Closed form: v0 - mu g t until 2 v0 / (7 mu g), after 12 v0^2 / (49 mu g); from then on 5/7 v0.
 """
@@ -69,7 +69,7 @@ SCENARIO = Scenario(
         Bound("spin_error_max", 4e-5, "as the velocity, over the radius"),
         Bound("energy_gain_max", 1e-9, "friction only takes"),
     ),
-    regions=(Region(("ball_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls through the table"),),
+    regions=(Region(("ball_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls through the table"),),
     expects={
         "courses": tuple(course(friction, LANE * (k - 1)) for k, friction in enumerate(FRICTIONS)),
         "alone": tuple((f"ball_{friction:g}",) for friction in FRICTIONS),

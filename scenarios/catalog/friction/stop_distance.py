@@ -1,4 +1,4 @@
-"""Item 12: boxes slide over the floor at 3 m/s in three directions and stop after v^2 / (2 mu g), straight on.
+"""Stopping distance: boxes slide over the floor at 3 m/s in three directions and stop after v^2 / (2 mu g), straight on.
 
 A friction pyramid gets the diagonal wrong by up to 41 %, a Coulomb cone does not. The boxes are turned with their way, so that
 each is the same question.

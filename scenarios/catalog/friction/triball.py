@@ -1,4 +1,4 @@
-"""Item 17: a body on three balls, one of them on a rough lane, brakes as hard as the load on that ball allows.
+"""Loads shown by friction: a body on three balls, one of them on a rough lane, brakes as hard as the load on that ball allows.
 
 Contact forces are not shown by any engine, but friction shows them: feet on ice feel nothing, the rough one brakes with mu N.
 With the centre of mass at height h above the ground and the rough foot at x_1, the two others at x_2, balance of forces and
@@ -67,6 +67,6 @@ SCENARIO = Scenario(
         Bound("velocity_error_max", 2e-6, "as the place, over a second"),
         Bound("energy_gain_max", 1e-9, "friction only takes"),
     ),
-    regions=(Region(("three_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls through a lane"),),
+    regions=(Region(("three_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls through a lane"),),
     expects={"courses": tuple(course(k) for k in range(len(FEET))), "alone": tuple((f"three_{k}",) for k in range(len(FEET)))},
 )

@@ -1,4 +1,4 @@
-"""Item 20: centres that coincide, where a direction out has to be chosen and none is nearer than another.
+"""Centres that coincide, where a direction out has to be chosen and none is nearer than another.
 
 A user's ball is led from the side into the very centres of a fixed ball, capsule, cube, ellipsoid and hull, one after the other,
 stays there and goes on to the next: an engine that divides by the distance of centres loses its numbers there.

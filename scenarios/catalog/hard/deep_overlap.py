@@ -1,4 +1,4 @@
-"""Item 25: pairs of boxes that begin 1, 5, 10 and 20 cm inside each other, without gravity: what comes out must not fly.
+"""Deep overlap at the start: pairs of boxes that begin 1, 5, 10 and 20 cm inside each other, without gravity, must not fly apart.
 
 An engine may refuse such a start and name the pairs, as a scene asks for by expecting a refusal; one that resolves it must add no
 velocity. Engines that push with springs or with position errors turned into speed shoot the boxes apart.

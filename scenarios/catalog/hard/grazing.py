@@ -1,8 +1,9 @@
-"""Item 23: bodies that miss or graze one another by 1 mm down to 1e-15 m: nothing jumps where the sign changes.
+"""Grazing impacts: bodies miss or graze one another by 1 mm down to 1e-15 m, and nothing jumps where the sign changes.
 
 Balls fly past fixed balls so that their centres would come as near as the sum of the radii and a bit more, or a bit less. Closed
-form, elastic and without friction: who misses flies straight on; who grazes at an offset b turns by 2 acos(b / R), which goes to
-0 with the square root of how much it grazes. Cubes pass a fixed face with the same gaps and feel nothing, friction or not.
+form, elastic and without friction: a ball that misses flies straight on; one that grazes at an offset b turns by 2 acos(b / R),
+which goes to 0 with the square root of how much it grazes. Cubes pass a fixed face with the same gaps and feel nothing, friction
+or not.
 """
 
 from math import sqrt
@@ -35,7 +36,7 @@ GAPS = (1e-3, 1e-6, 1e-9, 1e-12, 1e-15, -1e-15, -1e-12, -1e-9, -1e-6, -1e-3, CON
 PASSING = tuple(gap for gap in GAPS if gap >= 1e-12)
 """Gaps between cube and bar [m]: a cube that had less would not begin free."""
 STAND_OFF = 2.2e-8
-"""Whoever turns at a gap of 2e-8 m is turned as if it had grazed by so much more [m]; a tenth for the accuracy of that gap."""
+"""A ball that turns at a gap of 2e-8 m turns as if it had grazed by so much more [m]; a tenth for the accuracy of that gap."""
 TURNED = 2.0 * sqrt(2.0 * STAND_OFF / REACH)
 """The angle [rad] which that is at most: 2 acos(1 - s / R)."""
 
@@ -90,7 +91,7 @@ SCENARIO = Scenario(
         NO_OVERLAP, FINITE,
         Bound(
             "course_error_max", TURNED * (SPEED * FRAMES * RENDERED - BEFORE),
-            "a stand-off of 2e-8 m turns who just misses by 9e-4 rad at most, over the way that is left",
+            "a stand-off of 2e-8 m turns a near miss by 9e-4 rad at most, over the way that is left",
         ),
         Bound("energy_gain_max", 1e-12, "elastic at most"),
     ),

@@ -1,4 +1,4 @@
-"""Item 26: a rigid hand of fifteen parts stirs in a bowl of thirteen pieces, pressed against its bottom and its side.
+"""A non-convex bowl: a rigid hand of fifteen parts stirs in a bowl of thirteen pieces, pressed against its bottom and its side.
 
 The bowl is hollow: nothing in it can be reached without passing its rim, and from inside there is no way through its wall. The
 user goes 3 cm into the bottom and, fingertips ahead, 4 cm into the side, which is less thick, all the way round.

@@ -1,5 +1,4 @@
-"""Item 26: rings, channels and angles of convex pieces: what is hollow is hollow, for those that fall through and for those that
-fall on.
+"""Non-convex bodies of convex pieces: rings, channels and angles are hollow for what falls through them and on what they fall.
 
 A ball falls through a fixed ring, one to the bottom of a channel, one into the notch of an angle. A ring falls over a post, a
 channel over a bar, as a staple does. None of these touches what its convex hull would hit; closed forms: free fall, and the
@@ -92,7 +91,7 @@ def falls(start: Vector, way: float, restitution: float) -> OfTime:
 
 
 def courses() -> tuple[Course, ...]:
-    """Who meets nothing on the way, and lands."""
+    """Bodies that meet nothing on the way, and land."""
     starts = {body.name: body.position for body in build().bodies}
     ways = {
         "through_ring": (HIGH + HEIGHT - BALL, RESTITUTION), "in_channel": (HEIGHT, RESTITUTION),
@@ -112,14 +111,14 @@ SCENARIO = Scenario(
     frames=120,
     bounds=(
         NO_OVERLAP, RIGHT_SIDE, FINITE,
-        Bound("course_error_max", 1e-6, "nobody of these touches anything before landing; apexes are 2e-8 m off"),
+        Bound("course_error_max", 1e-6, "none of these touches anything before landing; apexes are 2e-8 m off"),
         Bound("energy_gain_max", 1e-9, "no bounce adds energy, whatever the shape"),
         Bound("travel_missing", 0.0, "those that tumble come down"),
     ),
     regions=(
         Region(
             ("through_ring", "in_*", "hoop", "staple", "tumbling_*"), (-INFINITE, -INFINITE, -0.1), (INFINITE,) * 3,
-            "nobody falls through the floor",
+            "nothing falls through the floor",
         ),
     ),
     expects={

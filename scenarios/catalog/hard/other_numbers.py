@@ -1,7 +1,7 @@
-"""Item 38: the same little world at frame times from a microsecond to 0.2 s, a hundred kilometres away, and in other units.
+"""Invariance of frame time, origin and units: one little world at 1 us to 0.2 s, a hundred kilometres away, in mm and in km.
 
-What is true does not depend on any of these numbers. The frame time is how often somebody looks; the origin is where somebody put
-it; a world in millimetres has lengths and a gravity a thousand times as large in numbers, one in kilometres a thousandth.
+Motion depends on none of these numbers. The frame time is how often states are shown, the origin a choice of coordinates; a
+world in millimetres has lengths and a gravity a thousand times as large in numbers, one in kilometres a thousandth.
 """
 
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ FAR = (6e4, -8e4, 1e3)
 TIMES: Mapping[str, float] = {"dt_torture": 0.2, "dt_torture_30ms": 0.03, "dt_torture_1ms": 1e-3, "dt_torture_1us": 1e-6}
 """Frame times [s]: 120 of them are 24 seconds, or an eighth of a millisecond."""
 EARLY = 1e-7
-"""[m] off the closed form: whoever turns at a gap of 2e-8 m is twice that off; the rest is what gravity does meanwhile."""
+"""[m] off the closed form: a body that turns at a gap of 2e-8 m is twice that off; the rest is what gravity does meanwhile."""
 
 
 def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scenario:

@@ -1,4 +1,4 @@
-"""Item 24, for floors made of bodies: who slides or rolls across the seams between them goes as far as on one piece.
+"""Internal edges of floors made of bodies: what slides or rolls across the seams goes as far as on one piece.
 
 `split_invariance` cuts one body, straight across the way. Here every stone is a body of its own, seams lean or cross, the way
 leads over them at an angle, and what slides is of pieces itself or carries others. Closed forms: v^2 / (2 mu g), 5/7 v for a ball
@@ -22,11 +22,11 @@ from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, Bound, Region, Scenario
 
 SPEED, FRICTION, GRAVITY, MASS = 2.0, 0.5, 9.81, 1.0
-"""First speed [m/s], friction of everybody on the stones, gravity [m/s^2], mass of each that moves [kg]."""
+"""First speed [m/s], friction of all bodies on the stones, gravity [m/s^2], mass of each that moves [kg]."""
 LONG, WIDE, THICK, LANE = 5.0, 2.0, 0.2, 2.4
 """Edges of every floor [m], and the distance of neighbouring floors [m]."""
 START = -1.5
-"""Where all begin along x [m]; who rolls gets to 1.5 m in the time of the scene."""
+"""Where all begin along x [m]; a ball that rolls gets to 1.5 m in the time of the scene."""
 STONES = {"rows": 12, "leaning": 12, "chequered": 12, "fine": 64}
 """Stones along each floor. The last has a seam every eight centimetres: up to six under a box at once."""
 ABREAST = {"chequered": 4}
@@ -47,7 +47,7 @@ CLINGS = 0.9
 
 @dataclass(frozen=True)
 class Slider:
-    """Who slides on which floor: its pieces, how high it lies and how it is turned, and at which angle [rad] its way leads."""
+    """A body that slides: its floor, its pieces, how high it lies [m], how it is turned, and the angle of its way [rad]."""
 
     floor: str
     pieces: tuple[Piece, ...]
@@ -75,7 +75,7 @@ def lane(floor: str) -> float:
 
 
 def side(name: str) -> float:
-    """Where somebody begins along y [m], none in the way of another."""
+    """Where a body begins along y [m], none in the way of another."""
     if name in PILE:
         return lane("fine")
     if name in ROLLERS:
@@ -113,7 +113,7 @@ def direction(way: float) -> Vector:
 
 
 def build() -> Scene:
-    """Four floors of stones, and who slides and rolls over them."""
+    """Four floors of stones, and the bodies that slide and roll over them."""
     bodies = [stone for floor in STONES for stone in stones(floor)]
     for name, it in SLIDERS.items():
         x, y, _ = direction(it.way)
@@ -173,12 +173,12 @@ SCENARIO = Scenario(
     bounds=(
         NO_OVERLAP, RIGHT_SIDE, FINITE,
         Bound("course_error_max", 3e-6, "the closed forms know nothing of seams; a micrometre for each box of the pile"),
-        Bound("velocity_error_max", 2e-6, "nobody is thrown, braked or turned aside by a seam; a ball keeps what it rolls with"),
+        Bound("velocity_error_max", 2e-6, "no body is thrown, braked or turned aside by a seam; a ball keeps what it rolls with"),
         Bound("stop_distance_error_max", 0.01, "v^2 / (2 mu g) to a ten-thousandth, as on one piece"),
-        Bound("stop_direction_error_max", 0.01, "a seam across the way at any angle pushes nobody aside"),
+        Bound("stop_direction_error_max", 0.01, "a seam across the way at any angle pushes no body aside"),
         Bound("energy_gain_max", 1e-9, "a seam adds no energy"),
     ),
-    regions=(Region((*SLIDERS, *ROLLERS), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls between the stones"),),
+    regions=(Region((*SLIDERS, *ROLLERS), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls between the stones"),),
     expects={
         "courses": (*map(sliding, SLIDERS), *map(rolling, ROLLERS)),
         "stops": tuple(

@@ -1,4 +1,4 @@
-"""Item 22: boxes with edges of 1 to 20, 1 to 30 and 1 to 1000 fly at a sheet of a millimetre, flat, edge on and corner on.
+"""Slivers: boxes with edges of 1 to 20, 1 to 30 and 1 to 1000 fly at a sheet of a millimetre, flat, edge on and corner on.
 
 No gravity, elastic, no friction, every impact through the centre of mass: they come back the way they went. Beside them slivers
 collide with slivers, turned at random: no closed form, but momentum and energy stay. The judge's depth of such boxes is the least
@@ -118,7 +118,7 @@ SCENARIO = Scenario(
         Bound("energy_gain_max", 1e-9, "elastic at most"),
     ),
     regions=(
-        Region(tuple(f"{way}_*" for way in WAYS), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nobody gets through the sheet"),
+        Region(tuple(f"{way}_*" for way in WAYS), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nothing gets through the sheet"),
     ),
     expects={
         "courses": tuple(Course(name(*case), there_and_back(k)) for k, case in enumerate(CASES)),

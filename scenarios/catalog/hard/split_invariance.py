@@ -1,4 +1,4 @@
-"""Item 24: the same floor cut into 1, 2, 8 and 64 pieces, and into slivers: nobody who slides, bounces or rolls on it may notice.
+"""Internal edges of one body: a floor cut into 1, 2, 8 and 64 pieces, and into slivers, is the same to what moves on it.
 
 Each floor has a box that slides until it stops, a ball that bounces on a seam, and a ball that slides until it rolls, and all
 seams across their way. Closed forms as in `stop_distance`, `bounce_ladder` and `slide_to_roll`. Engines that find a normal per
@@ -110,7 +110,7 @@ MOVING = tuple(f"{kind}_{name}" for name in CUTS for kind in ("slides", "bounces
 SCENARIO = Scenario(
     name="split_invariance",
     title="Boxes slide and balls bounce and roll over the same floor cut into 1 to 64 pieces, and into slivers.",
-    judged="Whether anybody notices a seam.",
+    judged="Whether a seam changes any motion.",
     build=build,
     motion=untracked(),
     frames=75,

@@ -1,4 +1,4 @@
-"""Item 27: balls of 1 cm fly at a wall of 1 cm with 2 to 1000 m/s, each from 20 starts spread over the way of one frame.
+"""Tunnelling: balls of 1 cm fly at a wall of 1 cm with 2 to 1000 m/s, each from 20 starts spread over the way of one frame.
 
 No gravity, elastic. Closed form: contact at (d - r) / v, d from the ball's centre to the wall's face;
 then back at the same speed.
@@ -78,6 +78,6 @@ SCENARIO = Scenario(
             "the time of contact is (d - r) / v; a gap of 1e-6 m is contact, and a ball that turns there is twice that off",
         ),
     ),
-    regions=(Region(("ball_*",), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nobody gets through the wall"),),
+    regions=(Region(("ball_*",), (-INFINITE,) * 3, (0.0, INFINITE, INFINITE), "nothing gets through the wall"),),
     expects={"courses": courses()},
 )

@@ -1,8 +1,8 @@
-"""Item 24, for floors that are not quite even: boxes slide down a stair whose steps are a micrometre high, and hardly go farther.
+"""A floor that is not quite even: boxes slide down a stair whose steps are a micrometre high, and hardly go farther.
 
 Each step adds m g times a micrometre to what friction has to take: eleven of them, three hundredths of a thousandth of the way.
 Corners that stand on different steps ask a rigid body for velocities that it cannot have at once, and a solver that takes its
-time, or jumps, goes centimetres too far. Nobody is on more than one step up: that would be a wall.
+time, or jumps, goes centimetres too far. No step leads up: that would be a wall.
 """
 
 from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
@@ -80,7 +80,7 @@ SCENARIO = Scenario(
         Bound("stop_direction_error_max", 0.01, "no step is higher on one side than on the other"),
         Bound("energy_gain_max", 1e-9, "a step gives what the box was higher, and no more"),
     ),
-    regions=(Region(tuple(CASES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nobody falls between the stones"),),
+    regions=(Region(tuple(CASES), (-INFINITE, -INFINITE, 0.0), (INFINITE,) * 3, "nothing falls between the stones"),),
     expects={
         "stops": tuple(
             Stop(name, stop_distance(SPEED, FRICTION, GRAVITY), (1.0, 0.0, 0.0), stop_time(SPEED, FRICTION, GRAVITY))

@@ -1,4 +1,4 @@
-"""Item 2: balls fall one metre and bounce with restitution 0 to 1, at frame times from 1/30 to 1/1000 s.
+"""Newton's restitution: balls fall one metre and bounce with restitution 0 to 1, at frame times from 1/30 to 1/1000 s.
 
 Closed form: impact n at t1 (1 + 2 e (1 - e^(n-1)) / (1 - e)), t1 = sqrt(2 h / g); apex n at e^(2n) h. The same at any frame time.
 """

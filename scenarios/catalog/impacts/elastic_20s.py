@@ -1,4 +1,4 @@
-"""Item 4: an elastic ball bounces for twenty seconds, 44 times from one metre, and loses nothing.
+"""Energy drift: an elastic ball bounces for twenty seconds, 44 times from one metre, and loses nothing.
 
 The question of SimBenchmark's bouncing test: how the energy drifts. Impact n is at (2 n - 1) sqrt(2 h / g).
 """

@@ -1,4 +1,4 @@
-"""Item 8: five equal elastic balls in a row, the first comes in at 1 m/s, without strings and without gravity.
+"""Newton's cradle: five equal elastic balls in a row, the first comes in at 1 m/s, without strings and without gravity.
 
 With gaps of 1 mm the impacts follow one another and the last ball takes all: 0, 0, 0, 0, 1. Touching balls are a question of the
 law used: ours takes pairs one after another (eqs. 7 to 10), and `newton_cradle_touching` bounds how far the outcome is from the

@@ -1,4 +1,4 @@
-"""Item 5: spheres hit a plate at 5 m/s under angles of 20, 45 and 70 degrees, with friction of 0.1, 0.3 and 1.
+"""Oblique impacts with friction: spheres hit a plate at 5 m/s under angles of 20, 45 and 70 degrees, friction 0.1, 0.3 and 1.
 
 Without gravity, so that nothing changes before and after the impact. Closed form: where friction can stop the slip,
 mu (1 + e) v_n >= 2/7 v_t, the sphere leaves at 5/7 v_t; else at v_t - mu (1 + e) v_n and spinning.

@@ -1,4 +1,4 @@
-"""Item 9: rods and cubes hit a smooth plate off their centre, without spin and without gravity: eq. 9 with arms.
+"""Eccentric impacts: rods and cubes hit a smooth plate off their centre, without spin and without gravity: eq. 9 with arms.
 
 A rod comes down on one end, a cube on one corner. Closed form: impulse -(1 + e) v_n / (1 / m + n . (I^-1 (r x n) x r)) at the
 point that meets the plate. Rods turn about a main axis and cubes have none, so the spin then stays as it is.

@@ -1,4 +1,4 @@
-"""Item 7: a light ball just above a heavy one, both falling on a plate at 3 m/s, all impacts elastic, without gravity.
+"""Superball: a light ball just above a heavy one, both falling on a plate at 3 m/s, all impacts elastic, without gravity.
 
 The heavy ball bounces first and then throws the light one back at (3 M - m) / (M + m) v; at m = M / 3 it keeps nothing itself.
 """

@@ -1,4 +1,4 @@
-"""Item 6: two spheres meet head on, with mass ratios from 1 to a million and restitution 0, 0.5 and 1, without gravity.
+"""Central impacts: two spheres meet head on, with mass ratios from 1 to a million and restitution 0, 0.5 and 1, without gravity.
 
 Closed form: v_a' = (m_a - e m_b) v / (m_a + m_b), v_b' = (1 + e) m_a v / (m_a + m_b) when b was at rest.
 """

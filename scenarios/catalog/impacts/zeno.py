@@ -1,4 +1,4 @@
-"""Item 3: balls bounce ever faster and lower until, after infinitely many bounces in a finite time, they lie still.
+"""Zeno sequences: balls bounce ever faster and lower until, after infinitely many bounces in a finite time, they lie still.
 
 Closed form of that time: sqrt(2 h / g) (1 + e) / (1 - e), after a way of h (1 + e^2) / (1 - e^2). An engine that takes bounces
 one by one never gets there, one that stops counting gets there early.

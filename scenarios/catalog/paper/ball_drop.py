@@ -44,7 +44,7 @@ def build() -> Scene:
 
 
 def motion(scene: Scene, seed: int) -> Motion:
-    """Nobody is tracked: empty samples at the right times."""
+    """Without an avatar: empty samples at the right times."""
 
     def sample(frame: int) -> TrackerSample:
         return rest(scene.avatars, (frame + 1) * RENDERED)

@@ -75,7 +75,7 @@ def hand_goes(mass: float, y: float) -> OfTime:
 
 
 def courses(dt: float) -> tuple[Course, ...]:
-    """Places of all hands with light balls, and velocities of these: within which part of a frame a user struck, nobody says."""
+    """Places of all hands with light balls, and velocities of these: samples leave open when in a frame a hand strikes."""
     found = []
     for k, (mass, ratio) in enumerate(CASES):
         if ratio == LIGHT:

@@ -122,7 +122,7 @@ def in_corner(
         regions=(
             Region(
                 ("hand*",), (-INFINITE, -INFINITE, -INFINITE), (0.5 * THICK, 0.5 * THICK, INFINITE),
-                "nobody goes through the walls; they cannot be walked round",
+                "nothing goes through the walls; they cannot be walked round",
             ),
         ),
     )

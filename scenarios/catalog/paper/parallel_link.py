@@ -63,7 +63,7 @@ SCENARIO = Scenario(
     regions=(
         Region(
             ("human/*",), (-INFINITE, -INFINITE, -0.5 * THICK), (INFINITE, FACE + 0.5 * THICK, INFINITE),
-            "nobody goes through the wall, nor through the floor; it cannot be walked round",
+            "nothing goes through the wall, nor through the floor; it cannot be walked round",
         ),
     ),
 )

@@ -82,7 +82,7 @@ SCENARIO = Scenario(
     regions=(
         Region(
             ("arm/*",), (-INFINITE, -INFINITE, -INFINITE), (FACE + 0.5 * THICK, INFINITE, INFINITE),
-            "nobody goes through the wall; it cannot be walked round",
+            "nothing goes through the wall; it cannot be walked round",
         ),
     ),
 )

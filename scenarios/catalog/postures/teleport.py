@@ -2,7 +2,7 @@
 
 Every half second the user is somewhere else in room one of the gallery, up to half a metre beyond its walls, turned
 anyhow, every joint drawn anew, knees and elbows up to a radian beyond their limits; between jumps the user moves slowly.
-Whoever follows blindly is inside a wall, the table or the user's own body most of the time.
+The raw tracker is inside a wall, the table or the user's own body most of the time.
 
 In the 240 frames of a quick comparison the raw motion is inside itself in 172 of them (up to 0.11 m deep), inside
 wall_west in 60 (0.21 m), inside wall_door_north in 30 (0.069 m), inside table in 30 (0.082 m).

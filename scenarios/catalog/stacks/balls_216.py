@@ -1,4 +1,4 @@
-"""Item 19: SimBenchmark's 666 test: a lattice of 6 x 6 x 6 balls falls a little, lands, and topples.
+"""SimBenchmark's 666 test: a lattice of 6 x 6 x 6 balls falls a little, lands, and topples.
 
 The lattice is sheared by a hair, so that it does not balance on itself. How deep are balls in one another, and does energy
 appear?

@@ -1,4 +1,4 @@
-"""Item 18: a heavy box on a light one. How much can an engine stack?
+"""Mass ratios in stacks: a heavy box on a light one, up to the largest ratio that an engine can stack.
 
 `heavy_on_light` is the tower of a thousand to one; `heavy_on_light_ratios` asks for the largest ratio that stands, from equal
 masses to ten thousand to one. Each tower begins with a millimetre of air below either box. One that stands has its boxes where

@@ -1,4 +1,4 @@
-"""What a group of bodies that nothing else touches must keep: momentum, angular momentum, and never more energy than before."""
+"""Conservation in a group of bodies that nothing else touches: momentum, angular momentum, and never more energy than before."""
 
 from dataclasses import dataclass
 
@@ -91,7 +91,7 @@ def conserved(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     for names in _groups(scenario, "alone"):
         own = group(recording, scene, names)
         rises = np.maximum(np.diff(own.energy(gravity), prepend=np.inf)[1:], 0.0)
-        # who rests all the time has gained nothing
+        # bodies that rest all the time have gained nothing
         found.setdefault("energy_gain_max", []).append(0.0 if np.max(rises) == 0.0 else _relative(rises, own.fastest()))
     # np.max keeps nan, which max() may lose
     return {metric: float(np.max(values)) for metric, values in found.items()}

@@ -1,4 +1,4 @@
-"""What should rest: how far it drifts, how much it still moves at the end, and which towers stand."""
+"""Bodies that should rest: how far they drift, how much they still move at the end, and which towers stand."""
 
 import numpy as np
 

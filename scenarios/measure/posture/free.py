@@ -1,4 +1,4 @@
-"""When is the way free? When the raw tracker's own posture overlaps nothing, is on the right side and within the limits."""
+"""Free targets: frames in which the raw tracker's own posture overlaps nothing, is on the right side and within the limits."""
 
 from collections.abc import Callable
 

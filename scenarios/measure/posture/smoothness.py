@@ -1,4 +1,4 @@
-"""Does the shown avatar shake, jerk, or wait far off without a word? Finite differences of link origins against the target's.
+"""Smoothness: does the avatar shake, jerk, or wait far off and report nothing? Differences of link origins against the target's.
 
 A figure that is no number counts as the worst: comparisons are written so that nan shakes, is off, and is in contact.
 
@@ -26,7 +26,7 @@ LEAST_JERK = 20.0
 """Jerk [m/s^3] that stands in for a target that moves more evenly: a third difference of 0.1 mm at 60 Hz. Without it a resting
 target would make every motion infinitely jerky."""
 CALM = 0.5
-"""Time [s] for which the target must have been free before an avatar elsewhere owes a status: a way back takes a while."""
+"""Time [s] for which the target must have been free before an avatar elsewhere must report a status: a way back takes a while."""
 
 
 def jitter(reversed_by: Array, target: Array, contact: Flags, dt: float) -> float:

@@ -1,4 +1,4 @@
-"""Does the shown avatar stand still while its user moves? Freezing is the cheapest way to overlap nothing."""
+"""Freezing: does the shown avatar stand still while its user moves? That is the cheapest way to overlap nothing."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""How far the shown avatar is from what the user did, by link origins, by joint angles, and as one body."""
+"""Tracking error: how far the shown avatar is from the tracker sample, by link origins, by joint angles, and as one body."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,1 +1,1 @@
-"""Accuracy against time: every engine over a dozen settings of its own knobs, on scenes that tell; resumable by content."""
+"""Work-precision sweep: every engine over a dozen of its own settings, in scenes that tell them apart; resumable by content."""

@@ -1,4 +1,4 @@
-"""One engine with one setting in one scene, and the two questions asked of it: how wrong, and how long."""
+"""One engine with one setting in one scene, and what is measured of it: errors, and time."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property

@@ -1,4 +1,4 @@
-"""The scenarios of the catalogue with every frame cut in parts: "stack_ten~4" advances four times where "stack_ten" does once.
+"""Step refinement: scenarios of the catalogue with every frame cut in parts; "stack_ten~4" advances four times per frame.
 
 A module of scenarios by name, as the catalogue is.
 """

@@ -1,4 +1,4 @@
-"""Consistent or right: each engine against its own run at an eighth of the smallest step, in scenes without a closed form.
+"""Self-convergence: each engine against its own run at an eighth of the smallest step, in scenes without a closed form.
 
 An engine whose runs approach one another as its steps shrink is consistent. Whether what they approach is right is another
 question: what that finest run leaves of overlap and beyond the limits, and how far it is from the finest runs of the others.

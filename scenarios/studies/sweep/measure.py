@@ -47,6 +47,6 @@ def number_of(outcome: Outcome, name: str) -> float | None:
 
 
 def told(pairs: Iterable[tuple[Job, Entry | Died]]) -> Iterator[tuple[Job, Entry]]:
-    """The same with an entry for whoever died."""
+    """The same with an entry for each job that died."""
     for job, found in pairs:
         yield job, entry_of(Outcome(job, "crashed", str(found))) if isinstance(found, Died) else found

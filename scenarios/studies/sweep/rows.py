@@ -41,7 +41,7 @@ WRONG_SIDE, NOT_FINITE, GAP = "wrong_side_frames", "not_finite_frames", "contact
 
 REACHED: Mapping[str, float] = {"m": 1e-6, "deg": 1e-6, "": 1e-6, "m/s": 1e-6, "rad/s": 1e-5, "%": 1e-2, "s": 1e-6, "frames": 0.0}
 """By unit, the error that counts as none: the bounds of the catalogue. Smaller figures differ by rounding or by the judge's own
-error, and who has 1e-9 m is not more accurate than who has 1e-8 m."""
+error, and 1e-9 m is not more accurate than 1e-8 m."""
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ IN_WALL = {60: 0.33, 240: 0.001, 960: 0.0005}
 QUICK: dict[str, object] = {"motor_force": 150.0, "armature": 0.3}
 """What that takes at 1/60 from the first frame on: with 30 N m limbs are thrown 51 degrees beyond before they are held."""
 UNCUT = {60: (1.4, 0.02), 240: (0.010, 0.001), 960: (0.0005, 0.0005)}
-"""Known excess at most and while held [deg] of who is asked 30 degrees past the limits."""
+"""Known excess at most and while held [deg], with targets 30 degrees past the limits."""
 UNBOUND: dict[str, object] = {"motor_force": 0.0, "armature": 0.3}
 """What that takes at 1/60: a servo that is at its most has no damping, and its limb is thrown 26 degrees beyond."""
 

@@ -63,7 +63,7 @@ def across_the_step(ball: int, found: Seen) -> tuple[int, float]:
 
 
 def at_surface(ball: int, found: Seen) -> float:
-    """sqrt of energy: of the first rising state above the floor over the last falling one; 0 for who never comes up."""
+    """sqrt of energy: of the first rising state above the floor over the last falling one; 0 where there is none."""
     height, speed = found.places[:, ball, 2] - BALL.radius, found.velocities[:, ball, 2]
     k = int(np.argmax(speed > 0.0))
     out = np.flatnonzero((speed[k:] > 0.0) & (height[k:] >= 0.0))

@@ -25,7 +25,7 @@ CREEP = 4e-3
 
 
 def after(found: Seen, body: int = 0) -> float:
-    """v+/v- across the step in which a body begins to rise; 0 for who never does."""
+    """v+/v- across the step in which a body begins to rise; 0 if it never does."""
     speed = found.velocities[:, body, 2]
     k = int(np.argmax(speed > 1e-9))
     return float(speed[k] / -speed[k - 1]) if k else 0.0

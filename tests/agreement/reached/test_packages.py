@@ -1,4 +1,4 @@
-"""What is known of the packages themselves, in the versions that are pinned: their defaults, and whom they get along with."""
+"""What is known of the packages themselves, in the pinned versions: their defaults, and that they work beside numpy 2."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Which solver an engine takes, where it begins and whom it solves together: its results are the same to noise.
+"""Solver, warm start and islands of an engine: whichever it takes, its results are the same to noise.
 
 A hand of fifteen ellipsoids is pressed on a table and moved along it, against a ball: friction, many contacts, two islands.
 """
@@ -27,7 +27,7 @@ NOISE = 1e-3
 
 
 def scene() -> Scene:
-    """The ball lies in the hand's way, and a second one where nobody comes."""
+    """The ball lies in the hand's way, and a second one out of it."""
     ball = (Piece(Sphere(0.04)),)
     places = {"ball": (0.25, 0.0, 0.04), "other": (0.5, 0.3, 0.04)}
     balls = [simulated(name, ball, "wood", solid(ball, 0.2), place) for name, place in places.items()]

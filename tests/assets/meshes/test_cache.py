@@ -57,7 +57,7 @@ def test_a_damaged_entry_is_found_and_replaced(damage: str, cache_folder: Path) 
 
 
 def test_where_nothing_can_be_written_the_answer_is_not_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # a file where the folder should be stops everybody, the administrator too
+    # a file where the folder should be stops every user, root too
     blocked = tmp_path / "blocked"
     blocked.write_text("", encoding="utf-8")
     monkeypatch.setattr(cache, "_folders", lambda: iter([blocked / "pieces"]))

@@ -27,6 +27,7 @@ def test_links_that_overlap_never_touch_and_are_listed_with_their_depth(tmp_path
            '<body name="c" pos="0.15 0 0"><joint/><geom size="0.1"/></body></body></body>'
     model = av.load_avatar(written(tmp_path, body))
     assert model.avatar is not None and model.avatar.ignore == (("a", "c"),)
+    assert model.at_rest == ((f"{model.avatar.name}/a", f"{model.avatar.name}/c"),)
     (said,) = (text for text in model.said if "overlap at the reference" in text)
     assert sizes(said, "and MODEL/c".replace("MODEL", model.avatar.name)) == pytest.approx(0.05, rel=0.02)
     loaded(model)
@@ -57,7 +58,7 @@ def test_what_hangs_deep_in_a_wall_stays_and_never_touches_it(tmp_path: Path) ->
     cube = '<body name="cube" pos="0 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body>'
     body = f'<geom name="wall" type="box" size="5 5 5"/>{cube}'
     model = av.load_room(written(tmp_path, body))
-    assert model.exclude == (("wall", "cube"),) and model.bodies[1].position == (0.0, 0.0, 1.0)
+    assert model.exclude == (("wall", "cube"),) == model.at_rest and model.bodies[1].position == (0.0, 0.0, 1.0)
     loaded(model)
 
 
@@ -68,4 +69,6 @@ def test_the_base_of_an_arm_stands_in_its_table(tmp_path: Path) -> None:
     model = av.load_avatar(written(tmp_path, body))
     assert model.avatar is not None
     assert set(model.exclude) == {("table", f"{model.avatar.name}/base"), ("table", f"{model.avatar.name}/turn")}
+    # the base is fixed as the table is, whatever overlaps
+    assert model.at_rest == (("table", f"{model.avatar.name}/turn"),)
     loaded(model)

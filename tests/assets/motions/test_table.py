@@ -142,6 +142,18 @@ def test_what_was_assumed_is_said(tmp_path: Path) -> None:
     assert load_motion(written(tmp_path, FORMS["names and times"][0])).said == ()
 
 
+@pytest.mark.parametrize(("form", "by_order"), [
+    ("LAFAN1", True), ("rows counted", True), ("names", False), ("names by the user", False),
+])
+def test_columns_that_are_matched_by_order_are_said(tmp_path: Path, form: str, by_order: bool) -> None:
+    content, options, _ = FORMS[form]
+    found = load_motion(written(tmp_path, content), **options)
+    for _ in range(2):
+        found.motion(robot())
+    said = "some.csv: columns matched by order: a root and 4 joints, no names in the file; joints= says names for another order"
+    assert found.said.count(said) == by_order == any("by order" in sentence for sentence in found.said)
+
+
 def cell(row: int, column: int, word: str) -> str:
     lines = [line.split(",") for line in text(LAFAN).splitlines()]
     lines[row][column] = word

@@ -267,6 +267,18 @@ def test_balls_are_rows_of_four(tmp_path: Path) -> None:
     assert np.allclose(motion.rotations[:, 1], q[:, 7:11]) and np.allclose(motion.angles, q[:, 11:])
 
 
+def test_an_archive_without_names_is_said_to_be_matched_by_order(tmp_path: Path) -> None:
+    found = load_motion(saved(tmp_path / "some.npz", {"joint_pos": walk(FRAMES), "fps": 50}))
+    found.motion(held())
+    assert any("columns matched by order: a root and 4 joints, no names in the file" in sentence for sentence in found.said)
+    alone = load_motion(saved(tmp_path / "other.npz", {"qpos": walk(FRAMES)[:, 7:], "fps": 50}))
+    alone.motion(robot(free=False))
+    assert any("matched by order: 4 joints, no names" in sentence for sentence in alone.said)
+    named = load_motion(saved(tmp_path / "named.npz", holosoma()))
+    named.motion(robot())
+    assert not any("by order" in sentence for sentence in named.said)
+
+
 def test_what_was_assumed_and_left_alone_is_said(tmp_path: Path) -> None:
     arrays, _ = FORMS["a joint too many"]
     found = load_motion(saved(tmp_path / "some.npz", arrays))

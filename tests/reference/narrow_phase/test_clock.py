@@ -1,4 +1,4 @@
-"""Turns are taken, poses are set before the question, who fails is out, and quartiles do not notice a single disturbance."""
+"""Turns are taken, poses are set before the query, what fails is out, and quartiles do not notice a single disturbance."""
 
 from collections.abc import Callable
 

@@ -13,7 +13,7 @@ EXACT = {"ours": 1e-9, "ours+place": 1e-9, "ours/call": 1e-9, "coal exact": 1e-8
 """Metres within which a contender is expected in the cells below; it would miss them by decimetres with pairs mixed up."""
 
 LOOSE = 1e-2
-"""The same for everybody else: margins, first contacts of several, iterations that end early."""
+"""The same for all others: margins, first contacts of several, iterations that end early."""
 
 CELLS = Cell("box", "hull", "shallow"), Cell("sphere", "ellipsoid", "apart")
 THERE, _ = contenders(ROOMS)

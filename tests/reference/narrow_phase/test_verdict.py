@@ -1,4 +1,4 @@
-"""The verdict on made-up numbers: who is a rival, what is taken off, and what nan and wrong answers lead to."""
+"""The verdict on made-up numbers: which library is a rival, what is taken off, and what nan and wrong answers lead to."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The matrix has a cell for every scene, measure and engine, says who is best, and never lets the raw tracker win."""
+"""The matrix has a cell for every scene, measure and engine, says which is best, and never lets the raw tracker win."""
 
 from collections.abc import Callable
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Who may win a column, in which order lines stand, and what replaces a number that is not there."""
+"""Which engines may win a column, in which order lines stand, and what replaces a number that is not there."""
 
 from collections.abc import Callable, Mapping
 from pathlib import Path

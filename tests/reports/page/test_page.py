@@ -1,4 +1,4 @@
-"""The page is whole, asks nobody for anything, shows text from outside as text, and survives whatever a run leaves behind."""
+"""The page is whole, fetches nothing, shows text from outside as text, and survives whatever a run leaves behind."""
 
 import re
 from collections.abc import Callable

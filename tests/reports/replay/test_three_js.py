@@ -1,4 +1,4 @@
-"""three.js comes from the installed package, whole, with its licence and without the add-ons; or not at all."""
+"""The script three.js comes from the installed package, whole, with its licence and without the add-ons; or not at all."""
 
 import zipfile
 from importlib.machinery import ModuleSpec

@@ -1,4 +1,4 @@
-"""summary.md begins with the verdict, then what we lose; its tables hold whatever text a run brings."""
+"""`summary.md` begins with the verdict, then what we lose; its tables hold whatever text a run brings."""
 
 import re
 from collections.abc import Callable

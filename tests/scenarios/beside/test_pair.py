@@ -1,4 +1,4 @@
-"""Two recordings made by hand: which frames count, and who is nearer."""
+"""Two recordings made by hand: which frames count, and which is nearer."""
 
 from dataclasses import replace
 

@@ -64,14 +64,14 @@ def test_3_when_an_engine_is_missing_or_crashed(site: Path, tmp_path: Path, engi
 
 
 def test_3_when_a_bound_was_not_measured(site: Path, tmp_path: Path) -> None:
-    # the ball has not come down after six frames: nobody's fault, and no pass
+    # the ball has not come down after six frames: no engine's fault, and no pass
     assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop") == 3
 
 
 def test_5_when_one_of_several_patterns_matches_nothing(
     site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """Who misspells one name in a list must not read that all held."""
+    """A list with a misspelt name must not be answered with "all held"."""
     assert called(tmp_path, "check", "--filter", "ball_drop, nosuch,none_*") == 5
     err = last(capsys)[1]
     assert "no scene matches 'nosuch'; there are " in err and "no scene matches 'none_*'; there are " in err

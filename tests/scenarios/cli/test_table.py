@@ -1,3 +1,5 @@
+"""The verdict table on the terminal: its rows, what failed, and where another engine is ahead."""
+
 from dataclasses import replace
 
 from scenarios.cli.table import WIDTH, figure, table

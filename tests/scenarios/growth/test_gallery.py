@@ -1,4 +1,4 @@
-"""The gallery: nobody touches anybody at the start, an idle hand touches nothing, a pushing one moves one object and no other."""
+"""The gallery: no two objects touch at the start, an idle hand touches nothing, a pushing one moves one object and no other."""
 
 import numpy as np
 import pytest

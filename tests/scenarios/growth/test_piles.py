@@ -1,4 +1,4 @@
-"""Piles: as many contacts as their names say, no overlap at the start, what stands stays, what falls lands, nobody sleeps."""
+"""Piles: as many contacts as their names say, no overlap at the start, what stands stays, what falls lands, no body sleeps."""
 
 import numpy as np
 import pytest
@@ -38,5 +38,5 @@ def test_it_keeps_its_contacts_and_overlaps_nothing(contacts: int, mode: str) ->
     else:
         assert moved[:, 2].min() == pytest.approx(-DROP * rows_for(contacts), abs=1e-3)
         assert max(record.counts["contacts"] for record in found) >= min(contacts, 4)
-        # who has come to rest is looked at once: a load that wandered from corner to corner took 125,000
+        # a body at rest is looked at once: a load that wandered from corner to corner took 125,000
         assert found[-1].counts["work"] < 20 * max(contacts, 4)

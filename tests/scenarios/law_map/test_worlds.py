@@ -1,4 +1,4 @@
-"""The scenes of the map: free at the start, nobody meets anybody but the floor, and what is asked is what is written."""
+"""The scenes of the map: free at the start, bodies meet the floor alone, and what is asked is what is written."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Who grades the graders: for each metric a test with a known answer, for each closed form one by a second derivation.
+"""Tests of the measures: for each metric a test with a known answer, for each closed form one by a second derivation.
 
 Read as a list: `test_grades.py` fails when a metric or a closed form is missing here, or a test that is named does not exist.
 """

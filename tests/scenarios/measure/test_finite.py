@@ -1,3 +1,5 @@
+"""Frames with a pose that is no number are counted, each once."""
+
 from dataclasses import replace
 
 import numpy as np

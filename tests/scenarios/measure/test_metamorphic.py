@@ -117,7 +117,7 @@ def test_moved_and_turned(engine: str, name: str, frames: int, there: Elsewhere)
 
 @pytest.mark.parametrize(("engine", "name", "frames"), RUNS)
 def test_bodies_in_another_order(engine: str, name: str, frames: int) -> None:
-    """Reversed, so that whoever was A of a pair of bodies is B."""
+    """Reversed, so that A of each pair of bodies becomes B."""
     scenario, scene, recording = run(engine, name, frames)
     bodies, links = len(scene.bodies), len(scene.links)
     order = [*range(bodies - 1, -1, -1), *range(bodies, bodies + links)]

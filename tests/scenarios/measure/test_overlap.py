@@ -1,3 +1,5 @@
+"""Residual overlap: known depths come out of frames and sub-steps, and a missing judge leaves no figure."""
+
 from dataclasses import replace
 
 import numpy as np

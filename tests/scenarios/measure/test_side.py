@@ -1,3 +1,5 @@
+"""Bodies outside their region are counted, in frames shown and inside them."""
+
 from dataclasses import replace
 
 import numpy as np

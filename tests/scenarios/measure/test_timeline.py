@@ -1,3 +1,5 @@
+"""The timeline: states inside a frame come before its end, body by body."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Frame times: least of all repeats, own time, tails with enough frames, and windows that all engines share."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -14,7 +14,7 @@ from scenarios.running.run import accuracy
 
 @pytest.fixture(scope="module")
 def job() -> Job:
-    """Chatter, a leap of the user and frames in contact, all within the first 80 frames; by an engine that overlaps."""
+    """Chatter, a jump of the user and frames in contact, all within the first 80 frames; by an engine that overlaps."""
     return Job("teleport", "avatarsim", "paper", frames=80)
 
 

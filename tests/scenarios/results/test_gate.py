@@ -1,3 +1,5 @@
+"""The gate: bounds, ceilings and exit codes; missing data is never a pass."""
+
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,3 +1,5 @@
+"""Provenance: hashes of scenes and code, versions, commits."""
+
 from dataclasses import replace
 from pathlib import Path
 

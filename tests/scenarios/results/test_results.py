@@ -1,3 +1,5 @@
+"""Files of a run: columns, strict JSON, folders, and the check once a run has ended."""
+
 import csv
 import json
 from dataclasses import replace

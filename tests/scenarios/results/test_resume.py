@@ -85,8 +85,7 @@ def test_a_signal_ends_a_real_run_in_order(tmp_path: Path, sent: signal.Signals)
     running = subprocess.Popen(
         [*command, "--out", str(out)], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(joined(site))}, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
-        # a shell's background job ignores Ctrl-C, and so would all that it starts: as at a terminal instead
-        # and under nohup nothing hears of SIGHUP
+        # background jobs of a shell ignore Ctrl-C, those of nohup SIGHUP, as would all that they start: here as at a terminal
         preexec_fn=lambda: [signal.signal(number, signal.SIG_DFL) for number in (signal.SIGINT, signal.SIGHUP)],
     )
     try:

@@ -80,7 +80,7 @@ def assert_caught(name: str, engine: str, metric: str | None, failed: dict[str, 
     if metric is not None and (touches or engine == "not_a_number"):
         assert metric in failed, engine
     if scenarios()[name].expects.get("refusal"):
-        # it begins badly on purpose: whoever shows it at all is seen inside
+        # it begins inside on purpose: an engine that shows it at all is found to overlap
         assert {"residual_overlap_max", "not_finite_frames"} & set(failed), engine
         return
     if engine == "two_millimetres" and touches:

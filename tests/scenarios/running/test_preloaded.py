@@ -1,4 +1,4 @@
-"""The mother of all children has loaded what they need, no engine, and nothing stops her."""
+"""The fork server has loaded what worker processes need, no engine, and no failing import stops it."""
 
 import subprocess
 import sys

@@ -1,3 +1,5 @@
+"""Progress: a bar on a terminal, plain lines elsewhere."""
+
 import io
 
 from scenarios.running.progress import Progress

@@ -1,4 +1,4 @@
-"""A seat loads and runs in two steps, keeps nothing of the job before, and ends when it is told to between them."""
+"""A worker process loads and runs in two steps, keeps nothing of the job before, and ends when it is told to between them."""
 
 import pytest
 

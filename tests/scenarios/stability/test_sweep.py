@@ -92,7 +92,7 @@ def test_the_command_goes_on_where_it_was_stopped(tmp_path: Path, monkeypatch: p
     assert len((tmp_path / NAME).read_text().splitlines()) == 2
     assert command.main(words) == 0
     lines = (tmp_path / ROWS).read_text().splitlines()
-    # the third was asked twice, and nobody else
+    # the third was asked twice, and no other
     assert len(asked) == len(set(asked)) + 1 == len(lines)
     assert command.main(words) == 0 and len(asked) == len(lines)
     assert command.main([*words[:-1], "-1"]) == 2 and command.main([*words, "--engine", "abacus"]) == 2

@@ -178,7 +178,7 @@ def test_a_slower_ball_elsewhere_is_not_taken_for_this_ones_impact() -> None:
     velocities = recording.inside_velocities.copy()
     velocities[1] = velocities[0]
     found = bounces(replace(recording, inside_velocities=velocities), drop(), drop_scene())
-    # the first pair of snapshots is now somebody else's, the later ones are still this ball's
+    # the first pair of snapshots is now another ball's, the later ones are still this one's
     assert found["restitution_error_max"] == pytest.approx(0.0, abs=1e-12)
 
 

@@ -1,3 +1,5 @@
+"""Times of impacts and of coming to rest, from recordings made by hand."""
+
 from dataclasses import replace
 
 import numpy as np

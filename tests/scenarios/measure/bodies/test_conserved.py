@@ -1,3 +1,5 @@
+"""Conservation in groups of bodies: injected losses and gains come out, group by group."""
+
 from dataclasses import replace
 
 import numpy as np

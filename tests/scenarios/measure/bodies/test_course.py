@@ -1,3 +1,5 @@
+"""Courses, stops, drift, halts and towers against closed forms, from recordings made by hand."""
+
 from dataclasses import replace
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Energy of simulated bodies: injected gains come out in joules, and what a driven link explains is none."""
+
 from dataclasses import replace
 
 import numpy as np

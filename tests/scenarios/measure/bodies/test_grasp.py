@@ -1,3 +1,5 @@
+"""Grasps: how far a body has fallen out of a hand."""
+
 from dataclasses import replace
 
 import numpy as np

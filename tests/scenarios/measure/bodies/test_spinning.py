@@ -1,3 +1,5 @@
+"""Spins and falling rods: flips between frames, one by one, and angles until a rod is down."""
+
 from dataclasses import replace
 from math import cos, sin
 

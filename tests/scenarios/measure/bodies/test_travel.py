@@ -1,3 +1,5 @@
+"""Shortfall of bodies that are pushed along a stated way."""
+
 from dataclasses import replace
 
 import numpy as np

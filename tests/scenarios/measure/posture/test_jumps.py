@@ -1,3 +1,5 @@
+"""Jumps of root, links and joints: only what goes beyond the change of the target counts."""
+
 from dataclasses import replace
 
 import numpy as np

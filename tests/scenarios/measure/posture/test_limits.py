@@ -1,3 +1,5 @@
+"""Angles beyond joint limits, taken from poses alone: hinges, gaps at joints, reach cones."""
+
 from dataclasses import replace
 
 import numpy as np

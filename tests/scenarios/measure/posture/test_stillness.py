@@ -1,3 +1,5 @@
+"""Freezing: an avatar that stands still counts only while its user moves."""
+
 from dataclasses import replace
 
 import numpy as np

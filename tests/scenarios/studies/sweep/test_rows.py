@@ -1,4 +1,4 @@
-"""Rows from entries: what was measured, what was not, and who is on which front."""
+"""Rows from entries: what was measured, what was not, and which settings are on which front."""
 
 import math
 from dataclasses import replace
