@@ -276,7 +276,8 @@ class AvatarsimEngine:
         """Go back, or on, to where `snapshot` returned `data`; returns what is shown there.
 
         The scene, but for where it starts, and the options must be those that are loaded, dt and what is recorded need not. Bytes
-        need not be trusted: InvalidSnapshot if they are damaged, of something else, or hold a number that no state can.
+        need not be trusted: InvalidSnapshot if they are damaged, of something else, or hold a number that no state can. With the
+        method `default` that includes links beyond joint limits, and links that overlap each other or what does not move.
         If it raises, the engine is what it was.
         """
         with self._alone():
@@ -288,6 +289,9 @@ class AvatarsimEngine:
                 for field, array in zip(kept, arrays, strict=True):
                     field.array[...] = array
                 frames.go_on_from(time)
+                if frames.driven and isinstance(frames.lower, IkLoop):
+                    require_within_limits(frames.world, NOTHING)
+                    require_free(frames.world, of_links=True)
                 return self._record({}, {}, ())
             except AvatarsimError as error:
                 for field, array in zip(kept, before, strict=True):

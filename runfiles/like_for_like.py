@@ -9,7 +9,7 @@ from collections.abc import Container, Iterable, Mapping
 from types import MappingProxyType
 from typing import Protocol
 
-from runfiles.naming import STEPLESS
+from runfiles.naming import SLEEPS_UNASKED
 
 AVATAR = "tracker_offset_rms"
 """A metric that every scene with an avatar has, and no other."""
@@ -47,7 +47,7 @@ def sleepers(rows: Iterable[Measured], told: Container[tuple[str, str]] | None =
     found: dict[str, dict[str, float]] = {}
     for row in rows:
         engine, _, preset = row.run.partition("/")
-        sleeps = engine in STEPLESS or (preset == SLEEPING if told is None else (row.scenario, row.run) in told)
+        sleeps = engine in SLEEPS_UNASKED or (preset == SLEEPING if told is None else (row.scenario, row.run) in told)
         if row.metric == RESTING and row.value is not None and sleeps:
             own = found.setdefault(row.scenario, {})
             own[row.run] = max(own.get(row.run, 0.0), row.value)

@@ -6,7 +6,7 @@ GATED = ("avatarsim", "default")
 """The engine and preset that carry bounds unless `check --engine` names another."""
 BASELINE = "tracker"
 """The engine without contact handling: its overlap is how large the problem is."""
-STEPLESS = ("avatarsim",)
+SLEEPS_UNASKED = ("avatarsim",)
 """Engines that put to sleep what rests unless the scene leaves that out."""
 COMPILED = "compiled: "
 """How the names of settings begin that are no choice of ours but what became of those in a scene, in numbers."""

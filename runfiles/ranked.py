@@ -14,12 +14,14 @@ class Ranked:
     """`same`: values that differ by no more, in the metric's own unit, count as equal; 0 in a list of losses stands at it too.
     `stays_inside`: an engine that left the allowed side of a scene cannot be best in it. `may_lack`: too few timed frames give
     no value, which says nothing about the engine: a row without one is not ranked; any other missing figure is the worst.
-    `share`: values that differ by no more than this share of the smaller count as equal too."""
+    `share`: values that differ by no more than this share of the smaller count as equal too. `is_truth_error`: a distance from a
+    closed form, so that the verdict's column of those takes it."""
 
     same: float
     stays_inside: bool = False
     may_lack: bool = False
     share: float = 0.0
+    is_truth_error: bool = False
 
     def less(self, one: float, other: float) -> bool:
         """Whether `one` is better than `other`, and not level with it."""
@@ -67,12 +69,13 @@ RANKED: dict[str, Ranked] = {
     "reach_cone_excess_max": Ranked(ANGLE, stays_inside=True),
     "joint_gap_max": Ranked(1e-6),
     **{
-        name: Ranked(CLOSED_FORM) for name in (
+        name: Ranked(CLOSED_FORM, is_truth_error=True) for name in (
             "restitution_error_max", "apex_error_max", "bounce_time_error_max", "zeno_end_error_max", "course_error_max",
             "velocity_error_max", "spin_error_max", "stop_distance_error_max", "stop_direction_error_max", "flip_time_error_max",
-            "pivot_rate_error_max", "pivot_missing",
+            "pivot_rate_error_max",
         )
     },
+    "pivot_missing": Ranked(CLOSED_FORM),
     "travel_missing": Ranked(LENGTH),
     "drift_max": Ranked(1e-6),
     "towers_fallen": Ranked(0.5),

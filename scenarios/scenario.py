@@ -79,6 +79,31 @@ class Drop:
     height: float
 
 
+REFUSAL = "refusal"
+"""Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""
+
+EXPECTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "drops": ("tuple of `Drop`", ("restitution_error_max", "apex_error_max", "bounce_time_error_max")),
+    "zeno": ("True: its drops bounce until they lie", ("zeno_end_error_max",)),
+    "courses": ("tuple of `Course`", ("course_error_max", "velocity_error_max", "spin_error_max")),
+    "stops": ("tuple of `Stop`", ("stop_distance_error_max", "stop_direction_error_max")),
+    "flips": ("tuple of `Flips`", ("flip_time_error_max",)),
+    "pivots": ("tuple of `Pivot`", ("pivot_rate_error_max", "pivot_missing")),
+    "rests": ("tuple of `Rest`", ("drift_max", "rest_energy_end")),
+    "towers": ("tuple of `Tower`", ("towers_fallen", "ratio_standing_max")),
+    "travel": ("mapping from a body to its least way [m]", ("travel_missing",)),
+    "grasped": ("tuple of names of bodies that are held up", ("grasped_fall_end",)),
+    "isolated": ("tuple of groups, each a tuple of names: nothing else touches them, and they touch nothing else",
+                 ("momentum_drift_max", "angular_momentum_drift_max")),
+    "elastic": ("tuple of groups that lose no energy", ("energy_drift_max",)),
+    "alone": ("tuple of groups that gain no energy from a user", ("energy_gain_max",)),
+    "nothing_touches": ("True: no engine can be caught here by contacts", ()),
+    REFUSAL: ("True: the first pose overlaps, and should be refused", ()),
+}
+"""Key of a scenario's `expects` -> what stands there, and the metrics that are measured by it and in no other scene. The types
+beside `Drop` are those of `scenarios/building/expected.py`."""
+
+
 @dataclass(frozen=True, eq=False)
 class Scenario:
     """One question put to every engine.
@@ -86,10 +111,11 @@ class Scenario:
     `title` and `judged` are one sentence each. `build` makes the scene, `motion(scene, seed)` the tracker's.
     `frames` is the full length, `short` the length of a quick comparison (None: the same), `short_motion` the
     motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
-    standard list, `expects` holds closed forms by name. The `everyday` scenes are those of the short tables and of what is timed
-    without filter and full lengths. `family` names the scene that this one is a variant of, so that counts of scenes are
-    not counts of variants; in the catalogue it is the file that the scene stands in unless that says otherwise. `scale` is the
-    size of its world where it is another world made larger or smaller (`scenarios.stability.elsewhere`).
+    standard list, `expects` holds what is known of the motion beforehand, under the keys of `EXPECTS`. The `everyday` scenes are
+    those of the short tables and of what is timed without filter and full lengths. `family` names the scene that this one is a
+    variant of, so that counts of scenes are not counts of variants; in the catalogue it is the file that the scene stands in,
+    unless that says otherwise. `scale` is the size of its world where it is another world made larger or smaller
+    (`scenarios.stability.elsewhere`).
     """
 
     name: str
@@ -114,6 +140,9 @@ class Scenario:
         positive(f"frame time of {self.name}", self.dt, InvalidInput)
         if self.short is not None and not 0 < self.short <= self.frames:
             raise InvalidInput(f"short length of {self.name}", self.short, f"1 to {self.frames} frames")
+        for key in self.expects:
+            if key not in EXPECTS:
+                raise UnknownName(f"key in what {self.name} expects", key, EXPECTS)
 
     def as_run(self, full: bool) -> "Scenario":
         """The scenario as it is run: `frames` and `motion` are those in force, nothing short is left."""
@@ -121,7 +150,3 @@ class Scenario:
             return replace(self, short=None, short_motion=None)
         motion = self.short_motion or self.motion
         return replace(self, frames=self.short, motion=motion, short=None, short_motion=None)
-
-
-REFUSAL = "refusal"
-"""Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""

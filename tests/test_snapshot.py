@@ -23,7 +23,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
-from avatarsim.snapshot import DIGEST, HEAD, digest_of
+from avatarsim.snapshot import DIGEST, HEAD, digest_of, kept_by
 from tests.stability.hostile import DT, hinged_trial, hostile_motion
 from tests.worlds.little_worlds import at
 from tests.worlds.traps import limbed, pocket
@@ -290,6 +290,37 @@ def test_a_forged_number_is_refused_or_harmless(name: str) -> None:
             outcomes.add("said in the frame")
     engine.restore(data)
     assert outcomes >= {"harmless", "refused"}
+
+
+def forged(engine: AvatarsimEngine, data: bytes, name: str, change: Callable[[np.ndarray], None]) -> bytes:
+    """A snapshot with one array changed, under a checksum that is right."""
+    body, at = bytearray(zlib.decompress(data[HEAD.size : -DIGEST])), 0
+    for kept in kept_by(engine._running().parts()):
+        if kept.name == name:
+            array = np.frombuffer(body, kept.array.dtype, kept.array.size, at).reshape(kept.array.shape)
+            change(array)
+            return resealed(data, bytes(body))
+        at += kept.array.nbytes
+    raise KeyError(name)
+
+
+def test_a_posture_that_could_not_be_shown_is_refused() -> None:
+    """Beyond a joint limit; a link moved whole, vertices and boxes too, into what does not move."""
+    case = cases()["thrown about"]
+    engine = case.engine()
+    data = run_up(case, engine)[1]["pushed"][1]
+    limited = np.isfinite(engine._running().world.skeleton.limits[:, 1])
+    beyond = forged(engine, data, "World.posture.angle", lambda angle: np.copyto(angle, angle + 50.0 * limited))
+    refused(engine, beyond, "state in the snapshot.*start angle of a hinge")
+
+    hand, way = (rigid_avatar("hand", FIST, solid(FIST, 0.5)),), np.array([0.0, 0.0, -0.5])
+    one = loaded(Scene("over a floor", (FLOOR,), hand, start=at(rest(hand), (0.0, 0.0, 0.5))))
+    data = one.snapshot()
+    for name in ("position", "vertices"):
+        data = forged(one, data, f"World.poses.{name}", lambda array: np.copyto(array[-1:], array[-1:] + way))
+    for name in ("boxes", "hulls"):
+        data = forged(one, data, f"World.poses.{name}", lambda array: np.copyto(array[-1:], array[-1:] + np.tile(way, 2)))
+    refused(one, data, "state in the snapshot.*hand")
 
 
 @pytest.mark.parametrize("way", [copy.copy, copy.deepcopy, pickle.dumps])

@@ -75,10 +75,11 @@ def meet_target(
 
     has_changed: whether a body that is no link moved, which may set an avatar free whose target holds still."""
     s, tracking, least = state_out, state_out.tracking, AT_REST if has_changed else 0.0
-    clipped, own, keeps = scratch_out.objective.own, scratch_out.step, exp(-dt / settings.settle_time)
+    # ways since the last frame: of the clipped target, and of the tracker's own posture
+    clipped_way, own_way, keeps = scratch_out.objective.own, scratch_out.step, exp(-dt / settings.settle_time)
     for avatar in range(avatars.first_link.shape[0] - 1):
-        tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped)
-        speed = largest(clipped, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
+        tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped_way)
+        speed = largest(clipped_way, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
         tracking.speed[avatar] = max(speed, keeps * tracking.speed[avatar])
         # what one avatar sets free another may hold, so the fastest of an island speaks for all of it
         first = tracking.island[avatar]
@@ -87,10 +88,10 @@ def meet_target(
         tracking.speed[avatar] = tracking.speed[tracking.island[avatar]]
         fastest = max(least, tracking.speed[avatar])
         if tracking.is_legal[avatar] > 0:
-            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped, clipped, s.budget)
+            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped_way, clipped_way, s.budget)
         else:
-            tangent_error(skel, avatars, avatar, s.own, tracker, own)
-            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped, own, s.budget)
+            tangent_error(skel, avatars, avatar, s.own, tracker, own_way)
+            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped_way, own_way, s.budget)
         copy_posture(skel, avatars, avatar, scratch_out.target, s.before)
         copy_posture(skel, avatars, avatar, tracker, s.own)
         tracking.is_located[avatar] = 0

@@ -41,7 +41,7 @@ class Dynamics(NamedTuple):
 
 
 class Velocities(NamedTuple):
-    """Linear velocity of the centre of mass (nb, 3) [m/s] and angular velocity (nb, 3) [rad/s], world axes."""
+    """linear (nb, 3) of the centre of mass [m/s] and angular (nb, 3) [rad/s], world axes."""
 
     linear: Vectors
     angular: Vectors

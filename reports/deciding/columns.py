@@ -32,8 +32,8 @@ def _named(*names: str) -> Callable[[str], bool]:
 
 
 def is_truth_error(metric: str) -> bool:
-    """Whether a metric is a distance from a closed form: bounce_velocity_error, restitution_error_max, ..."""
-    return "_error" in metric
+    """Whether a metric is a distance from a closed form, as the registry says."""
+    return metric in RANKED and RANKED[metric].is_truth_error
 
 
 def _column(key: str, title: str, unit: str, floor: float, meaning: str, metric: str) -> Column:

@@ -23,7 +23,7 @@ from scenarios.results.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.results.machine import Meter, load_average
 from scenarios.results.results import Results, Row
 from scenarios.running.glance import MANY, PATIENCE, glance
-from scenarios.running.phenomena import errors_of, repeats_of
+from scenarios.running.phenomena import repeats_of, short_errors_of
 from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
 from scenarios.running.run import accuracy, described
@@ -151,7 +151,7 @@ class Run:
         ran = [self.outcomes[job.stem] for job in jobs]
         costs, length = [outcome.frame_seconds for outcome in ran], max((outcome.frames for outcome in ran), default=0)
         at_length = any(self.scenarios[job.scenario].everyday for job in jobs)
-        swept = any(errors_of(job.scenario, self.scenarios[job.scenario]) for job in jobs)
+        swept = any(short_errors_of(job.scenario, self.scenarios[job.scenario]) for job in jobs)
         often = repeats_of(min(length, MOST_FRAMES)) if swept else 0
         depths = self._depths(jobs[0])
         meets = next((k for k, depth in enumerate(depths) if depth > SEEN), 0)

@@ -25,8 +25,8 @@ ONCE = 300
 many it had, and has no 99th percentile."""
 
 
-def errors_of(name: str, scenario: Scenario) -> tuple[str, ...]:
-    """The errors of a scene in the short sweep; none for a scene that is not in it."""
+def short_errors_of(name: str, scenario: Scenario) -> tuple[str, ...]:
+    """The errors of a scene in the short sweep; none for a scene that is not in it. Those of a whole one: `telling.errors_of`."""
     if name in PHENOMENA:
         return PHENOMENA[name]
     return ALSO.get(name, (OVERLAP, OFFSET)) if scenario.everyday else ()

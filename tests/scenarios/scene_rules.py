@@ -8,7 +8,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses, link_poses_each
 from reference.judging.judge import Judge
 from scenarios.results.gate import bounds_of
-from scenarios.scenario import Scenario
+from scenarios.scenario import EXPECTS, Scenario
 
 Array = NDArray[np.float64]
 
@@ -37,6 +37,9 @@ def says_what_it_is_and_what_must_hold(scenario: Scenario) -> None:
     assert bounds["residual_overlap_max"].limit == 1e-6
     assert "not_finite_frames" in bounds
     assert set(FREEZES) & set(bounds) or scenario.expects
+    # a bound on what the scene gives no closed form of would never be measured
+    by_key = {metric: key for key, (_, metrics) in EXPECTS.items() for metric in metrics}
+    assert {by_key[metric] for metric in bounds if metric in by_key} <= set(scenario.expects)
     # raises for a metric that does not exist
     assert set(bounds) <= set(bounds_of(scenario))
 

@@ -1,6 +1,7 @@
 """Every scene of the catalogue: found by its name, built free of overlap, its motion sound, its raw overlap as stated."""
 
 import tomllib
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 
@@ -12,12 +13,13 @@ from avatarsim.scene.body import TABLE_1
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import link_poses_each
 from reference.judging.judge import Judge
-from scenarios import catalog
+from runfiles.metrics import METRICS
+from scenarios import catalog, measure
 from scenarios.building.reach import reach
 from scenarios.catalog.paper import ball_drop, hand_over_table
 from scenarios.catalog.recorded import mocap_punch_wall, mocap_walk_wall
 from scenarios.motion.mocap import clip_names
-from scenarios.scenario import Bound, Drop, Motion, Region, Scenario
+from scenarios.scenario import EXPECTS, Bound, Drop, Motion, Region, Scenario
 from tests.scenarios.raw_overlap import RAW
 from tests.scenarios.scene_rules import (
     BRISK,
@@ -172,6 +174,16 @@ def test_a_number_that_is_none_breaks_every_bound() -> None:
         Bound("residual_overlap_max", float("nan"), "because")
     with pytest.raises(InvalidInput, match="reason"):
         Bound("residual_overlap_max", 1e-6, "")
+
+
+def test_what_a_scene_expects_is_under_a_key_that_a_measure_reads() -> None:
+    scenario = catalog.get("ball_drop")
+    with pytest.raises(UnknownName, match=r"expects.*'drop'.*drops"):
+        replace(scenario, expects={"drop": scenario.expects["drops"]})
+    read = "".join(file.read_text(encoding="utf-8") for file in Path(measure.__file__).parent.rglob("*.py"))
+    for key, (_, metrics) in EXPECTS.items():
+        assert set(metrics) <= set(METRICS)
+        assert not metrics or f'"{key}"' in read
 
 
 def test_regions_find_their_bodies_by_pattern() -> None:

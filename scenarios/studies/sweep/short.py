@@ -25,7 +25,7 @@ from scenarios.job import Outcome
 from scenarios.results.store import Entry
 from scenarios.running.harness import tidy
 from scenarios.running.own_settings import OwnSettings
-from scenarios.running.phenomena import ONCE, errors_of, repeats_of
+from scenarios.running.phenomena import ONCE, repeats_of, short_errors_of
 from scenarios.running.processes import side_by_side
 from scenarios.running.seat import Seats
 from scenarios.running.timing import MOST_FRAMES
@@ -107,7 +107,7 @@ def cells_of(request: Request) -> list[Cell]:
             own.setdefault(job.scenario, []).append(OwnSettings(job.engine, job.preset, job.base, job.options))
     ranked: list[tuple[tuple[int, float], Cell]] = []
     for name, scenario in sorted(request.scenarios.items(), key=lambda entry: not entry[1].everyday):
-        if not errors_of(name, scenario):
+        if not short_errors_of(name, scenario):
             continue
         scene = scenario.as_run(request.full).build()
         for engine, presets in request.presets.items():
@@ -163,7 +163,7 @@ def _tells(cell: Cell, request: Request) -> bool:
         if measure.number_of(base, name) == _number(value):
             return False
     said, run = base.about.get("cannot_say"), f"{setting.engine}/{setting.base}"
-    errors = errors_of(cell.scenario, request.scenarios[cell.scenario])
+    errors = short_errors_of(cell.scenario, request.scenarios[cell.scenario])
     return not (isinstance(said, Mapping) and any(unsaid(metric, run, said) for metric in errors))
 
 
@@ -189,8 +189,10 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
     """The same cells, presets and coarse rungs of the ladder first; then those that may reach an accuracy that ours reaches and
     an engine misses in what was measured so far: finer steps, the coarsest first, then margins, which are of one engine only."""
     worst = [
-        Reached(cell.scenario, cell.setting.engine, largest(entry, errors_of(cell.scenario, request.scenarios[cell.scenario])),
-                step(cell, request))
+        Reached(
+            cell.scenario, cell.setting.engine,
+            largest(entry, short_errors_of(cell.scenario, request.scenarios[cell.scenario])), step(cell, request),
+        )
         for cell, entry in errors.items()
     ]
     wanted = missing(worst)
@@ -360,7 +362,7 @@ class ShortSweep:
                 print(f"sweep: {scenario}, {len(scene)} settings timed", file=sys.stderr, flush=True)
 
     def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:
-        errors = errors_of(cell.scenario, self.request.scenarios[cell.scenario])
+        errors = short_errors_of(cell.scenario, self.request.scenarios[cell.scenario])
         found = self.errors.get(cell)
         if cell in left:
             note = f"left out: an estimated {left[cell]:.1f} s did not fit into the {self.budget:g} s of the short sweep"

@@ -12,7 +12,7 @@ from reports.reading.load import EngineNote, Results, Row
 
 OURS = "avatarsim/default"
 OVERLAP = "residual_overlap_max"
-RANKED = (OVERLAP, "overlap_frames", "wrong_side_frames", "speed_error", "tracker_offset_rms_free", "chatter_frames",
+RANKED = (OVERLAP, "overlap_frames", "wrong_side_frames", "velocity_error_max", "tracker_offset_rms_free", "chatter_frames",
           "jitter_rms", "joint_limit_excess_max", "reach_cone_excess_max")
 
 
