@@ -180,10 +180,9 @@ def closest_on_tetrahedron(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[bool, Ve
     return False, best, share
 
 
-ITERATIONS_CAP = 200
-"""Iterations after which a query, or a search along paths, is given up. GJK ends below 20 of polytopes and below 60 of smooth
-shapes; advancement after 3 rounds of spheres and 5 to 20 of tumbling boxes, seldom a hundred. Too low: answers are missed; too
-high: only costs time on a failure."""
+ITERATIONS_CAP = 128
+"""Polytopes end below 20, smooth shapes below 60. Too low: OUT_OF_ITERATIONS; too high: only costs time on a
+failure."""
 
 CLOSE_ENOUGH = GRAINS
 """Relative to the shapes' size: largest difference between the distance found and the one proved. Below
