@@ -22,7 +22,7 @@ from avatarsim.collision.signed_distance import signed_distance, signed_distance
 from avatarsim.collision.status import NOT_FINITE, OUT_OF_ROOM
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidScene, StartOverlaps
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import DRIVEN, SIMULATED
+from avatarsim.model.dynamics import SIMULATED
 from avatarsim.model.geometry import Shapes
 from avatarsim.model.joint_limits import cone_excess, has_cone
 from avatarsim.model.skeleton import BALL, HINGES
@@ -33,21 +33,19 @@ from avatarsim.spatial.vec3 import Rows, Vec3
 from avatarsim.tolerances import NOTHING
 
 
-def overlapping_pairs(world: World, of_links: bool = False) -> list[tuple[str, str, float]]:
-    """Every wanted pair that overlaps, by name, with its depth [m], one entry per pair of bodies. `of_links`: only pairs that a
-    posture decides, of a link and another or a fixed body; simulated bodies in contact may dip by fractions of a micrometre."""
+def overlapping_pairs(world: World, dip: float = NOTHING) -> list[tuple[str, str, float]]:
+    """Every wanted pair that overlaps, by name, with its depth [m], one entry per pair of bodies. `dip` [m]: how deep a pair with
+    a simulated body may, of a state that frames have shown: bodies at rest dip by fractions of a micrometre."""
     geo, poses, names, role = world.geometry, world.poses, world.scene.names, world.dynamics.role
     scratch, found = make_scratch(), []
     for a, b in meeting_pairs(world):
-        if of_links and (SIMULATED in (role[a], role[b]) or DRIVEN not in (role[a], role[b])):
-            continue
         depth = 0.0
         for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
             for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
                 gap = signed_distance(poses.vertices, geo.shapes, s, t, (0.0, 0.0, 0.0), scratch)[1]
                 depth = max(depth, -gap)
         # resting contact described in decimal numbers may be off by rounding
-        if depth > NOTHING:
+        if depth > (dip if SIMULATED in (role[a], role[b]) else NOTHING):
             found.append((names[a], names[b], depth))
     return found
 
@@ -83,9 +81,9 @@ def require_within_limits(world: World, slack: float = 0.0) -> None:
                 raise InvalidScene(thing, float(excess), "0 or less")
 
 
-def require_free(world: World, of_links: bool = False) -> None:
-    """Raise StartOverlaps when the first pose is not free; `of_links` as in `overlapping_pairs`."""
-    found = overlapping_pairs(world, of_links)
+def require_free(world: World, dip: float = NOTHING) -> None:
+    """Raise StartOverlaps when the pose is not free; `dip` as in `overlapping_pairs`."""
+    found = overlapping_pairs(world, dip)
     if found:
         raise StartOverlaps(found)
 

@@ -4,6 +4,7 @@ import gc
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from math import inf
 from threading import Lock
 from time import perf_counter
 from types import TracebackType
@@ -26,7 +27,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.settings import Chosen, meanings
 from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
-from avatarsim.tolerances import NOTHING
+from avatarsim.tolerances import JUDGED, NOTHING
 from avatarsim.version import VERSION
 
 PRESETS = ("default", "paper")
@@ -291,7 +292,7 @@ class AvatarsimEngine:
                 frames.go_on_from(time)
                 if frames.driven and isinstance(frames.lower, IkLoop):
                     require_within_limits(frames.world, NOTHING)
-                    require_free(frames.world, of_links=True)
+                    require_free(frames.world, inf)
                 return self._record({}, {}, ())
             except AvatarsimError as error:
                 for field, array in zip(kept, before, strict=True):
@@ -310,7 +311,8 @@ class AvatarsimEngine:
             carry_poses(old.world, world, both)
         # what was shown is within its limits up to rounding
         require_within_limits(world, NOTHING if old else 0.0)
-        require_free(world)
+        # and what was at rest on something is as deep in it as frames let it
+        require_free(world, JUDGED if old else NOTHING)
         frames = Frames(
             world, settings.preset, chosen, settings.seed, record=settings.record_inside, time_stages=settings.time_stages
         )

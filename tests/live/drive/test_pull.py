@@ -31,19 +31,20 @@ def test_goals_of_postures_are_reached_to_a_millimetre(where: tuple[str, str], s
     assert root <= FASTEST * 1.001 and turn <= FASTEST_TURN * 1.05
 
 
-# fixed draws: of random ones some end at a limit, up to 23 mm away (55 does)
-@pytest.mark.parametrize("seed", range(20))
-def test_an_orientation_is_reached_along_with_a_place(seed: int) -> None:
-    scene, one = stage("gallery").scene, driver("gallery")
-    tree = Tree(scene.avatars)
-    link = [node.name for node in tree.nodes].index("right_wrist")
-    place, turned = tree.pose(posture_of(random_sample(scene, seed, 0.3)), link)
-    one.drag("human/right_wrist", place, turned)
-    for _ in range(360):
-        one.tick(DT)
-    reached = one.pose("human/right_wrist")
-    assert norm(sub(reached[0], place)) < 2e-3
-    assert norm(way(reached[1], turned)) < 0.02
+def test_an_orientation_is_reached_along_with_a_place_nearly_always() -> None:
+    scene, tree = stage("gallery").scene, Tree(stage("gallery").scene.avatars)
+    link, missed = [node.name for node in tree.nodes].index("right_wrist"), set[int]()
+    for seed in range(100):
+        one = driver("gallery")
+        place, turned = tree.pose(posture_of(random_sample(scene, seed, 0.3)), link)
+        one.drag("human/right_wrist", place, turned)
+        for _ in range(360):
+            one.tick(DT)
+        reached = one.pose("human/right_wrist")
+        if not (norm(sub(reached[0], place)) < 2e-3 and norm(way(reached[1], turned)) < 0.02):
+            missed.add(seed)
+    # where limits stop a chain, a local method may stay in a local minimum: here 23 and 15 mm away
+    assert missed <= {55, 79}
 
 
 @pytest.mark.parametrize(("name", "handle", "goal"), [
