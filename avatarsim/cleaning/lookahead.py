@@ -9,6 +9,7 @@ most the length of the window before and after.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -107,32 +108,11 @@ def smoothed(d: Array, half: int) -> Array:
 def faded(first: Array, smooth: Array, is_input: NDArray[np.bool_], half: int) -> Array:
     """A smoothed displacement (n, w) that goes over into the first one within `half` frames of those that kept the input, by a
     raised cosine."""
-    frames = np.arange(len(first))
-    inputs = np.flatnonzero(is_input)
-    away = np.abs(frames[:, None] - inputs[None, :]).min(axis=1, initial=half + 1)
-    share = 0.5 - 0.5 * np.cos(np.pi * np.minimum(away, half + 1) / (half + 1))
+    frames, far = np.arange(len(first)), len(first) + half
+    since = frames - np.maximum.accumulate(np.where(is_input, frames, -far))
+    until = np.minimum.accumulate(np.where(is_input, frames, len(first) + far)[::-1])[::-1] - frames
+    share = 0.5 - 0.5 * np.cos(np.pi * np.minimum(np.minimum(since, until), half + 1) / (half + 1))
     return np.asarray(first + share[:, None] * (smooth - first))
-
-
-def improve(
-    chords: Chords, follower: Follower, motion: Motion, written: Written, is_free: NDArray[np.bool_], options: Options,
-    progress: Callable[[float], None],
-) -> None:
-    """Track each episode again towards a target that gives way in time, where that ends well and is smoother. `is_free` (F,):
-    which frames of the input were free."""
-    if options.blend == 0.0 or len(motion) <= LEAST_FRAMES:
-        return
-    half = max(LEAST_FRAMES, round(options.blend * motion.rate)) // 2
-    found = episodes(written.kind == Kind.INPUT, 2 * half)
-    for n, episode in enumerate(found):
-        tried(chords, follower, motion, written, is_free, options, episode, half, True)
-        progress((n + 1) / len(found))
-    before, jerks = jerk(chords, motion), jerk(chords, written.motion)
-    for episode in by_jerk(found, jerks, 2 * half):
-        if not any(high(jerks[some]) > MOST_JERK * high(before[some]) for some in (is_free, ~is_free)):
-            break
-        if tried(chords, follower, motion, written, is_free, options, episode, half, False):
-            jerks = jerk(chords, written.motion)
 
 
 def by_jerk(found: Sequence[Episode], jerks: Array, near: int) -> list[Episode]:
@@ -141,54 +121,86 @@ def by_jerk(found: Sequence[Episode], jerks: Array, near: int) -> list[Episode]:
     return sorted(found, key=lambda one: -float(largest[max(0, one.first - near) : one.last + near + 1].max()))
 
 
-def tried(
-    chords: Chords, follower: Follower, motion: Motion, written: Written, is_free: NDArray[np.bool_], options: Options,
-    episode: Episode, half: int, is_compact: bool,
-) -> bool:
-    """Whether an episode became smoother with a window, or one twice as long."""
-    windows = (half << attempt for attempt in range(TRIES))
-    return any(again(chords, follower, motion, written, is_free, options, episode, one, is_compact) for one in windows)
+@dataclass(frozen=True)
+class Smoothing:
+    """Look-ahead over what was tracked of a motion: `written` is changed in place. `is_free` (F,): which frames of the input were
+    free."""
 
+    chords: Chords
+    follower: Follower
+    motion: Motion
+    written: Written
+    is_free: NDArray[np.bool_]
+    options: Options
 
-def again(
-    chords: Chords, follower: Follower, motion: Motion, written: Written, is_free: NDArray[np.bool_], options: Options,
-    episode: Episode, half: int, is_compact: bool,
-) -> bool:
-    """Track an episode again with a window of `half` frames on each side, and take what is written if it is better; if compact,
-    frames that kept the input keep it."""
-    first, last = max(0, episode.first - 2 * half - 1), min(len(motion) - 1, episode.last + 2 * half + 1)
-    some, is_input = slice(first, last + 1), written.kind == Kind.INPUT
-    if last - first < LEAST_FRAMES or (first > 0 and not is_input[first]) or (last < len(motion) - 1 and not is_input[last]):
-        # a doubled window that reaches into the next episode
-        return False
-    old = part_of(written.motion, some)
-    d = displacement(chords, motion, old, some)
-    if d is None:
-        return False
-    d[is_input[some]] = 0.0
-    smooth = smoothed(d, half)
-    d = faded(d, smooth, is_input[some], half) if is_compact else smooth
-    aim = part_of(displaced(chords, motion, some, d), some)
-    trial, start = Written(aim), old.sample(0)
-    follower.begin(start, bool(is_input[first]))
-    trial.put(0, start, Kind.TRACKED)
-    track(follower, aim, Judged(chords, aim, options.margin).is_free, range(len(aim)), trial)
-    if is_input[last] and trial.kind[-1] != Kind.INPUT or is_compact and np.any(trial.kind[is_input[some]] != Kind.INPUT):
-        return False
-    new = trial.motion
-    # every way between its frames was proved free as it was written
-    jerks, jerks_before = jerk(chords, new), jerk(chords, old)
-    if not high(jerks) < WORTH * high(jerks_before):
-        return False
-    # nothing where no frame was free
-    most = max(high(jerks_before[is_free[some]]), MOST_JERK * high(jerk(chords, part_of(motion, some))[is_free[some]]))
-    if is_compact and high(jerks[is_free[some]]) > most:
-        return False
-    trial.kind[0] = written.kind[first]
-    trial.kind[(trial.kind == Kind.INPUT) & np.any(d != 0.0, axis=1)] = Kind.BLENDED
-    written.positions[some], written.rotations[some], written.angles[some] = new.positions, new.rotations, new.angles
-    written.kind[some] = trial.kind
-    return True
+    def improve(self, progress: Callable[[float], None]) -> None:
+        """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
+        motion, blend = self.motion, self.options.blend
+        if blend == 0.0 or len(motion) <= LEAST_FRAMES:
+            return
+        half = max(LEAST_FRAMES, round(blend * motion.rate)) // 2
+        found = episodes(self.written.kind == Kind.INPUT, 2 * half)
+        for n, episode in enumerate(found):
+            self._tried(episode, half, is_compact=True)
+            progress((n + 1) / len(found))
+        before, jerks = jerk(self.chords, motion), jerk(self.chords, self.written.motion)
+        for episode in by_jerk(found, jerks, 2 * half):
+            if not any(high(jerks[some]) > MOST_JERK * high(before[some]) for some in (self.is_free, ~self.is_free)):
+                break
+            if self._tried(episode, half, is_compact=False):
+                jerks = jerk(self.chords, self.written.motion)
+
+    def _tried(self, episode: Episode, half: int, is_compact: bool) -> bool:
+        """Whether an episode became smoother with a window, or one twice as long."""
+        return any(self._again(episode, half << attempt, is_compact) for attempt in range(TRIES))
+
+    def _again(self, episode: Episode, half: int, is_compact: bool) -> bool:
+        """Track an episode again with a window of `half` frames on each side, and take what is written if it is better; if
+        compact, frames that kept the input keep it."""
+        motion, written = self.motion, self.written
+        first, last = max(0, episode.first - 2 * half - 1), min(len(motion) - 1, episode.last + 2 * half + 1)
+        some, is_input = slice(first, last + 1), written.kind == Kind.INPUT
+        if last - first < LEAST_FRAMES or (first > 0 and not is_input[first]) or (last < len(motion) - 1 and not is_input[last]):
+            # a doubled window that reaches into the next episode
+            return False
+        old = part_of(written.motion, some)
+        d = displacement(self.chords, motion, old, some)
+        if d is None:
+            return False
+        d[is_input[some]] = 0.0
+        smooth = smoothed(d, half)
+        d = faded(d, smooth, is_input[some], half) if is_compact else smooth
+        trial = self._tracked(part_of(displaced(self.chords, motion, some, d), some), old, bool(is_input[first]))
+        kept = is_input[some] if is_compact else is_input[some] & (np.arange(len(old)) == len(old) - 1)
+        if np.any(trial.kind[kept] != Kind.INPUT):
+            return False
+        # every way between its frames was proved free as it was written
+        if not self._is_smoother(trial.motion, old, some, is_compact):
+            return False
+        trial.kind[0] = written.kind[first]
+        trial.kind[(trial.kind == Kind.INPUT) & np.any(d != 0.0, axis=1)] = Kind.BLENDED
+        new = trial.motion
+        written.positions[some], written.rotations[some], written.angles[some] = new.positions, new.rotations, new.angles
+        written.kind[some] = trial.kind
+        return True
+
+    def _tracked(self, aim: Motion, old: Motion, is_input: bool) -> Written:
+        """What comes of following an aim from where the old motion starts, which is a frame of the input or not."""
+        trial, start = Written(aim), old.sample(0)
+        self.follower.begin(start, is_input)
+        trial.put(0, start, Kind.INPUT if is_input else Kind.TRACKED)
+        track(self.follower, aim, Judged(self.chords, aim, self.options.margin).is_free, range(len(aim)), trial)
+        return trial
+
+    def _is_smoother(self, new: Motion, old: Motion, some: slice, is_compact: bool) -> bool:
+        """Whether the jerk is worth a change; if compact, with no more of it in free frames than there was, or may be."""
+        jerks, before, free = jerk(self.chords, new), jerk(self.chords, old), self.is_free[some]
+        if not high(jerks) < WORTH * high(before):
+            return False
+        if not is_compact or not free.any():
+            return True
+        asked = jerk(self.chords, part_of(self.motion, some))
+        return not high(jerks[free]) > max(high(before[free]), MOST_JERK * high(asked[free]))
 
 
 def part_of(motion: Motion, some: slice) -> Motion:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.chords import Chords, scene_of
-from avatarsim.cleaning.lookahead import improve
+from avatarsim.cleaning.lookahead import Smoothing
 from avatarsim.cleaning.measures import audited, moved
 from avatarsim.cleaning.result import Audit, Cleaned, Flagged, Options
 from avatarsim.cleaning.start import approach, free_posture
@@ -62,7 +62,7 @@ def clean_motion(
     tell(0.1)
     written = Written(motion)
     follower = tracked(chords, motion, judged, options, written, lambda share: tell(0.1 + 0.4 * share))
-    improve(chords, follower, motion, written, judged.is_free, options, lambda share: tell(0.5 + 0.4 * share))
+    Smoothing(chords, follower, motion, written, judged.is_free, options).improve(lambda share: tell(0.5 + 0.4 * share))
     done = written.motion
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion, model.at_rest)
     tell(1.0)
