@@ -22,9 +22,12 @@ from avatarsim.tolerances import COARSE_ROUNDING, GRAIN, LAST_PLACES, PROOF, ROU
 Found = tuple[bool, Vec3, float, Vec3, Vec3]
 """(whether stationary, unit normal m of A - B, h(m) [m], point of A, point of B)."""
 
-ROUNDS = 20
-"""Most Newton steps, and most cones tried from a right angle on, each with half of the last one's 1 - cosine. From a coarse start
-4 to 6 steps do; the last cone is 0.1 degrees wide. Fewer: flat minima are given up too early, or no cone is found."""
+STEPS_CAP = 20
+"""Newton steps: from a coarse start 4 to 6. Fewer: flat minima are given up too early."""
+
+HALVINGS = 20
+"""Cones tried, from a right angle on, each with half of the last one's 1 - cosine; the last is 0.1 degrees wide. Fewer: none is found for
+slim ellipsoids."""
 
 STATIONARY = GRAIN
 """Relative to the shapes' size: a gradient this small is rounding."""
@@ -79,7 +82,7 @@ def newton(
     Returns (whether found, m, point of A - B with outward normal m, for the feature that ``centre`` stands for).
     """
     steep, w = inf, centre
-    for _ in range(ROUNDS):
+    for _ in range(STEPS_CAP):
         am, bm = stretched(vertices, shapes, a, m), stretched(vertices, shapes, b, m)
         w = centre
         if shapes.kind[a] != POINTS:
@@ -265,7 +268,7 @@ def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth:
     Stationary means that the point of A - B at m is depth m, so that h(d) >= depth + (bend - depth) (1 - cos t).
     """
     from_one = 1.0
-    for _ in range(ROUNDS):
+    for _ in range(HALVINGS):
         if least_bend(vertices, shapes, a, b, m, 1.0 - from_one) * (1.0 - SLACK) >= depth:
             return 1.0 - from_one
         from_one *= 0.5
