@@ -26,8 +26,8 @@ STEPS_CAP = 20
 """Newton steps: from a coarse start 4 to 6. Fewer: flat minima are given up too early."""
 
 HALVINGS = 20
-"""Cones tried, from a right angle on, each with half of the last one's 1 - cosine; the last is 0.1 degrees wide. Fewer: none is found for
-slim ellipsoids."""
+"""Cones tried, from a right angle on, each with half of the last one's 1 - cosine; the last is 0.1 degrees wide. Fewer:
+none is found for slim ellipsoids."""
 
 STATIONARY = GRAIN
 """Relative to the shapes' size: a gradient this small is rounding."""
