@@ -15,8 +15,6 @@ from reports.words.wording import count, limit, quantity
 LOOSE = 1e-3
 """Share of a bound below which the figure of a scene makes it loose. Larger names bounds that hold by a safe margin; smaller
 leaves out some that say next to nothing."""
-FINE = 1e-4
-"""Bounds up to this, in units of their own, are of the size of rounding, and are called loose by no figure."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +38,11 @@ class Kind:
     def held_said(self) -> str:
         """"all", or in how many scenes the bound holds."""
         return "all" if not self.above else f"{self.scenes - self.above:,}"
+
+    @property
+    def loose(self) -> int:
+        """In how many of them less than a thousandth of the bound was measured; a bound of 0 cannot be loose."""
+        return len({row.scenario for row in self.rows if row.bound and _share(row) < LOOSE})
 
     @property
     def bound(self) -> str:
@@ -101,11 +104,14 @@ def promised(found: Sequence[Kind]) -> str:
 
 
 def loose(found: Sequence[Kind]) -> str:
-    """Bounds on physics that our figure stays far below, named with both; "" where there is none. How motion looks has a list of
-    its own."""
-    said = [
-        f"{words(row.metric)} in {row.scenario}: {limit(row.bound, row.unit)}, measured {quantity(row.value, row.unit)}"
-        for one in found if one.metric not in LOOKS for row in one.rows
-        if row.bound is not None and row.bound > FINE and _share(row) < LOOSE
-    ]
-    return f"Loose, a bound of physics of which less than a thousandth was measured: {'; '.join(said)}." if said else ""
+    """How many bounds on physics our figure stays a thousand times below, the one of the largest number with its
+    figure; "" where there is none. How motion looks has a list of its own."""
+    physics = [one for one in found if one.metric not in LOOKS]
+    every, wide = sum(one.scenes for one in physics), sum(one.loose for one in physics)
+    if not wide:
+        return ""
+    rows = [row for one in physics for row in one.rows if row.bound and _share(row) < LOOSE]
+    most = max(rows, key=lambda row: row.bound or 0.0)
+    return (f"Loose, of the bounds on physics: of {every:,} less than a thousandth was measured in {wide:,}, which the column "
+            f"counts; the largest number among them is {limit(most.bound, most.unit)} for {words(most.metric)} in "
+            f"{most.scenario}, measured {quantity(most.value, most.unit)}.")

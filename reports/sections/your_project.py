@@ -3,16 +3,19 @@
 Figures are those of the run."""
 
 import math
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from avatarsim.settings import PostureSettings, meanings
 from reports.deciding import piles
+from reports.deciding.moments import WAITS
 from reports.deciding.tables import RAW_TRACKER
 from reports.reading.load import Results, Row
-from reports.sections.growth import Growth
+from reports.sections.growth import Growth, Point
 from reports.words.metric_words import words
 from reports.words.wording import count, listed, quantity
+from runfiles.like_for_like import with_avatar
 from runfiles.timing_protocol import least_of, repeats_of
 
 YES, NO, PARTLY, UNMEASURED = "yes", "no", "partly", "not measured"
@@ -47,17 +50,18 @@ def not_for() -> str:
 def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[Answer, ...]:
     """All questions, in the order in which they are asked."""
     return (
-        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces; python -m avatarsim.assets.meshes MESH makes them "
-               "and bounds how far pieces and mesh are apart."),
+        Answer("Triangle meshes as they are", NO, "Shapes are convex pieces. Mesh files are read as convex hulls or, decomposed, "
+               "as convex pieces; avatarsim pieces MESH makes them and bounds how far pieces and mesh are apart."),
         Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
                "link that is moved by a tracker stops at what it meets instead of pushing through it."),
         Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),
         Answer("A target that leaps (teleports)", YES, leaps()),
         Answer("Every frame within the 11.1 ms of 90 Hz", PARTLY, f"{slowest(results, ours)} {budget()}"),
-        Answer("Other frame rates than 60 Hz", PARTLY, rates(results)),
+        Answer("Other frame rates than 60 Hz", PARTLY, rates(results, ours)),
         Answer("Several avatars", YES, f"Each with its own tracker. {grown(growth, ours, 'avatars')}"),
         Answer("Avatars of your own: hand-tracking skeletons, other bodies", YES, "Trees of links with hinges, ball joints and "
-               "reach cones, described in Python; there is no importer for formats of avatars or motion."),
+               "reach cones: described in Python, or read from URDF, MJCF and SMPL files; motion from BVH, AMC, NPZ, CSV and "
+               "more (docs/files.md), or live by UDP and WebSocket (docs/live.md)."),
         Answer("Grabbing", NO, "Nothing attaches a thing to a hand, and a hand that closes on one pushes it away: fingers stop "
                "at its surface and press with the spring of equation 6 alone, one contact a link. "
                f"{grasped(results.rows) or f'How far such a thing falls is {ABSENT}.'}"),
@@ -67,7 +71,8 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Several threads", PARTLY, "A frame of one world is computed on the thread that asks for it; advance_many passes "
                "frames of many worlds on as many threads as there are processors."),
         Answer("Stacks of boxes: which engine", PARTLY, stacks(results, ours)),
-        Answer("Large worlds", YES, f"Most of what lies there is to rest. {grown(growth, ours, 'objects')} "
+        Answer("Large worlds", YES if _points(growth, ours, "objects") else UNMEASURED,
+               f"Most of what lies there is to rest. {grown(growth, ours, 'objects')} "
                f"{grown(growth, ours, 'contacts')}"),
         Answer("Contact force, joint torque, haptics", UNMEASURED, "The avatar is kinematic: no figure on this page is a force."),
         Answer("Licence", YES, "Apache-2.0."),
@@ -88,12 +93,16 @@ def _figures(results: Results, run: str, metric: str) -> list[tuple[float, str]]
 
 def walls(results: Results, ours: str) -> str:
     """What becomes of an avatar whose user goes through a wall, and how often that was in this run."""
-    found = sorted(((number, scene) for number, scene in _figures(results, ours, "waiting") if number > 0.0), reverse=True)
+    held = Counter[str]()
+    for number, scene in (one for name in WAITS for one in _figures(results, ours, name)):
+        held[scene] += int(number)
+    found = sorted(((number, scene) for scene, number in held.items() if number), reverse=True)
     seen = listed(tuple(f"{quantity(number, 'frames')} frames in {scene}" for number, scene in found), 4)
     return (
         "The avatar stays on its side and slides along the wall; with joints it is led around where a path is found, a hand "
-        "without joints is not (around: 2 leads it too). Where there is none it waits, which the status says. In this run: "
-        f"{seen or 'no frame'}. Nothing shows it at the user's place through the wall: reset begins the whole scene again there."
+        "without joints is not (around: 2 leads it too). Where none is known it waits, which the status says. So many frames in "
+        f"this run, those in which a path is sought with them: {seen or 'none'}. "
+        "Nothing shows it at the user's place through the wall: reset begins the whole scene again there."
     )
 
 
@@ -127,9 +136,9 @@ def budget() -> str:
     return f"work: {meanings(PostureSettings)['work']}"
 
 
-def rates(results: Results) -> str:
-    """At which rates scenes with an avatar were measured, and which settings are per frame."""
-    avatars = {row.scenario for row in results.rows if row.metric == "tracker_offset_rms" and row.engine != RAW_TRACKER}
+def rates(results: Results, ours: str) -> str:
+    """At which rates ours was measured in scenes with an avatar, and which settings are per frame."""
+    avatars = with_avatar(row for row in results.rows if row.run == ours)
     hertz = sorted(round(1.0 / dt) for scene, dt in results.frame_times.items() if scene in avatars and dt > 0.0)
     seen = listed(tuple(f"{hertz.count(rate)} at {rate} Hz" for rate in dict.fromkeys(hertz)))
     values = PostureSettings()._asdict()
@@ -150,9 +159,14 @@ def grasped(rows: Iterable[Row]) -> str:
             "touches it.")
 
 
+def _points(growth: Growth | None, ours: str, grows: str) -> list[Point]:
+    """What this run timed of a kind of size."""
+    return [one for one in growth.points if (one.grows, one.run) == (grows, ours) and one.p95 > 0.0] if growth else []
+
+
 def grown(growth: Growth | None, ours: str, grows: str) -> str:
     """The largest size of a kind that this run timed, with its 95th percentile; or that it timed none, and what would."""
-    points = [one for one in growth.points if (one.grows, one.run) == (grows, ours) and one.p95 > 0.0] if growth else []
+    points = _points(growth, ours, grows)
     if not points:
         return f"Frames with many {grows} are {ABSENT}; make bench times them."
     most = max(points, key=lambda one: (one.size, one.p95))

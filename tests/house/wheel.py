@@ -184,8 +184,8 @@ def answer(python: str, wheel: Path, folder: Path) -> Answer:
     command = told.partition("pip install ")[2]
     if not (command and "trimesh" in command and "[" not in command and str(ROOT) not in command):
         faults.append(f"a missing extra is not named with a command that works: {told}")
-    if "usage" not in run([inside, "-m", "avatarsim.assets.meshes", "--help"], **alone):
-        faults.append("python -m avatarsim.assets.meshes --help prints no usage")
+    if "usage" not in run([inside, "-m", "avatarsim", "pieces", "--help"], **alone):
+        faults.append("python -m avatarsim pieces --help prints no usage")
     return Answer(version, install, seconds[0], seconds[1], tuple(faults))
 
 
