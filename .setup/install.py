@@ -1,7 +1,7 @@
 """Makes .venv and fills it from requirements.lock; every failure is one plain sentence.
 
-Started by choose_python.py with a supported Python; uses the standard library only. The project itself is not
-installed: it runs from the checkout. What pip prints goes to .venv/set-up.log.
+Started by choose_python.py with a supported Python; uses the standard library only. The project itself runs from the
+checkout, which a path file makes importable from any folder. What pip prints goes to .venv/set-up.log.
 """
 
 import fcntl
@@ -148,6 +148,13 @@ def make_venv() -> None:
         )
 
 
+def make_importable() -> None:
+    """Write the path file by which .venv's Python finds the checkout from any folder: examples run as they are."""
+    packages = VENV / "lib" / f"python{HERE}" / "site-packages"
+    packages.mkdir(parents=True, exist_ok=True)
+    (packages / "avatarsim_checkout.pth").write_text(f"{ROOT}\n", encoding="utf-8")
+
+
 def install_pybullet(pin: str) -> bool:
     """Install pybullet from its wheel or, where there is none, from source; False if it is left out."""
     say("  3/3 pybullet")
@@ -194,10 +201,12 @@ def set_up() -> None:
     digest = hashlib.sha256((others + pybullet).encode()).hexdigest()
     stamp = json.loads(STAMP.read_text(encoding="utf-8")) if STAMP.exists() else {}
     if stamp == {"lock": digest, "python": HERE, "pybullet": True}:
+        make_importable()
         STAMP.touch()
         say(".venv is ready.")
         return
     make_venv()
+    make_importable()
     say(f"  2/3 {len(re.findall(r'(?m)^[A-Za-z0-9]', others))} packages from requirements.lock")
     if (output := pip_install(others)) is not None:
         raise SetUpStopped(f"{pip_sentence(output)} Details: .venv/set-up.log")

@@ -165,6 +165,16 @@ def test_second_run_does_nothing_until_the_lock_changes(house: _House) -> None:
     assert house.install.main() == 0 and len(house.asked) == 4
 
 
+def test_checkout_is_importable_from_any_folder_also_after_an_older_set_up(house: _House) -> None:
+    assert house.install.main() == 0
+    [path_file] = house.stamp.parent.rglob("*.pth")
+    # the form that Python's site module reads: folders, a line each
+    assert [Path(line).resolve() for line in path_file.read_text(encoding="utf-8").splitlines()] == [ROOT]
+    assert path_file.parent.name == "site-packages"
+    path_file.unlink()
+    assert house.install.main() == 0 and path_file.is_file(), "written anew where the stamp is of a set-up without it"
+
+
 def test_failed_set_up_leaves_no_stamp(house: _House, capfd: pytest.CaptureFixture[str]) -> None:
     house.answers["others"] = "WARNING: NewConnectionError(...)\nERROR: No matching distribution found for x"
     assert house.install.main() == 1 and not house.stamp.exists()
