@@ -4,6 +4,7 @@ import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
+from avatarsim.errors import StartOverlaps
 from avatarsim.scene.body import Role
 from avatarsim.settings import PostureSettings, meanings
 from avatarsim.simulator import AvatarsimEngine
@@ -49,7 +50,8 @@ def test_licence_and_kinds_of_bodies_are_those_of_the_source(run_dir: Write) -> 
 def test_what_it_is_not_for_has_an_answer_that_says_no(run_dir: Write) -> None:
     no = {one.question for one in answers(made(run_dir), OURS) if one.word == NO}
     for said, question in (("OpenXR", "C, Unity"), ("scenery that moves", "Scenery"),
-                           ("meshes as they are", "Triangle meshes"), ("a grip that attaches", "Grabbing")):
+                           ("meshes as they are", "Triangle meshes"), ("a grip that attaches", "Grabbing"),
+                           ("begin inside", "A start inside")):
         assert said in not_for() and any(one.startswith(question) for one in no)
     assert "change(scene)" in fact(made(run_dir), "Bodies that come") and hasattr(AvatarsimEngine, "change")
 
@@ -76,10 +78,11 @@ def test_frames_behind_walls_leaps_and_the_fall_of_what_is_grasped_are_those_of_
                  row("mug", OURS, "grasped_fall_end", 0.96, "m"),
                  row("mug", "mujoco/tuned", "grasped_fall_end", 0.0, "m"))
     walls = fact(found, "A user who steps")
-    assert "94 frames in maze, 7 frames in hall" in walls and "reset" in walls and "waits" in walls
+    assert "101 frames of 2 scenes, most in these: 94 in maze, 7 in hall." in walls and "reset" in walls and "waits" in walls
+    assert hasattr(AvatarsimEngine, "put") and "put takes" in walls and "put takes" in fact(found, "A target that leaps")
     assert "5.00 m/s" in fact(found, "A target that leaps") and "reset" in fact(found, "A target that leaps")
     assert f"{OURS} 960 mm; mujoco/tuned 0" in fact(found, "Grabbing")
-    assert "sought with them: none." in fact(made(run_dir), "A user who steps") and ABSENT in fact(made(run_dir), "Grabbing")
+    assert "sought: in none." in fact(made(run_dir), "A user who steps") and ABSENT in fact(made(run_dir), "Grabbing")
 
 
 def test_the_slowest_frame_stands_beside_what_a_leap_may_cost(run_dir: Write) -> None:
@@ -116,3 +119,21 @@ def test_sizes_carry_a_time_of_this_run_or_none(run_dir: Write) -> None:
     assert ABSENT in fact(found, "Several avatars") and ABSENT in fact(found, "Large worlds", growth)
     large = Growth((Point("objects", "idle", 20_000, 20_000, OURS, 9.0, 12.0, ""),))
     assert [word(found, "Large worlds", one) for one in (None, growth, large)] == [UNMEASURED, UNMEASURED, YES]
+
+
+def test_engines_between_tracker_and_avatar_are_compared_over_scenes_that_all_have(run_dir: Write) -> None:
+    rows = [row(scene, run, metric, value, "m")
+            for scene, values in (("unseen_a", (0.0, 2e-3, 4e-3)), ("unseen_b", (0.0, 4e-3, 6e-3)))
+            for run, value in zip((OURS, "mujoco/tuned", "pybullet/tuned"), values, strict=True)
+            for metric in ("residual_overlap_max", "tracker_offset_rms")]
+    alone = row("unseen_c", OURS, "residual_overlap_max", 9.0, "m")
+    found = made(run_dir, *rows, alone)
+    said = fact(found, "Between tracker")
+    assert ("Medians of the rooms of untuned motions: deepest overlap shown (in 2) avatarsim/default 0, mujoco/tuned 3.00 mm, "
+            "pybullet/tuned 5.00 mm." in said)
+    assert "not like for like" in said and ABSENT in fact(made(run_dir, alone), "Between tracker")
+
+
+def test_ports_and_refused_starts_are_those_of_the_source(run_dir: Write) -> None:
+    assert (ROOT / "docs" / "live_ports.md").is_file() and "docs/live_ports.md" in fact(made(run_dir), "C, Unity")
+    assert issubclass(StartOverlaps, Exception) and "StartOverlaps" in fact(made(run_dir), "A start inside")
