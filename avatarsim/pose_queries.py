@@ -1,12 +1,8 @@
-"""Queries of poses outside the frame: contacts of what is shown, overlaps of the first pose.
-
-Contacts of the state that is shown: signed distances and contact manifolds of near pairs, found when they are asked for.
+"""Queries of poses outside the frame: overlaps and joint limits of a first pose, and the contacts of what is shown.
 
 The narrow phase is that of the frame (GJK, Gilbert et al. 1988, and EPA; faces clipped as by Sutherland and Hodgman, 1974), but
-asked cold and outside the frame: what is not asked for costs nothing, and asking changes nothing. Contacts of avatars and of
-loose bodies are told alike.
-
-Overlap check of the first pose at load, over every pair that the scene's pair filter lets through.
+asked cold and outside the frame: what is not asked for costs nothing, and asking changes nothing. A first pose is checked over
+every pair that the scene's pair filter lets through; contacts of avatars and of loose bodies are told alike.
 """
 
 from dataclasses import dataclass

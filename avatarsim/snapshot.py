@@ -1,4 +1,4 @@
-"""Checkpoint and restart: the state of a world between two frames as bytes, and back.
+"""Checkpoint and restart: the state of a world between two frames as bytes, back, and into a world of other bodies.
 
 What the parts of a frame keep from one frame to the next is written, constants and working memory are not: they are those of the
 engine that the bytes are handed to, which has loaded the same scene with the same settings. Bytes are not trusted: nothing in
@@ -7,12 +7,6 @@ place in memory, is held against the range that its field has. Only when all is 
 
 Layout, little endian: a head (see `HEAD`), the bytes of all arrays one after another as zlib has them, and the BLAKE2b of all
 that stands before it.
-
-Carry-over of state from one world into another that shares bodies and avatars by name: how bodies come and go between frames.
-
-The new world is built as at a load, by the same checks. Of what both have, the new one takes poses and velocities to the bit, of
-avatars also what their users asked for last and the offsets that collisions have left (eq. 6). What is found anew within a frame
-or two is not carried: sleep, warm starts of the solvers, and the search for a path.
 """
 
 import hashlib
@@ -227,6 +221,12 @@ def _arrays(body: bytes, kept: Sequence[Field]) -> list[Bits]:
 
 Rows = NDArray[np.int64]
 
+
+# Carry-over of state from one world into another that shares bodies and avatars by name: how bodies come and go between frames.
+#
+# The new world is built as at a load, by the same checks. Of what both have, the new one takes poses and velocities to the bit,
+# of avatars also what their users asked for last and the offsets that collisions have left (eq. 6). What is found anew within a
+# frame or two is not carried: sleep, warm starts of the solvers, and the search for a path.
 
 class Shared(NamedTuple):
     """Places in the old world and in the new one of what both have, (n, 2) each: simulated bodies, avatars, links, degrees."""

@@ -97,7 +97,7 @@ def bounded(skel: Skeleton, posture: Posture, m: int, j: int, way: float) -> flo
 
 @kernel
 def yield_link(
-    skel: Skeleton, posture: Posture, poses: Poses, axes: Rows, link: int, offset: Vec3, ease: Array, way_out: Array
+    skel: Skeleton, posture: Posture, poses: Poses, axes: Rows, link: int, offset: Vec3, inverse_weight: Array, way_out: Array
 ) -> None:
     """Change way (nd) so that the middle of one link moves by `offset` [m], to first order and as far as the joints go."""
     point, b = middle(poses, skel.first + link), skel.first
@@ -105,7 +105,7 @@ def yield_link(
     while m >= 0:
         arm = sub(point, row(poses.position, b + m))
         for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
-            c, e = column(skel, m, j, arm, axes), ease[j]
+            c, e = column(skel, m, j, arm, axes), inverse_weight[j]
             x, y, z = along(x, e * c[0], c), along(y, e * c[1], c), along(z, e * c[2], c)
             left = along(left, -way_out[j], c)
         m = skel.parent[m]
@@ -117,14 +117,14 @@ def yield_link(
     while m >= 0:
         arm = sub(point, row(poses.position, b + m))
         for j in range(skel.first_dof[m], skel.first_dof[m + 1]):
-            more = ease[j] * dot(column(skel, m, j, arm, axes), load)
+            more = inverse_weight[j] * dot(column(skel, m, j, arm, axes), load)
             way_out[j] = bounded(skel, posture, m, j, way_out[j] + more)
         m = skel.parent[m]
 
 
 @kernel
 def recoil(
-    skel: Skeleton, posture: Posture, poses: Poses, axes: Rows, offset: Rows, ease: Array, way_out: Array
+    skel: Skeleton, posture: Posture, poses: Poses, axes: Rows, offset: Rows, inverse_weight: Array, way_out: Array
 ) -> bool:
     """Fill way (nd), a step of `posture` with `poses` and `axes` (nd, 3), for offsets (nl, 3) of all links but free roots [m].
 
@@ -137,7 +137,7 @@ def recoil(
         for link in range(skel.kind.shape[0]):
             x = row(offset, link)
             if skel.kind[link] != FREE and dot(x, x) > 0.0:
-                yield_link(skel, posture, poses, axes, link, x, ease, way_out)
+                yield_link(skel, posture, poses, axes, link, x, inverse_weight, way_out)
                 hit += 1
         found = hit > 0
         if hit == 0 or (hit == 1 and turn == 1):

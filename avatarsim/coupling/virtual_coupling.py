@@ -67,10 +67,10 @@ class Springs(NamedTuple):
     """The springs of all links of a world.
 
     settings of eq. 6; offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press`
-    added [m/s]; mass (nl) [kg]; ease (nd) 1 / weight of a degree where joints share an offset; still (nd) no step; axes (nd, 3)
-    of the degrees at the tracker's posture, world axes; way (nd) the step by which its joints yield [rad], or its roots [m];
-    one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1), with boxes only of links
-    with an offset.
+    added [m/s]; mass (nl) [kg]; inverse_weight (nd) of a degree where joints share an offset; still (nd) no step; axes
+    (nd, 3) of the degrees at the tracker's posture, world axes; way (nd) the step by which its joints yield [rad], or its roots
+    [m]; one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1), with boxes only of
+    links with an offset.
     """
 
     settings: CouplingSettings
@@ -78,7 +78,7 @@ class Springs(NamedTuple):
     rate: Vectors
     pressed: Vectors
     mass: Line
-    ease: Line
+    inverse_weight: Line
     still: Line
     axes: Vectors
     way: Line
@@ -216,7 +216,7 @@ def pull(
     for link in range(skel.kind.shape[0]):
         put_row(s.rate, link, add(row(s.rate, link), row(s.pressed, link)))
     place_displaced(geo, skel, s.offset, now)
-    if recoil(skel, target_out, now, s.axes, s.offset, s.ease, s.way):
+    if recoil(skel, target_out, now, s.axes, s.offset, s.inverse_weight, s.way):
         # a user beyond limits is taken as he is
         displace(skel, target_out, s.way)
     tracked_velocities(skel, before, now, s.rate, dt, velocities_out)

@@ -25,7 +25,7 @@ from avatarsim.rigid.clocks import arrive
 from avatarsim.rigid.contact_generation import BROKEN, FOUND, LASTS, NO_ROOM, block, find_points
 from avatarsim.rigid.contacts import NOT_DRIVEN, axis, velocity_at
 from avatarsim.rigid.first_event import event_of_pair, never_meet
-from avatarsim.rigid.islands import NONE, changed, line_up, next_of
+from avatarsim.rigid.islands import NONE, build_tree, changed, next_of
 from avatarsim.rigid.state import BLOCKED, DONE, NOT_FINITE, STOPPED, Memory
 from avatarsim.spatial.vec3 import dot, norm, row, sub
 from avatarsim.tolerances import NOTHING
@@ -164,7 +164,7 @@ def go_or_stop(
             new = True
     if new:
         return AGAIN
-    line_up(soonest, pairs, when)
+    build_tree(soonest, pairs, when)
     for _ in range(members.shape[0] if count > 0 else 0):
         next_ = soonest.tree[1]
         now = when[next_]

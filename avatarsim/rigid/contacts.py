@@ -99,8 +99,8 @@ class Contacts(NamedTuple):
     face (cap) 1 or 2 if the normal belongs to a face of A or of B and turns with it, else 0;
     frame (cap, 3, 3) rows: normal out of B into A, two tangents; arm_a, arm_b (cap, 3) from the centres of mass [m];
     gap (cap) [m]; restitution, friction (cap); bend (cap, 3) bias acceleration: relative one of the points at zero force [m/s^2];
-    ease (cap, 2) inverse effective mass along the normal, and largest across it [1/kg]; unease (cap, 2) effective mass [kg];
-    drag (cap, 2) velocity along the tangents per impulse along the normal [1/kg];
+    inverse_effective_mass (cap, 2) along the normal, and the largest across it [1/kg]; effective_mass (cap, 2) [kg];
+    cross_response (cap, 2) velocity along the tangents per impulse along the normal [1/kg];
     lever_a, lever_b (cap, 3, 3) angular rows of the contact Jacobian: arm x axis for each axis of the frame; turn_a, turn_b
     (cap, 3, 3) angular rows of M^-1 J^T: angular velocity [rad/s] per impulse [N s] along each axis;
     target (cap) least normal velocity asked for (bias velocity) [m/s], -inf where a point takes no part;
@@ -131,7 +131,7 @@ class Contacts(NamedTuple):
     restitution: Line
     friction: Line
     bend: Vectors
-    ease: Grid
+    inverse_effective_mass: Grid
     lever_a: Matrices
     lever_b: Matrices
     turn_a: Matrices
@@ -150,8 +150,8 @@ class Contacts(NamedTuple):
     radii_a: Matrices
     radii_b: Matrices
     turns: Grid
-    unease: Grid
-    drag: Grid
+    effective_mass: Grid
+    cross_response: Grid
     pace: Line
     approach: Line
     rows: Grid
@@ -171,14 +171,15 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Con
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
         driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
         frame=np.zeros((cap, 3, 3)), arm_a=np.zeros((cap, 3)), arm_b=np.zeros((cap, 3)),
-        gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)), ease=np.zeros((cap, 2)),
+        gap=np.zeros(cap), restitution=np.zeros(cap), friction=np.zeros(cap), bend=np.zeros((cap, 3)),
+        inverse_effective_mass=np.zeros((cap, 2)),
         lever_a=np.zeros((cap, 3, 3)), lever_b=np.zeros((cap, 3, 3)), turn_a=np.zeros((cap, 3, 3)), turn_b=np.zeros((cap, 3, 3)),
         target=np.zeros(cap), slide=np.zeros((cap, 2)), drift=np.zeros((cap, 2)),
         impulse=np.zeros((cap, 3)), standing=np.zeros(1, np.int64),
         visits=np.zeros(1, np.int64), edge_a=np.zeros((cap, 3)), edge_b=np.zeros((cap, 3)),
         sway_a=np.zeros((cap, 3)), sway_b=np.zeros((cap, 3)), smooth=np.zeros(cap, np.int64),
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
-        unease=np.zeros((cap, 2)), drag=np.zeros((cap, 2)),
+        effective_mass=np.zeros((cap, 2)), cross_response=np.zeros((cap, 2)),
         pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies, MOTION)),
     )
 
@@ -222,7 +223,8 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
 
 @kernel
 def weigh(contacts: Contacts, masses: Masses) -> None:
-    """Fill ``ease`` of all contacts: 1/m_b + 1/m_a + A + B of eq. 9, and the same across the normal; and levers and turns."""
+    """Fill ``inverse_effective_mass`` of all contacts: 1/m_b + 1/m_a + A + B of eq. 9, and the same across the normal; also
+    levers and turns."""
     weigh_after(contacts, masses, 0.0)
 
 
@@ -241,15 +243,15 @@ def weigh_after(contacts: Contacts, masses: Masses, t: float) -> None:
             put_row(contacts.turn_a[k], i, turned(inertia_a, lever_a))
             put_row(contacts.turn_b[k], i, turned(inertia_b, lever_b))
         straight = masses.inverse_mass[a] + masses.inverse_mass[b]
-        contacts.ease[k, 0] = straight + turning(contacts, k, 0, 0)
+        contacts.inverse_effective_mass[k, 0] = straight + turning(contacts, k, 0, 0)
         one, other = straight + turning(contacts, k, 1, 1), straight + turning(contacts, k, 2, 2)
         both = turning(contacts, k, 1, 2)
         half, mean = 0.5 * (one - other), 0.5 * (one + other)
         # the larger eigenvalue of the 2 x 2 block: a step by its inverse never overshoots
-        contacts.ease[k, 1] = mean + sqrt(half * half + both * both)
+        contacts.inverse_effective_mass[k, 1] = mean + sqrt(half * half + both * both)
         for i in range(2):
-            contacts.unease[k, i] = 1.0 / contacts.ease[k, i]
-            contacts.drag[k, i] = turning(contacts, k, i + 1, 0)
+            contacts.effective_mass[k, i] = 1.0 / contacts.inverse_effective_mass[k, i]
+            contacts.cross_response[k, i] = turning(contacts, k, i + 1, 0)
 
 
 @kernel

@@ -1,8 +1,6 @@
 """Earliest event of an island: the least time of impact over its near pairs, the likeliest pair searched first.
 
-Time of impact of two balls: conservative advancement (Mirtich 1996) on centres alone, since their rotation moves no surface.
-
-Also an early out for any two bodies: they cannot meet if their bounding balls do not.
+Pairs of balls have a closed form of their own, and pairs whose bounding balls stay apart no event.
 """
 
 from math import inf
@@ -59,6 +57,9 @@ def ahead_of(memory: Memory, a: int, b: int, t: float) -> tuple[float, float, fl
     rate, gain = dot(d, sub(v_a, v_b)) / apart, dot(d, sub(a_a, a_b)) / apart
     return apart - memory.span[a] - memory.span[b], rate, gain
 
+
+# Time of impact of two balls: conservative advancement (Mirtich 1996) on centres alone, since their rotation moves no surface.
+# Also an early out for any two bodies: they cannot meet if their bounding balls do not.
 
 @kernel
 def balls_meet(memory: Memory, a: int, b: int, begin: float, h: float) -> tuple[int, float]:

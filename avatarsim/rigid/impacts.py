@@ -137,7 +137,7 @@ def head_of_queue(contacts: Contacts) -> tuple[int, float]:
 
 
 @kernel
-def line_up(contacts: Contacts, masses: Masses, newest: Index, older: Index) -> None:
+def chain_by_body(contacts: Contacts, masses: Masses, newest: Index, older: Index) -> None:
     """List the contacts of each body that moves, for `next_approach`.
 
     Args:
@@ -160,7 +160,7 @@ def next_approach(
 ) -> tuple[int, float]:
     """`fastest_approach` after the block first <= k < last was resolved; updates the contacts of bodies in the block only.
 
-    ``newest``, ``older``: of `line_up`.
+    ``newest``, ``older``: of `chain_by_body`.
     """
     for i in range(first, last):
         if contacts.target[i] == -inf or (i > first and contacts.target[i - 1] != -inf and same_pair(contacts, i - 1, i)):
@@ -239,7 +239,7 @@ def lone_impact(contacts: Contacts, masses: Masses, k: int, literal: bool, linea
     if literal:
         j_t = friction_impulse(contacts.friction[k], j, v_t)
     else:
-        j_t = limited_friction_impulse(contacts.friction[k], j, v_t, norm(v_t) / contacts.ease[k, 1])
+        j_t = limited_friction_impulse(contacts.friction[k], j, v_t, norm(v_t) / contacts.inverse_effective_mass[k, 1])
     change(contacts, masses, k, in_frame(contacts, k, along(j_t, j, n)), linear, angular)
 
 

@@ -3,8 +3,6 @@
 The island whose clock is farthest behind steps next, so events inside a frame are handled in order of time. A segment is carried
 out at once and the state at its start is kept: if a body of another island comes near before its end, the island is rolled back
 along its path to that time (timewarp: Mirtich 2000).
-
-Event queue of the fallback step: tournament tree of near pairs by the time of their event, and a list of pairs per body.
 """
 
 from math import inf
@@ -178,6 +176,8 @@ NONE = -1
 """In place of a pair: there is no other."""
 
 
+# Event queue of the fallback step: tournament tree of near pairs by the time of their event, and a list of pairs per body.
+
 class Soonest(NamedTuple):
     """tree (2 room): of count pairs, node j holds the one of nodes 2 j and 2 j + 1 that is sooner, and pair p is node count + p;
     head (nb), after (room, 2): the first pair of a body, and the next one of the body on either side of a pair."""
@@ -199,7 +199,7 @@ def sooner(when: Array, p: int, q: int) -> int:
 
 
 @kernel
-def line_up(soonest: Soonest, pairs: Index, when: Array) -> None:
+def build_tree(soonest: Soonest, pairs: Index, when: Array) -> None:
     """Build tree and lists from pairs (count, 2) and times (count) [s] of their events; a pair at inf is in no body's list."""
     tree, count = soonest.tree, pairs.shape[0]
     for p in range(count):

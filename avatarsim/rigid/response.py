@@ -1,9 +1,6 @@
 """Contact response of an island at one instant: impacts (eqs 7 to 10), then constant contact forces until the next event.
 
-Position projection (drift correction; post-stabilization: Cline and Pai 2003): overlapping simulated bodies are moved apart.
-
-Nonlinear Gauss-Seidel on positions; velocities stay, so no kinetic energy is added. The first passes weigh by mass. They do not
-converge for a light body on the floor under a heavy one, so from WEIGHED on all bodies yield as if they had the same mass.
+Before these, overlaps that are left of earlier frames are projected out of positions alone.
 """
 
 from math import ceil
@@ -23,8 +20,8 @@ from avatarsim.rigid.contacts import SHARP, Contacts, Masses, axis, recall_force
 from avatarsim.rigid.impacts import (
     REST_SPEED,
     begin_tail,
+    chain_by_body,
     fastest_approach,
-    line_up,
     next_approach,
     resolve_impact,
     settle,
@@ -68,6 +65,11 @@ GOOD = -ROUGH
 """A gap above this [m] is left as it is."""
 
 
+# Position projection (drift correction; post-stabilization: Cline and Pai 2003): overlapping simulated bodies are moved apart.
+#
+# Nonlinear Gauss-Seidel on positions; velocities stay, so no kinetic energy is added. The first passes weigh by mass. They do not
+# converge for a light body on the floor under a heavy one, so from WEIGHED on all bodies yield as if they had the same mass.
+
 @kernel
 def share_of(masses: Masses, b: int, evenly: bool) -> float:
     """Factor on displacements of body b: with ``evenly`` its mass, so that bodies of one shape yield alike; else 1."""
@@ -84,7 +86,7 @@ def displace(contacts: Contacts, masses: Masses, evenly: bool, linear: Array, an
         for k in range(contacts.used[0]):
             n = axis(contacts, k, 0)
             gap = contacts.gap[k] + dot(n, velocity_at(contacts, k, linear, angular))
-            if gap < GOOD and contacts.ease[k, 0] > 0.0:
+            if gap < GOOD and contacts.inverse_effective_mass[k, 0] > 0.0:
                 a, b = contacts.body[k, 0], contacts.body[k, 1]
                 of_a, of_b = share_of(masses, a, evenly), share_of(masses, b, evenly)
                 ease_a = masses.inverse_mass[a] + dot(row(contacts.lever_a[k], 0), row(contacts.turn_a[k], 0))
@@ -202,7 +204,7 @@ def impacts(
     if head < 0 or fastest >= -calm:
         return status
     slow = REST_SPEED * contacts.pace[0]
-    line_up(contacts, memory.strike, memory.newest, memory.older)
+    chain_by_body(contacts, memory.strike, memory.newest, memory.older)
     while head >= 0 and fastest < -slow:
         if resolved >= patience or contacts.visits[0] > VISITS or resolved * contacts.used[0] > LOOKS:
             status = OUT_OF_IMPACTS

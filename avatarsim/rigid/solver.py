@@ -4,14 +4,10 @@ Normal impulses are not negative and reach their target velocities; friction imp
 gradients (Fletcher and Reeves 1964) act on whole double sweeps, forth and back over the contacts; compare Silcowitz, Niebe and
 Erleben 2010.
 
-Packed rows of the contact solver: Jacobian, M^-1 J^T, bias velocity and effective mass of a contact in one row of memory.
-
-Numbers are packed in fours, for vector instructions, and scaled by the effective mass; those of the normal come first, since many
-contacts have no friction. Velocities are packed in fours as well during a solve.
-
-One projected Gauss-Seidel sweep over contacts (Catto, Iterative Dynamics with Temporal Coherence, 2005).
-
-Nearly all time of bodies in motion is spent here, so a sweep is one flat kernel.
+Nearly all time of bodies in motion is spent here. So a sweep (Catto 2005, Iterative Dynamics with Temporal Coherence) is one flat
+kernel, and Jacobian, M^-1 J^T, bias and effective mass of a contact stand in one row of memory: packed in fours, for vector
+instructions, and scaled by the effective mass; those of the normal come first, since many contacts have no friction. Velocities
+are packed in fours as well during a solve.
 """
 
 from math import inf
@@ -31,24 +27,24 @@ Array = NDArray[np.float64]
 LANES = 4
 """Numbers taken at a time; the last one of each four is zero."""
 
-GIFT, PARTS = 0, 4
+RESPONSE, RESPONSE_PARTS = 0, 4
 """M^-1 J^T of the normal, in so many parts of four: added to v and w of A and taken from v and w of B per impulse."""
 
-WISH, WISH_SIZE = 16, 9
+JACOBIAN, JACOBIAN_SIZE = 16, 9
 """Jacobian of the normal (the normal, its levers on A and on B) times the effective mass: its product with the velocities is the
 impulse that would stop the point along the normal."""
 
-TARGET, EASE, FRICTION, SLIDE = 25, 26, 28, 29
+BIAS, INVERSE_MASS, FRICTION, SLIDE = 25, 26, 28, 29
 """Bias velocity times effective mass; inverse effective masses along and across the normal; coefficient of friction; slide along
 the tangents times effective mass."""
 
-ALL_WISHES = 32
+JACOBIANS = 32
 """The same nine numbers for the normal and both tangents, interleaved: the first of each, then the second of each."""
 
-SIDE_GIFT = 68
+TANGENT_RESPONSE = 68
 """M^-1 J^T of each tangent, packed as that of the normal."""
 
-DRAG = 100
+CROSS_RESPONSE = 100
 """Impulses along the tangents that balance the slip due to a unit impulse along the normal."""
 
 
@@ -79,23 +75,23 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
             put_three(motion, body, LANES, row(angular, body))
         flat = contacts.friction[k] == 0.0 and contacts.impulse[k, 1] == 0.0 and contacts.impulse[k, 2] == 0.0
         for i in range(1 if flat else 3):
-            per, n = contacts.unease[k, min(i, 1)], axis(contacts, k, i)
-            gift = GIFT if i == 0 else SIDE_GIFT + (i - 1) * LANES * PARTS
-            put_three(rows, k, gift, scale(n, masses.inverse_mass[a]))
-            put_three(rows, k, gift + LANES, row(contacts.turn_a[k], i))
-            put_three(rows, k, gift + 2 * LANES, scale(n, masses.inverse_mass[b]))
-            put_three(rows, k, gift + 3 * LANES, row(contacts.turn_b[k], i))
+            per, n = contacts.effective_mass[k, min(i, 1)], axis(contacts, k, i)
+            response = RESPONSE if i == 0 else TANGENT_RESPONSE + (i - 1) * LANES * RESPONSE_PARTS
+            put_three(rows, k, response, scale(n, masses.inverse_mass[a]))
+            put_three(rows, k, response + LANES, row(contacts.turn_a[k], i))
+            put_three(rows, k, response + 2 * LANES, scale(n, masses.inverse_mass[b]))
+            put_three(rows, k, response + 3 * LANES, row(contacts.turn_b[k], i))
             for part in range(3):
                 lever = n if part == 0 else row(contacts.lever_a[k], i) if part == 1 else row(contacts.lever_b[k], i)
                 for x in range(3):
-                    rows[k, ALL_WISHES + LANES * (3 * part + x) + i] = lever[x] * per
-        for c in range(WISH_SIZE):
-            rows[k, WISH + c] = rows[k, ALL_WISHES + LANES * c]
+                    rows[k, JACOBIANS + LANES * (3 * part + x) + i] = lever[x] * per
+        for c in range(JACOBIAN_SIZE):
+            rows[k, JACOBIAN + c] = rows[k, JACOBIANS + LANES * c]
         for i in range(2):
-            rows[k, DRAG + i] = contacts.drag[k, i] * contacts.unease[k, 1]
-            rows[k, EASE + i] = contacts.ease[k, i]
-            rows[k, SLIDE + i] = (contacts.slide[k, i] + contacts.drift[k, i]) * contacts.unease[k, 1]
-        rows[k, TARGET] = contacts.target[k] * contacts.unease[k, 0]
+            rows[k, CROSS_RESPONSE + i] = contacts.cross_response[k, i] * contacts.effective_mass[k, 1]
+            rows[k, INVERSE_MASS + i] = contacts.inverse_effective_mass[k, i]
+            rows[k, SLIDE + i] = (contacts.slide[k, i] + contacts.drift[k, i]) * contacts.effective_mass[k, 1]
+        rows[k, BIAS] = contacts.target[k] * contacts.effective_mass[k, 0]
         rows[k, FRICTION] = contacts.friction[k]
 
 
@@ -110,17 +106,18 @@ def take_motion(contacts: Contacts, first: int, last: int, linear: Array, angula
 
 
 @kernel
-def wishes(rows: Array, k: int, motion: Array, a: int, b: int) -> Vec3:
-    """Impulses that would stop contact k of bodies a and b along each axis of its frame, by the velocities ``motion``."""
+def stopping_impulses(rows: Array, k: int, motion: Array, a: int, b: int) -> Vec3:
+    """Impulses [N s] that would stop contact k of bodies a and b along each axis of its frame, by the velocities ``motion``."""
     u = sub(three(motion, a, 0), three(motion, b, 0))
     w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
-    return wish(rows, k, 0, u, w_a, w_b), wish(rows, k, 1, u, w_a, w_b), wish(rows, k, 2, u, w_a, w_b)
+    along, first = stopping_impulse(rows, k, 0, u, w_a, w_b), stopping_impulse(rows, k, 1, u, w_a, w_b)
+    return along, first, stopping_impulse(rows, k, 2, u, w_a, w_b)
 
 
 @kernel
-def wish(rows: Array, k: int, i: int, u: Vec3, w_a: Vec3, w_b: Vec3) -> float:
+def stopping_impulse(rows: Array, k: int, i: int, u: Vec3, w_a: Vec3, w_b: Vec3) -> float:
     """The impulse along axis i, by the velocity u of A's centre relative to B's and both angular velocities."""
-    at, step = ALL_WISHES + i, LANES
+    at, step = JACOBIANS + i, LANES
     straight = rows[k, at] * u[0] + rows[k, at + step] * u[1] + rows[k, at + 2 * step] * u[2]
     on_a = rows[k, at + 3 * step] * w_a[0] + rows[k, at + 4 * step] * w_a[1] + rows[k, at + 5 * step] * w_a[2]
     on_b = rows[k, at + 6 * step] * w_b[0] + rows[k, at + 7 * step] * w_b[1] + rows[k, at + 8 * step] * w_b[2]
@@ -128,51 +125,52 @@ def wish(rows: Array, k: int, i: int, u: Vec3, w_a: Vec3, w_b: Vec3) -> float:
 
 
 @kernel
-def give(rows: Array, k: int, d: Vec3, motion: Array, a: int, b: int) -> None:
+def apply_impulse(rows: Array, k: int, d: Vec3, motion: Array, a: int, b: int) -> None:
     """Apply the impulse d, in the frame of contact k, to bodies a and b."""
-    for part in range(PARTS):
-        g, x, y = three(rows, k, GIFT + LANES * part), SIDE_GIFT + LANES * part, SIDE_GIFT + LANES * (PARTS + part)
-        given = add(scale(g, d[0]), add(scale(three(rows, k, x), d[1]), scale(three(rows, k, y), d[2])))
-        take(motion, a if part < 2 else b, LANES * (part % 2), given, part < 2)
+    for part in range(RESPONSE_PARTS):
+        x = TANGENT_RESPONSE + LANES * part
+        g, y = three(rows, k, RESPONSE + LANES * part), x + LANES * RESPONSE_PARTS
+        added = add(scale(g, d[0]), add(scale(three(rows, k, x), d[1]), scale(three(rows, k, y), d[2])))
+        add_velocity(motion, a if part < 2 else b, LANES * (part % 2), added, part < 2)
 
 
 @kernel
-def give_along_normal(rows: Array, k: int, d: float, motion: Array, a: int, b: int) -> None:
-    """`give` of an impulse d along the normal."""
-    for part in range(PARTS):
-        given = scale(three(rows, k, GIFT + LANES * part), d)
-        take(motion, a if part < 2 else b, LANES * (part % 2), given, part < 2)
+def apply_normal_impulse(rows: Array, k: int, d: float, motion: Array, a: int, b: int) -> None:
+    """`apply_impulse` of an impulse d along the normal."""
+    for part in range(RESPONSE_PARTS):
+        added = scale(three(rows, k, RESPONSE + LANES * part), d)
+        add_velocity(motion, a if part < 2 else b, LANES * (part % 2), added, part < 2)
 
 
 @kernel
-def take(motion: Array, body: int, at: int, given: Vec3, is_a: bool) -> None:
+def add_velocity(motion: Array, body: int, at: int, added: Vec3, is_a: bool) -> None:
     """Add a change of velocity to that of A, or subtract it from that of B."""
     now = three(motion, body, at)
-    put_three(motion, body, at, add(now, given) if is_a else sub(now, given))
+    put_three(motion, body, at, add(now, added) if is_a else sub(now, added))
 
 
 @kernel
-def wish_along_normal(rows: Array, k: int, motion: Array, a: int, b: int) -> float:
-    """Impulse that would stop contact k of bodies a and b along its normal: the first that `wishes` returns."""
+def normal_stopping_impulse(rows: Array, k: int, motion: Array, a: int, b: int) -> float:
+    """Impulse that would stop contact k of bodies a and b along its normal: the first of `stopping_impulses`."""
     u = sub(three(motion, a, 0), three(motion, b, 0))
     w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
-    return dot(three(rows, k, WISH), u) + (dot(three(rows, k, WISH + 3), w_a) - dot(three(rows, k, WISH + 6), w_b))
+    return dot(three(rows, k, JACOBIAN), u) + (dot(three(rows, k, JACOBIAN + 3), w_a) - dot(three(rows, k, JACOBIAN + 6), w_b))
 
 
 @kernel
 def wish_beside_driven(rows: Array, k: int, motion: Array, a: int, b: int, driven: int) -> float:
     """The same where a driven body that recedes counts as standing still: see `velocity_at`."""
-    on_a = dot(three(rows, k, WISH), three(motion, a, 0)) + dot(three(rows, k, WISH + 3), three(motion, a, LANES))
-    on_b = dot(three(rows, k, WISH), three(motion, b, 0)) + dot(three(rows, k, WISH + 6), three(motion, b, LANES))
+    on_a = dot(three(rows, k, JACOBIAN), three(motion, a, 0)) + dot(three(rows, k, JACOBIAN + 3), three(motion, a, LANES))
+    on_b = dot(three(rows, k, JACOBIAN), three(motion, b, 0)) + dot(three(rows, k, JACOBIAN + 6), three(motion, b, LANES))
     return min(0.0, on_a) - on_b if driven == DRIVEN_A else on_a - max(0.0, on_b)
 
 
 @kernel
-def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool, before: Array) -> tuple[float, float]:
+def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, grip: bool, before: Array) -> tuple[float, float]:
     """Sweep over contacts first <= k < last: normal impulse, then friction if ``grip``; from the last to the first if ``back``.
 
-    The slip after the normal impulse is computed from the slip before it (``drag``), without updating velocities in between:
-    `wanted_normal` and `wanted_friction` in one.
+    The slip after the normal impulse is computed from the slip before it (``cross_response``), without updating velocities
+    in between: `wanted_normal` and `wanted_friction` in one.
 
     Args:
         contacts: after `lay_out`; ``motion`` changes. before: (cap, 3) gets the impulses held on entry, unless ``back``.
@@ -188,35 +186,35 @@ def visit_all(contacts: Contacts, first: int, last: int, back: bool, grip: bool,
         held = row(impulse, k)
         if not back:
             put_row(before, k, held)
-        if rows[k, TARGET] == -inf:
+        if rows[k, BIAS] == -inf:
             continue
         a, b = max(0, body[k, 0]), max(0, body[k, 1])
         rough = rows[k, FRICTION] if grip else 0.0
         if rough > 0.0:
-            short, short_x, short_y = wishes(rows, k, motion, a, b)
+            short, short_x, short_y = stopping_impulses(rows, k, motion, a, b)
         else:
-            short, short_x, short_y = wish_along_normal(rows, k, motion, a, b), 0.0, 0.0
+            short, short_x, short_y = normal_stopping_impulse(rows, k, motion, a, b), 0.0, 0.0
         if standing == 1 and driven[k] != NOT_DRIVEN:
             short = wish_beside_driven(rows, k, motion, a, b, driven[k])
-        normal = max(0.0, (held[0] + rows[k, TARGET]) - short)
+        normal = max(0.0, (held[0] + rows[k, BIAS]) - short)
         dn, dx, dy = normal - held[0], 0.0, 0.0
         if rough > 0.0 and (normal > 0.0 or held[1] != 0.0 or held[2] != 0.0):
-            x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, DRAG] * dn
-            y = (held[2] + rows[k, SLIDE + 1] - short_y) - rows[k, DRAG + 1] * dn
+            x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, CROSS_RESPONSE] * dn
+            y = (held[2] + rows[k, SLIDE + 1] - short_y) - rows[k, CROSS_RESPONSE + 1] * dn
             x, y = in_friction_disc(x, y, rough * normal)
             dx, dy = x - held[1], y - held[2]
-        moved = max(abs(dn) * rows[k, EASE], (abs(dx) + abs(dy)) * rows[k, EASE + 1])
+        moved = max(abs(dn) * rows[k, INVERSE_MASS], (abs(dx) + abs(dy)) * rows[k, INVERSE_MASS + 1])
         worst = max(worst, moved)
         if moved > 0.0:
             held = add(held, (dn, dx, dy))
             put_row(impulse, k, held)
             if rough > 0.0:
-                give(rows, k, (dn, dx, dy), motion, a, b)
+                apply_impulse(rows, k, (dn, dx, dy), motion, a, b)
             else:
-                give_along_normal(rows, k, dn, motion, a, b)
+                apply_normal_impulse(rows, k, dn, motion, a, b)
         if back:
             way = sub(held, row(before, k))
-            square += dot(way, way) * rows[k, EASE]
+            square += dot(way, way) * rows[k, INVERSE_MASS]
     return worst, square
 
 
@@ -226,7 +224,7 @@ def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: 
     impulse, rows, motion, body = contacts.impulse, contacts.rows, contacts.motion, contacts.body
     for turn in range(last - first):
         k = max(0, first + turn)
-        if rows[k, TARGET] == -inf:
+        if rows[k, BIAS] == -inf:
             continue
         held = row(impulse, k)
         way = sub(held, row(before, k))
@@ -236,9 +234,9 @@ def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: 
             if dot(d, d) > 0.0:
                 put_row(impulse, k, add(held, d))
                 if d[1] != 0.0 or d[2] != 0.0:
-                    give(rows, k, d, motion, body[k, 0], body[k, 1])
+                    apply_impulse(rows, k, d, motion, body[k, 0], body[k, 1])
                 else:
-                    give_along_normal(rows, k, d[0], motion, body[k, 0], body[k, 1])
+                    apply_normal_impulse(rows, k, d[0], motion, body[k, 0], body[k, 1])
         put_row(direction, k, way)
 
 
@@ -248,7 +246,7 @@ they are solved for again without friction; more: stacks take longer."""
 
 PATIENCE = 150
 """Double sweeps in which the best residual must halve. Impulses of four corners of a face are not unique: rounding may shift load
-between them for thousands of sweeps without a measurable change of velocities. Fewer: tall stacks are given up while they still
+between them for thousands of sweeps without a measurable change of velocities. Fewer: tall stacks are added up while they still
 converge."""
 
 POINTS_OF_FACE, PATIENCE_OF_FACE = 4, 30
@@ -269,7 +267,7 @@ velocities that no rigid body can have, at micrometres a second. STALE_BELOW is 
 def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
     """Normal impulse of contact k for its target velocity, with all other impulses fixed, projected to be not negative."""
     short = speed_along(contacts, k, 0, linear, angular) - contacts.target[k]
-    return float(max(0.0, contacts.impulse[k, 0] - short / contacts.ease[k, 0]))
+    return float(max(0.0, contacts.impulse[k, 0] - short / contacts.inverse_effective_mass[k, 0]))
 
 
 @kernel
@@ -278,8 +276,9 @@ def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, an
     limit = contacts.friction[k] * normal
     if limit == 0.0:
         return 0.0, 0.0
-    x = contacts.impulse[k, 1] - (speed_along(contacts, k, 1, linear, angular) - contacts.slide[k, 0]) / contacts.ease[k, 1]
-    y = contacts.impulse[k, 2] - (speed_along(contacts, k, 2, linear, angular) - contacts.slide[k, 1]) / contacts.ease[k, 1]
+    across = contacts.inverse_effective_mass[k, 1]
+    x = contacts.impulse[k, 1] - (speed_along(contacts, k, 1, linear, angular) - contacts.slide[k, 0]) / across
+    y = contacts.impulse[k, 2] - (speed_along(contacts, k, 2, linear, angular) - contacts.slide[k, 1]) / across
     return in_friction_disc(x, y, limit)
 
 
@@ -300,7 +299,8 @@ def unsolved(contacts: Contacts, first: int, last: int, linear: Array, angular: 
             normal = wanted_normal(contacts, k, linear, angular)
             x, y = wanted_friction(contacts, k, normal, linear, angular)
             across = abs(x - contacts.impulse[k, 1]) + abs(y - contacts.impulse[k, 2])
-            worst = max(worst, abs(normal - contacts.impulse[k, 0]) * contacts.ease[k, 0], across * contacts.ease[k, 1])
+            speeds = contacts.inverse_effective_mass[k]
+            worst = max(worst, abs(normal - contacts.impulse[k, 0]) * speeds[0], across * speeds[1])
     return worst
 
 
@@ -332,7 +332,7 @@ def passes(
     patience = PATIENCE_OF_FACE if of_face else PATIENCE
     for sweep in range(cap):
         contacts.visits[0] += 2 * (last - first)
-        worst, _ = visit_all(contacts, first, last, False, grip, before)
+        worst, _ = gauss_seidel_sweep(contacts, first, last, False, grip, before)
         best = min(best, worst)
         if not (worst > tolerance) or (astray >= WANDERS and worst < WANDERING):
             return worst, True
@@ -346,7 +346,7 @@ def passes(
             if not (best < 0.5 * earlier):
                 return worst, of_face and worst < WANDERING
             earlier, best = best, inf
-        _, square = visit_all(contacts, first, last, True, grip, before)
+        _, square = gauss_seidel_sweep(contacts, first, last, True, grip, before)
         # Fletcher-Reeves; a growing change means that the set of touching or slipping points changed: start again
         beta = square / last_square if sweep > 0 and square <= last_square else 0.0
         astray = astray + 1 if beta == 0.0 else 0

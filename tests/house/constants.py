@@ -66,7 +66,8 @@ LISTED = {
         "rigid/islands.py": "NONE",
         "rigid/resting.py": "DETERMINED ONCE",
         "rigid/rolling.py": "CORNER EDGE FACE",
-        "rigid/solver.py": "LANES GIFT PARTS WISH WISH_SIZE TARGET EASE FRICTION SLIDE ALL_WISHES SIDE_GIFT DRAG",
+        "rigid/solver.py": "LANES RESPONSE RESPONSE_PARTS JACOBIAN JACOBIAN_SIZE BIAS INVERSE_MASS FRICTION SLIDE JACOBIANS "
+        "TANGENT_RESPONSE CROSS_RESPONSE",
         "rigid/state.py": "APPROACH IMPACT",
         "rigid/step.py": "MOST",
         "settings.py": "around couple",

@@ -13,10 +13,10 @@ def one_by_one(contacts, masses, order, grip: bool, linear, angular) -> float:
             continue
         dn = wanted_normal(contacts, k, linear, angular) - contacts.impulse[k, 0]
         change(contacts, masses, k, (dn, 0.0, 0.0), linear, angular)
-        worst = max(worst, abs(dn) * contacts.ease[k, 0])
+        worst = max(worst, abs(dn) * contacts.inverse_effective_mass[k, 0])
         if grip and contacts.friction[k] > 0.0:
             x, y = wanted_friction(contacts, k, contacts.impulse[k, 0], linear, angular)
             dx, dy = x - contacts.impulse[k, 1], y - contacts.impulse[k, 2]
             change(contacts, masses, k, (0.0, dx, dy), linear, angular)
-            worst = max(worst, (abs(dx) + abs(dy)) * contacts.ease[k, 1])
+            worst = max(worst, (abs(dx) + abs(dy)) * contacts.inverse_effective_mass[k, 1])
     return worst

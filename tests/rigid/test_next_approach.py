@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.rigid.contacts import Masses, add_contact, make_contacts, weigh
-from avatarsim.rigid.impacts import REST_SPEED, TIE, choose_block, fastest_approach, line_up, next_approach
+from avatarsim.rigid.impacts import REST_SPEED, TIE, chain_by_body, choose_block, fastest_approach, next_approach
 
 BODIES, POINTS = 7, 16
 
@@ -23,7 +23,7 @@ def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
     weigh(contacts, masses)
     linear, angular = rng.normal(size=(BODIES, 3)), rng.normal(size=(BODIES, 3))
     linear[0], angular[0] = 0.0, 0.0
-    line_up(contacts, masses, newest, older)
+    chain_by_body(contacts, masses, newest, older)
     for _ in range(4):
         head, fastest = fastest_approach(contacts, linear, angular)
         first, last, _ = choose_block(contacts, fastest)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from avatarsim.rigid.islands import NONE, changed, line_up, make_soonest, next_of
+from avatarsim.rigid.islands import NONE, build_tree, changed, make_soonest, next_of
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
@@ -17,7 +17,7 @@ def test_the_soonest_is_that_of_a_search_through_all(count: int) -> None:
     when = rng.integers(0, 5, count).astype(np.float64)
     when[rng.integers(0, count)] = np.inf
     soonest = make_soonest(7, 21)
-    line_up(soonest, pairs, when)
+    build_tree(soonest, pairs, when)
     for _ in range(40):
         assert soonest.tree[1] == int(np.argmin(when))
         p = int(rng.integers(0, count))
@@ -29,8 +29,8 @@ def test_the_pairs_of_a_body_are_all_that_name_it_in_order() -> None:
     pairs = np.array([(0, 3), (1, 3), (2, 0), (3, 2), (1, 0)])
     soonest = make_soonest(5, 8)
     # what was there before does not matter
-    line_up(soonest, pairs[:, ::-1].copy(), np.zeros(5))
-    line_up(soonest, pairs, np.zeros(5))
+    build_tree(soonest, pairs[:, ::-1].copy(), np.zeros(5))
+    build_tree(soonest, pairs, np.zeros(5))
     for b in range(4):
         found, p = [], int(soonest.head[b])
         while p != NONE:
@@ -42,6 +42,6 @@ def test_the_pairs_of_a_body_are_all_that_name_it_in_order() -> None:
 
 def test_who_never_meets_is_a_pair_of_nobody() -> None:
     pairs, soonest = np.array([(0, 1), (0, 2), (1, 2)]), make_soonest(3, 3)
-    line_up(soonest, pairs, np.array([0.5, np.inf, 0.2]))
+    build_tree(soonest, pairs, np.array([0.5, np.inf, 0.2]))
     assert (soonest.head[0], soonest.head[2]) == (0, 2) and soonest.tree[1] == 2
     assert next_of(soonest, pairs, 0, 0) == NONE and next_of(soonest, pairs, 0, 1) == 2

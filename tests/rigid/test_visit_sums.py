@@ -5,17 +5,17 @@ import pytest
 
 from avatarsim.rigid.contacts import MOTION, ROW
 from avatarsim.rigid.solver import (
-    ALL_WISHES,
-    GIFT,
+    JACOBIAN,
+    JACOBIAN_SIZE,
+    JACOBIANS,
     LANES,
-    PARTS,
-    SIDE_GIFT,
-    WISH,
-    WISH_SIZE,
-    give,
-    give_along_normal,
-    wish_along_normal,
-    wishes,
+    RESPONSE,
+    RESPONSE_PARTS,
+    TANGENT_RESPONSE,
+    apply_impulse,
+    apply_normal_impulse,
+    normal_stopping_impulse,
+    stopping_impulses,
 )
 
 pytestmark = pytest.mark.nojit
@@ -26,9 +26,9 @@ def table(seed: int) -> tuple[np.ndarray, np.ndarray]:
     """Rows and velocities at random, as they are laid out: the last of each four is zero."""
     rng = np.random.default_rng(seed)
     rows, motion = rng.normal(size=(POINTS, ROW)), rng.normal(size=(BODIES, MOTION))
-    for start, stop in ((0, WISH), (ALL_WISHES, 100)):
+    for start, stop in ((0, JACOBIAN), (JACOBIANS, 100)):
         rows[:, start + LANES - 1 : stop : LANES] = 0.0
-    rows[:, WISH : WISH + WISH_SIZE] = rows[:, ALL_WISHES : ALL_WISHES + LANES * WISH_SIZE : LANES]
+    rows[:, JACOBIAN : JACOBIAN + JACOBIAN_SIZE] = rows[:, JACOBIANS : JACOBIANS + LANES * JACOBIAN_SIZE : LANES]
     motion[:, LANES - 1 :: LANES] = 0.0
     return rows, motion
 
@@ -43,27 +43,27 @@ def pairs(seed: int) -> list[tuple[int, int, int]]:
 def test_wishes_are_products_of_levers_and_velocities(seed: int) -> None:
     rows, motion = table(seed)
     for k, a, b in pairs(seed):
-        levers = rows[k, ALL_WISHES : ALL_WISHES + LANES * WISH_SIZE].reshape(WISH_SIZE, LANES)[:, :3]
+        levers = rows[k, JACOBIANS : JACOBIANS + LANES * JACOBIAN_SIZE].reshape(JACOBIAN_SIZE, LANES)[:, :3]
         seen = np.concatenate([motion[a, :3] - motion[b, :3], motion[a, LANES : LANES + 3], -motion[b, LANES : LANES + 3]])
-        found = wishes(rows, k, motion, a, b)
+        found = stopping_impulses(rows, k, motion, a, b)
         np.testing.assert_allclose(found, seen @ levers, rtol=0.0, atol=1e-14)
-        assert found[0] == wish_along_normal(rows, k, motion, a, b)
+        assert found[0] == normal_stopping_impulse(rows, k, motion, a, b)
 
 
 @pytest.mark.parametrize("seed", range(20))
 def test_gifts_are_products_of_impulses_and_one_along_the_normal_is_one_of_all(seed: int) -> None:
     rows, motion = table(seed)
     rng = np.random.default_rng(seed)
-    size = LANES * PARTS
+    size = LANES * RESPONSE_PARTS
     for k, a, b in pairs(seed):
         d = tuple(float(x) for x in rng.normal(size=3))
-        gifts = np.stack([rows[k, at : at + size] for at in (GIFT, SIDE_GIFT, SIDE_GIFT + size)])
-        given = (np.array(d) @ gifts).reshape(2, MOTION)
+        responses = np.stack([rows[k, at : at + size] for at in (RESPONSE, TANGENT_RESPONSE, TANGENT_RESPONSE + size)])
+        given = (np.array(d) @ responses).reshape(2, MOTION)
         expected, lone, whole = motion.copy(), motion.copy(), motion.copy()
         expected[a] += given[0]
         expected[b] -= given[1]
-        give(rows, k, d, motion, a, b)
+        apply_impulse(rows, k, d, motion, a, b)
         np.testing.assert_allclose(motion, expected, rtol=0.0, atol=1e-14)
-        give_along_normal(rows, k, d[0], lone, a, b)
-        give(rows, k, (d[0], 0.0, 0.0), whole, a, b)
+        apply_normal_impulse(rows, k, d[0], lone, a, b)
+        apply_impulse(rows, k, (d[0], 0.0, 0.0), whole, a, b)
         np.testing.assert_array_equal(lone, whole)
