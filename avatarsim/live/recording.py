@@ -26,6 +26,7 @@ from avatarsim.assets.caps import BODIES, BYTES, FRAMES, JSON_BYTES, LINKS, cont
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidSample
 from avatarsim.files import parsed_json
+from avatarsim.jit.packages import TESTED as COMPILER
 from avatarsim.jit.processor import compiled_for
 from avatarsim.live.messages import RATES, Array, Command, Order, Plan, Switch
 from avatarsim.scene.checks import within
@@ -143,7 +144,7 @@ class Recorder:
 def versions() -> dict[str, str]:
     """What has a say in the last bits: of the package, its compiler and the processor."""
     return {
-        "avatarsim": VERSION, "numpy": np.__version__, "numba": version("numba"), "llvmlite": version("llvmlite"),
+        "avatarsim": VERSION, "numpy": np.__version__, **{name: version(name) for name in COMPILER},
         "python": platform.python_version(), "machine": platform.machine(), "processor": compiled_for().name,
     }
 
