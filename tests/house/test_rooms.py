@@ -1,6 +1,7 @@
 """Which room may import which, what an import costs, and how long a file may be."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -22,6 +23,9 @@ HEAVY = (
     "scipy.spatial", "scipy.optimize",
 )
 """Packages that cost more to import than the engine's first frame, or that the engine is compared with."""
+
+PRIVATE, PRIVATE_LINES = re.compile(r"numba\.core|llvmlite"), 700
+"""Private parts of the compiler, and most lines of all files together that name them."""
 
 WRITES = {"ik": ("velocities",), "rigid": ("posture",)}
 """What a room may not write: the posture solver leaves velocities alone, impacts leave joint angles alone."""
@@ -83,6 +87,48 @@ def imported_by(statement: str) -> set[str]:
     script = f"{statement}\nimport sys\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", script], cwd=HOUSE, capture_output=True, text=True, check=True)
     return set(done.stdout.split())
+
+
+def test_private_parts_of_the_compiler_stay_in_one_small_room() -> None:
+    named = [file for file in FILES if PRIVATE.search(file.read_text(encoding="utf-8"))]
+    assert named and {file.parent for file in named} == {ENGINE / "jit"}
+    assert sum(len(file.read_text(encoding="utf-8").splitlines()) for file in named) <= PRIVATE_LINES
+
+
+def of_the_compiler(tree: ast.Module) -> set[str]:
+    """Names that a file has from numba and llvmlite."""
+    found = set[str]()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            module = node.module or "" if isinstance(node, ast.ImportFrom) else ""
+            found |= {(alias.asname or alias.name).partition(".")[0] for alias in node.names
+                      if (module or alias.name).partition(".")[0] in ("numba", "llvmlite")}
+    return found
+
+
+def patches(tree: ast.Module) -> list[int]:
+    """Lines that write attributes of what comes from numba or llvmlite."""
+    theirs, lines = of_the_compiler(tree), list[int]()
+    for node in ast.walk(tree):
+        targets: list[ast.expr] = []
+        if isinstance(node, ast.Assign | ast.AugAssign | ast.AnnAssign | ast.Delete):
+            targets = node.targets if isinstance(node, ast.Assign | ast.Delete) else [node.target]
+        elif isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("setattr", "delattr"):
+            targets = [ast.Attribute(node.args[0], "")]
+        for target in targets:
+            base: ast.expr = target
+            while isinstance(base, ast.Attribute | ast.Subscript):
+                base = base.value
+            if base is not target and isinstance(base, ast.Name) and base.id in theirs:
+                lines.append(node.lineno)
+    return lines
+
+
+def test_nothing_of_the_compiler_is_patched() -> None:
+    assert patches(ast.parse("import numba.core as n\nn.config.X = 1\nsetattr(n, 'a', 2)")) == [2, 3], "patches are found"
+    found = [f"{file.relative_to(ENGINE)}:{line}" for file in FILES
+             for line in patches(ast.parse(file.read_text(encoding="utf-8")))]
+    assert found == []
 
 
 def test_importing_the_engine_loads_nothing_heavy() -> None:
