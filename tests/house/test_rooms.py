@@ -110,6 +110,8 @@ def patches(tree: ast.Module) -> list[int]:
     """Lines that write attributes of what comes from numba or llvmlite."""
     theirs, lines = of_the_compiler(tree), list[int]()
     for node in ast.walk(tree):
+        if not isinstance(node, ast.stmt | ast.expr):
+            continue
         targets: list[ast.expr] = []
         if isinstance(node, ast.Assign | ast.AugAssign | ast.AnnAssign | ast.Delete):
             targets = node.targets if isinstance(node, ast.Assign | ast.Delete) else [node.target]
