@@ -18,6 +18,7 @@ from reports.deciding.conclusions import (
     overlap_summary,
     peak,
     ratio_sentence,
+    slowest_sentence,
     table_sentence,
     time_summary,
 )
@@ -194,6 +195,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         bad_news=bad_news.news(results, verdict.ranked, verdict.gated, instants),
         **losses.section(results, verdict.ranked, verdict.gated, instants), **explained.section(results),
         scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),
+        slowest_said=slowest_sentence(_slowest(results, verdict)[0], verdict.gated, *_slowest(results, verdict)[1:]).strip(),
         promised_said=bounds_by_kind.promised(bounded), loose_said=bounds_by_kind.loose(bounded),
         cut_said=cut_short.sentence(results),
         loosest_said=loosest(results, verdict), not_for="" if is_own else your_project.not_for(),
@@ -231,12 +233,16 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
 
 def _times(results: Results, verdict: Verdict, percentiles: Mapping[str, Mapping[str, tuple[float, float, float]]]) -> str:
     """What the panels of frame times say together, the slowest frame of ours and of how many repeats it is the least first."""
+    return time_summary(percentiles, verdict.gated, losses.best_in(verdict.ranked, results.families, COUNTED["p95"]),
+                        *_slowest(results, verdict))
+
+
+def _slowest(results: Results, verdict: Verdict) -> tuple[Mapping[str, float], int, int]:
+    """Slowest frame of ours [us] by scene, the number of all scenes, and of how many repeats each frame is the least."""
     own = [row for row in results.rows if row.run == verdict.gated]
     slowest = [row for row in own if row.metric == "frame_time_max" and row.value is not None]
-    return time_summary(
-        percentiles, verdict.gated, losses.best_in(verdict.ranked, results.families, COUNTED["p95"]),
-        {row.scenario: row.value for row in slowest if row.value is not None}, len({row.scenario for row in own}),
-        max((repeats_of(row.note) for row in slowest), default=0))
+    return ({row.scenario: row.value for row in slowest if row.value is not None}, len({row.scenario for row in own}),
+            max((repeats_of(row.note) for row in slowest), default=0))
 
 
 def _own(results: Results, extras: Extras, damage: list[str]) -> tuple[str, ...]:
