@@ -32,11 +32,14 @@ def nothing_is_compiled(monkeypatch: pytest.MonkeyPatch) -> list[Path | None]:
 
 @pytest.mark.parametrize("command", [[], ["compile"]])
 def test_with_and_without_its_command_it_compiles_once(
-    command: list[str], nothing_is_compiled: list[Path | None], tmp_path: Path
+    command: list[str], nothing_is_compiled: list[Path | None], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     places.use_places(Places(tmp_path / "kernels"))
-    assert main(command) == 0 and main(command) == 0
+    assert main(command) == 0
+    first = capsys.readouterr().out
+    assert main(command) == 0
     assert nothing_is_compiled == [tmp_path / "kernels"]
+    assert ("compiled already" in capsys.readouterr().out) is bool(command) and "already" not in first
 
 
 def test_a_folder_to_carry_elsewhere_is_for_the_baseline_unless_the_host_is_asked_for(

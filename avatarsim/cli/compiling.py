@@ -15,9 +15,12 @@ def run(asked: argparse.Namespace) -> int:
     """0 when everything is compiled; 1 when something could not be. Raises AvatarsimError for what is impossible."""
     if asked.command is not None and asked.to is not None:
         return compile_to(asked.to, asked.cpu or "baseline")
-    from avatarsim.compile_ahead import PARTS, compile_everything, compile_share
+    from avatarsim.compile_ahead import PARTS, compile_everything, compile_share, is_compiled
 
     if asked.parts is None:
+        # without a command it is the first line of others, which have more to say
+        if asked.command is not None and is_compiled():
+            print("the engine's kernels are compiled already: nothing to do")
         return 0 if compile_everything() else 1
     for part in asked.parts:
         if part not in PARTS:
