@@ -170,8 +170,12 @@ _LAG_PYBULLET = _engine(
     "and ball_gain 0.5 (pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in "
     "mocap_getup_faceup. What trails is caught by walls and furniture besides, and even the root is held off then."
 )
-_STOPS_PYBULLET = _engine(
-    "spherical joints have no limits; a motor torque stands in for them (limit_force), and after a contact it holds a limb at "
+_UNSAID = (
+    "our adapter builds avatars by createMultiBody, which has no word for the limits of spherical joints that Bullet has for "
+    "models in URDF files"
+)
+_STOPS_PYBULLET = _adapter(
+    f"{_UNSAID}; a motor torque stands in for them (limit_force), and after a contact it holds a limb at "
     "the other end of its range while its user is free again. It is few frames: in mocap_run 3 of 9 free ones, in "
     "mocap_getup_facedown 2 of 212. Without that torque it is worse: mocap_run 299 mm instead of 110, mocap_getup_facedown "
     "688 instead of 194."
@@ -194,8 +198,8 @@ _FOLLOWING = (
     _offset("mocap_* unseen_*", "mujoco/servos", _SERVOS),
     _offset("mocap_* unseen_* chain_order", "pybullet/default", _LAG_PYBULLET),
     _offset("mocap_* unseen_*", "pybullet/tuned", _STOPS_PYBULLET),
-    _offset("unseen_*", "pybullet/follows", _engine(
-        "joints have no limits, and a limb that was pushed round to the other side of an obstacle or of its own joint stays "
+    _offset("unseen_*", "pybullet/follows", _adapter(
+        f"{_UNSAID}, and a limb that was pushed round to the other side of an obstacle or of its own joint stays "
         "there, at times with the root; where nothing catches it, it is the nearest of all to its user."
     )),
     _depth("mocap_* unseen_*", "pybullet/default pybullet/follows", _engine(
@@ -213,6 +217,7 @@ _HINGES = (
     "Three hinges with ranges in its place limit it, with offsets alike: row mujoco/hinges of the same scene."
 )
 _UNLIMITED = "adapter: twist unlimited"
+_BALLS_UNLIMITED = "adapter: ball joints unlimited"
 _LIMITS = (
     _excess("limit_torture*", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the user asks for postures beyond every limit all the time; defaults follow the user there, as their ball "
@@ -223,7 +228,8 @@ _LIMITS = (
     _excess("teleport", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the tracker jumps by metres and the body is drawn after it through whatever its limbs catch on; nearly "
                      "all of it is twist, which our adapter leaves unlimited (tuned: twist 147 degrees, swing 6.9): it makes "
-                     "MuJoCo ball joints, whose range limits the total turn, and PyBullet's have no limit of any kind."
+                     "MuJoCo ball joints, whose range limits the total turn, and PyBullet's by createMultiBody, which has no "
+                     "word for their limits."
     )),
     _excess("hand_in_corner*", "*/default", _engine(
         "hinges of fingers that are pressed into a corner: MuJoCo's default limit is a spring of 20 ms (at two steps 58 degrees "
@@ -248,9 +254,13 @@ _LIMITS = (
         "which tendons limit, is 2.4 degrees beyond at most (mocap_crawl 100 degrees of twist, 0.5 of swing; mocap_spin 120 and "
         f"0.2). {_HINGES}", _UNLIMITED
     )),
-    _excess("*", "pybullet/*", _engine(
-        "spherical joints have no limits, and a root constraint of 100 kN against motors of 100 kN m twists what is caught: "
-        "with root_force 2000 N joints go a third to half as far beyond. Tuned also holds them by torque (limit_force)."
+    _excess("*", "pybullet/tuned pybullet/sleeping", _adapter(
+        f"{_UNSAID}. A motor torque stands in for them (limit_force), and what pushes a limb is at times stronger.",
+        _BALLS_UNLIMITED
+    )),
+    _excess("*", "pybullet/default pybullet/follows", _adapter(
+        f"{_UNSAID}, and our root constraint of 100 kN against motors of 100 kN m twists what is caught: with root_force 2000 N "
+        "joints go a third to half as far beyond.", _BALLS_UNLIMITED
     )),
 )
 

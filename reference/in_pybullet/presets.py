@@ -36,7 +36,8 @@ DEFAULT: Preset = {
     "velocity_gain": Chosen(1.0, DOCUMENTED),
     "hinge_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a hinge's motor) [N m]"),
     "ball_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a ball joint's motor) [N m]"),
-    "limit_force": Chosen(0.0, "0: spherical joints have no limits"),
+    "limit_force": Chosen(0.0, "0: nothing stands in for limits of ball joints, which createMultiBody has no word for; models in "
+                               "URDF files have them"),
     "feed_forward": Chosen(False, "the motor's target velocity is 0 where none is given"),
     "root_speed": Chosen(0.0, "0: no cap; used by drive 'velocity' only [m/s]"),
     "clamp_targets": Chosen(False, "the tracker is followed as it is"),
@@ -52,7 +53,8 @@ _ALWAYS: Preset = {
                                      "mm"),
     "damping": Chosen(0.0, "nothing in the scene damps free motion"),
     "restitution_threshold": Chosen(0.01, "the default 0.2 m/s kills small bounces"),
-    "sleep": Chosen(False, "bodies sleep after two seconds of rest: no figure of a quick comparison changes, its times neither"),
+    "sleep": Chosen(False, "what rests is computed here, so that these rows say what that costs; the row pybullet/sleeping has "
+                           "the flag, by which bodies sleep after two seconds of rest"),
 }
 
 _BOUNCING: Preset = {
@@ -88,15 +90,15 @@ _DRIVEN: Preset = {
                              "better"),
     "hinge_force": Chosen(100.0, "more presses limbs into what they touch, less lags behind"),
     "ball_force": Chosen(100.0, "as hinge_force"),
-    "limit_force": Chosen(5000.0, "torque of a ball joint's motor while it is beyond its limits [N m], in place of limits that "
-                                  "spherical joints do not have: largest excess, mean of 26 humanoid scenes, 27 degrees "
+    "limit_force": Chosen(5000.0, "torque of a ball joint's motor while it is beyond its limits [N m], in place of limits, which "
+                                  "createMultiBody has no word for: largest excess, mean of 26 humanoid scenes, 27 degrees "
                                   "without, 3.3 at 1000, 1.0 at 5000, and offset from the user 107, 82, 78 mm; 20000 is alike, "
                                   "and so are three other seeds of five of them"),
     "feed_forward": Chosen(True, "the tracker's own joint velocity: no lag in steady motion"),
     "root_speed": Chosen(10.0, "without a cap, a blocked root builds up any velocity and is thrown through "
                                "the obstacle"),
-    "clamp_targets": Chosen(True, "ball joints have no limits of their own: what is asked for is all that "
-                                  "can be limited"),
+    "clamp_targets": Chosen(True, "ball joints are made without limits of their own: what is asked for is all "
+                                  "that can be limited, beside limit_force"),
     "gravity_on_links": Chosen(False, "a tracked limb is held up by its user"),
 }
 
@@ -199,11 +201,18 @@ _FOLLOWS: Preset = {
                              "while free, default 121, tuned 110; limits and overlap are as bad as the default's"),
 }
 
+_SLEEPING: Preset = {
+    "sleep": Chosen(True, "PyBullet's activation state ENABLE_SLEEPING for all that is simulated: bodies that rest for two "
+                          "seconds are not computed until something wakes them. A row of its own, in scenes with bodies that "
+                          "are to rest: a frame of the tenfold stack takes a hundredth once it sleeps"),
+}
+
 OPTIMISES: Mapping[str, str] = {
     "default": "nothing: what the documentation gives",
     "tuned": "the least overlap in any frame shown and the least error to a closed form, then the least excess over joint "
              "limits and the least distance from the user; time decides where a setting takes several times as long for a "
              "millimetre",
+    "sleeping": "time where bodies rest; all else as tuned",
     "follows": "the least distance from the user while nothing is in the way; all else as the default",
 }
 """What each preset was chosen for, in one sentence."""
@@ -214,6 +223,7 @@ BETTER_ELSEWHERE = (
     "pieces_as_links = false: a third less time where links have several pieces, a hand in a corner 0.6 mm deep instead of 0",
     "the default with feed_forward = true and ball_gain = 0.5 (row pybullet/follows): mocap_run 8.8 mm off while free instead of "
     "110, at 18 to 93 mm of overlap",
+    "sleep = true: frames of what has rested for two seconds take a hundredth (row pybullet/sleeping)",
     "ball_gain = 0.25: a body thrown back by a wall is 3.8 mm from its user instead of 18 mm; limbs follow by 1 mm worse",
 )
 """Settings that are better than tuned in something else, and what they cost; the figures are those of the reasons above."""
@@ -227,6 +237,5 @@ def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
         Kind.MIXED: {**DEFAULT, **_ALWAYS, **_BOUNCING, **_DRIVEN},
         Kind.DRIVEN: {**DEFAULT, **_ALWAYS, **_DRIVEN},
     }
-    return {
-        "default": DEFAULT, "tuned": {**tuned[kind], **of_one_scene(SCENES.get(scene, {}))}, "follows": {**DEFAULT, **_FOLLOWS},
-    }
+    best = {**tuned[kind], **of_one_scene(SCENES.get(scene, {}))}
+    return {"default": DEFAULT, "tuned": best, "sleeping": {**best, **_SLEEPING}, "follows": {**DEFAULT, **_FOLLOWS}}
