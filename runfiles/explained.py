@@ -120,6 +120,7 @@ _ROD_SENTENCE = (
     "with a plane: falling_rod 32 mm deep at its ends instead of 1.01 m, painleve 126 mm instead of 1.87 m; tuned 5.4 and 2.1 "
     "mm with either. Both scenes are given a plane now; what is still deep is the default contact."
 )
+_STRONG = "the root's constraint, to which our setting gives up to 100 kN (root_force; as it is made it has 500 N),"
 _CONTACTS = (
     _depth("falling_rod painleve", "mujoco/default", Explanation(Cause.ADAPTER, _ROD_SENTENCE)),
     _depth("slender_spin", "mujoco/default", _engine(
@@ -153,8 +154,8 @@ _CONTACTS = (
         Cause.SCENE, "the tracker jumps by metres to where its own posture is 212 mm deep, and welds of every link draw the "
                      "body after it. Tuned, with a weld of 60 ms, is not drawn that deep."
     )),
-    _depth("teleport", "pybullet/*", _engine(
-        "the tracker jumps by metres, and the root's constraint of up to 100 kN pulls the body into what it meets on the way: "
+    _depth("teleport", "pybullet/default", _setting(
+        f"{_STRONG} pulls the body into what it meets on the way of a tracker that jumps by metres: "
         "its deepest contact at the end of a frame is 162 mm, with root_force 2000 N 41 mm."
     )),
 )
@@ -164,11 +165,11 @@ _LAG_MUJOCO = _engine(
     "the offset is 42 ms of its target's speed. Without bodies and self-contact it is nearly as large; aimed ahead by that "
     "lag, as tuned, less than half."
 )
-_LAG_PYBULLET = _engine(
-    "a default ball motor corrects a fiftieth of its error per step and has no target velocity, so that limbs trail a steady "
-    "turn by 50 steps, 0.2 s. Without bodies and self-contact it stays (mocap_run 122 of 121 mm); with the tracker's velocity "
-    "and ball_gain 0.5 (pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in "
-    "mocap_getup_faceup. What trails is caught by walls and furniture besides, and even the root is held off then."
+_LAG_PYBULLET = _setting(
+    "our setting gives motors no target velocity by default (feed_forward), as a call that leaves it out; a ball motor of "
+    "default gain then corrects a fiftieth of its error per step, so that limbs trail a steady turn by 50 steps, 0.2 s. "
+    "Without bodies and self-contact it stays (mocap_run 122 of 121 mm); with the tracker's velocity and ball_gain 0.5 "
+    "(pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in mocap_getup_faceup. What trails is caught by walls and furniture besides, and even the root is held off then."
 )
 _UNSAID = (
     "our adapter builds avatars by createMultiBody, which has no word for the limits of spherical joints that Bullet has for "
@@ -202,8 +203,8 @@ _FOLLOWING = (
         f"{_UNSAID}, and a limb that was pushed round to the other side of an obstacle or of its own joint stays "
         "there, at times with the root; where nothing catches it, it is the nearest of all to its user."
     )),
-    _depth("mocap_* unseen_*", "pybullet/default pybullet/follows", _engine(
-        "the root's constraint may use 100 kN and the motors 100 kN m, and so they pull the body into what it meets: deepest "
+    _depth("mocap_* unseen_*", "pybullet/default pybullet/follows", _setting(
+        f"{_STRONG} and motors of 100 kN m, their default, pull the body into what it meets: deepest "
         "contact at the end of a frame mocap_crawl 91 mm, with root_force 2000 N 3.7; mocap_getup_facedown 101 and 4.8; in "
         "rooms of drawn motions a fifth."
     )),
@@ -231,9 +232,12 @@ _LIMITS = (
                      "MuJoCo ball joints, whose range limits the total turn, and PyBullet's by createMultiBody, which has no "
                      "word for their limits."
     )),
-    _excess("hand_in_corner*", "*/default", _engine(
-        "hinges of fingers that are pressed into a corner: MuJoCo's default limit is a spring of 20 ms (at two steps 58 degrees "
-        "instead of 96), and PyBullet's root constraint of 100 kN breaks them (79 degrees at 60 N instead of 135)."
+    _excess("hand_in_corner*", "mujoco/default", _engine(
+        "hinges of fingers that are pressed into a corner: a default limit is a spring of 20 ms (at two steps 58 degrees "
+        "instead of 96)."
+    )),
+    _excess("hand_in_corner*", "pybullet/default", _setting(
+        f"{_STRONG} breaks hinges of fingers that are pressed into a corner (79 degrees at 60 N instead of 135)."
     )),
     _excess("*", "mujoco/default", _adapter(
         "our adapter makes MuJoCo ball joints, whose range limits the total turn, so that default joints have neither swing cone "
@@ -259,8 +263,8 @@ _LIMITS = (
         _BALLS_UNLIMITED
     )),
     _excess("*", "pybullet/default pybullet/follows", _adapter(
-        f"{_UNSAID}, and our root constraint of 100 kN against motors of 100 kN m twists what is caught: with root_force 2000 N "
-        "joints go a third to half as far beyond.", _BALLS_UNLIMITED
+        f"{_UNSAID}, and our setting of 100 kN for the root's constraint against motors of 100 kN m twists what is caught: with "
+        "root_force 2000 N joints go a third to half as far beyond.", _BALLS_UNLIMITED
     )),
 )
 

@@ -29,8 +29,9 @@ DEFAULT: Preset = {
     "split_impulse": Chosen(False, DOCUMENTED),
     "drive": Chosen("constraint", "the documented way to follow a hand: a fixed constraint between the "
                                   "root and the tracked pose"),
-    "root_force": Chosen(100000.0, "the most force the constraint may use [N]"),
-    "hand_force": Chosen(100000.0, "the same for an avatar without joints [N]"),
+    "root_force": Chosen(100000.0, "the most force the constraint may use [N]: our setting and no default. A constraint as "
+                                   "it is made has 500, PyBullet's own example of it 50"),
+    "hand_force": Chosen(100000.0, "the same for an avatar without joints [N]: our setting too"),
     "position_gain": Chosen(0.1, DOCUMENTED),
     "ball_gain": Chosen(0.1, DOCUMENTED + " (positionGain of ball joints)"),
     "velocity_gain": Chosen(1.0, DOCUMENTED),
@@ -38,7 +39,7 @@ DEFAULT: Preset = {
     "ball_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a ball joint's motor) [N m]"),
     "limit_force": Chosen(0.0, "0: nothing stands in for limits of ball joints, which createMultiBody has no word for; models in "
                                "URDF files have them"),
-    "feed_forward": Chosen(False, "the motor's target velocity is 0 where none is given"),
+    "feed_forward": Chosen(False, "motors are given no target velocity, and take 0 then: our setting, as in the shortest call"),
     "root_speed": Chosen(0.0, "0: no cap; used by drive 'velocity' only [m/s]"),
     "clamp_targets": Chosen(False, "the tracker is followed as it is"),
     "gravity_on_links": Chosen(True, "gravity acts on all that has mass"),
@@ -208,7 +209,8 @@ _SLEEPING: Preset = {
 }
 
 OPTIMISES: Mapping[str, str] = {
-    "default": "nothing: what the documentation gives",
+    "default": "nothing: what the documentation gives, but for the root's constraint, whose force is our setting (root_force, "
+               "hand_force), and for motors, to which we give no target velocity (feed_forward)",
     "tuned": "the least overlap in any frame shown and the least error to a closed form, then the least excess over joint "
              "limits and the least distance from the user; time decides where a setting takes several times as long for a "
              "millimetre",

@@ -12,6 +12,7 @@ import pytest
 pybullet = pytest.importorskip("pybullet", exc_type=ImportError)
 pybullet_data = pytest.importorskip("pybullet_data", exc_type=ImportError)
 
+from reference.in_pybullet.presets import DEFAULT  # noqa: E402
 from runfiles.explained import BOUNDS, EXPLAINED, Cause  # noqa: E402
 
 LIMIT = '<limit effort="1000.0" lower="0.2" upper=".8" twist=".3"/>'
@@ -68,3 +69,17 @@ def test_limits_that_bullet_has_are_no_lack_of_the_engine() -> None:
     found = [rule.why for rule in EXPLAINED if set(rule.metrics) & set(BOUNDS) and "spherical joints" in rule.why.sentence]
     assert found and all(why.cause is Cause.ADAPTER and "createMultiBody" in why.sentence for why in found)
     assert not any("have no limit" in rule.why.sentence for rule in EXPLAINED)
+
+
+def test_a_constraint_as_it_is_made_has_the_force_that_its_reason_names(client: int) -> None:
+    body = pybullet.createMultiBody(1.0, physicsClientId=client)
+    made = pybullet.createConstraint(body, -1, -1, -1, pybullet.JOINT_FIXED, *[[0.0] * 3] * 3, physicsClientId=client)
+    force = pybullet.getConstraintInfo(made, physicsClientId=client)[10]
+    assert f"as it is made has {force:g}" in DEFAULT["root_force"].reason
+    assert DEFAULT["root_force"].value != force and "our setting" in DEFAULT["root_force"].reason
+
+
+def test_what_rests_on_forces_and_motors_that_we_set_is_no_fault_of_the_engine() -> None:
+    for words in ("100 kN", "root_force", "target velocity"):
+        found = [rule.why for rule in EXPLAINED if words in rule.why.sentence]
+        assert found and all(why.cause is not Cause.ENGINE and "our setting" in why.sentence for why in found), words
