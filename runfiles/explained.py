@@ -83,24 +83,33 @@ def _excess(scenes: str, runs: str, why: Explanation) -> Rule:
     return Rule(tuple(scenes.split()), tuple(runs.split()), (EXCESS,), why)
 
 
+PINNED = (
+    "MuJoCo is pinned to 3.17.0. MuJoCo 4.0.0, of 6 November 2026, can look ahead for contacts (its flag speculative), against "
+    "tunnelling: what tunnels here may not tunnel there, which was not measured. It is not taken, as it has a wrong Hessian with "
+    "sparse Jacobians, whose repair is not published under the package's name."
+)
+"""Which MuJoCo runs, and what a newer one has that may change what is said of it here."""
+
 _SHOT = (
     _depth("dt_torture_1ms", "mujoco/default", _engine(
-        "it tunnels. A ball shot at 300 m/s is 0.29 m deep after its first step, which is the frame of 1 ms; five steps of the "
-        "default contact slow it to 191 m/s, then it is more than half the wall's height of 2 m deep, no longer pushed back, and "
-        "leaves at the far side of 20 m (frames on the wrong side). 1.05 m is the deepest that this wall allows."
+        "MuJoCo 3.17 tunnels. A ball shot at 300 m/s is 0.29 m deep after its first step, which is the frame of 1 ms; five "
+        "steps of the default contact slow it to 191 m/s, then it is more than half the wall's height of 2 m deep, no longer "
+        "pushed back, and leaves at the far side of 20 m (frames on the wrong side). 1.05 m is the deepest that this wall "
+        "allows."
     )),
     _depth("dt_torture_30ms", "mujoco/default", _engine(
-        "it tunnels. At the default step, 2 ms here, a ball shot at 300 m/s is 0.59 m deep when it is found, slowed to 237 m/s "
-        "in one step, never turned, and leaves at the far side of 20 m of wall (frames on the wrong side)."
+        "MuJoCo 3.17 tunnels. At the default step, 2 ms here, a ball shot at 300 m/s is 0.59 m deep when it is found, slowed to "
+        "237 m/s in one step, never turned, and leaves at the far side of 20 m of wall (frames on the wrong side)."
     )),
     _depth("far_from_origin scale_km scale_mm", "mujoco/default", _engine(
-        "it tunnels, wherever the origin is and in any unit: a ball shot at 300 m/s (in units of its world) is 0.6 m deep when "
-        "it is found at the end of a step of 2.1 ms, slowed to 234 m/s, never turned, and leaves at the far side of 20 m of "
-        "wall. scale_km and scale_mm are the same world a thousand times as large and as small."
+        "MuJoCo 3.17 tunnels, wherever the origin is and in any unit: a ball shot at 300 m/s (in units of its world) is 0.6 m "
+        "deep when it is found at the end of a step of 2.1 ms, slowed to 234 m/s, never turned, and leaves at the far side of "
+        "20 m of wall. scale_km and scale_mm are the same world a thousand times as large and as small."
     )),
     _depth("dt_torture_1ms", "mujoco/tuned pybullet/tuned", _engine(
         "a ball is shot at a wall at 300 m/s, and a frame of 1 ms is one step of every preset: the ball covers 0.3 m in it "
-        "before it is found, and is shown there; the next step turns it. The engine looks for contacts at the ends of steps."
+        "before it is found, and is shown there; the next step turns it. MuJoCo 3.17 and PyBullet 3.2.7 look for contacts at "
+        "the ends of steps."
     )),
     _depth("scale_km", "mujoco/tuned", _engine(
         "the same little world a thousand times as large, and so is its depth: divided by a thousand it is that of "
@@ -108,8 +117,9 @@ _SHOT = (
     )),
     _depth("scale_km scale_mm", "pybullet/default", _engine(
         "some lengths of Bullet are absolute: contacts rest at a slop of 10 um, hulls have a margin of 1 mm, contacts break at "
-        "20 mm, in a world of kilometres as in one of metres, and speeds end at 100 m/s. So nothing scales: the ball shot at "
-        "300 km/s is stopped before the wall there, turned in far_from_origin, and goes through the wall of scale_mm."
+        "20 mm, in a world of kilometres as in one of metres, and speeds end at 100 m/s, the default of maxJointVelocity, which "
+        "no preset sets. So nothing scales: the ball shot at 300 km/s is stopped before the wall there, turned in "
+        "far_from_origin, and goes through the wall of scale_mm."
     )),
 )
 """The ball that is shot, step by step, at all frame times, places and scales."""
@@ -120,7 +130,9 @@ _ROD_SENTENCE = (
     "with a plane: falling_rod 32 mm deep at its ends instead of 1.01 m, painleve 126 mm instead of 1.87 m; tuned 5.4 and 2.1 "
     "mm with either. Both scenes are given a plane now; what is still deep is the default contact."
 )
+
 _STRONG = "the root's constraint, to which our setting gives up to 100 kN (root_force; as it is made it has 500 N),"
+"""The constraint by which PyBullet's default leads a root."""
 _CONTACTS = (
     _depth("falling_rod painleve", "mujoco/default", Explanation(Cause.ADAPTER, _ROD_SENTENCE)),
     _depth("slender_spin", "mujoco/default", _engine(
@@ -138,8 +150,8 @@ _CONTACTS = (
         "pressed into the floor; the tuned one, with more iterations, does not."
     )),
     _depth("slivers", "mujoco/default", _engine(
-        "boxes fly at 20 m/s at a sheet of 1 mm; a default step covers 40 mm, so that they are found when half of them is "
-        "through, and leave on the other side."
+        "MuJoCo 3.17 tunnels. Boxes fly at 20 m/s at a sheet of 1 mm; a default step covers 40 mm, so that they are found when "
+        "half of them is through, and leave on the other side."
     )),
     _depth("coincident_start deep_overlap", "*", Explanation(
         Cause.SCENE, "it begins 200 mm inside itself, and this is the first frame; our engine refuses the scene."
@@ -169,7 +181,8 @@ _LAG_PYBULLET = _setting(
     "our setting gives motors no target velocity by default (feed_forward), as a call that leaves it out; a ball motor of "
     "default gain then corrects a fiftieth of its error per step, so that limbs trail a steady turn by 50 steps, 0.2 s. "
     "Without bodies and self-contact it stays (mocap_run 122 of 121 mm); with the tracker's velocity and ball_gain 0.5 "
-    "(pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in mocap_getup_faceup. What trails is caught by walls and furniture besides, and even the root is held off then."
+    "(pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in mocap_getup_faceup. What trails "
+    "is caught by walls and furniture besides, and even the root is held off then."
 )
 _UNSAID = (
     "our adapter builds avatars by createMultiBody, which has no word for the limits of spherical joints that Bullet has for "
@@ -187,7 +200,8 @@ _SERVOS = _setting(
 )
 _WALL = _engine(
     "the hand passes through the wall while its user reaches through at up to 20 m/s, and is held on the far side when the user "
-    "is free again (frames on the wrong side tell how long): contacts are looked for at the ends of steps."
+    "is free again (frames on the wrong side tell how long): MuJoCo 3.17 and PyBullet 3.2.7 look for contacts at the ends of "
+    "steps."
 )
 _FOLLOWING = (
     _offset("thin_wall_hand", "mujoco/default pybullet/default", _WALL),

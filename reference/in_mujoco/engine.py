@@ -24,6 +24,7 @@ from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
 from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
+from runfiles.explained import PINNED
 from runfiles.naming import COMPILED
 
 Array = NDArray[np.float64]
@@ -51,6 +52,7 @@ class MujocoEngine:
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run["version"] = (self.version, PINNED)
         run |= EVERYWHERE
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, cut_into(self._count))

@@ -81,6 +81,7 @@ from reports.words import timing_words
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity, ratio
 from runfiles.behind import by_family
+from runfiles.explained import PINNED
 from runfiles.naming import COMPILED
 from runfiles.timing_protocol import repeats_of
 
@@ -104,6 +105,7 @@ FAIRNESS = (
     "time; settings and reasons are listed above. A preset that is not in the table was not run. In every MuJoCo preset, default "
     "too, filterparent and autoreset are disabled, pairs excluded as the scene has them, and each link welded to its own mocap "
     "body, with reasons under Settings.",
+    PINNED,
     "Only the gated engine and preset can pass or fail. Every other row is information.",
 )
 

@@ -19,6 +19,7 @@ from reference.in_pybullet.presets import presets as pybullet_presets
 from reference.judging.judge import Judge
 from reference.presets import Chosen, Kind, kind_of, of_one_scene
 from scenarios import catalog
+from runfiles.explained import PINNED
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
 from tests.agreement.scenes import FRAME, arm, ball_on_slab, bent, chain, hand_over_table, nobody, pressed, swung
@@ -109,6 +110,7 @@ def test_what_departs_from_mujocos_defaults_everywhere_is_told_with_its_reason(p
     engine = MujocoEngine()
     engine.load(hand_over_table(), Settings(preset), FRAME)
     told = engine.settings_as_run()
+    assert told["version"] == (mujoco.__version__, PINNED)
     off = int(engine._model.opt.disableflags)
     bits = mujoco.mjtDisableBit
     for name, bit in (("filterparent", bits.mjDSBL_FILTERPARENT), ("autoreset", bits.mjDSBL_AUTORESET)):
