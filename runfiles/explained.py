@@ -229,7 +229,7 @@ _FOLLOWING = (
 )
 
 _HINGES = (
-    "Three hinges with ranges in its place limit it, with offsets alike: row mujoco/hinges of the same scene."
+    "Three hinges with ranges in its place limit it in part: row mujoco/hinges, in rooms that nothing was tuned for."
 )
 _UNLIMITED = "adapter: twist unlimited"
 _BALLS_UNLIMITED = "adapter: ball joints unlimited"

@@ -18,8 +18,8 @@ from reference.in_pybullet.presets import SCENES as PYBULLET_SCENES
 from reference.in_pybullet.presets import presets as pybullet_presets
 from reference.judging.judge import Judge
 from reference.presets import Chosen, Kind, kind_of, of_one_scene
-from scenarios import catalog
 from runfiles.explained import PINNED
+from scenarios import catalog
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
 from tests.agreement.scenes import FRAME, arm, ball_on_slab, bent, chain, hand_over_table, nobody, pressed, swung
@@ -216,3 +216,27 @@ def test_every_preset_says_what_it_optimises_and_what_is_better_elsewhere(engine
         optimises = told["optimises"]
         assert isinstance(optimises, tuple) and optimises[0] and ("." not in optimises[0])
         assert ("better elsewhere" in told) == (preset == "tuned")
+
+
+def test_what_mujoco_cannot_say_of_twist_is_of_the_joints_that_were_made() -> None:
+    scenario, engine = catalog.get("mocap_punch_wall"), MujocoEngine()
+    scene, said = scenario.build(), {}
+    for preset in ("tuned", "hinges", "tuned"):
+        engine.load(scene, Settings(preset), scenario.dt)
+        said[preset] = engine.cannot_say(scene)["twist limits"]
+    engine.close()
+    assert said["hinges"].startswith("our adapter makes three hinges") and "ball joints, whose range" not in said["hinges"]
+    assert said["tuned"] == MujocoEngine().cannot_say(scene)["twist limits"] != said["hinges"]
+
+
+@pytest.mark.parametrize(("contact", "alike"), [("one_step", True), ("soft", False)])
+def test_refsafe_leaves_contacts_of_the_direct_format_as_they_are(contact: str, alike: bool) -> None:
+    """A ball that falls on a slab: no weld and no limit acts. The soft contact is asked for in a tenth of a step."""
+    assert "standard format only" in mujoco_presets(Kind.BOUNCING)["tuned"]["refsafe"].reason
+    scene, shown = ball_on_slab(height=0.3), []
+    for safe in (True, False):
+        engine = MujocoEngine()
+        engine.load(scene, Settings("tuned", {"contact": contact, "contact_steps": 0.1, "refsafe": safe}), FRAME)
+        shown.append([engine.advance(nobody(scene, frame), FRAME).shown.positions.copy() for frame in range(60)])
+        engine.close()
+    assert np.array_equal(*shown) is alike
