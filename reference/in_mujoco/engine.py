@@ -55,6 +55,8 @@ class MujocoEngine:
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
         run["version"] = (self.version, PINNED)
         run |= EVERYWHERE
+        if self._motors is not None:
+            run["welds"] = ("the root's", EVERYWHERE["welds"][1])
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, cut_into(self._count))
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")

@@ -71,8 +71,8 @@ _BOUNCING: Preset = {
 
 _DRIVEN: Preset = {
     "solver_iterations": Chosen(50, DOCUMENTED + "; 200 cost three times as much and bring an avatar nothing"),
-    "dt": Chosen(1.0 / 480.0, "mocap on a floor, worst overlap: 1/240 21 mm, 1/480 1.7 mm, 1/960 0.6 mm at "
-                              "four times the cost"),
+    "dt": Chosen(1.0 / 480.0, "a study of motion on a floor, worst overlap: 1/240 21 mm, 1/480 1.7 mm, 1/960 0.6 mm at "
+                              "twice the steps"),
     "set_contact_erp": Chosen(True, "see contact_erp"),
     "contact_erp": Chosen(0.8, "overlap p95 at 1/60: 0.01 mm instead of 0.32 mm at 0.05; free of cost"),
     "breaking_threshold": Chosen(0.1, "a share of a shape's size, by which contacts begin early: at 0.02 a wrist is met 0.8 mm "
@@ -198,14 +198,14 @@ _FOLLOWS: Preset = {
     "feed_forward": Chosen(True, "the default with the tracker's own velocity: default motors aim where their user is now, "
                                  "and trail all that moves"),
     "ball_gain": Chosen(0.5, "a tenth of the error per step, as hinges at their default gain; a ball's motor of gain 0.1 "
-                             "corrects a fiftieth. A row of its own, in scenes of recorded motion: mocap_run is 8.8 mm off "
-                             "while free, default 121, tuned 110; limits and overlap are as bad as the default's"),
+                             "corrects a fiftieth. A row of its own, in scenes of recorded motion: in a study mocap_run was "
+                             "8.8 mm off while free, default 121, tuned 110; limits and overlap are as bad as the default's"),
 }
 
 _SLEEPING: Preset = {
     "sleep": Chosen(True, "PyBullet's activation state ENABLE_SLEEPING for all that is simulated: bodies that rest for two "
                           "seconds are not computed until something wakes them. A row of its own, in scenes with bodies that "
-                          "are to rest: a frame of the tenfold stack takes a hundredth once it sleeps"),
+                          "are to rest: in a study a frame of stack_ten took 32 us once it slept, 3.4 ms before"),
 }
 
 OPTIMISES: Mapping[str, str] = {
@@ -220,15 +220,15 @@ OPTIMISES: Mapping[str, str] = {
 """What each preset was chosen for, in one sentence."""
 
 BETTER_ELSEWHERE = (
-    "dt = 1/960 s where avatars are led: worst overlap of motion on a floor 0.6 mm instead of 1.7 mm, at four times the cost",
-    "dt = 1/240 s there: fewer steps, worst overlap 21 mm",
-    "pieces_as_links = false: a third less time where links have several pieces, a hand in a corner 0.6 mm deep instead of 0",
-    "the default with feed_forward = true and ball_gain = 0.5 (row pybullet/follows): mocap_run 8.8 mm off while free instead of "
-    "110, at 18 to 93 mm of overlap",
-    "sleep = true: frames of what has rested for two seconds take a hundredth (row pybullet/sleeping)",
-    "ball_gain = 0.25: a body thrown back by a wall is 3.8 mm from its user instead of 18 mm; limbs follow by 1 mm worse",
+    "dt = 1/960 s where avatars are led: less overlap, at twice the steps",
+    "dt = 1/240 s there: half the steps, and more overlap",
+    "pieces_as_links = false: less time where links have several pieces, and more overlap of a hand in a corner",
+    "the default with feed_forward = true and ball_gain = 0.5 (row pybullet/follows): nearer to a user who is free, with overlap "
+    "of centimetres",
+    "sleep = true: frames of what has rested for two seconds take a fraction (row pybullet/sleeping)",
+    "ball_gain = 0.25: a body thrown back by a wall is nearer to its user, limbs are farther",
 )
-"""Settings that are better than tuned in something else, and what they cost; the figures are those of the reasons above."""
+"""Settings that are better than tuned in something else, and what they cost; how much is for the sweep of a run to say."""
 
 
 def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
