@@ -38,8 +38,8 @@ DEFAULT: Preset = {
     "swing_limits": Chosen(False, "a cone is no documented joint limit of MuJoCo"),
     "drive": Chosen("welds", "of two usual ways to follow motion capture the nearer one: a mocap body per link, welded to it. "
                              "Motors: servos in the joints, and the root alone welded; they want DISCRETE, under IMPLICITFAST "
-                             "swing limits and servos diverge. Welds follow better: in a study 0.9 mm off in mocap_punch_wall, 2.7 "
-                             "in avatar_into_wall, servos of 100 N m 2.3 and 23; limits 28 and 0.18 degrees, 0.19 and 0.05"),
+                             "swing limits and servos diverge. Welds follow better: in a study 0.9 mm off in mocap_punch_wall, "
+                             "2.7 in avatar_into_wall, servos of 100 N m 2.3 and 23; limits 28 and 0.18 degrees, 0.19 and 0.05"),
     "motor_stiffness": Chosen(400.0, "of servos [N m/rad], too stiff for fingers; used by drive 'motors' only"),
     "motor_damping_ratio": Chosen(1.0, "neither overshoots nor creeps; used by drive 'motors' only"),
     "motor_force": Chosen(30.0, "largest torque of a servo [N m]: at 150 arms are 2.2 mm in a wall at 1/240, at 30 0.07 mm; used "
