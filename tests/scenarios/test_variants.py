@@ -31,7 +31,7 @@ def test_a_variant_that_is_not_asked_for_does_not_run() -> None:
     ("mujoco", "sleeping", {"sleep"}),
     ("mujoco", "servos", {
         "drive", "integrator", "contact", "contact_steps", "motor_force",
-        "weld_time",
+        "weld_time", "welds",
     }),
     ("mujoco", "hinges", {"ball_joints"}),
     ("pybullet", "sleeping", {"sleep"}),
