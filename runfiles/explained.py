@@ -131,7 +131,7 @@ _ROD_SENTENCE = (
     "mm with either. Both scenes are given a plane now; what is still deep is the default contact."
 )
 
-_STRONG = "the root's constraint, to which our setting gives up to 100 kN (root_force; as it is made it has 500 N),"
+_STRONG = "the root's constraint, which is given up to 100 kN (root_force; as it is made it has 500 N),"
 """The constraint by which PyBullet's default leads a root."""
 _CONTACTS = (
     _depth("falling_rod painleve", "mujoco/default", Explanation(Cause.ADAPTER, _ROD_SENTENCE)),
@@ -178,14 +178,14 @@ _LAG_MUJOCO = _engine(
     "lag, as tuned, less than half."
 )
 _LAG_PYBULLET = _setting(
-    "our setting gives motors no target velocity by default (feed_forward), as a call that leaves it out; a ball motor of "
+    "motors are given no target velocity by default (feed_forward), as in a call that leaves it out; a ball motor of "
     "default gain then corrects a fiftieth of its error per step, so that limbs trail a steady turn by 50 steps, 0.2 s. "
     "Without bodies and self-contact it stays (mocap_run 122 of 121 mm); with the tracker's velocity and ball_gain 0.5 "
     "(pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in mocap_getup_faceup. What trails "
     "is caught by walls and furniture besides, and even the root is held off then."
 )
 _UNSAID = (
-    "our adapter builds avatars by createMultiBody, which has no word for the limits of spherical joints that Bullet has for "
+    "avatars are built by createMultiBody, which has no word for the limits of spherical joints that Bullet has for "
     "models in URDF files"
 )
 _STOPS_PYBULLET = _adapter(
@@ -277,7 +277,7 @@ _LIMITS = (
         _BALLS_UNLIMITED
     )),
     _excess("*", "pybullet/default pybullet/follows", _adapter(
-        f"{_UNSAID}, and our setting of 100 kN for the root's constraint against motors of 100 kN m twists what is caught: with "
+        f"{_UNSAID}, and 100 kN, our setting for the root's constraint, against motors of 100 kN m twists what is caught: with "
         "root_force 2000 N joints go a third to half as far beyond.", _BALLS_UNLIMITED
     )),
 )
