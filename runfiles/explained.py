@@ -236,9 +236,9 @@ _BALLS_UNLIMITED = "adapter: ball joints unlimited"
 _LIMITS = (
     _excess("limit_torture*", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the user asks for postures beyond every limit all the time; defaults follow the user there, as their ball "
-                     "joints are made without swing or twist limits and default limits of hinges give way within 20 ms. What tuned loses "
-                     "is twist, which our adapter leaves unlimited in MuJoCo (see the other rules of twist) and of which "
-                     "PyBullet's limit_force is a stand-in (124 degrees of twist, 41 of swing)."
+                     "joints are made without swing or twist limits and default limits of hinges give way within 20 ms. What "
+                     "tuned loses is twist, which our adapter leaves unlimited in MuJoCo (see the other rules of twist) and of "
+                     "which PyBullet's limit_force is a stand-in (124 degrees of twist, 41 of swing)."
     )),
     _excess("teleport", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the tracker jumps by metres and the body is drawn after it through whatever its limbs catch on; nearly "
