@@ -141,9 +141,10 @@ class Engine(Protocol):
         """Names of its presets, the default first."""
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
-        """What this engine has no words for in `scene`: feature -> consequence. Empty when it can say all.
+        """What this engine has no words for in `scene`: feature -> consequence. Empty when it can say all. It is asked before
+        `load`, and again after it, when an engine may say it of the preset that was loaded.
 
-        A key "scene" means that it cannot express the scene at all."""
+        A key "scene" means that it cannot express the scene at all; only what is said before `load` counts for that."""
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`, with the reason where one was chosen: name -> value or (value, reason)."""

@@ -74,7 +74,8 @@ def purpose(preset: str, optimises: Mapping[str, str], better: Sequence[str]) ->
     """What a preset was chosen for, and beside "tuned" the settings that are better in something else, as settings are told."""
     told = {"optimises": (optimises[preset], "what this preset was chosen for")}
     if preset == TUNED:
-        told["better elsewhere"] = ("; ".join(better), "settings that are better in something else, and what they cost")
+        why = "settings that are better in something else, and what they cost; how much is in the run's sweep, where it has them"
+        told["better elsewhere"] = ("; ".join(better), why)
     return told
 
 

@@ -83,24 +83,33 @@ def _excess(scenes: str, runs: str, why: Explanation) -> Rule:
     return Rule(tuple(scenes.split()), tuple(runs.split()), (EXCESS,), why)
 
 
+PINNED = (
+    "MuJoCo is pinned to 3.17.0. MuJoCo 4.0.0, of 6 November 2026, can look ahead for contacts (its flag speculative), against "
+    "tunnelling: what tunnels here may not tunnel there, which was not measured. It is not taken, as it has a wrong Hessian with "
+    "sparse Jacobians, whose repair is not published under the package's name."
+)
+"""Which MuJoCo runs, and what a newer one has that may change what is said of it here."""
+
 _SHOT = (
     _depth("dt_torture_1ms", "mujoco/default", _engine(
-        "it tunnels. A ball shot at 300 m/s is 0.29 m deep after its first step, which is the frame of 1 ms; five steps of the "
-        "default contact slow it to 191 m/s, then it is more than half the wall's height of 2 m deep, no longer pushed back, and "
-        "leaves at the far side of 20 m (frames on the wrong side). 1.05 m is the deepest that this wall allows."
+        "MuJoCo 3.17 tunnels. A ball shot at 300 m/s is 0.29 m deep after its first step, which is the frame of 1 ms; five "
+        "steps of the default contact slow it to 191 m/s, then it is more than half the wall's height of 2 m deep, no longer "
+        "pushed back, and leaves at the far side of 20 m (frames on the wrong side). 1.05 m is the deepest that this wall "
+        "allows."
     )),
     _depth("dt_torture_30ms", "mujoco/default", _engine(
-        "it tunnels. At the default step, 2 ms here, a ball shot at 300 m/s is 0.59 m deep when it is found, slowed to 237 m/s "
-        "in one step, never turned, and leaves at the far side of 20 m of wall (frames on the wrong side)."
+        "MuJoCo 3.17 tunnels. At the default step, 2 ms here, a ball shot at 300 m/s is 0.59 m deep when it is found, slowed to "
+        "237 m/s in one step, never turned, and leaves at the far side of 20 m of wall (frames on the wrong side)."
     )),
     _depth("far_from_origin scale_km scale_mm", "mujoco/default", _engine(
-        "it tunnels, wherever the origin is and in any unit: a ball shot at 300 m/s (in units of its world) is 0.6 m deep when "
-        "it is found at the end of a step of 2.1 ms, slowed to 234 m/s, never turned, and leaves at the far side of 20 m of "
-        "wall. scale_km and scale_mm are the same world a thousand times as large and as small."
+        "MuJoCo 3.17 tunnels, wherever the origin is and in any unit: a ball shot at 300 m/s (in units of its world) is 0.6 m "
+        "deep when it is found at the end of a step of 2.1 ms, slowed to 234 m/s, never turned, and leaves at the far side of "
+        "20 m of wall. scale_km and scale_mm are the same world a thousand times as large and as small."
     )),
     _depth("dt_torture_1ms", "mujoco/tuned pybullet/tuned", _engine(
         "a ball is shot at a wall at 300 m/s, and a frame of 1 ms is one step of every preset: the ball covers 0.3 m in it "
-        "before it is found, and is shown there; the next step turns it. The engine looks for contacts at the ends of steps."
+        "before it is found, and is shown there; the next step turns it. MuJoCo 3.17 and PyBullet 3.2.7 look for contacts at "
+        "the ends of steps."
     )),
     _depth("scale_km", "mujoco/tuned", _engine(
         "the same little world a thousand times as large, and so is its depth: divided by a thousand it is that of "
@@ -108,8 +117,9 @@ _SHOT = (
     )),
     _depth("scale_km scale_mm", "pybullet/default", _engine(
         "some lengths of Bullet are absolute: contacts rest at a slop of 10 um, hulls have a margin of 1 mm, contacts break at "
-        "20 mm, in a world of kilometres as in one of metres, and speeds end at 100 m/s. So nothing scales: the ball shot at "
-        "300 km/s is stopped before the wall there, turned in far_from_origin, and goes through the wall of scale_mm."
+        "20 mm, in a world of kilometres as in one of metres, and speeds end at 100 m/s, the default of maxJointVelocity, which "
+        "no preset sets. So nothing scales: the ball shot at 300 km/s is stopped before the wall there, turned in "
+        "far_from_origin, and goes through the wall of scale_mm."
     )),
 )
 """The ball that is shot, step by step, at all frame times, places and scales."""
@@ -120,6 +130,9 @@ _ROD_SENTENCE = (
     "with a plane: falling_rod 32 mm deep at its ends instead of 1.01 m, painleve 126 mm instead of 1.87 m; tuned 5.4 and 2.1 "
     "mm with either. Both scenes are given a plane now; what is still deep is the default contact."
 )
+
+_STRONG = "the root's constraint, which is given up to 100 kN (root_force; as it is made it has 500 N),"
+"""The constraint by which PyBullet's default leads a root."""
 _CONTACTS = (
     _depth("falling_rod painleve", "mujoco/default", Explanation(Cause.ADAPTER, _ROD_SENTENCE)),
     _depth("slender_spin", "mujoco/default", _engine(
@@ -137,8 +150,8 @@ _CONTACTS = (
         "pressed into the floor; the tuned one, with more iterations, does not."
     )),
     _depth("slivers", "mujoco/default", _engine(
-        "boxes fly at 20 m/s at a sheet of 1 mm; a default step covers 40 mm, so that they are found when half of them is "
-        "through, and leave on the other side."
+        "MuJoCo 3.17 tunnels. Boxes fly at 20 m/s at a sheet of 1 mm; a default step covers 40 mm, so that they are found when "
+        "half of them is through, and leave on the other side."
     )),
     _depth("coincident_start deep_overlap", "*", Explanation(
         Cause.SCENE, "it begins 200 mm inside itself, and this is the first frame; our engine refuses the scene."
@@ -153,8 +166,8 @@ _CONTACTS = (
         Cause.SCENE, "the tracker jumps by metres to where its own posture is 212 mm deep, and welds of every link draw the "
                      "body after it. Tuned, with a weld of 60 ms, is not drawn that deep."
     )),
-    _depth("teleport", "pybullet/*", _engine(
-        "the tracker jumps by metres, and the root's constraint of up to 100 kN pulls the body into what it meets on the way: "
+    _depth("teleport", "pybullet/default", _setting(
+        f"{_STRONG} pulls the body into what it meets on the way of a tracker that jumps by metres: "
         "its deepest contact at the end of a frame is 162 mm, with root_force 2000 N 41 mm."
     )),
 )
@@ -164,14 +177,19 @@ _LAG_MUJOCO = _engine(
     "the offset is 42 ms of its target's speed. Without bodies and self-contact it is nearly as large; aimed ahead by that "
     "lag, as tuned, less than half."
 )
-_LAG_PYBULLET = _engine(
-    "a default ball motor corrects a fiftieth of its error per step and has no target velocity, so that limbs trail a steady "
-    "turn by 50 steps, 0.2 s. Without bodies and self-contact it stays (mocap_run 122 of 121 mm); with the tracker's velocity "
-    "and ball_gain 0.5 (pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in "
-    "mocap_getup_faceup. What trails is caught by walls and furniture besides, and even the root is held off then."
+_LAG_PYBULLET = _setting(
+    "motors are given no target velocity by default (feed_forward), as in a call that leaves it out; a ball motor of "
+    "default gain then corrects a fiftieth of its error per step, so that limbs trail a steady turn by 50 steps, 0.2 s. "
+    "Without bodies and self-contact it stays (mocap_run 122 of 121 mm); with the tracker's velocity and ball_gain 0.5 "
+    "(pybullet/follows) it is 8.8 mm in mocap_run, 2.0 of 124 in mocap_crawl, 4.1 of 140 in mocap_getup_faceup. What trails "
+    "is caught by walls and furniture besides, and even the root is held off then."
 )
-_STOPS_PYBULLET = _engine(
-    "spherical joints have no limits; a motor torque stands in for them (limit_force), and after a contact it holds a limb at "
+_UNSAID = (
+    "avatars are built by createMultiBody, which has no word for the limits of spherical joints that Bullet has for "
+    "models in URDF files"
+)
+_STOPS_PYBULLET = _adapter(
+    f"{_UNSAID}; a motor torque stands in for them (limit_force), and after a contact it holds a limb at "
     "the other end of its range while its user is free again. It is few frames: in mocap_run 3 of 9 free ones, in "
     "mocap_getup_facedown 2 of 212. Without that torque it is worse: mocap_run 299 mm instead of 110, mocap_getup_facedown "
     "688 instead of 194."
@@ -182,7 +200,8 @@ _SERVOS = _setting(
 )
 _WALL = _engine(
     "the hand passes through the wall while its user reaches through at up to 20 m/s, and is held on the far side when the user "
-    "is free again (frames on the wrong side tell how long): contacts are looked for at the ends of steps."
+    "is free again (frames on the wrong side tell how long): MuJoCo 3.17 and PyBullet 3.2.7 look for contacts at the ends of "
+    "steps."
 )
 _FOLLOWING = (
     _offset("thin_wall_hand", "mujoco/default pybullet/default", _WALL),
@@ -194,12 +213,12 @@ _FOLLOWING = (
     _offset("mocap_* unseen_*", "mujoco/servos", _SERVOS),
     _offset("mocap_* unseen_* chain_order", "pybullet/default", _LAG_PYBULLET),
     _offset("mocap_* unseen_*", "pybullet/tuned", _STOPS_PYBULLET),
-    _offset("unseen_*", "pybullet/follows", _engine(
-        "joints have no limits, and a limb that was pushed round to the other side of an obstacle or of its own joint stays "
+    _offset("unseen_*", "pybullet/follows", _adapter(
+        f"{_UNSAID}, and a limb that was pushed round to the other side of an obstacle or of its own joint stays "
         "there, at times with the root; where nothing catches it, it is the nearest of all to its user."
     )),
-    _depth("mocap_* unseen_*", "pybullet/default pybullet/follows", _engine(
-        "the root's constraint may use 100 kN and the motors 100 kN m, and so they pull the body into what it meets: deepest "
+    _depth("mocap_* unseen_*", "pybullet/default pybullet/follows", _setting(
+        f"{_STRONG} and motors of 100 kN m, their default, pull the body into what it meets: deepest "
         "contact at the end of a frame mocap_crawl 91 mm, with root_force 2000 N 3.7; mocap_getup_facedown 101 and 4.8; in "
         "rooms of drawn motions a fifth."
     )),
@@ -210,24 +229,29 @@ _FOLLOWING = (
 )
 
 _HINGES = (
-    "Three hinges with ranges in its place limit it, with offsets alike: row mujoco/hinges of the same scene."
+    "Three hinges with ranges in its place limit it in part: row mujoco/hinges, in rooms that nothing was tuned for."
 )
 _UNLIMITED = "adapter: twist unlimited"
+_BALLS_UNLIMITED = "adapter: ball joints unlimited"
 _LIMITS = (
     _excess("limit_torture*", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the user asks for postures beyond every limit all the time; defaults follow the user there, as their ball "
-                     "joints know no swing or twist limits and default limits of hinges give way within 20 ms. What tuned loses "
-                     "is twist, which our adapter leaves unlimited in MuJoCo (see the other rules of twist) and of which "
-                     "PyBullet's limit_force is a stand-in (124 degrees of twist, 41 of swing)."
+                     "joints are made without swing or twist limits and default limits of hinges give way within 20 ms. What "
+                     "tuned loses is twist, which our adapter leaves unlimited in MuJoCo (see the other rules of twist) and of "
+                     "which PyBullet's limit_force is a stand-in (124 degrees of twist, 41 of swing)."
     )),
     _excess("teleport", "mujoco/* pybullet/*", Explanation(
         Cause.SCENE, "the tracker jumps by metres and the body is drawn after it through whatever its limbs catch on; nearly "
                      "all of it is twist, which our adapter leaves unlimited (tuned: twist 147 degrees, swing 6.9): it makes "
-                     "MuJoCo ball joints, whose range limits the total turn, and PyBullet's have no limit of any kind."
+                     "MuJoCo ball joints, whose range limits the total turn, and PyBullet's by createMultiBody, which has no "
+                     "word for their limits."
     )),
-    _excess("hand_in_corner*", "*/default", _engine(
-        "hinges of fingers that are pressed into a corner: MuJoCo's default limit is a spring of 20 ms (at two steps 58 degrees "
-        "instead of 96), and PyBullet's root constraint of 100 kN breaks them (79 degrees at 60 N instead of 135)."
+    _excess("hand_in_corner*", "mujoco/default", _engine(
+        "hinges of fingers that are pressed into a corner: a default limit is a spring of 20 ms (at two steps 58 degrees "
+        "instead of 96)."
+    )),
+    _excess("hand_in_corner*", "pybullet/default", _setting(
+        f"{_STRONG} breaks hinges of fingers that are pressed into a corner (79 degrees at 60 N instead of 135)."
     )),
     _excess("*", "mujoco/default", _adapter(
         "our adapter makes MuJoCo ball joints, whose range limits the total turn, so that default joints have neither swing cone "
@@ -248,9 +272,13 @@ _LIMITS = (
         "which tendons limit, is 2.4 degrees beyond at most (mocap_crawl 100 degrees of twist, 0.5 of swing; mocap_spin 120 and "
         f"0.2). {_HINGES}", _UNLIMITED
     )),
-    _excess("*", "pybullet/*", _engine(
-        "spherical joints have no limits, and a root constraint of 100 kN against motors of 100 kN m twists what is caught: "
-        "with root_force 2000 N joints go a third to half as far beyond. Tuned also holds them by torque (limit_force)."
+    _excess("*", "pybullet/tuned pybullet/sleeping", _adapter(
+        f"{_UNSAID}. A motor torque stands in for them (limit_force), and what pushes a limb is at times stronger.",
+        _BALLS_UNLIMITED
+    )),
+    _excess("*", "pybullet/default pybullet/follows", _adapter(
+        f"{_UNSAID}, and 100 kN, our setting for the root's constraint, against motors of 100 kN m twists what is caught: with "
+        "root_force 2000 N joints go a third to half as far beyond.", _BALLS_UNLIMITED
     )),
 )
 

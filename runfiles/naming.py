@@ -18,7 +18,7 @@ OWN_PREFIX = "own_"
 """How the names of scenes begin that a user brings as files."""
 BASE: Mapping[tuple[str, str], str] = {
     ("mujoco", "sleeping"): "tuned", ("mujoco", "servos"): "tuned", ("mujoco", "hinges"): "tuned",
-    ("pybullet", "follows"): "default",
+    ("pybullet", "sleeping"): "tuned", ("pybullet", "follows"): "default",
 }
 """(engine, variant) -> the preset that it changes."""
 

@@ -32,7 +32,7 @@ def in_a_room(scenario: Scenario) -> bool:
 
 VARIANTS: Mapping[str, Mapping[str, Callable[[Scenario], bool]]] = {
     "mujoco": {"sleeping": may_sleep, "servos": body_follows, "hinges": in_a_room},
-    "pybullet": {"follows": body_follows},
+    "pybullet": {"sleeping": may_sleep, "follows": body_follows},
 }
 """Engine -> variant -> whether it takes part in a scenario. The settings are the engine's own, under that name."""
 

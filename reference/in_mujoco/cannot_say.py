@@ -8,8 +8,8 @@ from avatarsim.scene.shape import ConvexHull
 from reference.narrowing import not_left_out
 
 
-def cannot_say(scene: Scene) -> Mapping[str, str]:
-    """Empty when MuJoCo can express all of the scene."""
+def cannot_say(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
+    """Empty when MuJoCo can express all of the scene; `hinged`: three hinges stand for each ball joint."""
     found: dict[str, str] = {}
     links = scene.links
     balls = [link.joint for link in links if isinstance(link.joint, Ball)]
@@ -19,6 +19,9 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
         found["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the origin"
     if any(ball.limits for ball in balls):
         found["twist limits"] = (
+            "our adapter makes three hinges with ranges of each ball joint: what they limit is other angles than swing and "
+            "twist, and the second ends at 89 degrees; swing cones are said by tendons besides"
+        ) if hinged else (
             "our adapter makes ball joints, whose range limits their total rotation only; swing cones are said by tendons (tuned "
             "only, as no such limit is documented); twist is limited in what the joint is asked for (tuned only), not in what "
             "contact makes of it: three hinges with ranges (row mujoco/hinges) limit it, at other angles than these"

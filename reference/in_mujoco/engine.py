@@ -24,6 +24,7 @@ from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
 from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
+from runfiles.explained import PINNED
 from runfiles.naming import COMPILED
 
 Array = NDArray[np.float64]
@@ -38,6 +39,7 @@ class MujocoEngine:
 
     name = "mujoco"
     presets = ("default", "tuned")
+    _hinged = False
 
     @property
     def version(self) -> str:
@@ -45,13 +47,16 @@ class MujocoEngine:
         return str(mujoco.__version__)
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
-        """What MuJoCo has no words for: feature -> consequence."""
-        return cannot_say(scene)
+        """What MuJoCo has no words for: feature -> consequence; after `load` with the joints that were made then."""
+        return cannot_say(scene, self._hinged)
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run["version"] = (self.version, PINNED)
         run |= EVERYWHERE
+        if self._motors is not None:
+            run["welds"] = ("the root's", EVERYWHERE["welds"][1])
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, cut_into(self._count))
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
@@ -89,12 +94,12 @@ class MujocoEngine:
         self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
         chosen = self._chosen
         check_words(chosen)
-        motors = chosen["drive"].value == "motors"
+        motors, self._hinged = chosen["drive"].value == "motors", chosen["ball_joints"].value == "hinges"
         self._world = build_world(
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
             swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
             armature=float(np.asarray(chosen["armature"].value)), servo=_servo(chosen) if motors else None,
-            planes=chosen["floors"].value == "planes", hinged=chosen["ball_joints"].value == "hinges",
+            planes=chosen["floors"].value == "planes", hinged=self._hinged,
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()

@@ -14,7 +14,8 @@ DEFAULT: Preset = {
     "dt": Chosen(0.002, "MuJoCo's documented time step [s]"),
     "integrator": Chosen("EULER", DOCUMENTED),
     "cone": Chosen("PYRAMIDAL", DOCUMENTED),
-    "refsafe": Chosen(True, DOCUMENTED + ": no contact is stiffer than two steps allow"),
+    "refsafe": Chosen(True, DOCUMENTED + ": no time constant is shorter than two steps. It acts on welds, limits and contacts in "
+                            "the standard format only; contacts of one step have the direct one, which it leaves as it is"),
     "solver": Chosen("NEWTON", DOCUMENTED + "; CG and PGS end as deep"),
     "islands": Chosen(True, DOCUMENTED + " (who does not touch is solved apart)"),
     "warm_starts": Chosen(True, DOCUMENTED + " (the solver begins with the last step's forces)"),
@@ -37,8 +38,8 @@ DEFAULT: Preset = {
     "swing_limits": Chosen(False, "a cone is no documented joint limit of MuJoCo"),
     "drive": Chosen("welds", "of two usual ways to follow motion capture the nearer one: a mocap body per link, welded to it. "
                              "Motors: servos in the joints, and the root alone welded; they want DISCRETE, under IMPLICITFAST "
-                             "swing limits and servos diverge. Welds follow better: 0.9 mm off in mocap_punch_wall, 2.7 in "
-                             "avatar_into_wall, servos of 100 N m 2.3 and 23; limits 28 and 0.18 degrees, 0.19 and 0.05"),
+                             "swing limits and servos diverge. Welds follow better: in a study 0.9 mm off in mocap_punch_wall, "
+                             "2.7 in avatar_into_wall, servos of 100 N m 2.3 and 23; limits 28 and 0.18 degrees, 0.19 and 0.05"),
     "motor_stiffness": Chosen(400.0, "of servos [N m/rad], too stiff for fingers; used by drive 'motors' only"),
     "motor_damping_ratio": Chosen(1.0, "neither overshoots nor creeps; used by drive 'motors' only"),
     "motor_force": Chosen(30.0, "largest torque of a servo [N m]: at 150 arms are 2.2 mm in a wall at 1/240, at 30 0.07 mm; used "
@@ -75,8 +76,9 @@ EVERYWHERE: Mapping[str, tuple[object, str]] = {
                          "stay visible instead of going back to the first one"),
     "contact excludes": ("pairs that the scene lets pass", "in every preset: what filterparent would drop, and what scenes say "
                                                            "beyond it"),
-    "welds": ("one per link", "in every preset but servos: each link that moves is welded to a mocap body of its own, since a "
-                              "tracker gives a pose for each; the documentation says of no body how many of its links to weld"),
+    "welds": ("one per link", "in every preset but servos, which welds the root alone: each link that moves is welded to a mocap "
+                              "body of its own, since a tracker gives a pose for each; the "
+                              "documentation says of no body how many of its links to weld"),
 }
 """What departs from MuJoCo's defaults in every preset: setting -> (value, reason)."""
 
@@ -122,7 +124,7 @@ _ONE_STEP: Preset = {
 
 _DRIVEN: Preset = {
     **_ONE_STEP,
-    "dt": Chosen(1.0 / 960.0, "eight clips against a wall, worst overlap: 1/240 15 mm, 1/480 4 mm, 1/960 0.0 mm"),
+    "dt": Chosen(1.0 / 960.0, "a study of eight clips against a wall, worst overlap: 1/240 15 mm, 1/480 4 mm, 1/960 0.0 mm"),
     "tolerance": Chosen(1e-8, DOCUMENTED + ": 1e-12 takes 5 % more iterations and changes nothing for who is led"),
     "weld_time": Chosen(0.02, "0.015 brings 1 mm of 28 mm offset and costs 5 mm of overlap; 0.03 costs 3 mm of offset"),
     "weld_rotation": Chosen(5.0, "a pressed limb is pushed back rather than twisted: at 1 up to 5 mm of overlap, at 5 none; "
@@ -293,7 +295,10 @@ _HINGED: Preset = {
     "ball_joints": Chosen("hinges", "three hinges with ranges for each ball joint, the last about the limb, as MJCF models of "
                                     "bodies have them: twist is limited, at the second hinge's angle not by the same angle as "
                                     "the scene's, and the second ends at 89 degrees. A row of its own, in rooms that nothing "
-                                    "was tuned for: largest excess 95 degrees instead of 150, offsets and overlaps alike"),
+                                    "was tuned for. In a study of five, with motions of their own, hinges "
+                                    "and tuned: excess 0.9 and 4.6, 5.6 and 36, 28 and 145, 95 and 138, 95 and 150 degrees; "
+                                    "overlap at most 2.9 and 6.3 mm, in each room as shallow or shallower; offsets up to a sixth "
+                                    "apart, either way"),
 }
 
 OPTIMISES: Mapping[str, str] = {
@@ -301,7 +306,8 @@ OPTIMISES: Mapping[str, str] = {
                "disabled, a weld per link, pairs excluded as the scene has them",
     "tuned": "the least of the larger of two: overlap in any frame shown, and error to a closed form or of a rest, where the "
              "scene has one (a hundredth of a way counts as 10 mm); of several settings as good, to a tenth, the nearest to the "
-             "user, and time only among those: 1/960 s is twice the time of 1/480 s, for no overlap instead of 4 mm",
+             "user, and time only among those: 1/960 s is twice the time of 1/480 s, for no overlap instead of 4 mm in a study "
+             "of eight clips against a wall",
     "sleeping": "time where bodies rest, and no overlap that is kept asleep; all else as tuned",
     "servos": "torques that a motor could have, where a body of many links follows a recorded motion, and poses that are numbers "
               "in motion that nothing was tuned for; not overlap, nor distance from the user; all else as tuned",
@@ -310,20 +316,19 @@ OPTIMISES: Mapping[str, str] = {
 """What each preset was chosen for, in one sentence."""
 
 BETTER_ELSEWHERE = (
-    "dt = 1/480 s where avatars are led: half the steps, worst overlap of eight clips against a wall 4 mm instead of 0.0 mm",
-    "dt = 1/240 s there: a quarter of the steps, 15 mm",
-    "weld_time = 0.015 s: links 1 mm of 28 mm nearer to their user, overlap 5 mm more",
-    "margin = 0.002 m: offset smaller by up to 0.5 mm, worst overlap 4.6 mm instead of 0.0 mm",
+    "dt = 1/480 s where avatars are led: half the steps, and more overlap, or none more, by scene",
+    "dt = 1/240 s there: a quarter of the steps, and overlap of millimetres to centimetres",
+    "weld_time = 0.015 s: links nearer to their user, and more overlap",
+    "margin = 0.002 m: links nearer to their user, and more overlap",
     "drive = motors, integrator = DISCRETE (row mujoco/servos): no torque above 100 N m, links farther from their user; with "
     "dt = 1/240 s, refsafe off and armature 4 a quarter of the steps, and poses that are no numbers in motion not tuned for",
-    "sleep = true: frames of what rests take a sixteenth (row mujoco/sleeping); with a margin no error is larger",
+    "sleep = true: frames of what rests take a fraction (row mujoco/sleeping); with a margin no error is larger",
     "loose_margin = 0.0002 m where tuned has none, in stop_distance, slide_to_roll, log_roll, heavy_on_light, triball, "
-    "free_flight: no overlap instead of 0.003 to 0.1 mm; stops 0.059 % off instead of 0.043 %, courses 1.6 to 2.3 mm instead "
-    "of 0.3 to 0.4, towers 0.4 mm too high (cells of the short sweep)",
-    "loose_margin = 0.001 m in bounce_ladder: no overlap instead of 0.56 mm; apexes 1.0 mm off instead of 0.65",
-    "loose_margin = 0 where tuned has one: bodies touch instead of standing 0.2 to 1 mm apart",
+    "free_flight: no overlap, and stops, courses and heights of towers farther off",
+    "loose_margin = 0.001 m in bounce_ladder: no overlap, and apexes farther off",
+    "loose_margin = 0 where tuned has one: bodies touch instead of standing apart by it",
 )
-"""Settings that are better than tuned in something else, and what they cost; the figures are those of the reasons above."""
+"""Settings that are better than tuned in something else, and what they cost; how much is for the sweep of a run to say."""
 
 
 def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:

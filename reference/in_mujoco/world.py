@@ -1,4 +1,4 @@
-"""Our scene as a MuJoCo model: same shapes vertex for vertex, same masses, exactly the scene's pairs."""
+"""Our scene as a MuJoCo model: same shapes, vertices in single precision, same masses, exactly the scene's pairs."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,6 @@
-"""Limits of ball joints that Bullet's spherical joints do not have: a motor that holds harder while its joint is beyond them.
+"""Limits of ball joints where createMultiBody has no word for them: a motor that holds harder while its joint is beyond them.
+
+Bullet has such limits for models in URDF files (`<limit lower upper twist>` of a spherical joint).
 
 What a motor is asked for is within the limits, so that its torque brings the joint back; what pushed it out is as a rule stronger
 than the torque by which a limb follows its user.

@@ -31,8 +31,9 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
             found[what] = said
     if any(ball.limits for ball in balls):
         found["ball limits"] = (
-            "spherical joints have none: what they are asked for is limited, and their motors hold harder while contact has "
-            "brought them beyond (both tuned only)"
+            "our adapter builds avatars by createMultiBody, which has no word for them; Bullet has them for models in URDF "
+            "files. What joints are asked for is limited, and their motors hold harder while contact has brought them beyond "
+            "(both tuned only)"
         )
     if any(ball.cone for ball in balls):
         found["reach cones"] = "no spherical polygons: ignored"

@@ -29,15 +29,17 @@ DEFAULT: Preset = {
     "split_impulse": Chosen(False, DOCUMENTED),
     "drive": Chosen("constraint", "the documented way to follow a hand: a fixed constraint between the "
                                   "root and the tracked pose"),
-    "root_force": Chosen(100000.0, "the most force the constraint may use [N]"),
-    "hand_force": Chosen(100000.0, "the same for an avatar without joints [N]"),
+    "root_force": Chosen(100000.0, "the most force the constraint may use [N]: our setting and no default. A constraint as "
+                                   "it is made has 500, PyBullet's own example of it 50"),
+    "hand_force": Chosen(100000.0, "the same for an avatar without joints [N]: our setting too"),
     "position_gain": Chosen(0.1, DOCUMENTED),
     "ball_gain": Chosen(0.1, DOCUMENTED + " (positionGain of ball joints)"),
     "velocity_gain": Chosen(1.0, DOCUMENTED),
     "hinge_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a hinge's motor) [N m]"),
     "ball_force": Chosen(100000.0, DOCUMENTED + " (largest torque of a ball joint's motor) [N m]"),
-    "limit_force": Chosen(0.0, "0: spherical joints have no limits"),
-    "feed_forward": Chosen(False, "the motor's target velocity is 0 where none is given"),
+    "limit_force": Chosen(0.0, "0: nothing stands in for limits of ball joints, which createMultiBody has no word for; models in "
+                               "URDF files have them"),
+    "feed_forward": Chosen(False, "motors are given no target velocity, and take 0 then: our setting, as in the shortest call"),
     "root_speed": Chosen(0.0, "0: no cap; used by drive 'velocity' only [m/s]"),
     "clamp_targets": Chosen(False, "the tracker is followed as it is"),
     "gravity_on_links": Chosen(True, "gravity acts on all that has mass"),
@@ -52,7 +54,8 @@ _ALWAYS: Preset = {
                                      "mm"),
     "damping": Chosen(0.0, "nothing in the scene damps free motion"),
     "restitution_threshold": Chosen(0.01, "the default 0.2 m/s kills small bounces"),
-    "sleep": Chosen(False, "bodies sleep after two seconds of rest: no figure of a quick comparison changes, its times neither"),
+    "sleep": Chosen(False, "what rests is computed here, so that these rows say what that costs; the row pybullet/sleeping has "
+                           "the flag, by which bodies sleep after two seconds of rest"),
 }
 
 _BOUNCING: Preset = {
@@ -68,8 +71,8 @@ _BOUNCING: Preset = {
 
 _DRIVEN: Preset = {
     "solver_iterations": Chosen(50, DOCUMENTED + "; 200 cost three times as much and bring an avatar nothing"),
-    "dt": Chosen(1.0 / 480.0, "mocap on a floor, worst overlap: 1/240 21 mm, 1/480 1.7 mm, 1/960 0.6 mm at "
-                              "four times the cost"),
+    "dt": Chosen(1.0 / 480.0, "a study of motion on a floor, worst overlap: 1/240 21 mm, 1/480 1.7 mm, 1/960 0.6 mm at "
+                              "twice the steps"),
     "set_contact_erp": Chosen(True, "see contact_erp"),
     "contact_erp": Chosen(0.8, "overlap p95 at 1/60: 0.01 mm instead of 0.32 mm at 0.05; free of cost"),
     "breaking_threshold": Chosen(0.1, "a share of a shape's size, by which contacts begin early: at 0.02 a wrist is met 0.8 mm "
@@ -88,15 +91,15 @@ _DRIVEN: Preset = {
                              "better"),
     "hinge_force": Chosen(100.0, "more presses limbs into what they touch, less lags behind"),
     "ball_force": Chosen(100.0, "as hinge_force"),
-    "limit_force": Chosen(5000.0, "torque of a ball joint's motor while it is beyond its limits [N m], in place of limits that "
-                                  "spherical joints do not have: largest excess, mean of 26 humanoid scenes, 27 degrees "
+    "limit_force": Chosen(5000.0, "torque of a ball joint's motor while it is beyond its limits [N m], in place of limits, which "
+                                  "createMultiBody has no word for: largest excess, mean of 26 humanoid scenes, 27 degrees "
                                   "without, 3.3 at 1000, 1.0 at 5000, and offset from the user 107, 82, 78 mm; 20000 is alike, "
                                   "and so are three other seeds of five of them"),
     "feed_forward": Chosen(True, "the tracker's own joint velocity: no lag in steady motion"),
     "root_speed": Chosen(10.0, "without a cap, a blocked root builds up any velocity and is thrown through "
                                "the obstacle"),
-    "clamp_targets": Chosen(True, "ball joints have no limits of their own: what is asked for is all that "
-                                  "can be limited"),
+    "clamp_targets": Chosen(True, "ball joints are made without limits of their own: what is asked for is all "
+                                  "that can be limited, beside limit_force"),
     "gravity_on_links": Chosen(False, "a tracked limb is held up by its user"),
 }
 
@@ -195,28 +198,37 @@ _FOLLOWS: Preset = {
     "feed_forward": Chosen(True, "the default with the tracker's own velocity: default motors aim where their user is now, "
                                  "and trail all that moves"),
     "ball_gain": Chosen(0.5, "a tenth of the error per step, as hinges at their default gain; a ball's motor of gain 0.1 "
-                             "corrects a fiftieth. A row of its own, in scenes of recorded motion: mocap_run is 8.8 mm off "
-                             "while free, default 121, tuned 110; limits and overlap are as bad as the default's"),
+                             "corrects a fiftieth. A row of its own, in scenes of recorded motion: in a study mocap_run was "
+                             "8.8 mm off while free, default 121, tuned 110; limits and overlap are as bad as the default's"),
+}
+
+_SLEEPING: Preset = {
+    "sleep": Chosen(True, "PyBullet's activation state ENABLE_SLEEPING for all that is simulated: bodies that rest for two "
+                          "seconds are not computed until something wakes them. A row of its own, in scenes with bodies that "
+                          "are to rest: in a study a frame of stack_ten took 32 us once it slept, 3.4 ms before"),
 }
 
 OPTIMISES: Mapping[str, str] = {
-    "default": "nothing: what the documentation gives",
+    "default": "nothing: what the documentation gives, but for the root's constraint, whose force is our setting (root_force, "
+               "hand_force), and for motors, to which we give no target velocity (feed_forward)",
     "tuned": "the least overlap in any frame shown and the least error to a closed form, then the least excess over joint "
              "limits and the least distance from the user; time decides where a setting takes several times as long for a "
              "millimetre",
+    "sleeping": "time where bodies rest; all else as tuned",
     "follows": "the least distance from the user while nothing is in the way; all else as the default",
 }
 """What each preset was chosen for, in one sentence."""
 
 BETTER_ELSEWHERE = (
-    "dt = 1/960 s where avatars are led: worst overlap of motion on a floor 0.6 mm instead of 1.7 mm, at four times the cost",
-    "dt = 1/240 s there: fewer steps, worst overlap 21 mm",
-    "pieces_as_links = false: a third less time where links have several pieces, a hand in a corner 0.6 mm deep instead of 0",
-    "the default with feed_forward = true and ball_gain = 0.5 (row pybullet/follows): mocap_run 8.8 mm off while free instead of "
-    "110, at 18 to 93 mm of overlap",
-    "ball_gain = 0.25: a body thrown back by a wall is 3.8 mm from its user instead of 18 mm; limbs follow by 1 mm worse",
+    "dt = 1/960 s where avatars are led: less overlap, at twice the steps",
+    "dt = 1/240 s there: half the steps, and more overlap",
+    "pieces_as_links = false: less time where links have several pieces, and more overlap of a hand in a corner",
+    "the default with feed_forward = true and ball_gain = 0.5 (row pybullet/follows): nearer to a user who is free, with overlap "
+    "of centimetres",
+    "sleep = true: frames of what has rested for two seconds take a fraction (row pybullet/sleeping)",
+    "ball_gain = 0.25: a body thrown back by a wall is nearer to its user, limbs are farther",
 )
-"""Settings that are better than tuned in something else, and what they cost; the figures are those of the reasons above."""
+"""Settings that are better than tuned in something else, and what they cost; how much is for the sweep of a run to say."""
 
 
 def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
@@ -227,6 +239,5 @@ def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
         Kind.MIXED: {**DEFAULT, **_ALWAYS, **_BOUNCING, **_DRIVEN},
         Kind.DRIVEN: {**DEFAULT, **_ALWAYS, **_DRIVEN},
     }
-    return {
-        "default": DEFAULT, "tuned": {**tuned[kind], **of_one_scene(SCENES.get(scene, {}))}, "follows": {**DEFAULT, **_FOLLOWS},
-    }
+    best = {**tuned[kind], **of_one_scene(SCENES.get(scene, {}))}
+    return {"default": DEFAULT, "tuned": best, "sleeping": {**best, **_SLEEPING}, "follows": {**DEFAULT, **_FOLLOWS}}

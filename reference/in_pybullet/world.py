@@ -1,4 +1,4 @@
-"""Our scene as Bullet multibodies: same shapes vertex for vertex, same masses, exactly the scene's pairs.
+"""Our scene as Bullet multibodies: same shapes but for stand-ins, same masses, exactly the scene's pairs.
 
 Bullet knows inertias along the axes of a link's frame only, so each link's frame is turned to its principal
 axes here (`Part.frame`), and joints, anchors and shapes with it. What comes out is turned back.

@@ -42,8 +42,8 @@ TERMS = (
     ("bound, ceiling", "A bound is a figure that our engine promises in a scene; a ceiling stands in for one that does not hold "
      "yet. The gate, which can fail, is all bounds of one engine and preset."),
     ("family", "A scene with its variants: other frame rates, other clips, other sizes. Sentences count families."),
-    ("default", "An engine with its default parameters in our rig (one weld or motor per link); of ours, the method that is "
-     "meant to be used."),
+    ("default", "An engine with its default parameters in our rig (MuJoCo: a weld per link; PyBullet: a constraint of the root "
+     "and a motor per joint); of ours, the method that is meant to be used."),
     (TUNED, "MuJoCo or PyBullet as tuned here for accuracy in scenes of a kind, see Settings."),
     ("paper", "Our engine with the method as it was printed in 2004, for comparison with it."),
     ("cannot say", "A part of a scene that an engine has no words for; figures of just that do not rank it."),

@@ -64,7 +64,7 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     frames: list[FrameRecord] = []
     try:
         frames.append(engine.load(scene, settings, scenario.dt))
-        about["settings"] = dict(engine.settings_as_run())
+        about["settings"], about["cannot_say"] = dict(engine.settings_as_run()), dict(engine.cannot_say(scene))
         native.write(engine, folder, job)
         keeps = native.keeps_steps(engine, job, scenario.everyday)
         spent = []

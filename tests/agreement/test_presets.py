@@ -1,5 +1,6 @@
 """Tuned beats default where it claims to, options are checked, and every setting can be read back."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -12,12 +13,15 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from reference.in_mujoco.engine import MujocoEngine
+from reference.in_mujoco.presets import BETTER_ELSEWHERE as MUJOCO_BETTER
 from reference.in_mujoco.presets import SCENES as MUJOCO_SCENES
 from reference.in_mujoco.presets import presets as mujoco_presets
+from reference.in_pybullet.presets import BETTER_ELSEWHERE as PYBULLET_BETTER
 from reference.in_pybullet.presets import SCENES as PYBULLET_SCENES
 from reference.in_pybullet.presets import presets as pybullet_presets
 from reference.judging.judge import Judge
 from reference.presets import Chosen, Kind, kind_of, of_one_scene
+from runfiles.explained import PINNED
 from scenarios import catalog
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
@@ -109,11 +113,13 @@ def test_what_departs_from_mujocos_defaults_everywhere_is_told_with_its_reason(p
     engine = MujocoEngine()
     engine.load(hand_over_table(), Settings(preset), FRAME)
     told = engine.settings_as_run()
+    assert told["version"] == (mujoco.__version__, PINNED)
     off = int(engine._model.opt.disableflags)
     bits = mujoco.mjtDisableBit
     for name, bit in (("filterparent", bits.mjDSBL_FILTERPARENT), ("autoreset", bits.mjDSBL_AUTORESET)):
         assert off & int(bit) and told[name][0] is False and "MuJoCo's default is on" in told[name][1]  # type: ignore[index]
-    assert told["contact excludes"] and told["welds"][0] == "one per link"  # type: ignore[index]
+    rig = "the root's" if preset == "servos" else "one per link"
+    assert told["contact excludes"] and told["welds"][0] == rig  # type: ignore[index]
 
 
 def test_settings_of_one_scene_are_marked_so() -> None:
@@ -214,3 +220,34 @@ def test_every_preset_says_what_it_optimises_and_what_is_better_elsewhere(engine
         optimises = told["optimises"]
         assert isinstance(optimises, tuple) and optimises[0] and ("." not in optimises[0])
         assert ("better elsewhere" in told) == (preset == "tuned")
+
+
+def test_what_mujoco_cannot_say_of_twist_is_of_the_joints_that_were_made() -> None:
+    scenario, engine = catalog.get("mocap_punch_wall"), MujocoEngine()
+    scene, said = scenario.build(), {}
+    for preset in ("tuned", "hinges", "tuned"):
+        engine.load(scene, Settings(preset), scenario.dt)
+        said[preset] = engine.cannot_say(scene)["twist limits"]
+    engine.close()
+    assert said["hinges"].startswith("our adapter makes three hinges") and "ball joints, whose range" not in said["hinges"]
+    assert said["tuned"] == MujocoEngine().cannot_say(scene)["twist limits"] != said["hinges"]
+
+
+@pytest.mark.parametrize(("contact", "alike"), [("one_step", True), ("soft", False)])
+def test_refsafe_leaves_contacts_of_the_direct_format_as_they_are(contact: str, alike: bool) -> None:
+    """A ball that falls on a slab: no weld and no limit acts. The soft contact is asked for in a tenth of a step."""
+    assert "standard format only" in mujoco_presets(Kind.BOUNCING)["tuned"]["refsafe"].reason
+    scene, shown = ball_on_slab(height=0.3), []
+    for safe in (True, False):
+        engine = MujocoEngine()
+        engine.load(scene, Settings("tuned", {"contact": contact, "contact_steps": 0.1, "refsafe": safe}), FRAME)
+        shown.append([engine.advance(nobody(scene, frame), FRAME).shown.positions.copy() for frame in range(60)])
+        engine.close()
+    assert np.array_equal(*shown) is alike
+
+
+@pytest.mark.parametrize("better", [MUJOCO_BETTER, PYBULLET_BETTER])
+def test_what_is_better_elsewhere_states_no_result_that_a_sweep_may_contradict(better: tuple[str, ...]) -> None:
+    for said in better:
+        setting, _, result = said.partition(":")
+        assert setting and not re.search(r"\d+(\.\d+)? (mm|um|us|ms|%|degrees)", result), said

@@ -26,7 +26,7 @@ def test_names_that_need_explaining_are_explained_by_the_very_words_of_the_page(
 
 def test_default_and_tuned_are_what_they_are_here() -> None:
     assert "documented defaults" not in str(TERMS) and "best settings" not in str(TERMS)
-    assert "in our rig (one weld or motor per link)" in dict(TERMS)["default"]
+    assert "a weld per link; PyBullet: a constraint of the root and a motor per joint" in dict(TERMS)["default"]
     assert terms(None) == terms(Sweep(())) == TERMS
     found = Sweep((point("m/tuned", 1e-3, 100.0), point("m/tuned dt=1/60", 1e-3, 50.0)))
     assert dict(terms(found))[TUNED].endswith(
