@@ -30,9 +30,9 @@ KINEMATIC = (
 CAVEAT = (
     "Not like for like: our avatar is kinematic, with a coupled mass where it meets simulated bodies; it is not full articulated "
     "dynamics, which MuJoCo and PyBullet compute and pay for in frame time. "
-    "What rests sleeps in our engine; in the tuned others it is computed, and the row mujoco/sleeping stands beside them in "
-    "scenes whose bodies are to rest. Of a time of a scene with an avatar, and of one in which what rests sleeps, no factor is "
-    "made, and none is best."
+    "What rests sleeps in our engine; in the tuned others it is computed, and rows that sleep (mujoco/sleeping, "
+    "pybullet/sleeping) stand beside them in scenes whose bodies are to rest. Of a time of a scene with an avatar, and of one in "
+    "which what rests sleeps, no factor is made, and none is best."
 )
 
 

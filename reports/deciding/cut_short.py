@@ -56,8 +56,8 @@ def scene_sentence(results: Results, scene: str) -> str:
     if "mujoco/sleeping" in rows:
         shown = "so a median here is mostly of frames before that" if found.ran < 2.0 * BULLET_SLEEPS else (
             "so it sleeps in the median frame at the earliest where a scene lasts longer than twice that")
-        sleeping = (" What rests falls asleep in ours and in mujoco/sleeping within a few frames; PyBullet, where its sleep is "
-                    f"on, waits for {limit(BULLET_SLEEPS * 1e6, 'us')} of rest, {shown}.")
+        sleeping = (" What rests falls asleep in ours and in mujoco/sleeping within a few frames; pybullet/sleeping "
+                    f"waits for {limit(BULLET_SLEEPS * 1e6, 'us')} of rest, {shown}.")
     return f"Cut short: this scene {found.said}. Full length: {FULL}.{sleeping}"
 
 

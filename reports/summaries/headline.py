@@ -29,8 +29,9 @@ ROOMS = "motion not tuned for, worst of {} rooms"
 IN_ROOMS = ("overlap", "offset", "chatter")
 """Columns of the verdict table in those rows: times would be the worst of scenes that differ."""
 LEFT_OUT = (
-    "Joint limits are not in this table: our adapters make ball joints, for whose swing cone and twist the other engines have no "
-    "word, and three limited hinges in their place limit other angles; the report has the figures."
+    "Joint limits are not in this table: our adapters make ball joints without all limits of swing and twist (MuJoCo limits "
+    "their whole turn, Bullet swing and twist in URDF files alone), and three limited hinges in their place limit other angles; "
+    "the report has the figures."
 )
 """Why a measure of the verdict table is missing here. With hinges at angles a and b across the limb, the twist about it is off
 by 2 atan(tan(a / 2) tan(b / 2)), 19 degrees at 45, and the second hinge locks at 90 degrees, inside the cone of a shoulder."""
