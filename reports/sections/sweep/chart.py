@@ -184,7 +184,7 @@ def profile_panels(found: Table) -> list[ProfilePanel]:
     made = []
     for level in PROFILED:
         steps = profiles(found, level)
-        said = profile_sentence(steps, level, len(found.compared))
+        said = profile_sentence(steps, level, len(found.compared), found.unsaid(level))
         made.append(ProfilePanel(f"At most {limit(level, 'm')}", _profile(steps, ink, said), said))
     return made
 

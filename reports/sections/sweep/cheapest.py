@@ -5,13 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from reports.deciding.alike import Basis, basis_of, factor, is_more, time_by
-from reports.sections.sweep.points import OURS, Point, Sweep, measured_of
+from reports.deciding.alike import Basis, factor, is_more
+from reports.sections.sweep.attempts import Attempt, attempts, bases_of
+from reports.sections.sweep.ladders import falling
+from reports.sections.sweep.points import OURS, Sweep, measured_of
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity, ratio
 from runfiles import ladder
-from runfiles.accuracy import FOLLOWING, FOLLOWS, LEVELS, counts, follows
-from runfiles.accuracy import length as as_length
+from runfiles.accuracy import FOLLOWING, FOLLOWS, LEVELS, counts
 
 PROFILED = (1e-3, 1e-6)
 """Those of LEVELS that have a performance profile."""
@@ -22,61 +23,6 @@ CHEAPEST = "cheapest (measured of planned)"
 """What the numbers beside the name of a setting are."""
 BASE = "/".join(OURS)
 """What every factor is a multiple of: the time of our engine as it comes, in the same scene."""
-
-
-def length(point: Point) -> float:
-    """The error as a length [m], for a metric that `counts`; nan where the setting has no accuracy."""
-    return as_length(point.metric, point.error) if point.state == "measured" else math.nan
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """One setting in one scene: the largest of its errors [m], the time of a frame [us] by which its scene compares, its offset
-    from the tracker [m]; nan where there is none. `any_point` is one of its points."""
-
-    any_point: Point
-    error: float
-    time: float
-    offset: float
-
-    @property
-    def measured(self) -> bool:
-        """Whether it has both an accuracy and a time."""
-        return math.isfinite(self.error) and math.isfinite(self.time) and self.time > 0.0
-
-    def reaches(self, level: float) -> bool:
-        """Whether every error is at most `level` [m]; never for what was not measured, or does not follow a free user."""
-        return self.measured and self.error <= level and follows(self.offset)
-
-    @property
-    def strays(self) -> bool:
-        """Whether it was measured and stays farther from a free user than any accuracy that is asked for."""
-        return self.measured and not follows(self.offset)
-
-
-def bases_of(points: Sequence[Point]) -> dict[str, Basis]:
-    """Scene -> the time that its settings are compared by."""
-    return {scene: basis_of([point for point in points if point.scenario == scene])
-            for scene in dict.fromkeys(point.scenario for point in points)}
-
-
-def attempts(points: Sequence[Point]) -> tuple[Attempt, ...]:
-    """One entry per scene and setting that has an error which is a length; an error that is missing spoils the others. A setting
-    that has no words for one of them was not tried."""
-    bases = bases_of(points)
-    groups: dict[tuple[str, str], list[Point]] = {}
-    for point in points:
-        groups.setdefault((point.scenario, point.run), []).append(point)
-    found = []
-    for group in groups.values():
-        if any(point.state == "cannot-say" for point in group):
-            continue
-        lengths = [length(point) for point in group if counts(point.metric, point.unit)]
-        if lengths:
-            worst = math.nan if any(math.isnan(value) for value in lengths) else max(lengths)
-            offset = next((p.error for p in group if p.metric in FOLLOWING and p.state == "measured"), math.nan)
-            found.append(Attempt(group[0], worst, time_by(group[0], bases[group[0].scenario]), offset))
-    return tuple(found)
 
 
 def cheapest(tried: Sequence[Attempt], level: float) -> Attempt | None:
@@ -112,6 +58,8 @@ class Line:
     planned: int = 0
     unasked: tuple[str, ...] = ()
     """Rungs of the ladder of steps that were planned here and not measured: without them nothing is the cheapest, or missed."""
+    falling: tuple[str, ...] = ()
+    """The finest measured steps of ladders whose errors still fall there: a finer one may reach what they miss."""
 
     @property
     def of(self) -> str:
@@ -120,16 +68,18 @@ class Line:
 
     @property
     def none(self) -> str:
-        """What is said where no setting reached an accuracy: that none does, or which steps were not measured."""
-        if not self.unasked:
-            return f"none of {self.measured}"
-        steps = count(len(self.unasked), "step")
-        return f"not said: {steps} of the ladder not measured, none of {self.of}"
+        """What is said where no setting reached an accuracy: that none measured does, or which steps were not measured."""
+        if self.unasked:
+            return f"not said: {count(len(self.unasked), 'step')} of the ladder not measured, none of {self.of}"
+        if self.falling:
+            return f"not said: errors still fall at {listed(self.falling)}, the finest step measured, none of {self.of}"
+        return f"none of {self.measured}"
 
     def missed(self, level: int) -> tuple[str, ...]:
-        """Rungs not measured that could change what is said of a level: with a setting that reaches it, the coarser ones."""
+        """Steps not measured that could change what is said of a level: with a setting that reaches it, the coarser rungs;
+        without one also what is finer than a ladder whose errors still fall at its end."""
         attempt = self.cells[level].attempt
-        return _coarser(self.unasked, attempt)
+        return (*_coarser(self.unasked, attempt), *(self.falling if attempt is None else ()))
 
     @property
     def measured(self) -> str:
@@ -264,6 +214,14 @@ class Table:
                                   min(reached, key=_time, default=None)))
         return tuple(found)
 
+    def unsaid(self, level: float) -> dict[str, int]:
+        """Engine -> in how many compared scenes it is not said whether it reaches an accuracy [m]; none for our own."""
+        index, found = LEVELS.index(level), dict[str, int]()
+        for line in (line for block in self.compared for line in block.lines if line.engine != OURS[0]):
+            if line.cells[index].attempt is None and line.missed(index):
+                found[line.engine] = found.get(line.engine, 0) + 1
+        return found
+
     @property
     def lost(self) -> tuple[Case, ...]:
         """Cases in which a rival is cheaper, or reaches what ours does not."""
@@ -306,7 +264,7 @@ def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt], basis:
         cells.append(Cell(found, times, best, strays))
     measured = [attempt.error for attempt in tried if attempt.measured and not attempt.strays]
     return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan), len(tried),
-                unasked)
+                unasked, falling(tried))
 
 
 def sentence(found: Table) -> str:
@@ -324,8 +282,8 @@ def sentence(found: Table) -> str:
     alone = [case for case in cases if case.ours is not None and case.rival is None and case.asked]
     unasked = [case for case in cases if case.ours is not None and not case.asked]
     if alone:
-        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
-                     f"does. In these scenes other engines have {_tried(alone)}, each a setting in a scene.")
+        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings measured of "
+                     f"other engines does. In these scenes other engines have {_tried(alone)}, each a setting in a scene.")
     return " ".join([*parts, *_factors(cases), *_unasked(unasked), *_beside(found)])
 
 

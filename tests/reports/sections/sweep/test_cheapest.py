@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 
 from reports.deciding.alike import LEVEL, Basis, basis_of, factor, is_more, level
-from reports.sections.sweep.cheapest import Attempt, astray, at_level, attempts, cheapest, sentence, silence, table
+from reports.sections.sweep.attempts import Attempt, attempts
 from reports.sections.sweep.cheapest import asleep as asleep_cases
+from reports.sections.sweep.cheapest import astray, at_level, cheapest, sentence, silence, table
 from reports.sections.sweep.performance_profile import profiles
 from reports.sections.sweep.points import Point, Sweep
 from runfiles.accuracy import FOLLOWS, LEVELS
@@ -157,8 +158,23 @@ def test_settings_that_were_planned_and_not_measured_are_counted() -> None:
     assert found.blocks[0].lines[1].measured == "1 setting measured here (of 3 planned)"
     said = at_level(found.blocks[0], 1e-3, found.engines)
     assert "m: not said: 2 steps of the ladder not measured, none of 1 of 3 (at best 5.00 mm)" in said
-    assert "that none of the settings of other engines does" not in sentence(found)
+    assert "that none of the settings measured of other engines does" not in sentence(found)
     assert "none is said to miss it, in 3 cases in which steps of a rival were not measured" in sentence(found)
+
+
+def test_none_is_said_to_miss_what_a_finer_step_might_reach_while_errors_still_fall() -> None:
+    rungs = [replace(point(f"m/tuned dt=1/{rate}", error, 1e4 / rate), step=1.0 / rate)
+             for rate, error in ((960, 4.42e-4), (1920, 2.21e-4), (3840, 1.11e-4))]
+    ours = point("avatarsim/default", 0.0, 1.0)
+    found = table(Sweep((ours, *rungs)))
+    assert "reaches an accuracy that none" not in sentence(found)
+    assert "none is said to miss it, in 2 cases in which steps of a rival were not measured" in sentence(found)
+    said = at_level(found.blocks[0], 1e-4, found.engines)
+    assert "m: not said: errors still fall at tuned 1/3840 s, the finest step measured, none of 3 (at best 111 µm)" in said
+    assert found.unsaid(1e-4) == {"m": 1} and found.unsaid(1e-3) == {}
+    ended = table(Sweep((ours, *rungs, replace(point("m/tuned dt=1/7680", 1.2e-4, 9.0), step=1.0 / 7680.0))))
+    assert "In 2 cases ours reaches an accuracy that none of the settings measured of other engines does." in sentence(ended)
+    assert ended.unsaid(1e-4) == {}
 
 
 def test_no_factor_is_made_while_a_coarser_step_of_the_ladder_was_not_measured() -> None:
@@ -215,8 +231,8 @@ def test_what_is_lost_is_said_first() -> None:
     assert said.startswith(first)
     assert "drop at 1 mm, 100 µm, 1 µm (mujoco/tuned 40.0 µs, ours does not reach it)" in said
     assert "×4.0 (drop at 10 mm, mujoco/tuned)" in said
-    assert ("In 2 cases ours reaches an accuracy that none of the settings of other engines does. In these scenes other engines "
-            "have 1 cell measured here, each a setting in a scene.") in said
+    assert ("In 2 cases ours reaches an accuracy that none of the settings measured of other engines does. In these scenes other "
+            "engines have 1 cell measured here, each a setting in a scene.") in said
     assert "the time of avatarsim/default" in said
 
 
