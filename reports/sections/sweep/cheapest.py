@@ -8,7 +8,7 @@ from functools import cached_property
 from reports.deciding.alike import Basis, factor, is_more
 from reports.sections.sweep.attempts import Attempt, attempts, bases_of
 from reports.sections.sweep.ladders import falling
-from reports.sections.sweep.points import OURS, Sweep, measured_of
+from reports.sections.sweep.points import OURS, WHICH, Sweep, measured_of
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity, ratio
 from runfiles import ladder
@@ -394,10 +394,6 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
             said.append(f"{line.engine}: {line.none} ({line.at_best})")
     said += [f"{engine} has no words for it" for engine in block.silent]
     beside = "; ours kinematic, theirs dynamic: not compared" if block.avatar else ""
-    named = next((line.cells[index].attempt for line in lines if line.cells[index].attempt is not None), None)
-    tail = ""
-    if named is not None and block.basis in (Basis.TAIL, Basis.SLOWEST):
-        time = named.any_point.tail_said if block.basis is Basis.TAIL else "the slowest frame"
-        tail = f"; {time}, as what rests sleeps in the others"
+    tail = "" if block.basis is Basis.MEDIAN else f"; time, as drawn: {WHICH[block.basis]}"
     errors = f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}"
     return f"{errors}, {CHEAPEST}: {', '.join(said)}{tail}{beside}."
