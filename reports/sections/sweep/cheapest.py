@@ -161,7 +161,7 @@ class Case:
     def times(self) -> str:
         """Both times, the rival's first, with what sleeps in the median frame."""
         ours = "does not reach it" if self.ours is None else quantity(_time(self.ours), "us")
-        # the cheapest of ours need not be ours as it comes
+        # the cheapest of ours may be a variant of the preset
         ours = f"{_run(self.ours)} {ours}" if self.ours is not None and _run(self.ours) != BASE else ours
         which = {Basis.TAIL: ", in frames that move", Basis.SLOWEST: ", in the slowest frame"}.get(self.block.basis, "")
         return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}{which}"
@@ -229,8 +229,8 @@ class Table:
 
 
 def table(sweep: Sweep) -> Table:
-    """The table of a sweep: scenes in the order of the file."""
-    tried, bases = attempts(sweep.points), bases_of(sweep.points)
+    """The table of a sweep: scenes in the order of the file, without what stands aside."""
+    tried, bases = attempts([point for point in sweep.points if not point.aside]), bases_of(sweep.points)
     avatars = {p.scenario for p in sweep.points if p.avatar or p.metric in FOLLOWING}
     blocks = []
     for scenario in dict.fromkeys(attempt.any_point.scenario for attempt in tried):

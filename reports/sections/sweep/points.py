@@ -90,6 +90,12 @@ class Point:
         return self.setting == (self.base or self.setting.partition(" ")[0])
 
     @property
+    def aside(self) -> bool:
+        """Whether it is of another preset of ours than the one that is compared: drawn as a curve of its own, on no front, in no
+        statement and in no table of the cheapest."""
+        return self.engine == OURS[0] and self.family != "/".join(OURS)
+
+    @property
     def by_row(self) -> str:
         """Why a setting is run with its row instead of being set in the model of the preset; "" where it can be."""
         if self.is_preset or self.settable or self.engine == OURS[0] or ROW not in self.options:
@@ -291,13 +297,17 @@ def load(run_dir: Path) -> Sweep | None:
 
 def marked(points: Sequence[Point]) -> tuple[Point, ...]:
     """The same points, each marked by its place among those of its scene and error: "all" on the front of all engines, "own" on
-    that of its own engine only, else "". Times are those by which the scene compares; the file's own marks are of medians."""
+    that of its own engine only, else "", and so is what stands aside. Times are those by which the scene compares; the file's own
+    marks are of medians."""
     groups: dict[tuple[str, str], list[Point]] = {}
     for point in points:
         groups.setdefault((point.scenario, point.metric), []).append(point)
     bases = {place: basis_of(group) for place, group in groups.items()}
+    groups = {place: [point for point in group if not point.aside] for place, group in groups.items()}
 
     def mark(point: Point) -> str:
+        if point.aside:
+            return ""
         place = point.scenario, point.metric
         here, basis = groups[place], bases[place]
         if not _on_front(point, [p for p in here if p.engine == point.engine], basis):

@@ -252,3 +252,15 @@ def test_where_what_rests_sleeps_through_the_tail_the_slowest_frames_are_compare
     assert "in frames that move (the slowest): 4.00 ms and 900 µs." in asleep_cases(table(Sweep((ours, awake))))[0]
     # a file without slowest frames has its percentile
     assert basis_of((replace(ours, slowest=math.nan), awake)) is Basis.TAIL
+
+
+def test_ours_is_one_preset_and_its_variants_in_every_statement() -> None:
+    ours, paper = point("avatarsim/default", 0.0, 10.0), point("avatarsim/paper", 0.0, 5.0)
+    more = point("avatarsim/paper rounds=4", 0.0, 4.0)
+    found = table(Sweep((ours, paper, more, point("m/tuned", 5e-3, 7.0))))
+    line = found.blocks[0].lines[0]
+    assert (line.tried, line.planned) == (1, 1) and {cell.attempt.any_point.run for cell in line.cells if cell.attempt} == {
+        "avatarsim/default"}
+    assert "wall at 10 mm (m/tuned 7.00 µs, ours 10.0 µs)" in sentence(found) and "paper" not in sentence(found)
+    turned = table(Sweep((ours, paper, point("avatarsim/default steps=1", 0.0, 8.0), point("m/tuned", 5e-3, 7.0))))
+    assert "m/tuned 7.00 µs, ours avatarsim/default steps=1 8.00 µs" in sentence(turned)

@@ -376,4 +376,22 @@ def test_a_preset_that_errs_more_at_another_frame_rate_says_so_beside_its_cell(r
     of = sweep_chart.at_other_rates
     assert of(found, preset, ("residual_overlap_max",)) == "1.47 mm in table_90hz"
     assert of(found, replace(turned, base="tuned"), ("residual_overlap_max",)) == "tuned: 1.47 mm in table_90hz"
+    ours = replace(preset, engine="avatarsim", setting="default", base="default")
+    told = load(run_dir(results | {"scenes": scenes, "rows": [
+        row("table", "avatarsim/default", "residual_overlap_max", 0.0, "m"),
+        row("table_90hz", "avatarsim/default", "residual_overlap_max", 2e-3, "m"),
+        row("table_90hz", "avatarsim/paper", "residual_overlap_max", 9e-3, "m")]}))
+    assert of(told, ours, ("residual_overlap_max",)) == "2.00 mm in table_90hz", "ours is warned of by the same rule"
     assert of(None, preset, ("residual_overlap_max",)) == of(found, preset, ("drift_max",)) == ""
+
+
+def test_another_preset_of_ours_is_a_curve_and_on_no_front(tmp_path: Path) -> None:
+    found = loaded(tmp_path, WON + line("wall", "avatarsim/paper", 0, 7, front="all")
+                   + line("wall", "avatarsim/default steps=1", 0, 9))
+    fronts = {point.run: point.front for point in found.points}
+    assert fronts["avatarsim/paper"] == "" and fronts["avatarsim/default steps=1"] == "all"
+    assert fronts["avatarsim/default"] == "" and fronts["mujoco/tuned dt=1/60"] == "all"
+    assert "avatarsim/paper" in sweep_chart.inks(found)
+    (panel,), _ = sweep_chart.panels(found)
+    assert ("avatarsim/paper", "0", "7.00 µs") in panel.points and "paper 0 in" not in panel.svg
+    assert {p.run for p in found.rivalries[0].front} == {"avatarsim/default steps=1", "mujoco/tuned dt=1/60"}
