@@ -10,7 +10,7 @@ from reports.drawing.log_log import LogLog, decades
 from reports.drawing.palette import MUTED, Stroke, strokes
 from reports.reading.load import Results
 from reports.sections.page_paths import path_of
-from reports.sections.sweep import beaten, ladders
+from reports.sections.sweep import beaten, ladders, planned
 from reports.sections.sweep.cheapest import BASE, PROFILED, Table, asleep, astray, at_level, silence, table
 from reports.sections.sweep.cheapest import sentence as cheapest_sentence
 from reports.sections.sweep.elsewhere import elsewhere
@@ -293,6 +293,7 @@ def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
         "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
         "profile_panels": profile_panels(found) if found.compared else [],
+        "planned_said": planned.sentence(sweep),
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_base": BASE,
         "cheapest_notes": [*asleep(found), *silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
         "astray_said": astray(found)[0], "astray": astray(found)[1],

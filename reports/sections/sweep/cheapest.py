@@ -283,7 +283,7 @@ def sentence(found: Table) -> str:
     unasked = [case for case in cases if case.ours is not None and not case.asked]
     if alone:
         parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings measured of "
-                     f"other engines does. In these scenes other engines have {_tried(alone)}, each a setting in a scene.")
+                     "other engines does.")
     return " ".join([*parts, *_factors(cases), *_unasked(unasked), *_beside(found)])
 
 
@@ -303,13 +303,6 @@ def asleep(found: Table) -> list[str]:
             said.setdefault(_asleep(case), []).append(case.where)
     told = tuple(f"{' and '.join(places)}: {text}" for text, places in said.items())
     return [f"No factor where what rests sleeps in the median frame: {listed(told)}."] if told else []
-
-
-def _tried(cases: Sequence[Case]) -> str:
-    """How many settings of rivals were measured in the scenes of these cases."""
-    lines = [line for block in {case.block.scenario: case.block for case in cases}.values() for line in block.lines
-             if line.engine != OURS[0]]
-    return measured_of(sum(line.tried for line in lines), sum(line.planned for line in lines), "cell")
 
 
 def _factors(cases: Sequence[Case]) -> list[str]:

@@ -37,7 +37,7 @@ def test_what_falls_or_scatters_below_what_counts_as_none_is_not_growth() -> Non
     assert little == () and len(much) == 1
 
 
-def test_errors_that_fall_to_the_finest_step_measured_are_named_and_those_that_end_before_are_not() -> None:
+def test_errors_that_fall_to_the_finest_step_measured_are_named() -> None:
     halving = [rung(rate, 0.4 / rate, "tuned" if rate == 960 else "") for rate in (480, 960, 1920, 3840)]
     assert falling(attempts(halving)) == ("tuned 1/3840 s",) and falling(attempts(halving[:1])) == ()
     assert falling(attempts((*halving, rung(7680, 0.4 / 3840)))) == (), "what stays as it was falls no longer"

@@ -255,7 +255,7 @@ def test_a_factor_that_is_none_has_a_reason_and_errors_have_words(run_dir: Write
     assert ">residual_overlap_max<" not in page and "stack. deepest overlap shown against frame time (the 95th" in page
 
 
-def test_picture_list_and_front_have_the_time_by_which_the_text_compares(tmp_path: Path) -> None:
+def test_picture_list_and_front_have_the_time_that_is_compared(tmp_path: Path) -> None:
     more = "rests,moving,at_rest,sleeps,slowest\n"
     (tmp_path / sweep.ROWS).write_text(
         HEAD.replace("note\n", f"note,{more}")
