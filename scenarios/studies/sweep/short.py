@@ -59,7 +59,8 @@ SHORT: Mapping[str, tuple[str, ...]] = {
 }
 """Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then,
 before anything else, the ladder of steps of all rivals, coarse rungs first, since the question is which cheap setting is accurate
-enough, and, without an avatar, what turns a solver before the fine rungs; then what else is cheap. What leaves out an effect, and with it a promise, is not among them."""
+enough, and, without an avatar, what turns a solver before the fine rungs; then what else is cheap. What leaves out an effect, and
+with it a promise, is not among them."""
 
 BUDGET = 35.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
