@@ -58,6 +58,8 @@ class Line:
     planned: int = 0
     unasked: tuple[str, ...] = ()
     """Rungs of the ladder of steps that were planned here and not measured: without them nothing is the cheapest, or missed."""
+    strays: int = 0
+    """How many of those measured do not follow a free user, and so reach nothing."""
     falling: tuple[str, ...] = ()
     """The finest measured steps of ladders whose errors still fall there: a finer one may reach what they miss."""
 
@@ -88,9 +90,10 @@ class Line:
 
     @property
     def at_best(self) -> str:
-        """What the engine reaches where it misses an accuracy."""
+        """What the engine reaches where it misses an accuracy; those far from a free user do not count."""
         if self.least == self.least:
-            return f"at best {quantity(self.least, 'm')}"
+            near = f" of those within {limit(FOLLOWS, 'm')} of a free user" if self.strays else ""
+            return f"at best {quantity(self.least, 'm')}{near}"
         return f"none of them within {limit(FOLLOWS, 'm')} of a free user" if self.tried else "nothing was measured"
 
 
@@ -264,7 +267,7 @@ def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt], basis:
         cells.append(Cell(found, times, best, strays))
     measured = [attempt.error for attempt in tried if attempt.measured and not attempt.strays]
     return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan), len(tried),
-                unasked, falling(tried))
+                unasked, sum(attempt.strays for attempt in tried), falling(tried))
 
 
 def sentence(found: Table) -> str:

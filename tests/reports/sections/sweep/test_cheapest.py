@@ -79,6 +79,10 @@ def test_what_stays_far_from_a_free_user_reaches_no_accuracy_and_is_said() -> No
     assert rival.cells[0].strays == 1 and math.isnan(rival.least) and rival.tried == 1
     assert "m: none of 1 setting measured here (none of them within 10 mm of a free" in at_level(found.blocks[0], 1e-3, ("m",))
     assert astray(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == ("", [])
+    # a list below a caption names what strays too: the caption says why it does not count
+    both = (*far, point("m/follows", 0.0231, 4.0), point("m/follows", 0.5 * FOLLOWS, 4.0, metric="tracker_offset_rms_free"))
+    caption = at_level(table(Sweep((point("avatarsim/default", 0.0, 10.0), *both))).blocks[0], 1e-3, ("m",))
+    assert "m: none of 2 settings measured here (at best 23.1 mm of those within 10 mm of a free user)" in caption
 
 
 def test_what_an_engine_has_no_words_for_is_no_case_and_no_entry_of_the_profile() -> None:
