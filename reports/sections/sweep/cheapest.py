@@ -7,7 +7,7 @@ from functools import cached_property
 
 from reports.deciding.alike import Basis, factor, is_more
 from reports.sections.sweep.attempts import Attempt, attempts, bases_of
-from reports.sections.sweep.ladders import falling
+from reports.sections.sweep.ladders import falling, step_words
 from reports.sections.sweep.points import OURS, WHICH, Sweep, measured_of
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity, ratio
@@ -60,7 +60,7 @@ class Line:
     """Rungs of the ladder of steps that were planned here and not measured: without them nothing is the cheapest, or missed."""
     strays: int = 0
     """How many of those measured do not follow a free user, and so reach nothing."""
-    falling: tuple[str, ...] = ()
+    falling: tuple[Attempt, ...] = ()
     """The finest measured steps of ladders whose errors still fall there: a finer one may reach what they miss."""
 
     @property
@@ -74,14 +74,16 @@ class Line:
         if self.unasked:
             return f"not said: {count(len(self.unasked), 'step')} of the ladder not measured, none of {self.of}"
         if self.falling:
-            return f"not said: errors still fall at {listed(self.falling)}, the finest step measured, none of {self.of}"
+            ends = tuple(f"{one.any_point.family.partition('/')[2]} {step_words(one.any_point)}" for one in self.falling)
+            return f"not said: errors still fall at {listed(ends)}, the finest step measured, none of {self.of}"
         return f"none of {self.measured}"
 
-    def missed(self, level: int) -> tuple[str, ...]:
-        """Steps not measured that could change what is said of a level: with a setting that reaches it, the coarser rungs;
-        without one also what is finer than a ladder whose errors still fall at its end."""
+    def missed(self, level: int, below: float = math.inf) -> bool:
+        """Whether a step was not measured that could change what is said of a level: with a setting that reaches it, a coarser
+        rung; without one also what is finer than a ladder whose errors still fall at its end. What is finer takes no less time
+        than that end: it changes nothing where others take less than `below` [us] and the end does not."""
         attempt = self.cells[level].attempt
-        return (*_coarser(self.unasked, attempt), *(self.falling if attempt is None else ()))
+        return bool(_coarser(self.unasked, attempt)) or (attempt is None and any(one.time < below for one in self.falling))
 
     @property
     def measured(self) -> str:
@@ -146,7 +148,8 @@ class Case:
     @property
     def asked(self) -> bool:
         """Whether every step of every rival was measured that could be cheaper, or reach what none measured does."""
-        return not any(line.missed(self.level) for line in self.block.lines if line.engine != OURS[0])
+        below = math.inf if self.rival is None else _time(self.rival)
+        return not any(line.missed(self.level, below) for line in self.block.lines if line.engine != OURS[0])
 
     @property
     def where(self) -> str:

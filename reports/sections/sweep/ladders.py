@@ -60,18 +60,18 @@ def worse(found: Sequence[Sequence[Point]]) -> tuple[Worse, ...]:
     return tuple(sorted((one for one in most if one.factor > WORSE), key=lambda one: -one.factor))
 
 
-def falling(tried: Sequence[Attempt]) -> tuple[str, ...]:
+def falling(tried: Sequence[Attempt]) -> tuple[Attempt, ...]:
     """The finest measured step of every ladder of one engine in one scene on which the largest error still falls: below that of
     all coarser steps. Where such a step stays far from a free user, its offset has to fall too."""
     groups: dict[str, list[Attempt]] = {}
     for attempt in tried:
         if attempt.measured and stepped(attempt.any_point):
             groups.setdefault(attempt.any_point.family, []).append(attempt)
-    found = []
-    for family, group in groups.items():
+    found = list[Attempt]()
+    for group in groups.values():
         *coarse, fine = sorted(group, key=lambda attempt: -attempt.any_point.step)
         if coarse and _falls(coarse, fine):
-            found.append(f"{family.partition('/')[2]} {step_words(fine.any_point)}")
+            found.append(fine)
     return tuple(found)
 
 

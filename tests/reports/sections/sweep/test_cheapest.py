@@ -179,6 +179,10 @@ def test_none_is_said_to_miss_what_a_finer_step_might_reach() -> None:
     ended = table(Sweep((ours, *rungs, replace(point("m/tuned dt=1/7680", 1.2e-4, 9.0), step=1.0 / 7680.0))))
     assert "In 2 cases ours reaches an accuracy that none of the settings measured of other engines does." in sentence(ended)
     assert ended.unsaid(1e-4) == {}
+    # a factor stands while another rival that reaches it takes less time than the end of the ladder, and not if it takes more
+    for time, stands in ((2.0, True), (3.0, False)):
+        both = table(Sweep((ours, *rungs, point("n/tuned", 5e-5, time))))
+        assert [case.asked for case in both.cases] == [True, True, stands, False] and both.unsaid(1e-4) == {"m": 1}
 
 
 def test_no_factor_is_made_while_a_coarser_step_of_the_ladder_was_not_measured() -> None:

@@ -39,9 +39,12 @@ def test_what_falls_or_scatters_below_what_counts_as_none_is_not_growth() -> Non
 
 def test_errors_that_fall_to_the_finest_step_measured_are_named() -> None:
     halving = [rung(rate, 0.4 / rate, "tuned" if rate == 960 else "") for rate in (480, 960, 1920, 3840)]
-    assert falling(attempts(halving)) == ("tuned 1/3840 s",) and falling(attempts(halving[:1])) == ()
-    assert falling(attempts((*halving, rung(7680, 0.4 / 3840)))) == (), "what stays as it was falls no longer"
+    def ends(*points: Point) -> list[str]:
+        return [attempt.any_point.setting for attempt in falling(attempts(points))]
+
+    assert ends(*halving) == ["tuned dt=1/3840"] and ends(halving[0]) == []
+    assert ends(*halving, rung(7680, 0.4 / 3840)) == [], "what stays as it was falls no longer"
     gone = replace(rung(7680, float("nan")), state="not-measured", p50=float("nan"), step=float("nan"))
-    assert falling(attempts((*halving, gone))) == ("tuned 1/3840 s",)
+    assert ends(*halving, gone) == ["tuned dt=1/3840"]
     offsets = [replace(p, metric="tracker_offset_rms_free", error=0.023) for p in halving]
-    assert falling(attempts((*halving, *offsets))) == (), "no step brings it nearer to its user"
+    assert ends(*halving, *offsets) == [], "no step brings it nearer to its user"
