@@ -15,6 +15,9 @@ DEFAULT, TUNED = "default", "tuned"
 """The two presets of another engine."""
 TIMED = "us"
 """The unit of columns that tell time: what is tuned may cost more, and only how much is told."""
+BY_KIND = ("Its steps are chosen per kind of scene and not per scene: under Accuracy against time, the list that begins with "
+           "\"Beaten\" has the scenes of the sweep in which another setting, such as a coarser step, is as good for less time.")
+"""What follows any rule by which settings are tuned."""
 
 
 @dataclass(frozen=True)
@@ -102,5 +105,5 @@ def aims(notes: Iterable[EngineNote], engine: str) -> str:
     """What the tuned settings of an engine optimise and what is better in something else, as it said; "" if it did not."""
     said = next((note.settings for note in notes if note.run == f"{engine}/{TUNED}"), {})
     optimises, better = said.get("optimises"), said.get("better elsewhere")
-    parts = [f"{engine}/{TUNED} optimises {optimises[0]}."] if optimises else []
+    parts = [f"{engine}/{TUNED} optimises {optimises[0]}. {BY_KIND}"] if optimises else []
     return " ".join([*parts, f"Better in something else: {better[0]}."] if better else parts)

@@ -6,7 +6,8 @@ Wanner, Solving Ordinary Differential Equations I, section II.10) of one scene.
 
 from reports.deciding.alike import Basis
 from reports.reading.load import Results
-from reports.sections.sweep.cheapest import Attempt, Block, table
+from reports.sections.sweep.attempts import Attempt
+from reports.sections.sweep.cheapest import Block, table
 from reports.sections.sweep.points import Sweep
 from reports.words.wording import limit, quantity
 from runfiles.accuracy import LEVELS

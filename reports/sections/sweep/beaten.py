@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from reports.deciding.alike import is_more
-from reports.sections.sweep.cheapest import Attempt, attempts
+from reports.sections.sweep.attempts import Attempt, attempts
 from reports.sections.sweep.points import OURS, Point, Sweep
 from reports.words.wording import count
 from runfiles.accuracy import LEVELS, counts, follows

@@ -4,18 +4,19 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from reports.deciding.alike import Basis, time_by
 from reports.deciding.conclusions import FRAME_60_HZ
 from reports.drawing.log_log import LogLog, decades
 from reports.drawing.palette import MUTED, Stroke, strokes
 from reports.reading.load import Results
 from reports.sections.page_paths import path_of
-from reports.sections.sweep import beaten, ladders
+from reports.sections.sweep import beaten, ladders, planned
 from reports.sections.sweep.cheapest import BASE, PROFILED, Table, asleep, astray, at_level, silence, table
 from reports.sections.sweep.cheapest import sentence as cheapest_sentence
 from reports.sections.sweep.elsewhere import elsewhere
 from reports.sections.sweep.performance_profile import Steps, profiles
 from reports.sections.sweep.performance_profile import sentence as profile_sentence
-from reports.sections.sweep.points import OURS, SEEN_GAP, Point, Rivalry, Sweep, alone_heading, conclusion
+from reports.sections.sweep.points import OURS, SEEN_GAP, WHICH, Point, Rivalry, Sweep, alone_heading, conclusion
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity
 from runfiles.accuracy import LEVELS, counts
@@ -49,7 +50,7 @@ def inks(sweep: Sweep) -> dict[str, Stroke]:
 def panels(sweep: Sweep, found: Table | None = None) -> tuple[list[SweepPanel], list[SweepPanel]]:
     """The first error of every scene, and its other errors; scenes in the order of the file."""
     found = found or table(sweep)
-    times = [p.p50 for p in sweep.points if p.p50 > 0.0]
+    times = [time for r in sweep.rivalries for p in r.points if (time := r.time(p)) > 0.0]
     if not times:
         return [], []
     span = 10.0 ** math.floor(math.log10(min(times))), max(2.0 * FRAME_60_HZ, 1.2 * max(times))
@@ -59,7 +60,7 @@ def panels(sweep: Sweep, found: Table | None = None) -> tuple[list[SweepPanel], 
     # the file names the error first that says most about its scene
     for place in dict.fromkeys((p.scenario, p.metric) for p in sweep.points):
         rivalry = by_place[place]
-        if any(_usable(p) for p in rivalry.points):
+        if _usable(rivalry):
             title = f"{rivalry.scenario}: {words(rivalry.metric)}"
             first = all(panel.scenario != rivalry.scenario for panel in firsts)
             said = told.get(rivalry.scenario, "") if first else f"Outcome: {rivalry.said}."
@@ -68,8 +69,9 @@ def panels(sweep: Sweep, found: Table | None = None) -> tuple[list[SweepPanel], 
     return firsts, others
 
 
-def _usable(point: Point) -> bool:
-    return point.p50 > 0.0 and point.floored == point.floored
+def _usable(rivalry: Rivalry) -> list[Point]:
+    """Points with a time, the one by which the scene compares, and an error."""
+    return [point for point in rivalry.points if rivalry.time(point) > 0.0 and point.floored == point.floored]
 
 
 def _spoilt(rivalry: Rivalry) -> str:
@@ -79,20 +81,22 @@ def _spoilt(rivalry: Rivalry) -> str:
 
 def _as_text(rivalry: Rivalry) -> tuple[tuple[str, str, str], ...]:
     """What the marks of a diagram stand for, fastest first, for readers without a pointer."""
-    shown = sorted((p for p in rivalry.points if _usable(p)), key=lambda p: p.p50)
-    return tuple((p.run, quantity(p.error, p.unit), quantity(p.p50, "us")) for p in shown)
+    shown = sorted(_usable(rivalry), key=rivalry.time)
+    return tuple((p.run, quantity(p.error, p.unit), quantity(rivalry.time(p), "us")) for p in shown)
 
 
 def _front_words(rivalry: Rivalry) -> str:
-    said = tuple(f"{p.run} {quantity(p.error, p.unit)} in {quantity(p.p50, 'us')}" for p in rivalry.front)
+    said = tuple(f"{p.run} {quantity(p.error, p.unit)} in {quantity(rivalry.time(p), 'us')}" for p in rivalry.front)
     return f"On the front: {listed(said, 9)}."
 
 
-def tooltip(point: Point) -> str:
-    """Everything about one point: run, error, time and what it stands on, options."""
+def tooltip(point: Point, basis: Basis = Basis.MEDIAN) -> str:
+    """Everything about one point: run, error, time and what it stands on, options; first the time at which it is drawn."""
     stands = f", {point.repeats} × {point.frames} frames" if point.repeats else ""
     tail = f"; {point.tail_said} {quantity(point.tail, 'us')}" if point.has_tail else ""
     time = f"{quantity(point.p50, 'us')} per frame (median{stands}{tail})" if point.p50 > 0.0 else "not timed"
+    if basis is not Basis.MEDIAN and time_by(point, basis) > 0.0:
+        time = f"{quantity(time_by(point, basis), 'us')} ({WHICH[basis]}), {time}"
     error = quantity(point.error, point.unit) if point.error == point.error else "no error measured"
     state = "" if point.state == "measured" else f"; {point.state}{': ' + point.note if point.note else ''}"
     copied = [text for text in (point.options, point.settable) if text]
@@ -108,10 +112,13 @@ def short_name(point: Point) -> str:
 
 def _drawn(rivalry: Rivalry, ink: Mapping[str, Stroke], span: tuple[float, float]) -> str:
     """Logarithmic both ways; time on one scale for all panels, error on the scene's own, the floor being what counts as none."""
-    usable = [p for p in rivalry.points if _usable(p)]
+    usable, time, basis = _usable(rivalry), rivalry.time, rivalry.basis
     floor = rivalry.points[0].reached or LEAST
     low = 10.0 ** math.floor(math.log10(floor) + 1e-9)
     high = 10.0 ** max(math.ceil(math.log10(max(max(p.floored, floor) for p in usable)) + 1e-9), round(math.log10(low)) + 1)
+    def rank(point: Point) -> tuple[int, float]:
+        return _rank(point), time(point)
+
     chart = LogLog(span, (low, high))
     for k, value in enumerate(decades(*span)):
         chart.x_tick(value, limit(value, "us") if k % 2 == 0 else "")
@@ -123,30 +130,31 @@ def _drawn(rivalry: Rivalry, ink: Mapping[str, Stroke], span: tuple[float, float
     # the two stand close together: one name ends at its line, the other starts at its own
     chart.x_limit(FRAME_90_HZ, "90", "end")
     chart.x_limit(FRAME_60_HZ, "60 Hz", "start")
-    chart.line([(p.p50, max(p.floored, floor)) for p in rivalry.front] + _end(rivalry.front, floor, span[1]), MUTED[0], width=5.0,
-               opacity=0.25, steps=True)
+    best = [(time(p), max(p.floored, floor)) for p in rivalry.front]
+    chart.line(best + _end(rivalry.front, floor, span[1]), MUTED[0], width=5.0, opacity=0.25, steps=True)
     for family, stroke in ink.items():
-        own = family_front([p for p in usable if p.family == family])
+        own = family_front([p for p in usable if p.family == family], basis)
         dash = "" if stroke.dash[1] == 0 else " ".join(map(str, stroke.dash))
-        chart.line([(p.p50, max(p.floored, floor)) for p in own], stroke.light, dash)
-    for point in sorted(usable, key=_rank, reverse=True):
+        chart.line([(time(p), max(p.floored, floor)) for p in own], stroke.light, dash)
+    for point in sorted(usable, key=rank, reverse=True):
         preset = point.is_preset
         ours = (point.engine, point.setting) == OURS
-        radius, filled = 4.5 if ours else 3.3 if preset else 2.3, bool(point.front) or preset or not is_beaten(point, usable)
-        chart.dot(point.p50, max(point.floored, floor), ink[point.family].light, tooltip(point), radius, filled)
+        radius = 4.5 if ours else 3.3 if preset else 2.3
+        filled = bool(point.front) or preset or not is_beaten(point, usable, basis)
+        chart.dot(time(point), max(point.floored, floor), ink[point.family].light, tooltip(point, basis), radius, filled)
     for point in rivalry.spoilt:
         if point.state != "not-measured":
-            chart.cross(point.p50 if point.p50 > 0.0 else span[1], high, ink[point.family].light, tooltip(point))
-    for point in sorted(usable, key=_rank):
-        chart.label(point.p50, max(point.floored, floor), short_name(point), ink[point.family].light)
-    return chart.svg(f"{rivalry.scenario}. {words(rivalry.metric)} against median frame time. {_front_words(rivalry)}")
+            chart.cross(time(point) if time(point) > 0.0 else span[1], high, ink[point.family].light, tooltip(point, basis))
+    for point in sorted(usable, key=rank):
+        chart.label(time(point), max(point.floored, floor), short_name(point), ink[point.family].light)
+    return chart.svg(f"{rivalry.scenario}. {words(rivalry.metric)} against frame time ({rivalry.which}). {_front_words(rivalry)}")
 
 
-def is_beaten(point: Point, others: Sequence[Point]) -> bool:
+def is_beaten(point: Point, others: Sequence[Point], basis: Basis = Basis.MEDIAN) -> bool:
     """Whether a setting of its own engine is as fast and as accurate and hovers no farther off: a gap is no error, but neither
     is what stays off by one better than what touches."""
-    return any(other is not point and other.engine == point.engine and other.p50 <= point.p50 and other.floored <= point.floored
-               and not other.gap > max(point.gap, SEEN_GAP) for other in others)
+    return any(other is not point and other.engine == point.engine and time_by(other, basis) <= time_by(point, basis)
+               and other.floored <= point.floored and not other.gap > max(point.gap, SEEN_GAP) for other in others)
 
 
 def _end(front: Sequence[Point], floor: float, right: float) -> list[tuple[float, float]]:
@@ -154,15 +162,15 @@ def _end(front: Sequence[Point], floor: float, right: float) -> list[tuple[float
     return [(right, max(front[-1].floored, floor))] if front else []
 
 
-def _rank(point: Point) -> tuple[int, float]:
+def _rank(point: Point) -> int:
     """Which points are labelled first: those on the front of all, presets, those on their engine's front."""
-    return {"all": 0, "own": 2}.get(point.front, 3) - (1 if point.is_preset and point.front != "all" else 0), point.p50
+    return {"all": 0, "own": 2}.get(point.front, 3) - (1 if point.is_preset and point.front != "all" else 0)
 
 
-def family_front(points: Sequence[Point]) -> list[Point]:
+def family_front(points: Sequence[Point], basis: Basis = Basis.MEDIAN) -> list[Point]:
     """The points of one family that no other of it beats in both time and error, fastest first."""
     found, least = list[Point](), math.inf
-    for point in sorted(points, key=lambda p: (p.p50, p.floored)):
+    for point in sorted(points, key=lambda p: (time_by(p, basis), p.floored)):
         if point.floored < least:
             found.append(point)
             least = point.floored
@@ -184,7 +192,7 @@ def profile_panels(found: Table) -> list[ProfilePanel]:
     made = []
     for level in PROFILED:
         steps = profiles(found, level)
-        said = profile_sentence(steps, level, len(found.compared))
+        said = profile_sentence(steps, level, len(found.compared), found.unsaid(level))
         made.append(ProfilePanel(f"At most {limit(level, 'm')}", _profile(steps, ink, said), said))
     return made
 
@@ -285,6 +293,7 @@ def section(sweep: Sweep, results: Results | None = None) -> dict[str, object]:
         "sweep_panels": first, "sweep_others": other, "sweep_inks": inks(sweep),
         "sweep_lost": f"{lost} of {count(len(sweep.rivalries), 'row')} lost", "cheapest": found, "cheapest_levels": LEVELS,
         "profile_panels": profile_panels(found) if found.compared else [],
+        "planned_said": planned.sentence(sweep),
         "sweep_protocol": protocol(sweep), "sweep_left": left_out(sweep), "cheapest_base": BASE,
         "cheapest_notes": [*asleep(found), *silence(found), *filter(None, (ladders.sentence(sweep), budget_sentence(sweep)))],
         "astray_said": astray(found)[0], "astray": astray(found)[1],

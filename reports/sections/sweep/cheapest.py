@@ -5,13 +5,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from reports.deciding.alike import Basis, basis_of, factor, is_more, time_by
-from reports.sections.sweep.points import OURS, Point, Sweep, measured_of
+from reports.deciding.alike import Basis, factor, is_more
+from reports.sections.sweep.attempts import Attempt, attempts, bases_of
+from reports.sections.sweep.ladders import falling, step_words
+from reports.sections.sweep.points import OURS, WHICH, Sweep, measured_of
 from reports.words.metric_words import words
 from reports.words.wording import count, limit, listed, quantity, ratio
 from runfiles import ladder
-from runfiles.accuracy import FOLLOWING, FOLLOWS, LEVELS, counts, follows
-from runfiles.accuracy import length as as_length
+from runfiles.accuracy import FOLLOWING, FOLLOWS, LEVELS, counts
 
 PROFILED = (1e-3, 1e-6)
 """Those of LEVELS that have a performance profile."""
@@ -22,61 +23,6 @@ CHEAPEST = "cheapest (measured of planned)"
 """What the numbers beside the name of a setting are."""
 BASE = "/".join(OURS)
 """What every factor is a multiple of: the time of our engine as it comes, in the same scene."""
-
-
-def length(point: Point) -> float:
-    """The error as a length [m], for a metric that `counts`; nan where the setting has no accuracy."""
-    return as_length(point.metric, point.error) if point.state == "measured" else math.nan
-
-
-@dataclass(frozen=True)
-class Attempt:
-    """One setting in one scene: the largest of its errors [m], the time of a frame [us] by which its scene compares, its offset
-    from the tracker [m]; nan where there is none. `any_point` is one of its points."""
-
-    any_point: Point
-    error: float
-    time: float
-    offset: float
-
-    @property
-    def measured(self) -> bool:
-        """Whether it has both an accuracy and a time."""
-        return math.isfinite(self.error) and math.isfinite(self.time) and self.time > 0.0
-
-    def reaches(self, level: float) -> bool:
-        """Whether every error is at most `level` [m]; never for what was not measured, or does not follow a free user."""
-        return self.measured and self.error <= level and follows(self.offset)
-
-    @property
-    def strays(self) -> bool:
-        """Whether it was measured and stays farther from a free user than any accuracy that is asked for."""
-        return self.measured and not follows(self.offset)
-
-
-def bases_of(points: Sequence[Point]) -> dict[str, Basis]:
-    """Scene -> the time that its settings are compared by."""
-    return {scene: basis_of([point for point in points if point.scenario == scene])
-            for scene in dict.fromkeys(point.scenario for point in points)}
-
-
-def attempts(points: Sequence[Point]) -> tuple[Attempt, ...]:
-    """One entry per scene and setting that has an error which is a length; an error that is missing spoils the others. A setting
-    that has no words for one of them was not tried."""
-    bases = bases_of(points)
-    groups: dict[tuple[str, str], list[Point]] = {}
-    for point in points:
-        groups.setdefault((point.scenario, point.run), []).append(point)
-    found = []
-    for group in groups.values():
-        if any(point.state == "cannot-say" for point in group):
-            continue
-        lengths = [length(point) for point in group if counts(point.metric, point.unit)]
-        if lengths:
-            worst = math.nan if any(math.isnan(value) for value in lengths) else max(lengths)
-            offset = next((p.error for p in group if p.metric in FOLLOWING and p.state == "measured"), math.nan)
-            found.append(Attempt(group[0], worst, time_by(group[0], bases[group[0].scenario]), offset))
-    return tuple(found)
 
 
 def cheapest(tried: Sequence[Attempt], level: float) -> Attempt | None:
@@ -112,6 +58,10 @@ class Line:
     planned: int = 0
     unasked: tuple[str, ...] = ()
     """Rungs of the ladder of steps that were planned here and not measured: without them nothing is the cheapest, or missed."""
+    strays: int = 0
+    """How many of those measured do not follow a free user, and so reach nothing."""
+    falling: tuple[Attempt, ...] = ()
+    """The finest measured steps of ladders whose errors still fall there: a finer one may reach what they miss."""
 
     @property
     def of(self) -> str:
@@ -120,16 +70,20 @@ class Line:
 
     @property
     def none(self) -> str:
-        """What is said where no setting reached an accuracy: that none does, or which steps were not measured."""
-        if not self.unasked:
-            return f"none of {self.measured}"
-        steps = count(len(self.unasked), "step")
-        return f"not said: {steps} of the ladder not measured, none of {self.of}"
+        """What is said where no setting reached an accuracy: that none measured does, or which steps were not measured."""
+        if self.unasked:
+            return f"not said: {count(len(self.unasked), 'step')} of the ladder not measured, none of {self.of}"
+        if self.falling:
+            ends = tuple(f"{one.any_point.family.partition('/')[2]} {step_words(one.any_point)}" for one in self.falling)
+            return f"not said: errors still fall at {listed(ends)}, the finest step measured, none of {self.of}"
+        return f"none of {self.measured}"
 
-    def missed(self, level: int) -> tuple[str, ...]:
-        """Rungs not measured that could change what is said of a level: with a setting that reaches it, the coarser ones."""
+    def missed(self, level: int, below: float = math.inf) -> bool:
+        """Whether a step was not measured that could change what is said of a level: with a setting that reaches it, a coarser
+        rung; without one also what is finer than a ladder whose errors still fall at its end. What is finer takes no less time
+        than that end: it changes nothing where others take less than `below` [us] and the end does not."""
         attempt = self.cells[level].attempt
-        return _coarser(self.unasked, attempt)
+        return bool(_coarser(self.unasked, attempt)) or (attempt is None and any(one.time < below for one in self.falling))
 
     @property
     def measured(self) -> str:
@@ -138,9 +92,10 @@ class Line:
 
     @property
     def at_best(self) -> str:
-        """What the engine reaches where it misses an accuracy."""
+        """What the engine reaches where it misses an accuracy; those far from a free user do not count."""
         if self.least == self.least:
-            return f"at best {quantity(self.least, 'm')}"
+            near = f" of those within {limit(FOLLOWS, 'm')} of a free user" if self.strays else ""
+            return f"at best {quantity(self.least, 'm')}{near}"
         return f"none of them within {limit(FOLLOWS, 'm')} of a free user" if self.tried else "nothing was measured"
 
 
@@ -193,7 +148,8 @@ class Case:
     @property
     def asked(self) -> bool:
         """Whether every step of every rival was measured that could be cheaper, or reach what none measured does."""
-        return not any(line.missed(self.level) for line in self.block.lines if line.engine != OURS[0])
+        below = math.inf if self.rival is None else _time(self.rival)
+        return not any(line.missed(self.level, below) for line in self.block.lines if line.engine != OURS[0])
 
     @property
     def where(self) -> str:
@@ -211,7 +167,7 @@ class Case:
     def times(self) -> str:
         """Both times, the rival's first, with what sleeps in the median frame."""
         ours = "does not reach it" if self.ours is None else quantity(_time(self.ours), "us")
-        # the cheapest of ours need not be ours as it comes
+        # the cheapest of ours may be a variant of the preset
         ours = f"{_run(self.ours)} {ours}" if self.ours is not None and _run(self.ours) != BASE else ours
         which = {Basis.TAIL: ", in frames that move", Basis.SLOWEST: ", in the slowest frame"}.get(self.block.basis, "")
         return f"{_run(self.rival)} {quantity(_time(self.rival), 'us')}, ours {ours}{which}"
@@ -264,6 +220,14 @@ class Table:
                                   min(reached, key=_time, default=None)))
         return tuple(found)
 
+    def unsaid(self, level: float) -> dict[str, int]:
+        """Engine -> in how many compared scenes it is not said whether it reaches an accuracy [m]; none for our own."""
+        index, found = LEVELS.index(level), dict[str, int]()
+        for line in (line for block in self.compared for line in block.lines if line.engine != OURS[0]):
+            if line.cells[index].attempt is None and line.missed(index):
+                found[line.engine] = found.get(line.engine, 0) + 1
+        return found
+
     @property
     def lost(self) -> tuple[Case, ...]:
         """Cases in which a rival is cheaper, or reaches what ours does not."""
@@ -271,8 +235,8 @@ class Table:
 
 
 def table(sweep: Sweep) -> Table:
-    """The table of a sweep: scenes in the order of the file."""
-    tried, bases = attempts(sweep.points), bases_of(sweep.points)
+    """The table of a sweep: scenes in the order of the file, without what stands aside."""
+    tried, bases = attempts([point for point in sweep.points if not point.aside]), bases_of(sweep.points)
     avatars = {p.scenario for p in sweep.points if p.avatar or p.metric in FOLLOWING}
     blocks = []
     for scenario in dict.fromkeys(attempt.any_point.scenario for attempt in tried):
@@ -306,7 +270,7 @@ def _line(engine: str, tried: Sequence[Attempt], here: Sequence[Attempt], basis:
         cells.append(Cell(found, times, best, strays))
     measured = [attempt.error for attempt in tried if attempt.measured and not attempt.strays]
     return Line(engine, tuple(cells), sum(attempt.measured for attempt in tried), min(measured, default=math.nan), len(tried),
-                unasked)
+                unasked, sum(attempt.strays for attempt in tried), falling(tried))
 
 
 def sentence(found: Table) -> str:
@@ -324,8 +288,8 @@ def sentence(found: Table) -> str:
     alone = [case for case in cases if case.ours is not None and case.rival is None and case.asked]
     unasked = [case for case in cases if case.ours is not None and not case.asked]
     if alone:
-        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings of other engines "
-                     f"does. In these scenes other engines have {_tried(alone)}, each a setting in a scene.")
+        parts.append(f"In {count(len(alone), 'case')} ours reaches an accuracy that none of the settings measured of "
+                     "other engines does.")
     return " ".join([*parts, *_factors(cases), *_unasked(unasked), *_beside(found)])
 
 
@@ -345,13 +309,6 @@ def asleep(found: Table) -> list[str]:
             said.setdefault(_asleep(case), []).append(case.where)
     told = tuple(f"{' and '.join(places)}: {text}" for text, places in said.items())
     return [f"No factor where what rests sleeps in the median frame: {listed(told)}."] if told else []
-
-
-def _tried(cases: Sequence[Case]) -> str:
-    """How many settings of rivals were measured in the scenes of these cases."""
-    lines = [line for block in {case.block.scenario: case.block for case in cases}.values() for line in block.lines
-             if line.engine != OURS[0]]
-    return measured_of(sum(line.tried for line in lines), sum(line.planned for line in lines), "cell")
 
 
 def _factors(cases: Sequence[Case]) -> list[str]:
@@ -436,10 +393,6 @@ def at_level(block: Block, level: float, engines: Sequence[str]) -> str:
             said.append(f"{line.engine}: {line.none} ({line.at_best})")
     said += [f"{engine} has no words for it" for engine in block.silent]
     beside = "; ours kinematic, theirs dynamic: not compared" if block.avatar else ""
-    named = next((line.cells[index].attempt for line in lines if line.cells[index].attempt is not None), None)
-    tail = ""
-    if named is not None and block.basis in (Basis.TAIL, Basis.SLOWEST):
-        time = named.any_point.tail_said if block.basis is Basis.TAIL else "the slowest frame"
-        tail = f"; {time}, as what rests sleeps in the others"
+    tail = "" if block.basis is Basis.MEDIAN else f"; time, as drawn: {WHICH[block.basis]}"
     errors = f"{block.errors[:1].upper()}{block.errors[1:]} at most {limit(level, 'm')}"
     return f"{errors}, {CHEAPEST}: {', '.join(said)}{tail}{beside}."

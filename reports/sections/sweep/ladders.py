@@ -1,12 +1,13 @@
-"""Step refinement: ladders of steps in which an error grows, by one rule for all engines and scenes."""
+"""Step refinement: ladders of steps in which an error grows, or falls to the end, by one rule for all engines and scenes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
+from reports.sections.sweep.attempts import Attempt
 from reports.sections.sweep.points import Point, Sweep
 from reports.words.wording import count, listed, quantity
-from runfiles.accuracy import counts
+from runfiles.accuracy import LEVELS, counts, follows
 
 WORSE = 1.5
 """Times the error of the coarser step from which on the next finer one counts as worse: what is caught depends on where steps
@@ -29,17 +30,26 @@ class Worse:
     @property
     def said(self) -> str:
         """Scene, preset and both errors."""
-        steps = " to ".join(f"1/{1.0 / point.step:.0f} s" for point in (self.coarse, self.fine))
+        steps = " to ".join(step_words(point) for point in (self.coarse, self.fine))
         errors = " to ".join(quantity(point.floored, point.unit) for point in (self.coarse, self.fine))
         return f"{self.coarse.scenario} {self.coarse.family} from {steps}: {errors}"
+
+
+def step_words(point: Point) -> str:
+    """"1/240 s"."""
+    return f"1/{1.0 / point.step:.0f} s"
+
+
+def stepped(point: Point) -> bool:
+    """Whether a point is a rung: a preset whose step is known, or what differs from it in the step alone."""
+    return (point.is_preset or point.setting.startswith(f"{point.base} dt=")) and point.step > 0.0
 
 
 def ladders(sweep: Sweep) -> tuple[tuple[Point, ...], ...]:
     """Points that differ in nothing but the engine's step, coarsest first, two at least; errors that are lengths."""
     groups: dict[tuple[str, str, str], list[Point]] = {}
     for point in sweep.points:
-        alone = point.is_preset or point.setting.startswith(f"{point.base} dt=")
-        if alone and point.step > 0.0 and point.floored == point.floored and counts(point.metric, point.unit):
+        if stepped(point) and point.floored == point.floored and counts(point.metric, point.unit):
             groups.setdefault((point.scenario, point.metric, point.family), []).append(point)
     return tuple(tuple(sorted(group, key=lambda p: -p.step)) for group in groups.values() if len(group) > 1)
 
@@ -48,6 +58,26 @@ def worse(found: Sequence[Sequence[Point]]) -> tuple[Worse, ...]:
     """Of each ladder the largest growth from a step to the next finer one, where it is more than WORSE; largest first."""
     most = [max((Worse(a, b) for a, b in pairwise(ladder)), key=lambda one: one.factor) for ladder in found]
     return tuple(sorted((one for one in most if one.factor > WORSE), key=lambda one: -one.factor))
+
+
+def falling(tried: Sequence[Attempt]) -> tuple[Attempt, ...]:
+    """The finest measured step of every ladder of one engine in one scene on which the largest error still falls: below that of
+    all coarser steps. Where such a step stays far from a free user, its offset has to fall too."""
+    groups: dict[str, list[Attempt]] = {}
+    for attempt in tried:
+        if attempt.measured and stepped(attempt.any_point):
+            groups.setdefault(attempt.any_point.family, []).append(attempt)
+    found = list[Attempt]()
+    for group in groups.values():
+        *coarse, fine = sorted(group, key=lambda attempt: -attempt.any_point.step)
+        if coarse and _falls(coarse, fine):
+            found.append(fine)
+    return tuple(found)
+
+
+def _falls(coarse: Sequence[Attempt], fine: Attempt) -> bool:
+    nearer = fine.error <= LEVELS[-1] or fine.error < min(attempt.error for attempt in coarse)
+    return nearer and (follows(fine.offset) or fine.offset < min(attempt.offset for attempt in coarse))
 
 
 def sentence(sweep: Sweep) -> str:

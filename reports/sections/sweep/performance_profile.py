@@ -48,12 +48,15 @@ def share_at(steps: Steps, factor: float) -> float:
     return max((share for at, share in steps if at <= factor), default=0.0)
 
 
-def sentence(found: Mapping[str, Steps], level: float, scenes: int) -> str:
-    """Which engine is fastest how often and solves how much, the engine with most solved scenes first."""
+def sentence(found: Mapping[str, Steps], level: float, scenes: int, unsaid: Mapping[str, int] | None = None) -> str:
+    """Which engine is fastest how often and solves how much, the engine with most solved scenes first; `unsaid`: engine -> in how
+    many scenes that it does not solve a finer step that might was not measured."""
     order = sorted(found, key=lambda engine: (-found[engine][-1][1], -share_at(found[engine], 1.0)))
     said = tuple(
         f"{engine} {round(found[engine][-1][1] * scenes)} (fastest in {round(share_at(found[engine], 1.0) * scenes)})"
         for engine in order
     )
+    missing = tuple(f"{engine} in {number}" for engine, number in (unsaid or {}).items())
+    rest = f" Not said, as steps that might reach it were not measured: {listed(missing, len(missing))}." if missing else ""
     return (f"Of {count(scenes, 'scene')} without an avatar, {limit(level, 'm')} is reached by a setting measured in: "
-            f"{listed(said, len(said))}.")
+            f"{listed(said, len(said))}.{rest}")

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -25,6 +25,11 @@ SLEEPS = 0.5
 """Share of frames at rest from which on a median is the time of a frame at rest."""
 ALONE = "Taken for one kind of error alone, where the cases above and the table below count all errors of a scene at once, "
 """How what is said of single errors begins."""
+WHICH: Mapping[Basis, str] = {
+    Basis.MEDIAN: "the median of all frames", Basis.MOVING: "the median of frames in motion",
+    Basis.TAIL: "the 95th percentile, of fewer than 200 frames the slowest", Basis.SLOWEST: "the slowest frame",
+}
+"""The time of a frame that a scene compares by, in a caption."""
 ROW, STEP = "{preset = ", ", dt = "
 """Signs of a row for `--settings` in the options to copy, and of a row that changes the step."""
 SEED_AND_FORM = re.compile(r"\d+\.\w+\.gz")
@@ -40,7 +45,7 @@ RATIOS = ((1e-5, 10.0), (1e-3, 3.0))
 @dataclass(frozen=True)
 class Point:
     """One setting in one scene: `error` in `unit`, frame time [us] median and 99th percentile; nan with the reason in `note`.
-    `reached`: the error that counts as none. `front`: all, own or empty. `base` is the preset beneath the setting, `options` its
+    `reached`: the error that counts as none. `front`: see `marked`. `base` is the preset beneath the setting, `options` its
     text to copy, `settable` the engine's own words for it where nothing else follows from it, `repeats` and `frames` what its
     times stand on, 0 where the file does not say. `p95` [us]; `rests`: share of frames in which nothing moves, `moving` and
     `at_rest` the median of either kind [us]; `sleeps`: whether what rests falls asleep; `step`: the engine's own time step [s];
@@ -83,6 +88,12 @@ class Point:
     def is_preset(self) -> bool:
         """Whether the setting is one of the engine's own presets."""
         return self.setting == (self.base or self.setting.partition(" ")[0])
+
+    @property
+    def aside(self) -> bool:
+        """Whether it is of another preset of ours than the one that is compared: drawn as a curve of its own, on no front, in no
+        statement and in no table of the cheapest."""
+        return self.engine == OURS[0] and self.family != "/".join(OURS)
 
     @property
     def by_row(self) -> str:
@@ -151,6 +162,20 @@ class Rivalry:
     points: tuple[Point, ...]
 
     @cached_property
+    def basis(self) -> Basis:
+        """The time of a frame by which the scene compares: diagrams, fronts and sentences alike."""
+        return basis_of(self.points)
+
+    @property
+    def which(self) -> str:
+        """That time in words."""
+        return WHICH[self.basis]
+
+    def time(self, point: Point) -> float:
+        """That time [us] of one of the points; nan where it has none."""
+        return time_by(point, self.basis)
+
+    @cached_property
     def ours(self) -> Point | None:
         """Our own default, if it was measured and timed."""
         return next((p for p in self.points if (p.engine, p.setting) == OURS and p.p50 > 0.0 and p.floored == p.floored), None)
@@ -158,7 +183,7 @@ class Rivalry:
     @cached_property
     def better(self) -> tuple[Point, ...]:
         """Settings of others that are as accurate and at least as fast, fastest first."""
-        ours, basis = self.ours, basis_of(self.points)
+        ours, basis = self.ours, self.basis
         if ours is None:
             return ()
         found = [p for p in self.points if p.engine != OURS[0] and time_by(p, basis) > 0.0 and p.floored <= ours.floored
@@ -176,7 +201,7 @@ class Rivalry:
         ours, found = self.ours, list[tuple[Point, float] | None]()
         if ours is None or self.metric != OVERLAP or self.avatar:
             return ()
-        basis = basis_of(self.points)
+        basis = self.basis
         for most, _ in RATIOS:
             near = [p for p in self.points if p.engine != OURS[0] and p.floored <= most and time_by(p, basis) > 0.0]
             best = min(near, key=lambda p: time_by(p, basis), default=None)
@@ -186,7 +211,7 @@ class Rivalry:
     @property
     def no_factor(self) -> str:
         """Why an entry of `ratios` is not a number."""
-        asleep = basis_of(self.points) in (Basis.TAIL, Basis.SLOWEST)
+        asleep = self.basis in (Basis.TAIL, Basis.SLOWEST)
         return "no factor, since what rests sleeps in the median frame" if asleep else "no factor, since a time is missing"
 
     @property
@@ -210,7 +235,7 @@ class Rivalry:
     @cached_property
     def front(self) -> tuple[Point, ...]:
         """The Pareto front of all engines, fastest first."""
-        return tuple(sorted((p for p in self.points if p.front == "all"), key=lambda p: p.p50))
+        return tuple(sorted((p for p in self.points if p.front == "all"), key=self.time))
 
     @cached_property
     def spoilt(self) -> tuple[Point, ...]:
@@ -267,7 +292,37 @@ def load(run_dir: Path) -> Sweep | None:
     """The file of a run; None when there is none. Raises InvalidFile for a file that is damaged."""
     found = lines(run_dir / ROWS, _point)
     models = sorted(path.name for path in (run_dir / FOLDER).glob("*.gz"))
-    return Sweep(found, _about(run_dir / ABOUT), tuple(models)) if found else None
+    return Sweep(marked(found), _about(run_dir / ABOUT), tuple(models)) if found else None
+
+
+def marked(points: Sequence[Point]) -> tuple[Point, ...]:
+    """The same points, each marked by its place among those of its scene and error: "all" on the front of all engines, "own" on
+    that of its own engine only, else "", and so is what stands aside. Times are those by which the scene compares; the file's own
+    marks are of medians."""
+    groups: dict[tuple[str, str], list[Point]] = {}
+    for point in points:
+        groups.setdefault((point.scenario, point.metric), []).append(point)
+    bases = {place: basis_of(group) for place, group in groups.items()}
+    groups = {place: [point for point in group if not point.aside] for place, group in groups.items()}
+
+    def mark(point: Point) -> str:
+        if point.aside:
+            return ""
+        place = point.scenario, point.metric
+        here, basis = groups[place], bases[place]
+        if not _on_front(point, [p for p in here if p.engine == point.engine], basis):
+            return ""
+        return "all" if _on_front(point, here, basis) else "own"
+
+    return tuple(replace(point, front=mark(point)) for point in points)
+
+
+def _on_front(point: Point, others: Iterable[Point], basis: Basis) -> bool:
+    """Whether a point has both time and error, and no other is as good in both and better in one."""
+    time, error = time_by(point, basis), point.floored
+    beats = any(time_by(p, basis) <= time and p.floored <= error and (time_by(p, basis) < time or p.floored < error)
+                for p in others)
+    return time > 0.0 and error == error and not beats
 
 
 def _about(path: Path) -> Mapping[str, object]:
@@ -321,7 +376,7 @@ def conclusion(sweep: Sweep) -> str:
 
 def _by_tail(rivalry: Rivalry) -> str:
     """What is compared where it is not a median."""
-    basis = basis_of(rivalry.points)
+    basis = rivalry.basis
     return ", in frames that move" if basis is Basis.TAIL else ", in the slowest frame" if basis is Basis.SLOWEST else ""
 
 

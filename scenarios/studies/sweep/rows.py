@@ -114,10 +114,15 @@ def _beside(cell: Cell, found: Entry | None, clocked: Entry | None) -> Row:
     return Row(
         cell.scenario, setting.engine, setting.name, "", "", math.nan, times["p50"], times["p99"], "", "", 0.0, "", setting.base,
         copyable(setting), repeats, frames, native(setting), times["p95"], times["rests"], times["moving"], times["at_rest"],
-        int(sleeps(setting, _scene(cell.scenario, cell.full))), _number(found, "step"),
-        int(bool(_scene(cell.scenario, cell.full).avatars)), times["slowest"],
+        int(sleeps(setting, scene_of(cell))), _number(found, "step"),
+        int(bool(scene_of(cell).avatars)), times["slowest"],
         math.nan if found is None else float(found["values"].get(GAP, math.nan)),
     )
+
+
+def scene_of(cell: Cell) -> Scene:
+    """The scene of a cell, at the length that is run."""
+    return _scene(cell.scenario, cell.full)
 
 
 @cache

@@ -33,7 +33,7 @@ from scenarios.studies.study import Request, Study
 from scenarios.studies.sweep import clock, measure
 from scenarios.studies.sweep.cell import Cell
 from scenarios.studies.sweep.grid import Setting, applicable, settings_of
-from scenarios.studies.sweep.rows import Row, rows_of, with_fronts
+from scenarios.studies.sweep.rows import Row, rows_of, scene_of, with_fronts
 
 ROWS, ABOUT = "sweep.csv", "sweep.json"
 """Points, and how they came about: which sweep, how long it took, what was left out."""
@@ -59,7 +59,8 @@ SHORT: Mapping[str, tuple[str, ...]] = {
 }
 """Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then,
 before anything else, the ladder of steps of all rivals, coarse rungs first, since the question is which cheap setting is accurate
-enough; then what else is cheap. What leaves out an effect, and with it a promise, is not among them."""
+enough, and, without an avatar, what turns a solver before the fine rungs; then what else is cheap. What leaves out an effect, and
+with it a promise, is not among them."""
 
 BUDGET = 35.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
@@ -69,6 +70,8 @@ FIRST = 0.35
 left for the margins and steps that would reach it; smaller: presets are missing, from which it is known."""
 MARGINS = ("margin", "loose_margin")
 """Options that say from which distance on there is contact: with the step, what an overlap depends on."""
+SOLVER = ("sleep", "iterations", "solver_iterations")
+"""Options that cost little to try and may make a frame much cheaper where no avatar moves: tried there before fine steps."""
 ROUNDS = 4
 """How often settings are chosen, each time by what the settings before took: estimates are too high by a third, and what they
 leave of the budget is spent. More rounds wait for processes more often."""
@@ -135,19 +138,29 @@ class Turn(IntEnum):
 
     PRESETS = 0
     COARSE_STEPS = 1
-    FINE_STEPS = 2
-    REST = 3
+    SOLVER = 2
+    FINE_STEPS = 3
+    REST = 4
 
 
 def _turn(cell: Cell, rank: int, request: Request) -> tuple[int, float]:
-    """When a cell is asked: presets and the user's rows, coarse rungs of the ladder from the coarsest on, fine ones by what they
-    cost, so that as many fit as can, then all else by its `rank` in the engine's list."""
+    """When a cell is asked: presets and the user's rows, coarse rungs of the ladder from the coarsest on, what turns the solver
+    of an engine where there is no avatar, fine rungs by what they cost, so that as many fit as can, then all else by its `rank`
+    in the engine's list."""
     setting = cell.setting
     if ladder.is_rung(setting.name):
         if ladder.is_coarse(setting.name):
             return Turn.COARSE_STEPS, -step(cell, request)
         return Turn.FINE_STEPS, cost(cell, request)
-    return (Turn.PRESETS if setting.is_preset or rank == 0 else Turn.REST), rank
+    if setting.is_preset or rank == 0:
+        return Turn.PRESETS, rank
+    return (Turn.SOLVER if turns_solver(cell) else Turn.REST), rank
+
+
+def turns_solver(cell: Cell) -> bool:
+    """Whether a cell turns nothing but SOLVER in the preset that the ladder is of, in a scene without an avatar."""
+    options = set(cell.setting.options)
+    return bool(options) and options <= set(SOLVER) and cell.setting.base == ladder.BASE and not scene_of(cell).avatars
 
 
 def _tells(cell: Cell, request: Request) -> bool:
@@ -186,8 +199,9 @@ def step(cell: Cell, request: Request) -> float:
 
 
 def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Request) -> list[Cell]:
-    """The same cells, presets and coarse rungs of the ladder first; then those that may reach an accuracy that ours reaches and
-    an engine misses in what was measured so far: finer steps, the coarsest first, then margins, which are of one engine only."""
+    """The same cells, presets, coarse rungs of the ladder and what turns a solver first; then those that may reach an accuracy
+    that ours reaches and an engine misses in what was measured so far: finer steps, the coarsest first, then margins, which are
+    of one engine only."""
     worst = [
         Reached(
             cell.scenario, cell.setting.engine,
@@ -199,7 +213,7 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
 
     def key(cell: Cell) -> tuple[int, float]:
         place, options = (cell.scenario, cell.setting.engine), cell.setting.options
-        if cell.setting.is_preset or ladder.is_coarse(cell.setting.name):
+        if cell.setting.is_preset or ladder.is_coarse(cell.setting.name) or turns_solver(cell):
             return 0, 0.0
         at = step(cell, request) if "dt" in options else math.nan
         if at < wanted.get(place, 0.0):

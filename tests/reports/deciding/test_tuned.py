@@ -7,7 +7,7 @@ import pytest
 
 from reports.deciding.columns import COLUMNS, Column
 from reports.deciding.tables import blocks
-from reports.deciding.tuned import Tuning, aims, sentence, tunings
+from reports.deciding.tuned import BY_KIND, Tuning, aims, sentence, tunings
 from reports.reading.load import EngineNote, Results, Row
 
 OURS = "avatarsim/default"
@@ -84,5 +84,5 @@ def test_an_engine_without_both_presets_is_not_compared() -> None:
 def test_what_tuned_optimises_is_told_as_the_engine_said_it() -> None:
     said = {"optimises": ("the least overlap", "a reason"), "better elsewhere": ("dt = 1/240: faster", "a reason")}
     notes = [EngineNote("a/default", "s", "1", {}, {"optimises": ("nothing", "")}), EngineNote("a/tuned", "s", "1", {}, said)]
-    assert aims(notes, "a") == "a/tuned optimises the least overlap. Better in something else: dt = 1/240: faster."
+    assert aims(notes, "a") == f"a/tuned optimises the least overlap. {BY_KIND} Better in something else: dt = 1/240: faster."
     assert aims(notes, "b") == ""

@@ -39,4 +39,6 @@ def test_errors_below_what_counts_as_none_are_not_told_apart() -> None:
 def test_ours_is_asked_too_and_it_is_said_how_often() -> None:
     ours = (point("avatarsim/default", 0.0, 10.0), point("avatarsim/default steps=1", 0.0, 5.0))
     assert "avatarsim/default in 1 scene; 1 of 1 by one" in sentence(beaten(Sweep(ours)))
+    paper = beaten(Sweep((ours[0], point("avatarsim/paper", 0.0, 5.0))))
+    assert [one.by.any_point.run for one in paper] == ["avatarsim/paper"], "what stands aside is named where it is better"
     assert sentence(()).startswith("No tuned preset is beaten")

@@ -6,8 +6,9 @@ from dataclasses import replace
 import pytest
 
 from reports.deciding.alike import LEVEL, Basis, basis_of, factor, is_more, level
-from reports.sections.sweep.cheapest import Attempt, astray, at_level, attempts, cheapest, sentence, silence, table
+from reports.sections.sweep.attempts import Attempt, attempts
 from reports.sections.sweep.cheapest import asleep as asleep_cases
+from reports.sections.sweep.cheapest import astray, at_level, cheapest, sentence, silence, table
 from reports.sections.sweep.performance_profile import profiles
 from reports.sections.sweep.points import Point, Sweep
 from runfiles.accuracy import FOLLOWS, LEVELS
@@ -78,6 +79,10 @@ def test_what_stays_far_from_a_free_user_reaches_no_accuracy_and_is_said() -> No
     assert rival.cells[0].strays == 1 and math.isnan(rival.least) and rival.tried == 1
     assert "m: none of 1 setting measured here (none of them within 10 mm of a free" in at_level(found.blocks[0], 1e-3, ("m",))
     assert astray(table(Sweep((point("avatarsim/default", 0.0, 10.0), *near)))) == ("", [])
+    # a list below a caption names what strays too: the caption says why it does not count
+    both = (*far, point("m/follows", 0.0231, 4.0), point("m/follows", 0.5 * FOLLOWS, 4.0, metric="tracker_offset_rms_free"))
+    caption = at_level(table(Sweep((point("avatarsim/default", 0.0, 10.0), *both))).blocks[0], 1e-3, ("m",))
+    assert "m: none of 2 settings measured here (at best 23.1 mm of those within 10 mm of a free user)" in caption
 
 
 def test_what_an_engine_has_no_words_for_is_no_case_and_no_entry_of_the_profile() -> None:
@@ -157,8 +162,27 @@ def test_settings_that_were_planned_and_not_measured_are_counted() -> None:
     assert found.blocks[0].lines[1].measured == "1 setting measured here (of 3 planned)"
     said = at_level(found.blocks[0], 1e-3, found.engines)
     assert "m: not said: 2 steps of the ladder not measured, none of 1 of 3 (at best 5.00 mm)" in said
-    assert "that none of the settings of other engines does" not in sentence(found)
+    assert "that none of the settings measured of other engines does" not in sentence(found)
     assert "none is said to miss it, in 3 cases in which steps of a rival were not measured" in sentence(found)
+
+
+def test_none_is_said_to_miss_what_a_finer_step_might_reach() -> None:
+    rungs = [replace(point(f"m/tuned dt=1/{rate}", error, 1e4 / rate), step=1.0 / rate)
+             for rate, error in ((960, 4.42e-4), (1920, 2.21e-4), (3840, 1.11e-4))]
+    ours = point("avatarsim/default", 0.0, 1.0)
+    found = table(Sweep((ours, *rungs)))
+    assert "reaches an accuracy that none" not in sentence(found)
+    assert "none is said to miss it, in 2 cases in which steps of a rival were not measured" in sentence(found)
+    said = at_level(found.blocks[0], 1e-4, found.engines)
+    assert "m: not said: errors still fall at tuned 1/3840 s, the finest step measured, none of 3 (at best 111 µm)" in said
+    assert found.unsaid(1e-4) == {"m": 1} and found.unsaid(1e-3) == {}
+    ended = table(Sweep((ours, *rungs, replace(point("m/tuned dt=1/7680", 1.2e-4, 9.0), step=1.0 / 7680.0))))
+    assert "In 2 cases ours reaches an accuracy that none of the settings measured of other engines does." in sentence(ended)
+    assert ended.unsaid(1e-4) == {}
+    # a factor stands while another rival that reaches it takes less time than the end of the ladder, and not if it takes more
+    for time, stands in ((2.0, True), (3.0, False)):
+        both = table(Sweep((ours, *rungs, point("n/tuned", 5e-5, time))))
+        assert [case.asked for case in both.cases] == [True, True, stands, False] and both.unsaid(1e-4) == {"m": 1}
 
 
 def test_no_factor_is_made_while_a_coarser_step_of_the_ladder_was_not_measured() -> None:
@@ -215,8 +239,7 @@ def test_what_is_lost_is_said_first() -> None:
     assert said.startswith(first)
     assert "drop at 1 mm, 100 µm, 1 µm (mujoco/tuned 40.0 µs, ours does not reach it)" in said
     assert "×4.0 (drop at 10 mm, mujoco/tuned)" in said
-    assert ("In 2 cases ours reaches an accuracy that none of the settings of other engines does. In these scenes other engines "
-            "have 1 cell measured here, each a setting in a scene.") in said
+    assert "In 2 cases ours reaches an accuracy that none of the settings measured of other engines does. Where" in said
     assert "the time of avatarsim/default" in said
 
 
@@ -236,3 +259,15 @@ def test_where_what_rests_sleeps_through_the_tail_the_slowest_frames_are_compare
     assert "in frames that move (the slowest): 4.00 ms and 900 µs." in asleep_cases(table(Sweep((ours, awake))))[0]
     # a file without slowest frames has its percentile
     assert basis_of((replace(ours, slowest=math.nan), awake)) is Basis.TAIL
+
+
+def test_ours_is_one_preset_and_its_variants_in_every_statement() -> None:
+    ours, paper = point("avatarsim/default", 0.0, 10.0), point("avatarsim/paper", 0.0, 5.0)
+    more = point("avatarsim/paper rounds=4", 0.0, 4.0)
+    found = table(Sweep((ours, paper, more, point("m/tuned", 5e-3, 7.0))))
+    line = found.blocks[0].lines[0]
+    assert (line.tried, line.planned) == (1, 1) and {cell.attempt.any_point.run for cell in line.cells if cell.attempt} == {
+        "avatarsim/default"}
+    assert "wall at 10 mm (m/tuned 7.00 µs, ours 10.0 µs)" in sentence(found) and "paper" not in sentence(found)
+    turned = table(Sweep((ours, paper, point("avatarsim/default steps=1", 0.0, 8.0), point("m/tuned", 5e-3, 7.0))))
+    assert "m/tuned 7.00 µs, ours avatarsim/default steps=1 8.00 µs" in sentence(turned)

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from reports.sections.sweep.ladders import ladders, sentence, worse
+from reports.sections.sweep.attempts import attempts
+from reports.sections.sweep.ladders import falling, ladders, sentence, worse
 from reports.sections.sweep.points import Point, Sweep
 from tests.reports.sections.sweep.test_cheapest import point
 
@@ -34,3 +35,16 @@ def test_what_falls_or_scatters_below_what_counts_as_none_is_not_growth() -> Non
     assert worse(ladders(Sweep((rung(60, 1e-9), rung(240, 9e-7), rung(960, 1e-12))))) == ()
     little, much = (worse(ladders(Sweep((rung(60, 1e-3), rung(240, error))))) for error in (1.4e-3, 1.6e-3))
     assert little == () and len(much) == 1
+
+
+def test_errors_that_fall_to_the_finest_step_measured_are_named() -> None:
+    halving = [rung(rate, 0.4 / rate, "tuned" if rate == 960 else "") for rate in (480, 960, 1920, 3840)]
+    def ends(*points: Point) -> list[str]:
+        return [attempt.any_point.setting for attempt in falling(attempts(points))]
+
+    assert ends(*halving) == ["tuned dt=1/3840"] and ends(halving[0]) == []
+    assert ends(*halving, rung(7680, 0.4 / 3840)) == [], "what stays as it was falls no longer"
+    gone = replace(rung(7680, float("nan")), state="not-measured", p50=float("nan"), step=float("nan"))
+    assert ends(*halving, gone) == ["tuned dt=1/3840"]
+    offsets = [replace(p, metric="tracker_offset_rms_free", error=0.023) for p in halving]
+    assert ends(*halving, *offsets) == [], "no step brings it nearer to its user"

@@ -51,3 +51,4 @@ def test_the_engine_that_solves_most_is_named_first() -> None:
     said = sentence(found, 1e-3, 2)
     assert said == ("Of 2 scenes without an avatar, 1 mm is reached by a setting measured in: b 2 (fastest in 1), a 1 (fastest "
                     "in 1).")
+    assert sentence(found, 1e-3, 2, {"a": 1}).endswith("Not said, as steps that might reach it were not measured: a in 1.")

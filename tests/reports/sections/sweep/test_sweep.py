@@ -10,6 +10,7 @@ import pytest
 
 from avatarsim.errors import InvalidFile
 from reports import write_report
+from reports.deciding.alike import Basis
 from reports.reading.load import load
 from reports.sections import convergence, law_map
 from reports.sections import law_map as law_map_chart
@@ -161,7 +162,7 @@ def test_the_budget_of_90_hertz_is_said_as_it_is(tmp_path: Path) -> None:
     assert "the slowest median is 150 µs, wall pybullet/tuned" in sweep_chart.budget_sentence(loaded(tmp_path, WON))
     slow = loaded(tmp_path, WON + line("wall", "m/slow", 0, 11200, front="own"))
     assert sweep_chart.budget_sentence(slow).endswith("a frame at 90 Hz: wall m/slow.")
-    assert sweep_chart.budget_sentence(loaded(tmp_path, line("wall", "m/a", 0, 5))) == ""
+    assert sweep_chart.budget_sentence(loaded(tmp_path, line("wall", "m/a", 0, ""))) == ""
 
 
 def test_a_family_is_drawn_along_the_settings_that_no_other_of_it_beats(tmp_path: Path) -> None:
@@ -251,7 +252,32 @@ def test_a_factor_that_is_none_has_a_reason_and_errors_have_words(run_dir: Write
     write_report(folder)
     page = (folder / "index.html").read_text(encoding="utf-8")
     assert "×nan" not in page and "mujoco/tuned: no factor, since what rests sleeps in the median frame" in page
-    assert ">residual_overlap_max<" not in page and "stack. deepest overlap shown against median frame time" in page
+    assert ">residual_overlap_max<" not in page and "stack. deepest overlap shown against frame time (the 95th" in page
+
+
+def test_picture_list_and_front_have_the_time_that_is_compared(tmp_path: Path) -> None:
+    more = "rests,moving,at_rest,sleeps,slowest\n"
+    (tmp_path / sweep.ROWS).write_text(
+        HEAD.replace("note\n", f"note,{more}")
+        + "stack,avatarsim,default,residual_overlap_max,m,0,0.401,,measured,all,1e-06,,0.99,,,1,3974\n"
+        + "stack,mujoco,tuned,residual_overlap_max,m,0,288,,measured,own,1e-06,,0.98,,,0,563\n"
+        + "drop,avatarsim,default,residual_overlap_max,m,0,0.401,,measured,all,1e-06,,0.7,2.28,0.4,1,54\n"
+        + "drop,mujoco,tuned,residual_overlap_max,m,0,143,,measured,own,1e-06,,0.7,61.2,143,0,148\n"
+    )
+    found = sweep.load(tmp_path)
+    assert found is not None
+    assert {p.run: p.front for p in found.points if p.scenario == "stack"} == {"avatarsim/default": "own", "mujoco/tuned": "all"}
+    by_scene = {panel.scenario: panel for panel in sweep_chart.panels(found)[0]}
+    stack, drop = by_scene["stack"], by_scene["drop"]
+    assert stack.points == (("mujoco/tuned", "0", "563 µs"), ("avatarsim/default", "0", "3.97 ms"))
+    assert drop.points == (("avatarsim/default", "0", "2.28 µs"), ("mujoco/tuned", "0", "61.2 µs"))
+    assert stack.conclusion.startswith("Deepest overlap") and "time, as drawn: the slowest frame" in stack.conclusion
+    assert "time, as drawn: the median of frames in motion" in drop.conclusion and "against frame time (the slowest" in stack.svg
+    assert "avatarsim/default: 0, 3.97 ms (the slowest frame), 401 ns per frame (median)" in stack.svg
+    left = sweep_chart.is_beaten
+    ours, theirs = (p for p in found.points if p.scenario == "stack")
+    assert not left(ours, (ours, replace(theirs, engine="avatarsim"))) and left(
+        ours, (ours, replace(theirs, engine="avatarsim")), Basis.SLOWEST)
 
 
 def test_half_of_a_surrogate_pair_in_a_file_costs_a_sign_and_not_the_page(run_dir: Write, results: Json) -> None:
@@ -350,4 +376,22 @@ def test_a_preset_that_errs_more_at_another_frame_rate_says_so_beside_its_cell(r
     of = sweep_chart.at_other_rates
     assert of(found, preset, ("residual_overlap_max",)) == "1.47 mm in table_90hz"
     assert of(found, replace(turned, base="tuned"), ("residual_overlap_max",)) == "tuned: 1.47 mm in table_90hz"
+    ours = replace(preset, engine="avatarsim", setting="default", base="default")
+    told = load(run_dir(results | {"scenes": scenes, "rows": [
+        row("table", "avatarsim/default", "residual_overlap_max", 0.0, "m"),
+        row("table_90hz", "avatarsim/default", "residual_overlap_max", 2e-3, "m"),
+        row("table_90hz", "avatarsim/paper", "residual_overlap_max", 9e-3, "m")]}))
+    assert of(told, ours, ("residual_overlap_max",)) == "2.00 mm in table_90hz", "ours is warned of by the same rule"
     assert of(None, preset, ("residual_overlap_max",)) == of(found, preset, ("drift_max",)) == ""
+
+
+def test_another_preset_of_ours_is_a_curve_and_on_no_front(tmp_path: Path) -> None:
+    found = loaded(tmp_path, WON + line("wall", "avatarsim/paper", 0, 7, front="all")
+                   + line("wall", "avatarsim/default steps=1", 0, 9))
+    fronts = {point.run: point.front for point in found.points}
+    assert fronts["avatarsim/paper"] == "" and fronts["avatarsim/default steps=1"] == "all"
+    assert fronts["avatarsim/default"] == "" and fronts["mujoco/tuned dt=1/60"] == "all"
+    assert "avatarsim/paper" in sweep_chart.inks(found)
+    (panel,), _ = sweep_chart.panels(found)
+    assert ("avatarsim/paper", "0", "7.00 µs") in panel.points and "paper 0 in" not in panel.svg
+    assert {p.run for p in found.rivalries[0].front} == {"avatarsim/default steps=1", "mujoco/tuned dt=1/60"}

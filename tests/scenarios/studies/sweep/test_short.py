@@ -206,7 +206,8 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
     finer = ["tuned dt=1/1920", "default dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
     margins = [f"tuned loose_margin={margin:g}" for margin in grid.MARGINS]
     coarse = ["default", "tuned", "tuned dt=1/120", "tuned dt=1/480"]
-    assert names[:4] == coarse and names[4:8] == finer and names[8:12] == margins
+    solver = ["tuned sleep=true", "tuned iterations=10"]
+    assert names[:6] == coarse + solver and names[6:10] == finer and names[10:14] == margins
     silent = replace(ran, outcomes={known.job.stem: replace(known, about={"settings": {"loose_margin": [4e-4, ""]}})
                                     for known in ran.outcomes.values()})
     assert "tuned loose_margin=0.0004" not in [cell.setting.name for cell in short.cells_of(silent)]
@@ -214,13 +215,18 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
     assert [cell.setting.name for cell in short.refined(left, as_good, ran)] == [cell.setting.name for cell in left]
 
 
-def test_the_ladder_of_steps_is_asked_of_both_rivals_before_any_other_variant(tmp_path: Path) -> None:
+def test_the_ladder_is_asked_first_and_its_fine_steps_after_the_solver(tmp_path: Path) -> None:
     presets = {engine: ("default", "tuned") for engine in ("mujoco", "pybullet")} | {"avatarsim": ("default",)}
     scenes = ("stop_distance", "hand_over_table", "driven_10cm_wall")
     cells = short.cells_of(replace(request(tmp_path, scenes, [outcome("stop_distance", "tuned")]), presets=presets))
     rungs = [cell for cell in cells if ladder.is_rung(cell.setting.name)]
     first = next(k for k, cell in enumerate(cells) if not cell.setting.is_preset)
-    assert cells[first : first + len(rungs)] == rungs, "a margin, iterations, or a variant of ours comes after them"
+    solver = [cell for cell in cells if short.turns_solver(cell)]
+    assert {cell.scenario for cell in solver} == {"stop_distance"}, "with an avatar it is no case"
+    assert {cell.setting.name for cell in solver} == {
+        "tuned sleep=true", "tuned iterations=10", "tuned solver_iterations=10", "tuned solver_iterations=200"}
+    number = sum(ladder.is_coarse(cell.setting.name) for cell in rungs)
+    assert cells[first : first + len(rungs) + len(solver)] == [*rungs[:number], *solver, *rungs[number:]], "all else comes later"
     coarse = [ladder.step_of(cell.setting.name) for cell in rungs if ladder.is_coarse(cell.setting.name)]
     assert coarse == sorted(coarse, key=lambda step: -(step or 0.0)) and len(coarse) < len(rungs)
     by_engine = {engine: {(cell.scenario, cell.setting.name) for cell in rungs if cell.setting.engine == engine}
