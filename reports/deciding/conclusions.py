@@ -151,8 +151,8 @@ def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0, re
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLosses] = ()) -> str:
-    """What the verdict table lets a reader conclude: in how many cells that can be ranked we are best, and in the same breath
-    which ranked metrics the table leaves out although we lose in them (`every`: all that were ranked)."""
+    """What to conclude beside the verdict table: over all ranked metrics (`every`) and their families where another engine is
+    better; then in how many cells of the table we are best, and which metrics it leaves out although we lose in them."""
     ranked = [
         cell for block in shown for line in block.lines if line.run == ours
         for cell in line.cells if cell.ratio is not None
@@ -167,7 +167,11 @@ def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLo
     if left_out:
         also = f", in {len(lost)} of which another engine is better: {listed(lost, 4)}" if lost else ", and loses in none of them"
         more = f"; the table leaves out {len(left_out)} of {count(len(every), 'ranked metric')}{also}"
-    return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked{more}."
+    lead, behind = "", sum(len(one.lost) for one in every)
+    if every:
+        lead = (f"Over {count(len(every), 'ranked metric')} and the families of scenes of each, another engine is better in "
+                f"{behind:,} of {count(sum(one.families for one in every), 'case')}. ")
+    return f"{lead}Of the cells of this table that can be ranked, {ours} is best or level in {best:,} of {len(ranked):,}{more}."
 
 
 def asleep_sentence(block: Block) -> str:
