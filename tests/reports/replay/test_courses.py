@@ -45,6 +45,16 @@ def test_times_say_of_how_many_repeats_they_are() -> None:
     assert "repeat" not in str(chart)
 
 
+def test_times_of_a_window_name_it_and_no_peak_of_it_is_the_lowest() -> None:
+    time = [Course("a/default", 6, np.array([1.0, 40.0])), Course("b/default", 6, np.array([50.0, 2.0]))]
+    (_, chart) = charts({"overlap": [Course("a/default", 0, np.zeros(21))], "time": time}, 1.0 / 60.0, 100)
+    for words in (str(chart["concludes"]), str(chart["text"])):
+        assert words.startswith("2 of 20 frames alone, from frame 5 on: ")
+    assert "Lowest peak" not in str(chart["concludes"]) and "slowest b/default, 50.0 µs" in str(chart["concludes"])
+    (_, whole) = charts({"overlap": [Course("a/default", 0, np.zeros(3))], "time": time}, 1.0 / 60.0, 100)
+    assert str(whole["concludes"]).startswith("Lowest peak")
+
+
 def test_spikes_survive_fewer_points() -> None:
     values = np.zeros(1000)
     values[777] = 0.5
