@@ -100,8 +100,8 @@ def told(value: float, unit: str) -> str:
 
 
 def sentence(key: str, lines: Sequence[Course], repeats: int = 0, frames: int = 0) -> str:
-    """Median and largest of each line, in words: the text in place of the picture. `repeats`: of the frames of times; `frames`: of
-    the scene; 0 where that is not known."""
+    """Median and largest of each line, in words: the text in place of the picture. `repeats`: of the frames of times; `frames`:
+    of the scene; 0 where that is not known."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     said = []
     for line in lines:
