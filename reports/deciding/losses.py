@@ -16,7 +16,7 @@ from runfiles.behind import BEST, Behind, Compared, MetricLosses, aside, by_fami
 from runfiles.like_for_like import TIME
 from runfiles.metrics import METRICS
 from runfiles.ranked import KINDS, RANKED, UNRANKED
-from runfiles.timing_protocol import brief
+from runfiles.timing_protocol import brief, repeats_of
 
 FIRST = 4
 """Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
@@ -69,8 +69,18 @@ def aside_said(found: Compared, family_of: Mapping[str, str]) -> str:
         said = [f"with an avatar, side by side, another engine takes less time in {one.less} of {families(one.avatar)}"] \
             if one.avatar else []
         said += [f"in {families(one.asleep)} what rests sleeps in that frame"] if one.asleep else []
+        said += [f"in {families(one.few)} frames or repeats are too few, in {one.less_of_few} of them another engine takes less "
+                 "time"] if one.few else []
         parts += [f"{words(metric)}: {', '.join(said)}"] if said else []
     return f"Times that are not ranked: {'; '.join(parts)}." if parts else ""
+
+
+def repeats_said(results: Results, ours: str) -> str:
+    """In how many scenes the frames by which engines are compared ran once; "" where none did, or no note says it."""
+    timed = [row for row in results.rows if (row.run, row.metric) == (ours, TIMES[0]) and row.value is not None]
+    repeats = [repeats_of(row.note) for row in timed]
+    once = repeats.count(1)
+    return f"Engines are compared over frames of 1 repeat in {once} of {count(len(repeats), 'scene')}." if once else ""
 
 
 def section(
@@ -87,7 +97,8 @@ def section(
         "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
         "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
-        "same": same, "lost_over": over, "lost_aside": aside_said(found, results.families),
+        "same": same, "lost_over": over,
+        "lost_aside": " ".join(filter(None, [repeats_said(results, ours), aside_said(found, results.families)])),
         "lost_which": lambda one: WITHOUT if one.metric in TIMES else "",
     }
 
