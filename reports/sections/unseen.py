@@ -10,7 +10,7 @@ from reports.deciding.columns import worst
 from reports.deciding.tables import RAW_TRACKER, engine_of
 from reports.reading.load import Results, Row
 from reports.words.metric_words import words
-from reports.words.wording import MISSING, count, listed, quantity
+from reports.words.wording import MISSING, count, factor, listed, quantity
 from runfiles.explained import briefly
 from runfiles.naming import UNSEEN_PREFIX
 
@@ -178,33 +178,55 @@ def _broken(row: Row) -> str:
     return f"{row.metric} {quantity(row.value, row.unit)} in {row.scenario} (seed {row.seed})"
 
 
+@dataclass(frozen=True)
+class Lost:
+    """One measure of one room in which another engine is better: our figure, the least of the others, which engine that is, and
+    how far behind ours is: our figure over the least of the others, or over what counts as equal where that is larger."""
+
+    room: str
+    figure: float | None
+    best: float
+    run: str
+    factor: float
+
+    def said(self, unit: str) -> str:
+        """"77.0 mm against 4.16 mm, mujoco/tuned"."""
+        return f"{quantity(self.figure, unit)} against {quantity(self.best, unit)}, {self.run}"
+
+
+def lost(found: Unseen, measure: Measure) -> tuple[tuple[Lost, ...], int]:
+    """Rooms in which ours is behind in a measure, furthest first, and in how many rooms it was compared."""
+    behind, compared = list[Lost](), 0
+    for room in found.asked:
+        own, best = found.line(room, found.ours), found.best(room, measure)
+        if own is None or best is None:
+            continue
+        compared += 1
+        figure = own.of(measure.metric)
+        mine = figure if figure is not None and math.isfinite(figure) else math.inf
+        if best[0] < mine - measure.same:
+            least = max(best[0], measure.same)
+            behind.append(Lost(room, figure, *best, mine / least if least > 0.0 else math.inf))
+    return tuple(sorted(behind, key=lambda one: -one.factor)), compared
+
+
 def losses(found: Unseen) -> tuple[str, ...]:
-    """Per measure: in how many rooms another engine is better than ours, and the room in which ours is behind by the most."""
+    """Per measure: in how many rooms another engine is better than ours, and the room in which ours is furthest behind."""
     said = []
     for measure in MEASURES:
-        behind: list[tuple[float, str, str]] = []
-        compared = 0
-        for room in found.asked:
-            own, best = found.line(room, found.ours), found.best(room, measure)
-            if own is None or best is None:
-                continue
-            compared += 1
-            figure = own.of(measure.metric)
-            mine = figure if figure is not None and math.isfinite(figure) else math.inf
-            if best[0] < mine - measure.same:
-                against = f"{quantity(figure, measure.unit)} against {quantity(best[0], measure.unit)}, {best[1]}"
-                behind.append((mine - best[0], room, against))
+        behind, compared = lost(found, measure)
         if behind:
-            _, room, against = max(behind)
-            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}, furthest behind in {room} ({against})")
+            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}, furthest behind in {behind[0].room} "
+                        f"({behind[0].said(measure.unit)})")
     return tuple(said)
 
 
 def conclusion(found: Unseen) -> str:
     """What to conclude, losses first."""
     parts = [f"Broken by {found.ours}: {listed(found.broken)}."] if found.broken else []
-    lost = losses(found)
-    parts += [f"{found.ours} is behind another engine in {'; '.join(lost)}."] if lost else []
+    behind = losses(found)
+    parts += [f"{found.ours} is behind another engine (furthest: by our figure over theirs) in {'; '.join(behind)}."] \
+        if behind else []
     own = [line for line in found.lines if line.run == found.ours and not line.nothing]
     if own and not found.broken:
         parts.append(f"It keeps what it promises (no overlap, limits, the right side) in {_rooms(found)}.")
@@ -266,7 +288,8 @@ def _rooms(found: Unseen) -> str:
 
 def _worst(found: Unseen, metric: str, form: str) -> str:
     """Our largest figure of a metric with its room and the best other engine's figure there, of the rooms that are counted, as in
-    the table; "" where there is none, or it is 0. Of a metric in WHERE_BEHIND only rooms in which another engine has less."""
+    the table; "" where there is none, or it is 0. Of a metric in WHERE_BEHIND only rooms in which another engine has less. Where
+    ours is furthest behind in another room, that room too."""
     measure = next(one for one in MEASURES if one.metric == metric)
     shown = [(figure, line.room) for line in found.lines
              if line.run == found.ours and line.room in found.asked and (figure := line.of(metric)) is not None]
@@ -279,6 +302,10 @@ def _worst(found: Unseen, metric: str, form: str) -> str:
         return ""
     best = found.best(room, measure)
     beside = f"; {best[1]} {quantity(best[0], measure.unit)}" if best else ""
+    behind, _ = lost(found, measure)
+    if behind and behind[0].room != room:
+        far = f" {factor(behind[0].figure / behind[0].best)}" if behind[0].figure and behind[0].best > 0.0 else ""
+        beside += f"; furthest behind{far} in {behind[0].room}: {behind[0].said(measure.unit)}"
     return f"{form.format(quantity(figure, measure.unit))} ({room}{beside})"
 
 

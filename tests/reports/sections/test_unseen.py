@@ -63,7 +63,8 @@ def test_losses_come_first_with_the_worst_room_and_an_engine_outside_wins_time_o
     found = unseen.unseen(run_with(run_dir, [*rows_of("wall"), *rows_of("door", 15.0)]), OURS)
     assert found is not None and found.rooms == ("wall", "door") and found.broken == () and found.seeds == (77,)
     said = unseen.conclusion(found)
-    assert said.startswith(f"{OURS} is behind another engine in frames in contact that shake: 2 of 2 rooms, "
+    assert said.startswith(f"{OURS} is behind another engine (furthest: by our figure over theirs) in frames in "
+                           "contact that shake: 2 of 2 rooms, "
                            "furthest behind in door (15.0 % "
                            f"against 0 %, {TUNED})")
     # the engine outside has the smaller offset, which counts for nothing, and the faster slowest frame, which does
@@ -109,6 +110,20 @@ def test_the_verdict_names_the_worst_room_and_the_best_other_engine(run_dir: Wri
     )
     bad = replace(found, lines=tuple(replace(line, figures=(None,) * len(line.figures)) for line in found.lines))
     assert unseen.verdict_sentence(bad).endswith("has no figure.")
+
+
+def test_the_room_furthest_behind_by_factor_stands_beside_the_largest_figure(run_dir: Write) -> None:
+    """83 mm against 62 is the larger figure and the larger difference, 20 against 1 the larger factor."""
+    rows = [one for room in ("gallery", "door") for one in rows_of(room) if one["metric"] != "root_jump_max"]
+    for room, ours, theirs in (("gallery", 0.0833, 0.0619), ("door", 0.0200, 0.0010)):
+        rows += [row(f"unseen_{room}", run, "root_jump_max", value, "m", seed=77)
+                 for run, value in ((OURS, ours), (TUNED, theirs))]
+    found = unseen.unseen(run_with(run_dir, rows), OURS)
+    assert found is not None
+    assert (f"the root jumps by up to 83.3 mm (gallery; {TUNED} 61.9 mm; furthest behind ×20 in door: 20.0 mm against 1.00 mm, "
+            f"{TUNED})") in unseen.verdict_sentence(found)
+    said = f"jump of the root: 2 of 2 rooms, furthest behind in door (20.0 mm against 1.00 mm, {TUNED})"
+    assert said in unseen.conclusion(found)
 
 
 @pytest.mark.parametrize("value", [2e-6, None, "NaN"])
