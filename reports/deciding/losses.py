@@ -5,7 +5,7 @@ in seven variants of one scene counts once, and the worst of the seven is named.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 from reports.deciding import piles
 from reports.deciding.moments import Instants, moment
@@ -92,7 +92,7 @@ def section(
     shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     times = [one for metric in TIMES for one in made if one.metric == metric and one not in lost[:FIRST]]
     return {
-        "lost_shown": shown, "lost_kinds": kinds_sentence(made),
+        "lost_shown": shown, "lost_kinds": kinds_sentence(made, {name for pairs in found.silent.values() for _, name in pairs}),
         "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours, known),
         "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
         "lost_nowhere": [one for one in made if not one.lost],
@@ -103,15 +103,17 @@ def section(
     }
 
 
-def kinds_sentence(found: Sequence[MetricLosses]) -> str:
+def kinds_sentence(found: Sequence[MetricLosses], silent: Container[str] = ()) -> str:
     """How many of the ranked metrics measure the same thing, and in how many of them another engine is better: kind by kind, with
-    the sum."""
+    the sum; `silent`: metrics that engines have no words for, beside which stands in how many families they are ranked."""
     by_name = {one.metric: one for one in found}
     said = []
     for kind, metrics in KINDS.items():
         ranked = [by_name[metric] for metric in metrics if metric in by_name]
         if ranked:
-            said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}")
+            alone = tuple(f"{words(one.metric)} in {families(one.families)} alone" for one in ranked if one.metric in silent)
+            why = f" ({listed(alone)}: in others no other engine has words for it)" if alone else ""
+            said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}{why}")
     total = f"; together {sum(bool(one.lost) for one in found)} of {len(found)}"
     return f"By what is measured, lost of ranked metrics: {'; '.join(said)}{total}." if said else ""
 

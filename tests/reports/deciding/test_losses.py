@@ -14,7 +14,7 @@ from reports.deciding.verdict import STATES, scenes_sentence, verdict
 from reports.reading.load import load
 from reports.summaries.summary import summary
 from reports.words.metric_words import words
-from runfiles.behind import Behind, by_family, compared
+from runfiles.behind import Behind, MetricLosses, by_family, compared
 from runfiles.ranked import KINDS, RANKED
 
 Json = dict[str, object]
@@ -150,6 +150,9 @@ def test_metrics_of_one_thing_are_counted_together(run_dir: Write, results: Json
     said = kinds_sentence(by_family(verdict(found).ranked, found.families))
     assert "overlap 0 of 2" in said and "smoothness 2 of 2" in said
     assert kinds_sentence(()) == ""
+    ranked = [MetricLosses("joint_limit_excess_max", 5, ())]
+    assert "limits 0 of 1 (angle beyond joint limits in 5 families alone: " in kinds_sentence(ranked, {"joint_limit_excess_max"})
+    assert "limits 0 of 1; together" in kinds_sentence(ranked)
 
 
 def test_each_ranked_metric_is_of_one_kind_so_that_counts_add_up(run_dir: Write, results: Json) -> None:
