@@ -12,6 +12,7 @@ from reports.reading.load import Array, Results, Series
 from reports.words.metric_words import words
 from reports.words.wording import MOST_FACTOR, count, limit, listed, quantity
 from runfiles.behind import MetricLosses
+from runfiles.like_for_like import with_avatar
 from runfiles.timing_protocol import least_of
 
 # The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
@@ -203,20 +204,23 @@ def ratio_sentence() -> str:
 
 
 def hover_notes(results: Results) -> tuple[str, ...]:
-    """One sentence per engine and preset whose settings keep links apart from all else: no overlap then says little."""
+    """One sentence per engine and preset whose settings keep links apart from all else: no overlap then says little. Links are
+    counted in scenes with an avatar alone, loose things in all."""
     found: dict[tuple[str, str], list[float]] = {}
+    avatars, asked = with_avatar(results.rows), dict[tuple[str, str], int]()
     for note in results.engines:
-        for name, (value, _) in note.settings.items():
-            kind = HOVERS.get(name, "")
-            if kind and (length := _length(value)) > 0.0:
-                found.setdefault((note.run, kind), []).append(length)
+        for name, kind in HOVERS.items():
+            if name in note.settings and (kind == HOVERS["loose_margin"] or note.scenario in avatars):
+                asked[note.run, kind] = asked.get((note.run, kind), 0) + 1
+                if (length := _length(note.settings[name][0])) > 0.0:
+                    found.setdefault((note.run, kind), []).append(length)
     said = []
     for (run, kind), lengths in found.items():
         span = " to ".join(limit(length, "m") for length in dict.fromkeys((min(lengths), max(lengths))))
-        scenes = len({note.scenario for note in results.engines if note.run == run})
-        where = f" in {len(lengths)} of {count(scenes, 'scene')}" if len(lengths) < scenes else ""
-        what = "loose things stand apart" if kind == HOVERS["loose_margin"] else "its links hover"
-        said.append(f"{run} keeps a {kind} of {span}{where}: {what}.")
+        loose = kind == HOVERS["loose_margin"]
+        of = f"{count(asked[run, kind], 'scene')}{'' if loose else ' with an avatar'}"
+        where = f"{len(lengths)} of {of}" if len(lengths) < asked[run, kind] else of
+        said.append(f"{run} keeps a {kind} of {span} in {where}: {'loose things stand apart' if loose else 'its links hover'}.")
     return tuple(said)
 
 
