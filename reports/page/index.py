@@ -195,6 +195,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         **losses.section(results, verdict.ranked, verdict.gated, instants), **explained.section(results),
         scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),
         promised_said=bounds_by_kind.promised(bounded), loose_said=bounds_by_kind.loose(bounded),
+        wider_said=bounds_by_kind.wider(bounded),
         cut_said=cut_short.sentence(results),
         loosest_said=loosest(results, verdict), not_for="" if is_own else your_project.not_for(),
         answers=() if is_own else your_project.answers(results, verdict.gated, extras.growth),
