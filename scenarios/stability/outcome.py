@@ -141,7 +141,7 @@ def _options(engine: Engine, task: Task, case: Varied) -> dict[str, object] | No
         return {}
     engine.load(case.scene, Settings(task.preset, seed=change.seed), case.dt)
     told = engine.settings_as_run()
-    found = {name: told[name][0] if isinstance(told[name], tuple) else told[name] for name in (STEP, *LENGTHS) if name in told}
+    found = {name: value[0] if isinstance(value := told[name], tuple) else value for name in (STEP, *LENGTHS) if name in told}
     options: dict[str, object] = {}
     for name in LENGTHS if change.scale != 1.0 else ():
         if isinstance(length := found.get(name), float) and length > 0.0:
