@@ -92,7 +92,7 @@ def section(
     shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     times = [one for metric in TIMES for one in made if one.metric == metric and one not in lost[:FIRST]]
     return {
-        "lost_shown": shown, "lost_kinds": kinds_sentence(made, {name for pairs in found.silent.values() for _, name in pairs}),
+        "lost_shown": shown, "lost_kinds": kinds_sentence(made, _unsayable(found)),
         "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours, known),
         "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
         "lost_nowhere": [one for one in made if not one.lost],
@@ -105,7 +105,8 @@ def section(
 
 def kinds_sentence(found: Sequence[MetricLosses], silent: Container[str] = ()) -> str:
     """How many of the ranked metrics measure the same thing, and in how many of them another engine is better: kind by kind, with
-    the sum; `silent`: metrics that engines have no words for, beside which stands in how many families they are ranked."""
+    the sum; `silent`: metrics that no other engine has words for in some scenes, beside which stands in how many families they
+    are ranked."""
     by_name = {one.metric: one for one in found}
     said = []
     for kind, metrics in KINDS.items():
@@ -116,6 +117,11 @@ def kinds_sentence(found: Sequence[MetricLosses], silent: Container[str] = ()) -
             said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}{why}")
     total = f"; together {sum(bool(one.lost) for one in found)} of {len(found)}"
     return f"By what is measured, lost of ranked metrics: {'; '.join(said)}{total}." if said else ""
+
+
+def _unsayable(found: Compared) -> frozenset[str]:
+    """Metrics that are not ranked in some scene because no other engine that is there has words for them."""
+    return frozenset(metric for pairs in found.silent.values() for _, metric in pairs - found.pairs)
 
 
 def silent_sentence(found: Compared) -> str:
