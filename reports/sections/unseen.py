@@ -51,13 +51,12 @@ MEASURES = (
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
 ROUGHNESS = next(one for one in MEASURES if one.metric == ROUGH)
-SHAKES = MEASURES[1]
+SHAKES, SHIVERS = MEASURES[1:3]
+"""Of the second sentences count rooms and name no figure: where few frames are in contact one event decides it."""
 WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root jumps by up to {}",
          TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}",
-         CHATTER: "up to {} of the frames in contact shake", JITTER: "links in contact jitter by up to {}"}
+         CHATTER: "up to {} of the frames in contact shake"}
 """Metrics whose largest figure stands at the top of the page unless it is 0, and how it is said there."""
-WHERE_BEHIND = (JITTER,)
-"""Those that stand there only where another engine has less, with our largest figure of such rooms."""
 BEST = ("/tuned", "/hinges")
 """How runs of other engines with tuned settings, and with hinges for ball joints, end: they stand beside ours, all else in a
 fold."""
@@ -216,8 +215,8 @@ def losses(found: Unseen) -> tuple[str, ...]:
     for measure in MEASURES:
         behind, compared = lost(found, measure)
         if behind:
-            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}, furthest behind in {behind[0].room} "
-                        f"({behind[0].said(measure.unit)})")
+            far = f", furthest behind in {behind[0].room} ({behind[0].said(measure.unit)})"
+            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}{'' if measure is SHIVERS else far}")
     return tuple(said)
 
 
@@ -276,6 +275,8 @@ def verdict_sentence(found: Unseen) -> str:
     kept = f"{found.ours} breaks {count(len(found.broken), 'promise')}" if found.broken else (
         f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
     said = [sentence for metric, form in WORST.items() if (sentence := _worst(found, metric, form))]
+    behind, of = lost(found, SHIVERS)
+    said += [f"links in contact jitter more than in another engine in {len(behind)} of {count(of, 'room')}"] if behind else []
     but = f"; but {', '.join(said)}" if said else ""
     return " ".join(filter(None, [f"{told}, {kept}{but}.", smoother_in_short(found)]))
 
@@ -288,14 +289,10 @@ def _rooms(found: Unseen) -> str:
 
 def _worst(found: Unseen, metric: str, form: str) -> str:
     """Our largest figure of a metric with its room and the best other engine's figure there, of the rooms that are counted, as in
-    the table; "" where there is none, or it is 0. Of a metric in WHERE_BEHIND only rooms in which another engine has less. Where
-    ours is furthest behind in another room, that room too."""
+    the table; "" where there is none, or it is 0. Where ours is furthest behind in another room, that room too."""
     measure = next(one for one in MEASURES if one.metric == metric)
     shown = [(figure, line.room) for line in found.lines
              if line.run == found.ours and line.room in found.asked and (figure := line.of(metric)) is not None]
-    if metric in WHERE_BEHIND:
-        shown = [(figure, room) for figure, room in shown
-                 if (rival := found.best(room, measure)) is not None and not figure <= rival[0] + measure.same]
     # a figure that is no number is the worst
     figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf, default=(0.0, ""))
     if figure == 0.0:

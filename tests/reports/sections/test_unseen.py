@@ -194,7 +194,8 @@ def test_zero_is_no_but_and_jitter_stands_there_where_ours_is_behind(run_dir: Wr
         assert found is not None
         return unseen.verdict_sentence(found)
 
-    assert f"links in contact jitter by up to 756 µm (wall; {TUNED} 30.0 µm)" in said(7.56e-4, 3e-5)
+    assert "links in contact jitter more than in another engine in 1 of 1 room" in said(7.56e-4, 3e-5)
+    assert "756 µm" not in said(7.56e-4, 3e-5), "where few frames are in contact one event decides the figure"
     assert "jitter" not in said(3e-5, 3e-5) and "shake" not in said(3e-5, 3e-5)
 
 
