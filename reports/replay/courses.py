@@ -14,7 +14,7 @@ from reports.reading.kept import Array, Drawn, Shown
 from reports.reading.load import Results, Series
 from reports.replay import packed
 from reports.words.wording import count, quantity
-from runfiles.timing_protocol import least_of
+from runfiles.timing_protocol import RANKED_REPEATS, TAIL_FRAMES, least_of
 
 OVERLAP_FLOOR = 1e-9
 """Overlap [m] that is drawn on the floor of its chart, zero included."""
@@ -134,8 +134,8 @@ def _taken(key: str, repeats: int) -> str:
 
 
 def conclusion(key: str, lines: Sequence[Course], repeats: int = 0, frames: int = 0) -> str:
-    """What to conclude from one chart; `repeats` and `frames` as in `sentence`. Of a window of frames no peak is the lowest: a
-    slower frame may lie outside it."""
+    """What to conclude from one chart; `repeats` and `frames` as in `sentence`. Of a window of frames no peak is the lowest, as
+    a slower frame may lie outside it, nor of so few repeats or frames that their slow end ranks nothing."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     top = {line.run: float(np.nanmax(line.values)) for line in lines if np.isfinite(line.values).any()}
     if not top:
@@ -153,6 +153,8 @@ def conclusion(key: str, lines: Sequence[Course], repeats: int = 0, frames: int 
     if window:
         return (f"{window}slowest {most}, {told(top[most], unit)}{taken}. No lowest peak follows: slower frames may lie outside; "
                 "the slowest of all that were timed stand in the table.")
+    if key == "time" and (0 < repeats < RANKED_REPEATS or 0 < frames < TAIL_FRAMES):
+        return f"Slowest: {most}, {told(top[most], unit)}{taken}; too few repeats or frames to say which peak is the lowest."
     return f"Lowest peak: {least}, {told(top[least], unit)}; highest: {most}, {told(top[most], unit)}{taken}."
 
 
