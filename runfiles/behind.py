@@ -17,7 +17,7 @@ from runfiles.like_for_like import TIME, Measured, asleep, sleepers, with_avatar
 from runfiles.naming import BASELINE
 from runfiles.ranked import RANKED, Ranked
 from runfiles.sayable import Unsaid
-from runfiles.timing_protocol import RANKED_REPEATS, TAIL_FRAMES, may_rank
+from runfiles.timing_protocol import TAIL_FRAMES, may_rank
 
 BEST = (
     "Best is the smallest finite value among ours and the other engines; neither the raw tracker nor another preset of our "
@@ -26,7 +26,7 @@ BEST = (
     "has no words for (under Settings: cannot say) is not ranked for it, neither for it nor against it. Times of scenes with an "
     "avatar stand side by side, without factor, rank or best: ours is kinematic, theirs has dynamics. Nor is a time ranked "
     "where what rests sleeps, in ours or another engine, in the frame that it is of, nor a 95th or 99th percentile or a slowest "
-    f"frame of fewer than {RANKED_REPEATS} repeats or {TAIL_FRAMES} frames; medians are."
+    f"frame of one repeat or of fewer than {TAIL_FRAMES} frames; medians are."
 )
 """The rule in words, printed beside every table that names a best."""
 POWERS: Mapping[str, int] = MappingProxyType({"m": 1, "m/s": 1, "J": 2})

@@ -29,7 +29,7 @@ from reports.drawing.picture import pictures
 from reports.reading.load import Array, Results, Series
 from reports.words.wording import MISSING, listed, quantity
 from runfiles.like_for_like import with_avatar
-from runfiles.timing_protocol import RANKED_REPEATS, TAIL_FRAMES, may_rank
+from runfiles.timing_protocol import TAIL_FRAMES, may_rank
 
 # Points per line at most: more do not fit the width of a panel. Each point is the largest of its group of frames,
 # so that no spike is lost.
@@ -167,7 +167,7 @@ def _aside(avatar: bool, sleeping: Mapping[str, float], short: bool) -> str:
         return "ours is kinematic, theirs has dynamics"
     if asleep(sleeping, "p95"):
         return "in some what rests sleeps in that frame"
-    return f"of fewer than {RANKED_REPEATS} repeats or {TAIL_FRAMES} frames: none is best" if short else ""
+    return f"of one repeat or of fewer than {TAIL_FRAMES} frames: none is best" if short else ""
 
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:
