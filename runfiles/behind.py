@@ -17,6 +17,7 @@ from runfiles.like_for_like import TIME, Measured, asleep, sleepers, with_avatar
 from runfiles.naming import BASELINE
 from runfiles.ranked import RANKED, Ranked
 from runfiles.sayable import Unsaid
+from runfiles.timing_protocol import TAIL_FRAMES, may_rank
 
 BEST = (
     "Best is the smallest finite value among ours and the other engines; neither the raw tracker nor another preset of our "
@@ -24,7 +25,8 @@ BEST = (
     "engine that left the allowed side of a scene is passed over in the metrics that could be won by leaving. What an engine "
     "has no words for (under Settings: cannot say) is not ranked for it, neither for it nor against it. Times of scenes with an "
     "avatar stand side by side, without factor, rank or best: ours is kinematic, theirs has dynamics. Nor is a time ranked "
-    "where what rests sleeps, in ours or another engine, in the frame that it is of."
+    "where what rests sleeps, in ours or another engine, in the frame that it is of, nor a 95th or 99th percentile or a slowest "
+    f"frame of one repeat or of fewer than {TAIL_FRAMES} frames; medians are."
 )
 """The rule in words, printed beside every table that names a best."""
 POWERS: Mapping[str, int] = MappingProxyType({"m": 1, "m/s": 1, "J": 2})
@@ -33,12 +35,14 @@ and masses stay (`scenarios.stability.elsewhere`). What has another unit does no
 
 
 class Figure(Measured, Protocol):
-    """A row of results with its seed and unit."""
+    """A row of results with its seed and unit, and a note that says of a time how it was taken."""
 
     @property
     def seed(self) -> int: ...
     @property
     def unit(self) -> str: ...
+    @property
+    def note(self) -> str: ...
 
 
 @dataclass(frozen=True)
@@ -63,13 +67,15 @@ class Compared:
     """What was ranked: `pairs` of (scene, metric) in which ours and another engine stand, and those of them in which we are
     behind, each in the seed in which we are furthest behind; `silent`: engine and preset -> pairs that do not judge it, because
     it has no words for what they measure; `beside`: pairs of frame times of scenes with an avatar, which rank nothing, and
-    whether another engine takes less time there; `asleep`: those of frames in which what rests sleeps in some engine."""
+    whether another engine takes less time there; `asleep`: those of frames in which what rests sleeps in some engine;
+    `few`: those of too few frames or repeats to rank, and whether another engine takes less time there."""
 
     pairs: frozenset[tuple[str, str]]
     behind: tuple[Behind, ...]
     silent: Mapping[str, frozenset[tuple[str, str]]] = field(default_factory=dict)
     beside: Mapping[tuple[str, str], bool] = field(default_factory=dict)
     asleep: frozenset[tuple[str, str]] = frozenset()
+    few: Mapping[tuple[str, str], bool] = field(default_factory=dict)
 
 
 def at_size_1(value: float | None, unit: str, scale: float) -> float | None:
@@ -92,6 +98,7 @@ def compared(
     rows = tuple(rows)
     avatars, sleeping = with_avatar(rows), sleepers(rows, told)
     beside: dict[tuple[str, str], bool] = {}
+    few: dict[tuple[str, str], bool] = {}
     resting: set[tuple[str, str]] = set()
     grouped: dict[tuple[str, int], list[Figure]] = defaultdict(list)
     for row in rows:
@@ -120,11 +127,18 @@ def compared(
             if metric.startswith(TIME) and asleep(sleeping.get(scene, {}), metric.removeprefix(TIME)):
                 resting.add(key)
                 continue
+            thin = {row.run for row in candidates if not may_rank(metric, row.note)}
+            if ours in thin or thin.issuperset(theirs):
+                few[key] = few.get(key, False) or found is not None
+                continue
+            if thin:
+                theirs = {run: value for run, value in theirs.items() if run not in thin}
+                found = _behind(mine, theirs, RANKED[metric], left, scales.get(scene, 1.0))
             pairs.add(key)
             if found is not None and (key not in furthest or furthest[key].severity < found.severity):
                 furthest[key] = found
     quiet = {run: frozenset(keys) for run, keys in silent.items()}
-    return Compared(frozenset(pairs), tuple(furthest.values()), quiet, beside, frozenset(resting))
+    return Compared(frozenset(pairs), tuple(furthest.values()), quiet, beside, frozenset(resting), few)
 
 
 def rivals(rows: Iterable[Figure], ours: str) -> dict[str, float]:
@@ -208,12 +222,15 @@ def by_family(found: Compared, family_of: Mapping[str, str]) -> tuple[MetricLoss
 
 @dataclass(frozen=True)
 class Aside:
-    """One frame time that ranks nothing in some families: in so many with an avatar, in `less` of which another engine takes
-    less time, and in so many in which what rests sleeps in its frame."""
+    """One frame time that ranks nothing in some families: in so many with an avatar, in `less` of which another engine takes less
+    time; in so many in which what rests sleeps in its frame; and in so many of too few frames or repeats, in `less_of_few` of
+    which another engine takes less time."""
 
     avatar: int
     less: int
     asleep: int
+    few: int
+    less_of_few: int
 
 
 def aside(found: Compared, family_of: Mapping[str, str], metric: str) -> Aside:
@@ -223,4 +240,6 @@ def aside(found: Compared, family_of: Mapping[str, str], metric: str) -> Aside:
 
     here = {scene: less for (scene, name), less in found.beside.items() if name == metric}
     return Aside(families(here), families(scene for scene, less in here.items() if less),
-                 families(scene for scene, name in found.asleep if name == metric))
+                 families(scene for scene, name in found.asleep if name == metric),
+                 families(scene for scene, name in found.few if name == metric),
+                 families(scene for (scene, name), less in found.few.items() if name == metric and less))

@@ -58,7 +58,7 @@ METRICS: dict[str, tuple[str, str]] = {
     "reversal_max": ("m", "the largest such displacement of any frame, in contact or not"),
     "jitter_rms": ("m", "of the link that has most: root mean square, over frames in contact in which its target moves slower "
                    "than 0.18 m/s (rests or slides), of the displacement taken back, where none was 0, where it was faster than "
-                   "that 3 mm at 60 Hz: to-and-fro motion below what counts as shaking"),
+                   "that 3 mm at 60 Hz: in few frames one such event decides"),
     "contact_gap_p50": ("m", "median, over the states in which a link is within 5 mm of what it may not overlap, of that "
                         "distance, an overlap counting as 0: how far an avatar that touches seems to hover; in everyday scenes"),
     "jerk_ratio": ("", "95th percentile of the third differences of link origins, shown over target; a target below 20 m/s^3 "

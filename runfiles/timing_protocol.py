@@ -12,6 +12,10 @@ contact of some scenes would come after them, and with it what it needs for the 
 TAIL_FRAMES = 200
 """Different frames from which on a 99th percentile and a slowest frame are given: it stands on two frames then. With fewer, both
 would be one frame, or a number between two."""
+RANKED_REPEATS = 2
+"""Repeats from which on a time at the slow end ranks engines: what ran once has every disturbance of the machine in it."""
+TAILS = ("frame_time_p95", "frame_time_p99", "frame_time_max")
+"""Metrics of times at the slow end. The 95th percentile of few frames is little but the slowest of them."""
 PHASE_FRAMES = 30
 """Frames of either phase, at rest and in motion, from which on each has a median of its own."""
 
@@ -52,6 +56,13 @@ def repeats_of(note: str) -> int:
     """How often the frames of a time were run, by the note of its row; 0 where it does not say."""
     found = re.match(r"(\d+) x ", note)
     return int(found[1]) if found else 0
+
+
+def may_rank(metric: str, note: str) -> bool:
+    """Whether a figure ranks engines, by the note of its row: a time at the slow end only from RANKED_REPEATS x TAIL_FRAMES
+    frames on. All else does, and so does a row that does not say how it was timed."""
+    found = re.match(r"(\d+) x (\d+) frame", note) if metric in TAILS else None
+    return found is None or (int(found[1]) >= RANKED_REPEATS and int(found[2]) >= TAIL_FRAMES)
 
 
 def least_of(repeats: int) -> str:

@@ -6,6 +6,7 @@ Below that the bounds that are loose: a bound that a figure stays a thousand tim
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import mode
 
 from reports.deciding.verdict import LOOKS, PROMISED, Verdict
 from reports.reading.load import Row
@@ -101,6 +102,18 @@ def promised(found: Sequence[Kind]) -> str:
             text += f", largest {quantity(one.largest.value, one.largest.unit)}, nearest to its bound {one.nearest_said}"
         said.append(text if one.largest.value else f"{text}, 0 in all")
     return f"Promised everywhere: {'; '.join(said)}." if said else ""
+
+
+def wider(found: Sequence[Kind]) -> str:
+    """Figures of how motion looks that are held by a bound wider than most scenes have, and would not be by theirs; "" without
+    any."""
+    said = []
+    for one in (kind for kind in found if kind.metric in LOOKS):
+        usual = mode([row.bound for row in one.rows if row.bound is not None])
+        rows = [row for row in one.rows if row.bound is not None and usual < row.bound and usual < _value(row) <= row.bound]
+        said += [f"{words(one.metric)} in {row.scenario}: {quantity(row.value, row.unit)}, bound {limit(row.bound, row.unit)}, "
+                 f"wider than the {limit(usual, row.unit)} of other scenes" for row in rows]
+    return f"Held by a wider bound alone: {'; '.join(said)}." if said else ""
 
 
 def loose(found: Sequence[Kind]) -> str:

@@ -57,8 +57,9 @@ COLUMNS = (
     _column("chatter", "frames in contact that shake", "%", 0.05, "share of the frames in contact in which a link goes to and "
             "fro, faster than 0.18 m/s (3 mm at 60 Hz), in 3 of the last 4 frames, while its target does not",
             "chatter_frames"),
-    _column("jitter", "jitter in contact", "m", 1e-6, "to-and-fro motion below that speed while the target rests or slides: of "
-            "the link that has most, the root mean square of what it takes back over frames in contact", "jitter_rms"),
+    _column("jitter", "jitter in contact", "m", 1e-6, "to and fro while the target rests or slides: of the link that has "
+            "most, the root mean square of what it takes back over frames in contact, of which each counts as 3 mm at most (at "
+            "60 Hz): in few frames one event decides", "jitter_rms"),
     _column("limits", words("joint_limit_excess_max"), "deg", 1e-3, "largest angle beyond a hinge's limits or a ball joint's "
             "swing and twist", "joint_limit_excess_max"),
     _column("cone", words("reach_cone_excess_max"), "deg", 1e-3, "largest angle by which a limb points outside its reach cone",

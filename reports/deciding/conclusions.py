@@ -12,6 +12,7 @@ from reports.reading.load import Array, Results, Series
 from reports.words.metric_words import words
 from reports.words.wording import MOST_FACTOR, count, limit, listed, quantity
 from runfiles.behind import MetricLosses
+from runfiles.like_for_like import with_avatar
 from runfiles.timing_protocol import least_of
 
 # The bound on residual overlap [m], in every scene. Larger would let a visible fault pass; smaller is below what meshes resolve.
@@ -151,8 +152,8 @@ def slowest_sentence(frames: Mapping[str, float], ours: str, scenes: int = 0, re
 
 
 def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLosses] = ()) -> str:
-    """What the verdict table lets a reader conclude: in how many cells that can be ranked we are best, and in the same breath
-    which ranked metrics the table leaves out although we lose in them (`every`: all that were ranked)."""
+    """What to conclude beside the verdict table: over all ranked metrics (`every`) and their families where another engine is
+    better; then in how many cells of the table we are best, and which metrics it leaves out although we lose in them."""
     ranked = [
         cell for block in shown for line in block.lines if line.run == ours
         for cell in line.cells if cell.ratio is not None
@@ -167,7 +168,11 @@ def table_sentence(shown: tuple[Block, ...], ours: str, every: Sequence[MetricLo
     if left_out:
         also = f", in {len(lost)} of which another engine is better: {listed(lost, 4)}" if lost else ", and loses in none of them"
         more = f"; the table leaves out {len(left_out)} of {count(len(every), 'ranked metric')}{also}"
-    return f"{ours} is best, or level with the best, in {best} of {len(ranked)} cells that can be ranked{more}."
+    lead, behind = "", sum(len(one.lost) for one in every)
+    if every:
+        lead = (f"Over {count(len(every), 'ranked metric')} and the families of scenes of each, another engine is better in "
+                f"{behind:,} of {count(sum(one.families for one in every), 'case')}. ")
+    return f"{lead}Of the cells of this table that can be ranked, {ours} is best or level in {best:,} of {len(ranked):,}{more}."
 
 
 def asleep_sentence(block: Block) -> str:
@@ -199,20 +204,23 @@ def ratio_sentence() -> str:
 
 
 def hover_notes(results: Results) -> tuple[str, ...]:
-    """One sentence per engine and preset whose settings keep links apart from all else: no overlap then says little."""
+    """One sentence per engine and preset whose settings keep links apart from all else: no overlap then says little. Links are
+    counted in scenes with an avatar alone, loose things in all."""
     found: dict[tuple[str, str], list[float]] = {}
+    avatars, asked = with_avatar(results.rows), dict[tuple[str, str], int]()
     for note in results.engines:
-        for name, (value, _) in note.settings.items():
-            kind = HOVERS.get(name, "")
-            if kind and (length := _length(value)) > 0.0:
-                found.setdefault((note.run, kind), []).append(length)
+        for name, kind in HOVERS.items():
+            if name in note.settings and (kind == HOVERS["loose_margin"] or note.scenario in avatars):
+                asked[note.run, kind] = asked.get((note.run, kind), 0) + 1
+                if (length := _length(note.settings[name][0])) > 0.0:
+                    found.setdefault((note.run, kind), []).append(length)
     said = []
     for (run, kind), lengths in found.items():
         span = " to ".join(limit(length, "m") for length in dict.fromkeys((min(lengths), max(lengths))))
-        scenes = len({note.scenario for note in results.engines if note.run == run})
-        where = f" in {len(lengths)} of {count(scenes, 'scene')}" if len(lengths) < scenes else ""
-        what = "loose things stand apart" if kind == HOVERS["loose_margin"] else "its links hover"
-        said.append(f"{run} keeps a {kind} of {span}{where}: {what}.")
+        loose = kind == HOVERS["loose_margin"]
+        of = f"{count(asked[run, kind], 'scene')}{'' if loose else ' with an avatar'}"
+        where = f"{len(lengths)} of {of}" if len(lengths) < asked[run, kind] else of
+        said.append(f"{run} keeps a {kind} of {span} in {where}: {'loose things stand apart' if loose else 'its links hover'}.")
     return tuple(said)
 
 

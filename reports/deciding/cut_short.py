@@ -24,6 +24,11 @@ class Cut:
         """"ran 1 s of 600 s"."""
         return f"ran {_seconds(self.ran)} of {_seconds(self.full)}"
 
+    @property
+    def within(self) -> str:
+        """"in 4 s of 20 s", beside a figure of the scene."""
+        return self.said.replace("ran", "in", 1)
+
 
 def cuts(results: Results) -> Mapping[str, Cut]:
     """Every scene that ran fewer frames than its full length has, in the order of the file, so far as that has lengths."""

@@ -5,7 +5,7 @@ in seven variants of one scene counts once, and the worst of the seven is named.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 from reports.deciding import piles
 from reports.deciding.moments import Instants, moment
@@ -16,7 +16,7 @@ from runfiles.behind import BEST, Behind, Compared, MetricLosses, aside, by_fami
 from runfiles.like_for_like import TIME
 from runfiles.metrics import METRICS
 from runfiles.ranked import KINDS, RANKED, UNRANKED
-from runfiles.timing_protocol import brief
+from runfiles.timing_protocol import brief, repeats_of
 
 FIRST = 4
 """Metrics that stand on the page before the reader asks for more: those in which most families are lost."""
@@ -69,8 +69,18 @@ def aside_said(found: Compared, family_of: Mapping[str, str]) -> str:
         said = [f"with an avatar, side by side, another engine takes less time in {one.less} of {families(one.avatar)}"] \
             if one.avatar else []
         said += [f"in {families(one.asleep)} what rests sleeps in that frame"] if one.asleep else []
+        said += [f"in {families(one.few)} frames or repeats are too few, in {one.less_of_few} of them another engine takes less "
+                 "time"] if one.few else []
         parts += [f"{words(metric)}: {', '.join(said)}"] if said else []
     return f"Times that are not ranked: {'; '.join(parts)}." if parts else ""
+
+
+def repeats_said(results: Results, ours: str) -> str:
+    """In how many scenes the frames by which engines are compared ran once; "" where none did, or no note says it."""
+    timed = [row for row in results.rows if (row.run, row.metric) == (ours, TIMES[0]) and row.value is not None]
+    repeats = [repeats_of(row.note) for row in timed]
+    once = repeats.count(1)
+    return f"Engines are compared over frames of 1 repeat in {once} of {count(len(repeats), 'scene')}." if once else ""
 
 
 def section(
@@ -82,27 +92,36 @@ def section(
     shown = count(len(lost), "metric") if len(lost) <= FIRST else f"the first {FIRST} of {count(len(lost), 'metric')}"
     times = [one for metric in TIMES for one in made if one.metric == metric and one not in lost[:FIRST]]
     return {
-        "lost_shown": shown, "lost_kinds": kinds_sentence(made),
+        "lost_shown": shown, "lost_kinds": kinds_sentence(made, _unsayable(found)),
         "lost_silent": silent_sentence(found), "lost_at": lambda one: at(results, one, ours, known),
         "lost_first": [*lost[:FIRST], *times], "lost_all": lost, "lost_piles": piles.in_motion(results, ours),
         "lost_nowhere": [one for one in made if not one.lost],
         "lost_said": sentence(made, ours), "lost_rule": BEST, "lost_beside": beside, "unranked": UNRANKED,
-        "same": same, "lost_over": over, "lost_aside": aside_said(found, results.families),
+        "same": same, "lost_over": over,
+        "lost_aside": " ".join(filter(None, [repeats_said(results, ours), aside_said(found, results.families)])),
         "lost_which": lambda one: WITHOUT if one.metric in TIMES else "",
     }
 
 
-def kinds_sentence(found: Sequence[MetricLosses]) -> str:
+def kinds_sentence(found: Sequence[MetricLosses], silent: Container[str] = ()) -> str:
     """How many of the ranked metrics measure the same thing, and in how many of them another engine is better: kind by kind, with
-    the sum."""
+    the sum; `silent`: metrics that no other engine has words for in some scenes, beside which stands in how many families they
+    are ranked."""
     by_name = {one.metric: one for one in found}
     said = []
     for kind, metrics in KINDS.items():
         ranked = [by_name[metric] for metric in metrics if metric in by_name]
         if ranked:
-            said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}")
+            alone = tuple(f"{words(one.metric)} in {families(one.families)} alone" for one in ranked if one.metric in silent)
+            why = f" ({listed(alone)}: in others no other engine has words for it)" if alone else ""
+            said.append(f"{kind} {sum(bool(one.lost) for one in ranked)} of {len(ranked)}{why}")
     total = f"; together {sum(bool(one.lost) for one in found)} of {len(found)}"
     return f"By what is measured, lost of ranked metrics: {'; '.join(said)}{total}." if said else ""
+
+
+def _unsayable(found: Compared) -> frozenset[str]:
+    """Metrics that are not ranked in some scene because no other engine that is there has words for them."""
+    return frozenset(metric for pairs in found.silent.values() for _, metric in pairs - found.pairs)
 
 
 def silent_sentence(found: Compared) -> str:

@@ -11,6 +11,7 @@ from reports.deciding.columns import COLUMNS, Column, is_truth_error, ratio_to_b
 from reports.reading.load import Results, Row
 from runfiles.like_for_like import with_avatar
 from runfiles.sayable import Unsaid
+from runfiles.timing_protocol import may_rank
 
 # The engine whose rows are the raw tracker motion: no contact handling at all. It shows how large the problem is and can win
 # nothing, because its distance from itself is zero and it costs no time.
@@ -140,7 +141,8 @@ def _best(column: Column, found: dict[str, list[Row | None]], index: int, unsaid
     """The smallest finite value of the column among `found`, our gated run and its rivals; no run that left the room counts,
     nor one that has no words for what is measured."""
     candidates = []
-    judged = [rows for rows in found.values() if (row := rows[index]) is not None and not _why(row, unsaid)]
+    judged = [rows for rows in found.values()
+              if (row := rows[index]) is not None and not _why(row, unsaid) and may_rank(row.metric, row.note)]
     for rows in judged if column.ranked else ():
         row = rows[index]
         if row is None or row.value is None or not math.isfinite(row.value):
@@ -168,7 +170,8 @@ def _line(
     for column, row, least in zip(COLUMNS, found, best, strict=True):
         value = row.value if row else None
         why = _why(row, unsaid) if row and not tracker else ""
-        ratio = None if tracker or why else ratio_to_best(value, least, column.same, column.share)
+        aside = tracker or why or (row is not None and not may_rank(row.metric, row.note))
+        ratio = None if aside else ratio_to_best(value, least, column.same, column.share)
         no_number = row.status if row and row.status in RUN_WORDS else word if row is None else ""
         unranked = sibling or (column.stays_inside and left_room(found))
         best_here = ratio is not None and ratio <= 1.0 and not unranked

@@ -1,6 +1,7 @@
 """Tuned beside default parameters, both in our rig: in which figures are the settings that we chose worse than default?"""
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from statistics import median
@@ -97,6 +98,9 @@ def _said(cell: Cell) -> str:
 def sentence(tuning: Tuning) -> str:
     """What to conclude of one engine, losses first."""
     said = f"{tuning.engine}: tuned is worse than default in {len(tuning.worse)} of {count(tuning.compared, 'figure')}"
+    if tuning.worse:
+        (measure, most), = Counter(figure.measure for figure in tuning.worse).most_common(1)
+        said += f" ({most} of them {measure})"
     said += f" and better in {tuning.better}"
     return said + ("." if math.isnan(tuning.times) else f"; its median frame takes {tuning.times:.3g} times as long.")
 

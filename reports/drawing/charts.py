@@ -29,6 +29,7 @@ from reports.drawing.picture import pictures
 from reports.reading.load import Array, Results, Series
 from reports.words.wording import MISSING, listed, quantity
 from runfiles.like_for_like import with_avatar
+from runfiles.timing_protocol import TAIL_FRAMES, may_rank
 
 # Points per line at most: more do not fit the width of a panel. Each point is the largest of its group of frames,
 # so that no spike is lost.
@@ -153,17 +154,20 @@ def time_panels(results: Results, strokes: Mapping[str, Stroke], order: Sequence
             spec = copy.deepcopy(spread) | {"datasets": _datasets(spread) | {"spans": rows}, "height": 20 * len(rows)}
             said = "; ".join(f"{run}: {', '.join(map(_text, three))}" for run, three in runs.items())
             text = f"{scene}. Frame time p50, p95, p99. {said}."
-            said = time_sentence(runs, _aside(scene in avatars, sleeping.get(scene, {}))) + _raw(results, scene, runs)
+            short = any(not may_rank(row.metric, row.note) for row in results.of(scene) if row.metric == "frame_time_p95")
+            said = time_sentence(runs, _aside(scene in avatars, sleeping.get(scene, {}), short)) + _raw(results, scene, runs)
             orders.append((spec, text, f"s{len(orders)}"))
             concluded.append((scene, said))
     return _drawn(orders, concluded)
 
 
-def _aside(avatar: bool, sleeping: Mapping[str, float]) -> str:
+def _aside(avatar: bool, sleeping: Mapping[str, float], short: bool) -> str:
     """Why the 95th percentiles of a scene stand side by side; "" where they are compared."""
     if avatar:
         return "ours is kinematic, theirs has dynamics"
-    return "in some what rests sleeps in that frame" if asleep(sleeping, "p95") else ""
+    if asleep(sleeping, "p95"):
+        return "in some what rests sleeps in that frame"
+    return f"of one repeat or of fewer than {TAIL_FRAMES} frames: none is best" if short else ""
 
 
 def _raw(results: Results, scene: str, runs: Mapping[str, Percentiles]) -> str:

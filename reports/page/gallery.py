@@ -14,6 +14,8 @@ from reports.words.metric_words import words
 from reports.words.wording import count, quantity
 from runfiles.behind import Behind, at_size
 
+REFUSED = "refused"
+"""Status of a run that declined its scene."""
 OVERLAP = "overlap"
 """Key of the column whose largest figure a card names."""
 
@@ -118,7 +120,10 @@ def _status(tally: Mapping[str, int]) -> tuple[str, str]:
 
 
 def _figures(block: Block, ours: str) -> tuple[tuple[str, str], ...]:
-    """Our largest overlap beside the largest of the other engines."""
+    """Our largest overlap beside the largest of the other engines; nothing of a scene that ours refuses: how deep others are
+    there is the pose that the scene prescribes."""
+    if any(cell.word == REFUSED for line in block.lines if line.ours for cell in line.cells):
+        return ()
     column = next(k for k, column in enumerate(COLUMNS) if column.key == OVERLAP)
     own = next((line.cells[column].value for line in block.lines if line.ours), None)
     theirs = [(value, line.run) for line in block.lines if engine_of(line.run) not in (RAW_TRACKER, engine_of(ours))

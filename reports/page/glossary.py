@@ -13,9 +13,10 @@ TERMS = (
      "of the last 4 frames, while its target does not turn back."),
     ("displacement taken back", "What a link moved in one frame and took back in the next while its target did not turn back: "
      "the smaller of the two. The largest to and fro is the largest of it."),
-    ("jitter in contact", "To-and-fro motion below what counts as shaking, 3 mm a frame at 60 Hz (0.18 m/s): the root mean "
-     "square, over frames in contact in which a link's target rests or slides below that speed, of the displacement taken back, "
-     "at most 3 mm, and 0 in frames without any; of the link that has most."),
+    ("jitter in contact", "The root mean square of the displacement taken back, over frames in contact in which a link's target "
+     "rests or slides slower than 0.18 m/s; 0 in frames without any; of the link that has most. A larger one is not left out: it "
+     "counts as what that speed covers in a frame, 3 mm at 60 Hz. Where few frames are in contact one such event decides the "
+     "figure: in n frames it alone is 3 mm over the root of n."),
     ("jump", "What a link or the root moves in one frame more than its user does. An avatar of ours that "
      "was held back catches up by catch_up_move times the frame (83 mm at 60 Hz as set); a frame can show more."),
     ("turn", "What a joint turns in one frame more than its user does, in the frame of its parent; a root, or a body without "

@@ -206,6 +206,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),
         slowest_said=slowest_sentence(_slowest(results, verdict)[0], verdict.gated, *_slowest(results, verdict)[1:]).strip(),
         promised_said=bounds_by_kind.promised(bounded), loose_said=bounds_by_kind.loose(bounded),
+        wider_said=bounds_by_kind.wider(bounded),
         cut_said=cut_short.sentence(results),
         loosest_said=loosest(results, verdict), not_for="" if is_own else your_project.not_for(),
         answers=() if is_own else your_project.answers(results, verdict.gated, extras.growth),

@@ -14,7 +14,7 @@ from reports.reading.kept import Array, Drawn, Shown
 from reports.reading.load import Results, Series
 from reports.replay import packed
 from reports.words.wording import count, quantity
-from runfiles.timing_protocol import least_of
+from runfiles.timing_protocol import RANKED_REPEATS, TAIL_FRAMES, least_of
 
 OVERLAP_FLOOR = 1e-9
 """Overlap [m] that is drawn on the floor of its chart, zero included."""
@@ -99,9 +99,9 @@ def told(value: float, unit: str) -> str:
     return quantity(value, unit) if unit else f"{value:,.0f}"
 
 
-def sentence(key: str, lines: Sequence[Course], repeats: int = 0) -> str:
-    """Median and largest of each line, in words: the text in place of the picture. `repeats`: of the frames of times, 0 where
-    that is not known."""
+def sentence(key: str, lines: Sequence[Course], repeats: int = 0, frames: int = 0) -> str:
+    """Median and largest of each line, in words: the text in place of the picture. `repeats`: of the frames of times; `frames`:
+    of the scene; 0 where that is not known."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     said = []
     for line in lines:
@@ -113,7 +113,18 @@ def sentence(key: str, lines: Sequence[Course], repeats: int = 0) -> str:
         else:
             said.append(f"{line.run}: median {told(float(np.median(finite)), unit)}, "
                         f"largest {told(float(finite.max()), unit)}{broken}")
-    return f"{'; '.join(said)}{_taken(key, repeats)}."
+    return f"{_window(key, lines, frames)}{'; '.join(said)}{_taken(key, repeats)}."
+
+
+def _window(key: str, lines: Sequence[Course], frames: int) -> str:
+    """Which frames the times of a chart are of, in front of what is said of them, where they are not all `frames` of the scene;
+    "" for all else, and where the number of frames is not known."""
+    timed = [line for line in lines if line.values.size]
+    if key != "time" or not frames or all(line.values.size >= frames for line in timed):
+        return ""
+    # a frame leads to the state of the next number, by which lines are drawn
+    first, last = min(line.first for line in timed) - 1, max(line.first + line.values.size for line in timed) - 1
+    return f"{last - first} of {count(frames, 'frame')} alone, from frame {first} on: "
 
 
 def _taken(key: str, repeats: int) -> str:
@@ -122,8 +133,9 @@ def _taken(key: str, repeats: int) -> str:
     return f" ({how})" if how else ""
 
 
-def conclusion(key: str, lines: Sequence[Course], repeats: int = 0) -> str:
-    """What to conclude from one chart; `repeats` as in `sentence`."""
+def conclusion(key: str, lines: Sequence[Course], repeats: int = 0, frames: int = 0) -> str:
+    """What to conclude from one chart; `repeats` and `frames` as in `sentence`. Of a window of frames no peak is the lowest, as
+    a slower frame may lie outside it, nor of so few repeats or frames that their slow end ranks nothing."""
     unit = next(measure.unit for measure in MEASURES if measure.key == key)
     top = {line.run: float(np.nanmax(line.values)) for line in lines if np.isfinite(line.values).any()}
     if not top:
@@ -137,7 +149,12 @@ def conclusion(key: str, lines: Sequence[Course], repeats: int = 0) -> str:
         gains = [run for run in start if run in top and top[run] > start[run] + max(1e-6, 0.01 * abs(start[run]))]
         return (f"Above the energy they began with, by a hundredth or more: {', '.join(gains)}; a driven hand may add it."
                 if gains else "No engine rises above the energy it began with by more than a hundredth.")
-    taken = _taken(key, repeats)
+    taken, window = _taken(key, repeats), _window(key, lines, frames)
+    if window:
+        return (f"{window}slowest {most}, {told(top[most], unit)}{taken}. No lowest peak follows: slower frames may lie outside; "
+                "the slowest of all that were timed stand in the table.")
+    if key == "time" and (0 < repeats < RANKED_REPEATS or 0 < frames < TAIL_FRAMES):
+        return f"Slowest: {most}, {told(top[most], unit)}{taken}; too few repeats or frames to say which peak is the lowest."
     return f"Lowest peak: {least}, {told(top[least], unit)}; highest: {most}, {told(top[most], unit)}{taken}."
 
 
@@ -167,7 +184,7 @@ def charts(
     """The charts of a scene for the page's script: at most `most` points a line, each the largest of its group of frames. Beside
     a replay that draws one of every `stride` states no group reaches across two of these: so both always say the same.
     `repeats`: how often the frames of the times were run, 0 where that is not known."""
-    made = []
+    made, whole = [], max((line.values.size - 1 for line in lines_of.get("overlap", ())), default=0)
     for measure in MEASURES:
         lines = lines_of.get(measure.key, ())
         if not lines:
@@ -180,8 +197,8 @@ def charts(
         low, high = _range(finite, measure.key)
         made.append({
             "key": measure.key, "title": measure.title, "unit": measure.unit, "log": log, "low": low, "high": high,
-            "shows": measure.shows, "concludes": conclusion(measure.key, lines, repeats),
-            "text": sentence(measure.key, lines, repeats),
+            "shows": measure.shows, "concludes": conclusion(measure.key, lines, repeats, whole),
+            "text": sentence(measure.key, lines, repeats, whole),
             "lines": [_line(line, dt * (line.first + frames), _scaled(values, log, low)) for line, frames, values in points],
         })
     return made

@@ -63,7 +63,7 @@ def replay(
         "stride": step, "low": box[0].tolist(), "high": box[1].tolist(),
         "focus": (0.5 * (low + high)).tolist(), "radius": radius,
         "followed": followed, "near": near, "follow": near < FAR * radius, "leader": engines.index(main),
-        "reach": [reach[which[k]] for k in followed], "opens": opening(engines, worst, main.run, step),
+        "reach": [reach[which[k]] for k in followed], "opens": opening(engines, worst, ours, step),
         "azimuth": azimuth(scene, shapes, which, main, 0.5 * (low + high), float(np.linalg.norm(high - low))),
         "meshes": [{"corners": packed.reals(points), "faces": packed.text(faces.astype(np.uint32))} for points, faces in shapes],
         "bodies": [{"name": body["name"], "role": body["role"], "mesh": which[k]} for k, body in enumerate(scene.bodies)],
@@ -142,7 +142,7 @@ def opening(
 ) -> dict[str, dict[str, object]]:
     """The drawn states to open on, each with its run: "ours", where our engine looks worst (its overlap, or else its largest jump
     or change of orientation, or else its largest displacement to and fro, or what else there is), and "others", the deepest
-    overlap of the others. Without an entry where there is no such moment."""
+    overlap of the others. Without an entry where there is no such moment, or where ours shows nothing."""
     found: dict[str, dict[str, object]] = {}
     own = worst.get(ours, ())
     if own:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from reports.deciding.cut_short import cuts
 from reports.deciding.moments import Instants, address, moment
 from reports.deciding.seen_first import SEEN
 from reports.reading.load import Results
@@ -26,8 +27,9 @@ class News:
 
 
 def news(results: Results, found: Compared, ours: str, known: Mapping[str, Instants]) -> tuple[News, ...]:
-    """Of every metric that a screen shows and in which another engine is better somewhere, our largest figure there; and the
-    longest wait in a room of motions that nothing was tuned for."""
+    """Of every metric that a screen shows and in which another engine is better somewhere, our largest figure there, beside a
+    scene that was cut short how much of it ran; and the longest wait in a room of motions that nothing was tuned for."""
+    cut = cuts(results)
     losses = {one.metric: one for one in by_family(found, results.families)}
     made = list[News]()
     for metric in SEEN:
@@ -40,7 +42,7 @@ def news(results: Results, found: Compared, ours: str, known: Mapping[str, Insta
         made.append(News(
             f"{words(metric)} {quantity(at_size(worst.value, unit, scale), unit)}",
             f"{path_of(scene)}{moment(results, scene, ours, metric, known)}",
-            f"{scene}; {run} {quantity(at_size(best, unit, scale), unit)}"))
+            f"{scene}{f', {cut[scene].within}' if scene in cut else ''}; {run} {quantity(at_size(best, unit, scale), unit)}"))
     return (*made, *waiting(known))
 
 

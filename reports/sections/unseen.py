@@ -10,7 +10,7 @@ from reports.deciding.columns import worst
 from reports.deciding.tables import RAW_TRACKER, engine_of
 from reports.reading.load import Results, Row
 from reports.words.metric_words import words
-from reports.words.wording import MISSING, count, listed, quantity
+from reports.words.wording import MISSING, count, factor, listed, quantity
 from runfiles.explained import briefly
 from runfiles.naming import UNSEEN_PREFIX
 
@@ -51,13 +51,12 @@ MEASURES = (
     Measure(SLOWEST, "slowest frame", "us", 0.0, stays_inside=False),
 )
 ROUGHNESS = next(one for one in MEASURES if one.metric == ROUGH)
-SHAKES = MEASURES[1]
+SHAKES, SHIVERS = MEASURES[1:3]
+"""Of the second sentences count rooms and name no figure: where few frames are in contact one event decides it."""
 WORST = {LINK_JUMP: "a link jumps in one frame by up to {} more than its user's", ROOT_JUMP: "the root jumps by up to {}",
          TO_AND_FRO: "the largest displacement to and fro is {}", FARTHEST: "the farthest from the user {}",
-         CHATTER: "up to {} of the frames in contact shake", JITTER: "links in contact jitter by up to {}"}
+         CHATTER: "up to {} of the frames in contact shake"}
 """Metrics whose largest figure stands at the top of the page unless it is 0, and how it is said there."""
-WHERE_BEHIND = (JITTER,)
-"""Those that stand there only where another engine has less, with our largest figure of such rooms."""
 BEST = ("/tuned", "/hinges")
 """How runs of other engines with tuned settings, and with hinges for ball joints, end: they stand beside ours, all else in a
 fold."""
@@ -178,33 +177,55 @@ def _broken(row: Row) -> str:
     return f"{row.metric} {quantity(row.value, row.unit)} in {row.scenario} (seed {row.seed})"
 
 
+@dataclass(frozen=True)
+class Lost:
+    """One measure of one room in which another engine is better: our figure, the least of the others, which engine that is, and
+    how far behind ours is: our figure over the least of the others, or over what counts as equal where that is larger."""
+
+    room: str
+    figure: float | None
+    best: float
+    run: str
+    factor: float
+
+    def said(self, unit: str) -> str:
+        """"77.0 mm against 4.16 mm, mujoco/tuned"."""
+        return f"{quantity(self.figure, unit)} against {quantity(self.best, unit)}, {self.run}"
+
+
+def lost(found: Unseen, measure: Measure) -> tuple[tuple[Lost, ...], int]:
+    """Rooms in which ours is behind in a measure, furthest first, and in how many rooms it was compared."""
+    behind, compared = list[Lost](), 0
+    for room in found.asked:
+        own, best = found.line(room, found.ours), found.best(room, measure)
+        if own is None or best is None:
+            continue
+        compared += 1
+        figure = own.of(measure.metric)
+        mine = figure if figure is not None and math.isfinite(figure) else math.inf
+        if best[0] < mine - measure.same:
+            least = max(best[0], measure.same)
+            behind.append(Lost(room, figure, *best, mine / least if least > 0.0 else math.inf))
+    return tuple(sorted(behind, key=lambda one: -one.factor)), compared
+
+
 def losses(found: Unseen) -> tuple[str, ...]:
-    """Per measure: in how many rooms another engine is better than ours, and the room in which ours is behind by the most."""
+    """Per measure: in how many rooms another engine is better than ours, and the room in which ours is furthest behind."""
     said = []
     for measure in MEASURES:
-        behind: list[tuple[float, str, str]] = []
-        compared = 0
-        for room in found.asked:
-            own, best = found.line(room, found.ours), found.best(room, measure)
-            if own is None or best is None:
-                continue
-            compared += 1
-            figure = own.of(measure.metric)
-            mine = figure if figure is not None and math.isfinite(figure) else math.inf
-            if best[0] < mine - measure.same:
-                against = f"{quantity(figure, measure.unit)} against {quantity(best[0], measure.unit)}, {best[1]}"
-                behind.append((mine - best[0], room, against))
+        behind, compared = lost(found, measure)
         if behind:
-            _, room, against = max(behind)
-            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}, furthest behind in {room} ({against})")
+            far = f", furthest behind in {behind[0].room} ({behind[0].said(measure.unit)})"
+            said.append(f"{measure.title}: {len(behind)} of {count(compared, 'room')}{'' if measure is SHIVERS else far}")
     return tuple(said)
 
 
 def conclusion(found: Unseen) -> str:
     """What to conclude, losses first."""
     parts = [f"Broken by {found.ours}: {listed(found.broken)}."] if found.broken else []
-    lost = losses(found)
-    parts += [f"{found.ours} is behind another engine in {'; '.join(lost)}."] if lost else []
+    behind = losses(found)
+    parts += [f"{found.ours} is behind another engine (furthest: by our figure over theirs) in {'; '.join(behind)}."] \
+        if behind else []
     own = [line for line in found.lines if line.run == found.ours and not line.nothing]
     if own and not found.broken:
         parts.append(f"It keeps what it promises (no overlap, limits, the right side) in {_rooms(found)}.")
@@ -225,19 +246,19 @@ def statuses(found: Unseen) -> str:
         f"{found.ours} reports no frame in a trap, behind a wall or not ended well.")
 
 
-def limits_sentence(results: Results, ours: str) -> str:
-    """How far other engines bend joints beyond their limits in these rooms, which stands beside how smooth they look; "" where
-    none does by as much as a degree."""
-    most: dict[str, Row] = {}
-    for row in results.rows:
-        aside = row.engine in (RAW_TRACKER, engine_of(ours)) or not changes_with_commits(row.scenario)
-        if not aside and row.metric == "joint_limit_excess_max" and row.value is not None and row.value >= 1.0:
-            if row.run not in most or row.value > (most[row.run].value or 0.0):
-                most[row.run] = row
-    said = "; ".join(f"{run} by up to {quantity(row.value, row.unit)} ({row.scenario.removeprefix(UNSEEN_PREFIX)})"
-                     for run, row in most.items())
-    return (f"Smoothness has a price: joints go beyond their limits in {said}; engines that cannot say the limits of ball joints "
-            "are not ranked by this.") if said else ""
+def limits_sentence(found: Unseen) -> str:
+    """How far other engines bend joints beyond their limits, room by room; "" where none does by as much as a degree."""
+    runs = dict.fromkeys(line.run for line in found.lines if engine_of(line.run) != engine_of(found.ours))
+    lines = {run: [line for line in found.lines if line.run == run and line.room in found.asked] for run in runs}
+    said = "; ".join(f"{run} {_excesses(own)}" for run, own in lines.items() if _beyond(own) >= 1.0)
+    return (f"Joints beyond their limits by at most, room by room: {said}. Engines that cannot say the limits of ball joints are "
+            "not ranked by this.") if said else ""
+
+
+def _excesses(lines: Sequence[Line]) -> str:
+    """"95.0° (wall), 0.875° (floor)", the largest first; rooms without such a figure are left out."""
+    known = [(angle, line.room) for line in lines if (angle := line.of(LIMITS)) is not None]
+    return ", ".join(f"{quantity(angle, 'deg')} ({room})" for angle, room in sorted(known, reverse=True))
 
 
 def source(found: Unseen) -> str:
@@ -254,6 +275,8 @@ def verdict_sentence(found: Unseen) -> str:
     kept = f"{found.ours} breaks {count(len(found.broken), 'promise')}" if found.broken else (
         f"in {found.ours} nothing overlaps, no joint is beyond its limits, all stays on its side")
     said = [sentence for metric, form in WORST.items() if (sentence := _worst(found, metric, form))]
+    behind, of = lost(found, SHIVERS)
+    said += [f"links in contact jitter more than in another engine in {len(behind)} of {count(of, 'room')}"] if behind else []
     but = f"; but {', '.join(said)}" if said else ""
     return " ".join(filter(None, [f"{told}, {kept}{but}.", smoother_in_short(found)]))
 
@@ -266,19 +289,20 @@ def _rooms(found: Unseen) -> str:
 
 def _worst(found: Unseen, metric: str, form: str) -> str:
     """Our largest figure of a metric with its room and the best other engine's figure there, of the rooms that are counted, as in
-    the table; "" where there is none, or it is 0. Of a metric in WHERE_BEHIND only rooms in which another engine has less."""
+    the table; "" where there is none, or it is 0. Where ours is furthest behind in another room, that room too."""
     measure = next(one for one in MEASURES if one.metric == metric)
     shown = [(figure, line.room) for line in found.lines
              if line.run == found.ours and line.room in found.asked and (figure := line.of(metric)) is not None]
-    if metric in WHERE_BEHIND:
-        shown = [(figure, room) for figure, room in shown
-                 if (rival := found.best(room, measure)) is not None and not figure <= rival[0] + measure.same]
     # a figure that is no number is the worst
     figure, room = max(shown, key=lambda pair: pair[0] if math.isfinite(pair[0]) else math.inf, default=(0.0, ""))
     if figure == 0.0:
         return ""
     best = found.best(room, measure)
     beside = f"; {best[1]} {quantity(best[0], measure.unit)}" if best else ""
+    behind, _ = lost(found, measure)
+    if behind and behind[0].room != room:
+        far = f" {factor(behind[0].figure / behind[0].best)}" if behind[0].figure and behind[0].best > 0.0 else ""
+        beside += f"; furthest behind{far} in {behind[0].room}: {behind[0].said(measure.unit)}"
     return f"{form.format(quantity(figure, measure.unit))} ({room}{beside})"
 
 
@@ -314,13 +338,13 @@ def _beyond(lines: Sequence[Line]) -> float:
 
 
 def _smoother(found: Unseen, run: str, lines: Sequence[Line]) -> str:
-    """"mujoco/tuned in 5 of 5 rooms (joints up to 150° beyond their limits; adapter: twist unlimited)"."""
+    """"mujoco/tuned in 2 of 5 rooms (joints beyond their limits by 150° (wall), 22° (door); adapter: twist unlimited)"."""
     said = f"{run} in {len(lines)} of {count(len(found.asked), 'room')}"
     if not _beyond(lines) > 0.0:
         return said
     most = max(lines, key=lambda line: line.of(LIMITS) or 0.0)
     why = briefly(f"{UNSEEN_PREFIX}{most.room}", run)
-    return f"{said} (joints up to {quantity(_beyond(lines), 'deg')} beyond their limits{f'; {why}' if why else ''})"
+    return f"{said} (joints beyond their limits by {_excesses(lines)}{f'; {why}' if why else ''})"
 
 
 def worst_first(found: Unseen) -> list[Line]:
@@ -355,7 +379,7 @@ def section(results: Results, ours: str) -> Mapping[str, object]:
     ordered = worst_first(found)
     return {
         "unseen": found, "unseen_verdict": verdict_sentence(found), "unseen_conclusion": conclusion(found),
-        "unseen_smoother": smoother(found), "unseen_limits": limits_sentence(results, ours),
+        "unseen_smoother": smoother(found), "unseen_limits": limits_sentence(found),
         "unseen_source": f"{statuses(found)} {source(found)}",
         "unseen_heads": [measure.title for measure in MEASURES],
         "unseen_tables": (

@@ -41,6 +41,9 @@ UNASKED = (SILENT, ABSENT)
 
 STEP = "dt"
 """Setting in which an engine says the length of its solver's step [s]."""
+LENGTHS = ("margin", "loose_margin")
+"""Settings [m] of another engine that its preset chose for the lengths of a scene: they grow with a world, as the presets of
+scenes of another size have them. Left as they are, 0.4 mm push a pile of ten boxes at size 0.15 apart by 23 mm of size 1."""
 
 
 @dataclass(frozen=True)
@@ -113,7 +116,7 @@ def outcome(task: Task) -> Outcome:
         if "scene" in silence:
             return Outcome(SILENT, note=silence["scene"])
         try:
-            options = _stepped(engine, task, case)
+            options = _options(engine, task, case)
             if options is None:
                 return Outcome(SILENT, note="it has no solver step of a set length")
             _run(engine, task, case, options, shown, begun)
@@ -130,15 +133,23 @@ def outcome(task: Task) -> Outcome:
     return Outcome(**{**found, "seconds": time.monotonic() - begun})  # type: ignore[arg-type]
 
 
-def _stepped(engine: Engine, task: Task, case: Varied) -> dict[str, object] | None:
-    """Options by which the solver's step is the one that is asked for, from what the preset sets in this very scene; None for an
-    engine that sets none."""
-    if task.trial.change.step == 1.0:
+def _options(engine: Engine, task: Task, case: Varied) -> dict[str, object] | None:
+    """Options by which the solver's step is the one that is asked for, and the preset's lengths are of a world of that size, from
+    what the preset sets in this very scene; None for an engine that has no such step."""
+    change = task.trial.change
+    if change.step == 1.0 and change.scale == 1.0:
         return {}
-    engine.load(case.scene, Settings(task.preset, seed=task.trial.change.seed), case.dt)
-    found = engine.settings_as_run().get(STEP)
-    value = found[0] if isinstance(found, tuple) else found
-    return {STEP: task.trial.change.step * value} if isinstance(value, float) else None
+    engine.load(case.scene, Settings(task.preset, seed=change.seed), case.dt)
+    told = engine.settings_as_run()
+    found = {name: value[0] if isinstance(value := told[name], tuple) else value for name in (STEP, *LENGTHS) if name in told}
+    options: dict[str, object] = {}
+    for name in LENGTHS if change.scale != 1.0 else ():
+        if isinstance(length := found.get(name), float) and length > 0.0:
+            options[name] = change.scale * length
+    if change.step == 1.0:
+        return options
+    step = found.get(STEP)
+    return {**options, STEP: change.step * step} if isinstance(step, float) else None
 
 
 def _run(engine: Engine, task: Task, case: Varied, options: dict[str, object], shown: _Shown, begun: float) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reports import write_report
-from reports.deciding.bounds_by_kind import Kind, kinds, loose, promised
+from reports.deciding.bounds_by_kind import Kind, kinds, loose, promised, wider
 from reports.deciding.verdict import verdict
 from reports.reading.load import load
 from tests.reports.conftest import row
@@ -37,6 +37,26 @@ def test_a_bound_of_nothing_and_one_that_fails(run_dir: Write, results: Json) ->
     side, failed = found(run_dir, results, gated("a", "wrong_side_frames", 0.0, 0.0, "frames"), gated("b", "drift_max", 2.0, 1.0))
     assert side.nearest_said == "0 in all" and failed.nearest_said == "above it (b)"
     assert promised((side,)) == "Promised everywhere: frames on the wrong side 0 at most, in 1 scene, 0 in all."
+
+
+def test_what_holds_by_a_bound_wider_than_that_of_other_scenes_is_named(run_dir: Write, results: Json) -> None:
+    still = [gated(scene, "still_frames", value, bound, "%") for scene, value, bound in (
+        ("a", 0.5, 1.0), ("b", 0.0, 1.0), ("c", 0.0, 1.0), ("d", 0.0, 1.0), ("centres", 15.8, 25.0), ("fine", 0.4, 25.0),
+        ("above", 30.0, 25.0))]
+    course = [gated("a", "course_error_max", 1e-5, 1e-3), gated("b", "course_error_max", 0.0, 1e-7)]
+    assert wider(found(run_dir, results, *still, *course)) == (
+        "Held by a wider bound alone: frames that stand still while the user moves in centres: 15.8 %, bound 25 %, wider than "
+        "the 1 % of other scenes.")
+    assert wider(found(run_dir, results, *still[:2])) == ""
+
+
+def test_the_wider_bound_stands_below_those_that_do_not_hold(run_dir: Write, results: Json) -> None:
+    rows = [gated(scene, "still_frames", value, bound, "%") for scene, value, bound in (
+        ("a", 0.5, 1.0), ("b", 0.0, 1.0), ("centres", 15.8, 25.0), ("broken", 3.0, 1.0))]
+    folder = run_dir(results | {"rows": rows, "series": {}})
+    write_report(folder)
+    page = (folder / "index.html").read_text(encoding="utf-8")
+    assert page.index("Bounds that do not hold</h2>") < page.index("Held by a wider bound alone") < page.index('id="losses"')
 
 
 def test_loose_bounds_on_physics_are_counted_by_kind_and_in_all(run_dir: Write, results: Json) -> None:

@@ -6,13 +6,15 @@ from collections.abc import Callable
 from pathlib import Path
 
 from reports import write_report
+from reports.deciding.conclusions import table_sentence
 from reports.deciding.losses import FIRST, beside, kinds_sentence, over, section, sentence, silent_sentence
 from reports.deciding.moments import moment
+from reports.deciding.tables import blocks
 from reports.deciding.verdict import STATES, scenes_sentence, verdict
 from reports.reading.load import load
 from reports.summaries.summary import summary
 from reports.words.metric_words import words
-from runfiles.behind import Behind, by_family, compared
+from runfiles.behind import Behind, MetricLosses, by_family, compared
 from runfiles.ranked import KINDS, RANKED
 
 Json = dict[str, object]
@@ -64,6 +66,17 @@ def test_the_page_shows_both_figures_the_rest_in_details_and_the_reasons(run_dir
     row = section[section.index("root_jump_max"):]
     assert row.index("3.90 mm") < row.index("mujoco/default 0")
     assert "frame_time_raw_p50" in section and "not ranked" in section and "∞" not in page and "×10" not in section
+
+
+def test_beside_the_table_the_count_over_all_ranked_metrics_comes_first(run_dir: Write, results: Json) -> None:
+    data = changed(changed(results, metric="root_jump_max", value=0.2), engine="mujoco", metric="root_jump_max", value=0.0)
+    found = load(run_dir(data))
+    every = by_family(compared(found.rows, OURS), found.families)
+    said = table_sentence(blocks(found), OURS, every)
+    cases, behind = sum(one.families for one in every), sum(len(one.lost) for one in every)
+    assert said.startswith(f"Over {len(every)} ranked metrics and the families of scenes of each, another engine is better in "
+                           f"{behind} of {cases} cases. Of the cells of this table")
+    assert any(one.metric == "root_jump_max" and one.lost for one in every)
 
 
 def test_tiles_add_up_to_the_scenes(run_dir: Write, results: Json) -> None:
@@ -137,6 +150,9 @@ def test_metrics_of_one_thing_are_counted_together(run_dir: Write, results: Json
     said = kinds_sentence(by_family(verdict(found).ranked, found.families))
     assert "overlap 0 of 2" in said and "smoothness 2 of 2" in said
     assert kinds_sentence(()) == ""
+    ranked = [MetricLosses("joint_limit_excess_max", 5, ())]
+    assert "limits 0 of 1 (angle beyond joint limits in 5 families alone: " in kinds_sentence(ranked, {"joint_limit_excess_max"})
+    assert "limits 0 of 1; together" in kinds_sentence(ranked)
 
 
 def test_each_ranked_metric_is_of_one_kind_so_that_counts_add_up(run_dir: Write, results: Json) -> None:

@@ -4,9 +4,11 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from reports import write_report
 from reports.deciding.conclusions import time_sentence, time_summary
-from reports.deciding.losses import aside_said, best_in
+from reports.deciding.losses import aside_said, best_in, repeats_said
 from reports.deciding.tables import blocks
 from reports.deciding.verdict import verdict
 from reports.drawing.charts import time_panels
@@ -15,6 +17,7 @@ from reports.reading.load import Results, load
 from reports.summaries import headline
 from reports.summaries.summary import summary
 from runfiles.like_for_like import AVATAR, RESTING
+from runfiles.timing_protocol import TAILS
 from tests.reports.conftest import row
 
 Json = dict[str, object]
@@ -94,3 +97,24 @@ def test_the_panel_of_a_scene_with_an_avatar_names_no_lowest(run_dir: Write, res
 def test_the_slowest_frame_of_the_summary_says_of_how_many_repeats_it_is() -> None:
     said = time_summary({"maze": {OURS: (1.0, 2.0, 3.0)}}, OURS, "", {"maze": 3850.0}, 1, 3)
     assert said.startswith(f"The slowest frame of {OURS} (each frame the least of 3 repeats) takes 3.85 ms, in maze;")
+
+
+@pytest.mark.parametrize(("note", "ranked"), [
+    ("1 x 200 frames, 30 warm-up frames", False), ("3 x 60 frames", False), ("2 x 200 frames", True), ("", True)])
+def test_a_slow_end_of_few_frames_or_one_repeat_ranks_nothing(note: str, ranked: bool, run_dir: Write, results: Json) -> None:
+    """Medians of the same frames are ranked."""
+    rows = [row("drop", run, metric, time, "us", note=note) for run, time in ((OURS, 100.0), (THEIRS, 50.0))
+            for metric in (*TAILS, "frame_time_p50")]
+    made = load(run_dir(results | {"rows": rows, "series": {}, "scenes": {"drop": {"title": "", "everyday": True}}}))
+    behind = {one.row.metric for one in verdict(made).ranked.behind}
+    assert behind == ({*TAILS, "frame_time_p50"} if ranked else {"frame_time_p50"})
+    (block,) = blocks(made)
+    for line in block.lines:
+        ratios = {cell.row.metric: cell.ratio for cell in line.cells if cell.row}
+        assert (ratios[P95] is not None) is ranked and ratios["frame_time_p50"] is not None
+    (panel,) = time_panels(made, strokes([OURS, THEIRS]), ("drop",))
+    assert ("has the lowest p95" in panel.conclusion) is ranked
+    once = "Engines are compared over frames of 1 repeat in 1 of 1 scene."
+    assert repeats_said(made, OURS) == (once if note[:1] == "1" else "")
+    few = "in 1 family frames or repeats are too few, in 1 of them another engine takes less time"
+    assert (few in aside_said(verdict(made).ranked, {})) is not ranked

@@ -33,6 +33,14 @@ def test_cards_say_what_the_gate_says(run_dir: Write, results: Json) -> None:
     assert found["ball_drop"].behind == ("error of restitution 0.3, best other 0.02 (pybullet/default)",)
 
 
+def test_of_a_scene_that_ours_refuses_no_depth_of_others_is_told(run_dir: Write, results: Json) -> None:
+    """The scene prescribes a first pose that overlaps: an engine that takes it shows it."""
+    rows = [row("deep", "avatarsim/default", "run", None, status="refused", note="overlap at the start"),
+            row("deep", "mujoco/default", "residual_overlap_max", 0.2, "m")]
+    found = made(run_dir(results | {"rows": rows, "series": {}}))["cards"]
+    assert isinstance(found, dict) and found["deep"].figures == () and found["deep"].said == "refused, as it should be"
+
+
 def test_what_is_no_number_is_the_worst_of_the_others(run_dir: Write, results: Json) -> None:
     rows = results["rows"]
     assert isinstance(rows, list)

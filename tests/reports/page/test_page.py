@@ -9,6 +9,8 @@ import pytest
 
 from avatarsim.errors import InvalidFile
 from reports import write_report
+from runfiles.like_for_like import AVATAR
+from tests.reports.conftest import row
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -185,13 +187,14 @@ def test_the_caveat_stands_under_the_heading_of_the_table(run_dir: Write, result
 
 
 def test_whoever_holds_bodies_apart_is_named_under_the_overlap(run_dir: Write, results: Json) -> None:
-    """Only a length above zero is one, and our own stand-off counts as well."""
+    """Only a length above zero is one, our own stand-off counts as well, and no link hovers in a scene without an avatar."""
     lengths = (("mujoco", "margin", 0.004), ("pybullet", "collision_margin", 0.001), ("mine", "stand_off", 2e-4))
-    engines = [{"name": name, "preset": "tuned", "scenario": "arm_wall", "settings": {key: [value, "some reason"]}}
-               for name, key, value in lengths]
-    text, _ = written(run_dir(results | {"engines": engines}))
+    engines = [{"name": name, "preset": "tuned", "scenario": scene, "settings": {key: [value, "some reason"]}}
+               for name, key, value in lengths for scene in ("arm_wall", "ball_drop")]
+    rows = [*results["rows"], row("arm_wall", "mujoco/tuned", AVATAR, 0.1, "m")]  # type: ignore[misc]
+    text, _ = written(run_dir(results | {"engines": engines, "rows": rows}))
     part = text.split('id="overlap"')[1].split("</section>")[0]
-    assert "mujoco/tuned keeps a contact margin of 4 mm: its links hover" in part
+    assert "mujoco/tuned keeps a contact margin of 4 mm in 1 scene with an avatar: its links hover" in part
     assert "mine/tuned keeps a stand-off of 200 µm" in part and "pybullet/tuned keeps" not in part
 
 

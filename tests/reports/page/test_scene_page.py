@@ -215,6 +215,15 @@ def test_it_opens_where_ours_looks_worst_and_offers_the_worst_of_the_others(fold
     assert still is not None and still["opens"] == {}
 
 
+def test_where_ours_shows_nothing_no_moment_of_another_is_called_ours(folder: Path) -> None:
+    found, theirs = drawn(folder, NAME), shown(folder, NAME, [THEIRS])[0]
+    data = replay(found, [theirs], OURS) if found else None
+    assert data is not None and data["opens"] == {"others": {"state": 10, "run": THEIRS}}
+    (folder / "recordings" / f"{NAME}.avatarsim.default.0.npz").unlink()
+    text = page(folder)[0]
+    assert "ours at its worst" not in text and "It opens on the deepest overlap of the others" in text
+
+
 def test_the_view_holds_the_user_too(folder: Path) -> None:
     found, ours = drawn(folder, NAME), shown(folder, NAME, [OURS])[0]
     near = replay(found, [ours], OURS) if found else None

@@ -11,6 +11,7 @@ from reports.reading.load import Series, load
 from reports.replay.courses import Course, charts, conclusion, courses, over_all, sentence
 from reports.replay.packed import unpacked
 from reports.words.wording import quantity
+from runfiles.timing_protocol import TAIL_FRAMES
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
@@ -37,12 +38,25 @@ def test_frame_times_begin_with_the_first_frame_not_the_first_state() -> None:
 def test_times_say_of_how_many_repeats_they_are() -> None:
     times = {run: Series(np.zeros(0), np.array([10.0, 20.0, most])) for run, most in (("a/default", 40.0), ("b/default", 50.0))}
     [chart] = charts(courses(times, [], None), 0.01, 100, repeats=1)
-    assert chart["concludes"] == "Lowest peak: a/default, 40.0 µs; highest: b/default, 50.0 µs (each frame run once)."
+    assert chart["concludes"] == ("Slowest: b/default, 50.0 µs (each frame run once); too few repeats or frames to say which "
+                                  "peak is the lowest.")
     assert str(chart["text"]).endswith("largest 50.0 µs (each frame run once).")
     [chart] = charts(courses(times, [], None), 0.01, 100, repeats=3)
     assert str(chart["text"]).endswith("largest 50.0 µs (each frame the least of 3 repeats).")
     [chart] = charts({"overlap": [Course("a/default", 0, OVERLAP)]}, 0.01, 100, repeats=3)
     assert "repeat" not in str(chart)
+
+
+def test_times_of_a_window_name_it_and_no_peak_of_it_is_the_lowest() -> None:
+    time = [Course("a/default", 6, np.array([1.0, 40.0])), Course("b/default", 6, np.array([50.0, 2.0]))]
+    (_, chart) = charts({"overlap": [Course("a/default", 0, np.zeros(21))], "time": time}, 1.0 / 60.0, 100)
+    for words in (str(chart["concludes"]), str(chart["text"])):
+        assert words.startswith("2 of 20 frames alone, from frame 5 on: ")
+    assert "Lowest peak" not in str(chart["concludes"]) and "slowest b/default, 50.0 µs" in str(chart["concludes"])
+    for frames, said in ((2, "Slowest: b/default"), (TAIL_FRAMES, "Lowest peak: a/default")):
+        time = [Course(run, 1, np.full(frames, most)) for run, most in (("a/default", 40.0), ("b/default", 50.0))]
+        (_, whole) = charts({"overlap": [Course("a/default", 0, np.zeros(frames + 1))], "time": time}, 1.0 / 60.0, 100)
+        assert str(whole["concludes"]).startswith(said)
 
 
 def test_spikes_survive_fewer_points() -> None:

@@ -45,6 +45,14 @@ def test_what_a_screen_shows_stands_in_its_order_and_leads_to_its_moment(run_dir
     assert len(news(found, verdict(found).ranked, OURS, {})) == MOST
 
 
+def test_beside_a_scene_that_was_cut_short_stands_how_much_of_it_ran(run_dir: Write, results: Json) -> None:
+    rows = [*lost("short", "reversal_max", 0.4, 0.1), *lost("whole", "root_jump_max", 0.4, 0.1)]
+    lengths = {"whole": {"dt": 0.02, "frames": 200}, "short": {"dt": 0.02, "frames": 1000}}
+    found = load(run_dir(results | {"rows": rows, "series": {}, "scenes": lengths}))
+    said = [one.beside for one in news(found, verdict(found).ranked, OURS, {})]
+    assert f"short, in 4 s of 20 s; {THEIRS} 100 mm" in said and f"whole; {THEIRS} 100 mm" in said
+
+
 def test_the_longest_wait_of_a_room_is_told_with_its_begin() -> None:
     waits = {"unseen_wall": (0.5, 3.0), ROOM: (4.25, 5.5), "mocap_walk_wall": (9.0, 0.0)}
     known = {scene: Instants(wait=wait) for scene, wait in waits.items()}
