@@ -113,7 +113,7 @@ def wider(found: Sequence[Kind]) -> str:
         rows = [row for row in one.rows if row.bound is not None and usual < row.bound and usual < _value(row) <= row.bound]
         said += [f"{words(one.metric)} in {row.scenario}: {quantity(row.value, row.unit)}, bound {limit(row.bound, row.unit)}, "
                  f"wider than the {limit(usual, row.unit)} of other scenes" for row in rows]
-    return f"Held by a wider bound alone: {'; '.join(said)}." if said else ""
+    return f"Of how motion looks, held by a wider bound alone: {'; '.join(said)}." if said else ""
 
 
 def loose(found: Sequence[Kind]) -> str:

@@ -11,14 +11,14 @@ from reports.words.wording import factor, limit, quantity
 
 RESTS, MOVES = ("stack_ten",), ("stack_struck", "balls_216")
 """Scenes of piles that stand for all but their first frames, and of piles in motion throughout."""
-TIME, OVERLAP = "frame_time_p50", "residual_overlap_max"
+TIME, SLOWEST, OVERLAP = "frame_time_p50", "frame_time_max", "residual_overlap_max"
 LEVELS = (1e-2, 1e-3, 1e-6)
 """Overlaps [m] for which the fastest is named."""
 
 
 @dataclass(frozen=True)
 class Pace:
-    """Median time of a frame [us] and deepest overlap [m] of one run in one scene."""
+    """Median or slowest time of a frame [us] and deepest overlap [m] of one run in one scene."""
 
     run: str
     time: float
@@ -30,14 +30,14 @@ class Pace:
         return f"{self.run} {quantity(self.time, 'us')}, leaves {quantity(self.overlap, 'm')}"
 
 
-def paces(results: Results, scene: str) -> tuple[Pace, ...]:
-    """Every run of a scene that has both figures, fastest first; of several seeds the worst."""
+def paces(results: Results, scene: str, time: str = TIME) -> tuple[Pace, ...]:
+    """Every run of a scene that has overlap and `time`, fastest first; of several seeds the worst."""
     found: dict[str, dict[str, float]] = {}
     for row in results.of(scene):
-        if row.metric in (TIME, OVERLAP) and row.value is not None and math.isfinite(row.value) and row.engine != RAW_TRACKER:
+        if row.metric in (time, OVERLAP) and row.value is not None and math.isfinite(row.value) and row.engine != RAW_TRACKER:
             own = found.setdefault(row.run, {})
             own[row.metric] = max(own.get(row.metric, 0.0), row.value)
-    made = [Pace(run, own[TIME], own[OVERLAP]) for run, own in found.items() if len(own) == 2]
+    made = [Pace(run, own[time], own[OVERLAP]) for run, own in found.items() if len(own) == 2]
     return tuple(sorted(made, key=lambda one: one.time))
 
 
@@ -61,22 +61,28 @@ def in_motion(results: Results, ours: str) -> str:
 
 def which(results: Results, ours: str) -> str:
     """For stacks at rest and piles in motion the fastest run that leaves at most so much, scene by scene, of ours as it comes and
-    of all presets of other engines."""
+    of all presets of other engines. Where any of them sleeps in the median frame, by the slowest frame, and the medians asleep
+    stand beside it: a frame of what sleeps is no measure of the engine."""
     said, sleeping = [], sleepers(results)
     for kind, scenes in (("At rest", RESTS), ("In motion", MOVES)):
         for scene in scenes:
-            found = [one for one in paces(results, scene) if one.run == ours or engine_of(one.run) != engine_of(ours)]
+            def of(time: str, scene: str = scene) -> list[Pace]:
+                return [one for one in paces(results, scene, time) if one.run == ours or engine_of(one.run) != engine_of(ours)]
+
+            found, sleeps = of(TIME), asleep(sleeping.get(scene, {}), "p50")
+            medians = [f"{one.run} {quantity(one.time, 'us')}" for one in found if one.run in sleeps]
+            by, beside = (SLOWEST, f"; median asleep: {', '.join(medians)}") if medians and of(SLOWEST) else (TIME, "")
             if found:
-                sleeps = asleep(sleeping.get(scene, {}), "p50")
-                said.append(f"{kind} ({scene}), fastest median with an overlap of {_by_level(found, sleeps)}.")
+                which = "least slowest frame" if by == SLOWEST else "fastest median"
+                said.append(f"{kind} ({scene}), {which} with an overlap of {_by_level(of(by))}{beside}.")
     return " ".join(said)
 
 
-def _by_level(found: Sequence[Pace], sleeps: Sequence[str]) -> str:
+def _by_level(found: Sequence[Pace]) -> str:
     """"at most 10 mm: ...; 1 mm: ...", equal answers together."""
     answers: dict[str, list[str]] = {}
     for level in LEVELS:
         best = next((one for one in found if one.overlap <= level), None)
-        text = "none of those run" if best is None else f"{best.said}{', asleep' if best.run in sleeps else ''}"
+        text = "none of those run" if best is None else best.said
         answers.setdefault(text, []).append(limit(level, "m"))
     return "; ".join(f"at most {' or '.join(levels)}: {text}" for text, levels in answers.items())

@@ -31,7 +31,7 @@ from reports.deciding.tuned import tunings
 from reports.deciding.verdict import Verdict, loosest, reading_order, scenes_sentence
 from reports.drawing.charts import Panel, overlap_panels, time_panels, time_percentiles
 from reports.drawing.palette import Stroke, dark_rules, strokes
-from reports.page import gallery, glossary
+from reports.page import gallery, glossary, three_answers
 from reports.page.extra_sections import Section, drawn, tried
 from reports.page.finished import labelled, linked
 from reports.page.gallery import Picture
@@ -201,6 +201,7 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         own_said=_own(results, extras, damage) if is_own else (),
         verdict=verdict, results=results, damage=damage, blocks=shown, columns=COLUMNS, strokes=colours, heads=_heads(shown),
         bound_losses=[loss for loss in verdict.losses if loss.kind in ("failed", "above bound")],
+        short_answers=three_answers.three(extras.sweep, extras.steady, extras.ablation),
         bad_news=bad_news.news(results, verdict.ranked, verdict.gated, instants),
         **losses.section(results, verdict.ranked, verdict.gated, instants), **explained.section(results),
         scenes_said=scenes_sentence(verdict), kinds=(bounded := bounds_by_kind.kinds(verdict)),

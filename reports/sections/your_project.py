@@ -30,6 +30,8 @@ HEADSET = 90.0
 """Frames per second of a headset."""
 TUNED = ("mujoco/tuned", "pybullet/tuned")
 """Other engines with their best settings."""
+LEAPS = "teleport"
+"""The scene whose target leaps."""
 SHOWN = ("residual_overlap_max", "tracker_offset_rms_free", "reversal_max", "link_jump_max", "frame_time_p50")
 """Metrics of what a user sees of an avatar first, and of what it costs."""
 PER_FRAME = ("steps", "work")
@@ -67,7 +69,7 @@ def answers(results: Results, ours: str, growth: Growth | None = None) -> tuple[
         Answer("Scenery that is animated, such as lifts and doors", NO, "Bodies are fixed, simulated or links of an avatar. A "
                "link that is moved by a tracker stops at what it meets instead of pushing through it."),
         Answer("A user who steps or reaches through a wall", PARTLY, walls(results, ours)),
-        Answer("A target that leaps (teleports)", YES, leaps()),
+        Answer("A target that leaps (teleports)", PARTLY, leaps(results, ours)),
         Answer("A start inside something", NO, "load, reset and put raise StartOverlaps, which names the pair and its depth. "
                "PyBullet and MuJoCo start there and push it out."),
         Answer("The first start on a machine", PARTLY, "The engine is compiled once for a version and kind of processor, one to "
@@ -149,12 +151,17 @@ def walls(results: Results, ours: str) -> str:
     )
 
 
-def leaps() -> str:
-    """How teleports of the tracker are followed."""
+def leaps(results: Results, ours: str) -> str:
+    """How teleports of the tracker are followed, and how far behind and how restless ours and the tuned others are there."""
+    told = [f"{words(metric)} " + ", ".join(f"{run} {quantity(found[0], unit)}" for run in (ours, *TUNED) if (
+        found := [value for value, scene in _figures(results, run, metric) if scene == LEAPS]))
+        for metric, unit in (("tracker_offset_rms", "m"), ("reversal_max", "m"))
+        if any(scene == LEAPS for _, scene in _figures(results, ours, metric))]
+    shown = f" In {LEAPS}: {'; '.join(told)}." if told else ""
     return ("In the frame of the leap, as far as the straight way is free; avatars with joints are then led around what is in "
             f"between, a root at {quantity(PostureSettings().catch_up_move, 'm/s')} and a joint at "
             f"{quantity(PostureSettings().catch_up_turn, 'rad/s')} at most beyond the user's; a wrist, at the end of several "
-            f"joints, can show more. To cross walls: {ELSEWHERE}.")
+            f"joints, can show more.{shown} To cross walls: {ELSEWHERE}.")
 
 
 def slowest(results: Results, ours: str) -> str:

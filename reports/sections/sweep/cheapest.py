@@ -293,6 +293,16 @@ def sentence(found: Table) -> str:
     return " ".join([*parts, *_factors(cases), *_unasked(unasked), *_beside(found)])
 
 
+def brief(found: Table) -> str:
+    """The opening in one sentence: in how many cases without an avatar a rival is cheaper than ours, and by how much not."""
+    cases, lost = found.cases, found.lost
+    if not cases:
+        return "no scene without an avatar has a setting that both engines were asked."
+    scenes = tuple(dict.fromkeys(case.block.scenario for case in lost))
+    said = f"of {count(len(cases), 'case')} without an avatar (scene × accuracy) another engine is cheaper in {len(lost)}"
+    return " ".join([f"{said}{f' ({listed(scenes)})' if scenes else ''}.", *_factors(cases)])
+
+
 def _where(cases: Sequence[Case]) -> tuple[str, ...]:
     """Scene, accuracies and both times; accuracies of a scene at which the times are the same stand together."""
     found: dict[tuple[str, str], list[str]] = {}
@@ -319,10 +329,15 @@ def _factors(cases: Sequence[Case]) -> list[str]:
     if alike:
         (low, near), (high, far) = min(alike, key=lambda e: e[0]), max(alike, key=lambda e: e[0])
         parts.append(
-            f"Where both reach it, the cheapest rival takes {_times(low)} ({near.where}, {_run(near.rival)}) to {_times(high)} "
-            f"({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where all tell them apart."
+            f"Where both reach it, the cheapest rival takes {_times(low)}{_level(near)} ({near.where}, {_run(near.rival)}) "
+            f"to {_times(high)} ({far.where}, {_run(far.rival)}) the time of {BASE}, frames in motion where all tell them apart."
         )
     return parts
+
+
+def _level(case: Case) -> str:
+    """"; level" where a rival takes less time, by no more than what counts as level."""
+    return ", level" if not case.lost and case.rival is not None and case.rival.factor < 1.0 else ""
 
 
 def _unasked(cases: Sequence[Case]) -> list[str]:

@@ -45,7 +45,8 @@ def test_what_holds_by_a_bound_wider_than_that_of_other_scenes_is_named(run_dir:
         ("above", 30.0, 25.0))]
     course = [gated("a", "course_error_max", 1e-5, 1e-3), gated("b", "course_error_max", 0.0, 1e-7)]
     assert wider(found(run_dir, results, *still, *course)) == (
-        "Held by a wider bound alone: frames that stand still while the user moves in centres: 15.8 %, bound 25 %, wider than "
+        "Of how motion looks, held by a wider bound alone: "
+        "frames that stand still while the user moves in centres: 15.8 %, bound 25 %, wider than "
         "the 1 % of other scenes.")
     assert wider(found(run_dir, results, *still[:2])) == ""
 
@@ -56,7 +57,7 @@ def test_the_wider_bound_stands_below_those_that_do_not_hold(run_dir: Write, res
     folder = run_dir(results | {"rows": rows, "series": {}})
     write_report(folder)
     page = (folder / "index.html").read_text(encoding="utf-8")
-    assert page.index("Bounds that do not hold</h2>") < page.index("Held by a wider bound alone") < page.index('id="losses"')
+    assert page.index("Bounds that do not hold</h2>") < page.index("held by a wider bound alone") < page.index('id="losses"')
 
 
 def test_loose_bounds_on_physics_are_counted_by_kind_and_in_all(run_dir: Write, results: Json) -> None:

@@ -134,6 +134,15 @@ def test_engines_between_tracker_and_avatar_are_compared_over_scenes_that_all_ha
     assert "not like for like" in said and ABSENT in fact(made(run_dir, alone), "Between tracker")
 
 
+def test_a_leap_is_followed_in_part_and_its_figures_stand_there(run_dir: Write) -> None:
+    found = made(run_dir, row("teleport", OURS, "tracker_offset_rms", 2.37, "m"),
+                 row("teleport", OURS, "reversal_max", 0.306, "m"),
+                 row("teleport", "mujoco/tuned", "tracker_offset_rms", 0.755, "m"))
+    said = fact(found, "A target that leaps")
+    assert "offset from the user, all frames avatarsim/default 2.37 m, mujoco/tuned 755 mm; largest displacement" in said
+    assert word(found, "A target that leaps") == PARTLY and "In teleport" not in fact(made(run_dir), "A target that leaps")
+
+
 def test_ports_and_refused_starts_are_those_of_the_source(run_dir: Write) -> None:
     assert (ROOT / "docs" / "live_ports.md").is_file() and "docs/live_ports.md" in fact(made(run_dir), "C, Unity")
     assert issubclass(StartOverlaps, Exception) and "StartOverlaps" in fact(made(run_dir), "A start inside")
