@@ -25,7 +25,7 @@ import numpy as np
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Options, clean
 from avatarsim.collision.scratch import make_scratch
-from avatarsim.collision.signed_distance import signed_distance_up_to
+from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.console import Progress
 from avatarsim.engine import Settings
 from avatarsim.files import VARIABLE, make_private
@@ -154,8 +154,9 @@ def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
 
 
 def compile_distances() -> None:
-    """Compile what finds how far two shapes are apart, as other kernels call it."""
+    """Compile what finds how far two shapes are apart: as other kernels call it, and as Python does of a start that touches."""
     world = build(part_scene("motion")[0])
+    signed_distance(world.poses.vertices, world.geometry.shapes, 0, 1, (0.0, 0.0, 0.0), make_scratch())
     question = (world.poses.vertices, world.geometry.shapes, 0, 1, (0.0, 0.0, 0.0), np.inf, make_scratch())
     cast(KernelDispatcher, signed_distance_up_to).called.compile(tuple(numba.typeof(part) for part in question))
 

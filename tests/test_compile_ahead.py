@@ -22,10 +22,13 @@ from avatarsim.compile_ahead import (
     run_shares,
     stamp_name,
 )
+from avatarsim.engine import Settings
 from avatarsim.jit import linking, places
 from avatarsim.jit.first_compile import FIRST_COMPILE
 from avatarsim.jit.places import NAME, CannotKeep, Places
 from avatarsim.jit.processor import compiled_for, usable
+from avatarsim.scene.tracker import rest
+from avatarsim.simulator import AvatarsimEngine
 from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging, walker, wall
 
 
@@ -56,6 +59,19 @@ def test_a_scene_with_posture_and_motion_calls_nothing_that_these_do_not() -> No
     known = called()
     compile_part("together")
     assert len(known) > 100 and called() == known
+
+
+def test_a_start_that_touches_calls_nothing_that_the_parts_do_not() -> None:
+    for part in ("distance", "motion", "worlds"):
+        compile_part(part)
+    known = called()
+    scene, _ = part_scene("motion")
+    with AvatarsimEngine() as engine:
+        engine.load(replace(scene, bodies=tuple(replace(body, position=(0.0, 0.0, 0.05)) if body.name == "ball" else body
+                                                for body in scene.bodies)), Settings(), 1.0 / 60.0)
+        engine.advance(rest(()), 1.0 / 60.0)
+        assert engine.contacts()
+    assert "collision.signed_distance" in str(known) and called() == known
 
 
 def test_cleaning_calls_nothing_that_its_part_does_not() -> None:
