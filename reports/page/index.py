@@ -96,26 +96,31 @@ FAIRNESS = (
     "Our avatar is kinematic: the user's motion drives it, and it meets simulated bodies with a coupled mass. It is not full "
     "articulated dynamics. MuJoCo and PyBullet compute the dynamics of the whole articulated body and pay for it in frame time.",
     "One scene description; every engine is built from it: the same shapes, masses, pairs that may meet, and tracker samples at "
-    "the same instants, except: MuJoCo has vertices in single precision, in falling_rod and painleve an infinite plane for the "
-    "floor's box, and tuned, with avatars, an armature of 30 % of each link's inertia on its joints. PyBullet has hulls of 162 "
-    "points for ellipsoids, hulls inflated by 1 mm by default and by 1 um tuned, at most 16 pieces a body, so that it has "
-    "several bodies where a scene has more, and stand-in links of 0.1 % of a link's mass between hinges that share a centre; "
-    "tuned, avatars have hulls for boxes, and each of several pieces on a massless link of its own.",
+    "the same instants, with the exceptions named below.",
     "One judge finds the overlap of every engine, ours included, from exported poses alone; no engine's own contact depth "
     "is used.",
     "Accuracy and time are measured in separate passes. Sub-steps count, because time is per rendered frame. What the first "
     "frames load or compile is reported beside it, never inside.",
     "Of the presets of MuJoCo and PyBullet, default is their default parameters in our rig and tuned what we found best for "
-    "accuracy in scenes of its kind, with sleep off. The rig of MuJoCo is one weld per link, of mujoco/servos a weld of the "
-    "root and a servo per joint; that of PyBullet one constraint of the root, whose largest force is our setting, and a motor "
-    "per joint. Single scenes have better settings, see Accuracy against time; settings and reasons are listed above. A preset "
-    "that is not in the table was not run. In every MuJoCo preset, default too, filterparent and autoreset are disabled and "
-    "pairs excluded as the scene has them, with reasons under Settings.",
-    "Figures in reasons of settings, and in what is said of large figures of others, are of the studies that found them, not of "
-    "this run, whose own stand in its tables.",
+    "accuracy in scenes of its kind, with sleep off. Single scenes have better settings, see Accuracy against time; settings and "
+    "reasons are listed above. A preset that is not in the table was not run.",
     PINNED,
     "Only the gated engine and preset can pass or fail. Every other row is information.",
 )
+UNLIKE = (
+    "The same shapes, masses, pairs that may meet, and tracker samples at the same instants, except: MuJoCo has vertices in "
+    "single precision, in falling_rod and painleve an infinite plane for the floor's box, and tuned, with avatars, an "
+    "armature of 30 % of each link's inertia on its joints. PyBullet has hulls of 162 points for ellipsoids, hulls inflated "
+    "by 1 mm by default and by 1 um tuned, at most 16 pieces a body, so that it has several bodies where a scene has more, "
+    "and stand-in links of 0.1 % of a link's mass between hinges that share a centre; tuned, avatars have hulls for boxes, "
+    "and each of several pieces on a massless link of its own.",
+    "The rig of MuJoCo is one weld per link, of mujoco/servos a weld of the root and a servo per joint; that of PyBullet one "
+    "constraint of the root, whose largest force is our setting, and a motor per joint. In every MuJoCo preset, default too, "
+    "filterparent and autoreset are disabled and pairs excluded as the scene has them, with reasons under Settings.",
+    "Figures in reasons of settings, and in what is said of large figures of others, are of the studies that found them, not of "
+    "this run, whose own stand in its tables.",
+)
+"""What engines do not have alike, and how each is rigged."""
 
 
 @dataclass(frozen=True)
@@ -233,7 +238,8 @@ def page(results: Results, verdict: Verdict, extras: Extras | None = None, cours
         tunings=tunings(shown, verdict.gated), tuning_sentence=tuned.sentence,
         tuning_aims=lambda tuning: tuned.aims(results.engines, tuning.engine),
         cards=cards(results.engines), provenance=_flat(results.provenance),
-        fairness=(*FAIRNESS, *timing_words.sentences(results.provenance)),
+        fairness=(*FAIRNESS, *filter(None, [timing_words.protocol(results.provenance)])), unlike=UNLIKE,
+        machine_said=timing_words.machine(results.provenance),
         clock=timing_words.CLOCK, timing_warning=timing_words.warning(results.provenance),
         css=(TEMPLATES / "page.css").read_text(encoding="utf-8") + dark_rules(),
         path_of=path_of, more_truths=lambda block: listed(tuple(words(metric) for metric in more_truths(results, block))),

@@ -83,10 +83,5 @@ def warning(provenance: Mapping[str, object]) -> str:
             "engines more than those of others. Measure again on a machine that does nothing else.")
 
 
-def sentences(provenance: Mapping[str, object]) -> tuple[str, ...]:
-    """All of it, for a list."""
-    return tuple(said for said in (protocol(provenance), machine(provenance)) if said)
-
-
 def _number(value: object) -> float:
     return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else math.nan

@@ -7,9 +7,9 @@ import pytest
 from reference.in_mujoco.presets import SCENES as MUJOCO_SCENES
 from reference.in_mujoco.presets import presets as mujoco_presets
 from reference.presets import Kind
-from reports.page.index import FAIRNESS
+from reports.page.index import UNLIKE
 
-SAID = next(sentence for sentence in FAIRNESS if sentence.startswith("One scene description"))
+SAID = next(sentence for sentence in UNLIKE if sentence.startswith("The same shapes"))
 AVATARS = (Kind.DRIVEN, Kind.MIXED)
 
 
@@ -43,6 +43,6 @@ def test_what_pybullet_has_otherwise_is_said() -> None:
 
 
 def test_the_rig_is_said_of_each_engine() -> None:
-    rig = next(sentence for sentence in FAIRNESS if "our rig" in sentence)
+    rig = next(sentence for sentence in UNLIKE if "The rig of MuJoCo" in sentence)
     for words in ("MuJoCo is one weld per link", "mujoco/servos a weld of the root", "PyBullet one constraint of the root"):
         assert words in rig
