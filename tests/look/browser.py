@@ -140,7 +140,8 @@ class Browser:
         while not self.loaded:
             if time.monotonic() > until:
                 raise RuntimeError(f"{page} was not loaded within {PATIENCE:g} s")
-            self.tell("Runtime.evaluate", expression="1")
+            # hears what the page has said; an order to the page itself is refused in the instant in which it is exchanged
+            self.tell("Browser.getVersion")
             time.sleep(0.05)
 
     def visit(self, address: str) -> None:
