@@ -66,16 +66,20 @@ def which(results: Results, ours: str) -> str:
     said, sleeping = [], sleepers(results)
     for kind, scenes in (("At rest", RESTS), ("In motion", MOVES)):
         for scene in scenes:
-            def of(time: str, scene: str = scene) -> list[Pace]:
-                return [one for one in paces(results, scene, time) if one.run == ours or engine_of(one.run) != engine_of(ours)]
-
-            found, sleeps = of(TIME), asleep(sleeping.get(scene, {}), "p50")
+            sleeps = asleep(sleeping.get(scene, {}), "p50")
+            found, moving = _as_it_comes(paces(results, scene), ours), _as_it_comes(paces(results, scene, SLOWEST), ours)
             medians = [f"{one.run} {quantity(one.time, 'us')}" for one in found if one.run in sleeps]
-            by, beside = (SLOWEST, f"; median asleep: {', '.join(medians)}") if medians and of(SLOWEST) else (TIME, "")
-            if found:
-                which = "least slowest frame" if by == SLOWEST else "fastest median"
-                said.append(f"{kind} ({scene}), {which} with an overlap of {_by_level(of(by))}{beside}.")
+            if medians and moving:
+                said.append(f"{kind} ({scene}), least slowest frame with an overlap of {_by_level(moving)}; "
+                            f"median asleep: {', '.join(medians)}.")
+            elif found:
+                said.append(f"{kind} ({scene}), fastest median with an overlap of {_by_level(found)}.")
     return " ".join(said)
+
+
+def _as_it_comes(found: Sequence[Pace], ours: str) -> list[Pace]:
+    """Those of our engine as it comes and of all presets of other engines."""
+    return [one for one in found if one.run == ours or engine_of(one.run) != engine_of(ours)]
 
 
 def _by_level(found: Sequence[Pace]) -> str:

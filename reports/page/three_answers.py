@@ -29,7 +29,7 @@ def three(sweep: Sweep | None, steady: Stability | None, ablation: Ablation | No
     """Those that this run can answer; a file that holds what no command writes is named by its own section."""
     asked: tuple[tuple[str, str, Callable[[], str] | None], ...] = (
         ("Accuracy against time", "sweep", partial(_cost, sweep) if sweep is not None and sweep.points else None),
-        ("Hard cases", "stability", partial(stability.answer, steady) if steady is not None else None),
+        ("Stability", "stability", partial(stability.answer, steady) if steady is not None else None),
         ("Effects", "effects", partial(effects.answer, ablation) if ablation is not None else None),
     )
     told = [(question, section, tried((), answer, [])) for question, section, answer in asked if answer is not None]
