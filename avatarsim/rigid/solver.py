@@ -10,7 +10,7 @@ instructions, and scaled by the effective mass; those of the normal come first, 
 are packed in fours as well during a solve.
 """
 
-from math import inf
+from math import ceil, inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,21 +30,22 @@ LANES = 4
 RESPONSE, RESPONSE_PARTS = 0, 4
 """M^-1 J^T of the normal, in so many parts of four: added to v and w of A and taken from v and w of B per impulse."""
 
-JACOBIAN, JACOBIAN_SIZE = 16, 9
+JACOBIAN, JACOBIAN_SIZE = RESPONSE + LANES * RESPONSE_PARTS, 9
 """Jacobian of the normal (the normal, its levers on A and on B) times the effective mass: its product with the velocities is the
 impulse that would stop the point along the normal."""
 
-BIAS, INVERSE_MASS, FRICTION, SLIDE = 25, 26, 28, 29
+BIAS = JACOBIAN + JACOBIAN_SIZE
+INVERSE_MASS, FRICTION, SLIDE = BIAS + 1, BIAS + 3, BIAS + 4
 """Bias velocity times effective mass; inverse effective masses along and across the normal; coefficient of friction; slide along
 the tangents times effective mass."""
 
-JACOBIANS = 32
+JACOBIANS = LANES * ceil((SLIDE + 2) / LANES)
 """The same nine numbers for the normal and both tangents, interleaved: the first of each, then the second of each."""
 
-TANGENT_RESPONSE = 68
+TANGENT_RESPONSE = JACOBIANS + LANES * JACOBIAN_SIZE
 """M^-1 J^T of each tangent, packed as that of the normal."""
 
-CROSS_RESPONSE = 100
+CROSS_RESPONSE = TANGENT_RESPONSE + 2 * LANES * RESPONSE_PARTS
 """Impulses along the tangents that balance the slip due to a unit impulse along the normal."""
 
 
