@@ -20,6 +20,9 @@ ELSEWHERE = 0.05
 follows a motion for minutes then ends elsewhere. What the verdict table counts as equal is equal as well."""
 HOST = ("cpu", "cpus", "platform", "python")
 """What must agree in provenance before times are compared."""
+PERCENTILES = {"frame_time_p50": 50.0, "frame_time_p95": 95.0, "frame_time_max": 100.0}
+"""Percentile of a run's frame times that a metric is. Without an entry its noise is unknown: `frame_time_python_p50` is of calls
+from Python, and a run keeps the frame times of the engine alone."""
 Key = tuple[str, str, str]
 
 
@@ -121,11 +124,11 @@ def _series(results: Results, key: Key) -> Series | None:
 
 
 def _sure(direction: int, old: Series | None, new: Series | None, metric: str) -> tuple[int, str]:
-    """The direction if the frames bear it out, else 0; and the interval of the ratio in words."""
-    percent = float(metric.rpartition("_p")[2])
-    # the frames of a run are those of its engine alone
-    alone = metric != "frame_time_python_p50"
-    found = interval(old.frame_time, new.frame_time, percent) if old and new and alone else None
+    """Return `direction` if the frames confirm it, else 0; and the interval of the ratio in words.
+
+    The slowest frame of a run counts as changed only where the slow frames all over the run have changed: one frame is noise."""
+    percent = PERCENTILES.get(metric)
+    found = interval(old.frame_time, new.frame_time, percent) if old and new and percent is not None else None
     if found is None:
         return direction, " (no frames to tell the noise from)"
     low, high = found
