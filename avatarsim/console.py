@@ -12,6 +12,7 @@ Progress of work that takes longer than a second, on the error stream: a bar on 
 import os
 import sys
 import time
+import traceback
 from argparse import ArgumentTypeError
 from collections.abc import Callable
 from contextlib import suppress
@@ -94,8 +95,9 @@ def printable(text: str) -> str:
     return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
 
 
-USAGE, UNSAID = 2, 3
-"""Exit codes: wrong usage; the answer could not be written."""
+USAGE, UNSAID, FAULT = 2, 3, 70
+"""Exit codes: wrong usage; the answer could not be written; a fault of the program (EX_SOFTWARE of sysexits). Python's own code
+for the last is 1, which is the answer of several commands: a bound failed, something got worse."""
 
 
 def path_option(text: str) -> Path:
@@ -120,7 +122,7 @@ def lost_output() -> OSError | None:
 
 def ended(main: Callable[[], int]) -> int:
     """The exit code of `main`, once all it printed is written: USAGE where standard output is closed, UNSAID where it is full or
-    where its reader has gone."""
+    where its reader has gone, FAULT with a traceback where `main` raised what it should not."""
     if sys.stderr is None:
         # a file that is opened later would get its number, and with it what children complain of
         sys.stderr = open(os.devnull, "w", encoding="utf-8")
@@ -137,6 +139,9 @@ def ended(main: Callable[[], int]) -> int:
         pass
     except OSError as error:
         refused.append(f"the system refused {error.filename or 'a file or a stream'}: {error.strerror or error}")
+    except Exception:
+        code = FAULT
+        refused.append(traceback.format_exc().rstrip())
     lost = lost_output()
     if lost is not None:
         code = UNSAID

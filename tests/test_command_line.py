@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.console import UNSAID, USAGE, path_option
+from avatarsim.console import FAULT, UNSAID, USAGE, path_option
 
 ROOT = Path(__file__).resolve().parent.parent
 PRINTS = "import sys\nfrom avatarsim.console import ended\nsys.exit(ended(lambda: print('x' * {}) or {}))"
@@ -56,6 +56,12 @@ def test_ends_of_other_kinds_keep_their_code(raised: str, code: int) -> None:
     script = f"import sys\nfrom avatarsim.console import ended\ndef main():\n    raise {raised}\nsys.exit(ended(main))"
     found, said = ran(["-c", script], subprocess.DEVNULL)
     assert found == code and "Traceback" not in said and ("here: full" in said) == (code == UNSAID)
+
+
+def test_a_fault_of_the_program_has_a_code_that_is_no_answer() -> None:
+    script = "from avatarsim.console import ended\ndef main():\n    return int('frame_time_max')\nraise SystemExit(ended(main))"
+    code, said = ran(["-c", script], subprocess.DEVNULL)
+    assert code == FAULT and "Traceback" in said and "ValueError" in said and "frame_time_max" in said
 
 
 def test_commands_of_the_harness_end_so_too() -> None:

@@ -5,6 +5,7 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from avatarsim.console import FAULT
 from avatarsim.errors import InvalidFile, UnknownName
 from runfiles.metrics import unit
 from scenarios.job import Outcome
@@ -28,6 +29,7 @@ MEANINGS = {
     USAGE: "wrong usage",
     INCOMPLETE: "an engine is missing or crashed, or something was not measured",
     NOTHING: "a name or pattern of the filter matched no scene",
+    FAULT: "a fault of the program",
     STOPPED: "stopped before the end",
 }
 """Exit codes. A failed bound wins over an incomplete comparison."""
