@@ -11,6 +11,9 @@ READY := .venv/set-up-stamp
 # Kernels are compiled once per version of the sources, in parallel and with progress shown; later this takes half a second.
 COMPILED := $(VENV_PYTHON) -m avatarsim
 
+# The run whose report a command adds to: the last comparison or, before the first one, the command's own run.
+REPORTED = $$([ -e reports/out/latest ] && echo reports/out/latest || echo reports/out/latest-$@)
+
 # Any Python that runs at all can start the set-up, which then looks for a supported one: shims can exist and fail.
 SET_UP = @for python in "$$PYTHON" python3 python3.11 python3.12 python3.13 python; do \
 	  if "$$python" -c '' 2>/dev/null; then exec "$$python" .setup/choose_python.py; fi; done; \
@@ -38,24 +41,25 @@ compare: $(READY)  ## every scene in every engine at its short length, the repor
 check: $(READY)  ## the gate: fails when a bound of a scene does not hold, or accuracy is behind the committed baseline
 	@$(COMPILED)
 	@code=0; $(VENV_PYTHON) -m scenarios check || code=$$?; \
-	  if [ $$code -le 1 ]; then $(VENV_PYTHON) -m reports diff reports/baseline.csv || code=1; fi; exit $$code
+	  if [ $$code -le 1 ]; then $(VENV_PYTHON) -m reports diff reports/baseline.csv reports/out/latest-check || code=1; fi; exit $$code
 
-ablate: $(READY)  ## what each effect of a scene costs and what leaving it out changes, into the last run's report (ALL=1: every scene)
+ablate: $(READY)  ## what each effect of a scene costs and what leaving it out changes, into the last comparison's report (ALL=1: every scene)
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios ablate $(if $(ALL),--filter '*')
-	@$(VENV_PYTHON) -m reports write
+	@$(VENV_PYTHON) -m reports write $(REPORTED)
 
 bench: $(READY)  ## times: frames, the paper's Table 2, up to 199 links and 100 avatars, single collision queries, 20,000 objects
 	@$(COMPILED)
-	@code=0; $(VENV_PYTHON) -m scenarios bench || code=$$?; \
-	  $(VENV_PYTHON) -m scenarios.table_2 || code=$$?; \
-	  $(VENV_PYTHON) -m scenarios.growth || code=$$?; \
-	  $(VENV_PYTHON) -m reference.narrow_phase || code=$$?; \
-	  $(VENV_PYTHON) -m reference.broad_phase || code=$$?; \
-	  $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
+	@code=0; run=reports/out/latest-bench; $(VENV_PYTHON) -m scenarios bench || code=$$?; \
+	  [ -e $$run ] || exit $$code; report=$(REPORTED); \
+	  $(VENV_PYTHON) -m scenarios.table_2 --run $$run --to $$report || code=$$?; \
+	  $(VENV_PYTHON) -m scenarios.growth --run $$report || code=$$?; \
+	  $(VENV_PYTHON) -m reference.narrow_phase --run $$report || code=$$?; \
+	  $(VENV_PYTHON) -m reference.broad_phase --run $$report || code=$$?; \
+	  for page in $$run $$report; do $(VENV_PYTHON) -m reports write $$page || code=$$?; done; exit $$code
 
 # What was found before is kept: a second run asks only what changed, and one that was stopped goes on.
-sweep: $(READY)  ## accuracy against time over every engine's own settings, into the last run's report (FULL=1: every scene)
+sweep: $(READY)  ## accuracy against time over every engine's own settings, into the last comparison's report (FULL=1: every scene)
 	@$(COMPILED)
 	@code=0; $(VENV_PYTHON) -m scenarios sweep $(if $(FULL),--full) || code=$$?; \
 	  [ ! -f reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
@@ -71,7 +75,7 @@ stability: $(READY)  ## hard cases under other starts, seeds, frame times, sizes
 	  [ ! -e reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 # What is found is no error of a command; a command that could not ask is.
-nearness: $(READY)  ## the last run (compare, if it lacks MuJoCo): beside MuJoCo, the nearest free posture (ten minutes), 100 orders of chains
+nearness: $(READY)  ## the last comparison (compare, if it lacks MuJoCo): beside MuJoCo, the nearest free posture (ten minutes), 100 orders of chains
 	@$(COMPILED)
 	@ls reports/out/latest/recordings/*.mujoco.tuned.0.npz >/dev/null 2>&1 || $(MAKE) compare
 	@failed=0; export OMP_NUM_THREADS=1; \
@@ -88,7 +92,7 @@ postures: $(READY)  ## how postures are shown: presets and other engines, catalo
 sensitivity: $(READY)  ## each tuned number of the posture solver a fifth less and more, on motions drawn afresh (ARGS='--only NAME', --list)
 	@$(VENV_PYTHON) -m scenarios.sensitivity $(ARGS)
 
-report: $(READY)  ## the pages again, from the files of the last run
+report: $(READY)  ## the pages again, from the files of the last comparison
 	@$(VENV_PYTHON) -m reports write
 
 # Asserts run as they are written, for to rewrite them takes each worker half a minute: what fails is asked again, all values told.
@@ -111,7 +115,7 @@ live: $(READY)  ## drive a hand or a body in the browser (SCENE=hand|gallery, AR
 	@$(VENV_PYTHON) -m avatarsim live $(if $(SCENE),--scene $(SCENE)) $(ARGS)
 
 # Pictures first, since they need a browser: without one the table stays too, and both go on telling of the same run.
-headline: $(READY)  ## the README's table and pictures again, all of the last run, with its commit and date (needs a Chromium)
+headline: $(READY)  ## the README's table and pictures again, all of the last comparison, with its commit and date (needs a Chromium)
 	@$(VENV_PYTHON) -m tests.look.pictures
 	@$(VENV_PYTHON) -m reports headline
 
@@ -157,12 +161,15 @@ lint: $(READY)  ## ruff, mypy --strict, and the order of imports
 lock:  ## write requirements.lock anew from pyproject.toml (UPGRADE=1: newest versions)
 	$(firstword $(wildcard $(VENV_PYTHON)) python3) .setup/lock.py $(if $(UPGRADE),--upgrade)
 
-# Names of runs sort by their time; one that is younger than the last has not ended yet.
-prune:  ## remove the runs in reports/out that are older than the last one: a comparison takes 280 MB
-	@last=$$(readlink reports/out/latest) || { echo "reports/out has no last run; nothing removed"; exit 0; }; \
-	for run in reports/out/[0-9]*-[0-9]*-*; do \
-	  name=$${run##*/}; [ "$$(printf '%s\n' "$$name" "$$last" | LC_ALL=C sort | head -n 1)" = "$$name" ] || continue; \
-	  [ "$$name" = "$$last" ] || [ ! -d "$$run" ] || { rm -rf "$$run" && echo "removed $$run"; }; \
+# Names of runs are time-command. Of each command the runs that are older than its last one go; a younger one has not ended yet.
+prune:  ## remove the runs in reports/out that are older than the last one of their command: a comparison takes 280 MB
+	@cd reports/out 2>/dev/null && kept=" $$(for link in latest latest-*; do readlink $$link; done | tr '\n' ' ')" && \
+	  [ "$$kept" != " " ] || { echo "reports/out has no last run; nothing removed"; exit 0; }; \
+	for run in [0-9]*-[0-9]*-*; do \
+	  command=$${run#*-*-}; last=$$(readlink latest-$${command%%-*} || readlink latest) || continue; \
+	  case "$$kept" in *" $$run "*) continue;; esac; \
+	  [ "$$(printf '%s\n' "$$run" "$$last" | LC_ALL=C sort | head -n 1)" = "$$run" ] || continue; \
+	  [ ! -d "$$run" ] || { rm -rf "$$run" && echo "removed reports/out/$$run"; }; \
 	done
 
 clean:  ## remove caches and build leftovers; .venv and reports/out stay

@@ -28,6 +28,7 @@ from reference.judging.judge import Judge
 from reference.judging.known_pairs import KINDS, REACH, REGIMES, Gallery, Placed
 from reference.judging.proof import PROVEN
 from reference.judging.second_opinion import SAME
+from runfiles.files import OUT, last_comparison
 
 Array = NDArray[np.float64]
 
@@ -200,8 +201,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog=COMMAND, description=str(__doc__).splitlines()[0])
     parser.add_argument("--pairs", type=int, default=PAIRS, metavar="N", help=f"pairs over all kinds ({PAIRS})")
     parser.add_argument("--seed", type=int, default=SEED, metavar="N", help=f"seed of the draws ({SEED})")
-    latest = Path(__file__).resolve().parent.parent / "reports" / "out" / "latest"
-    parser.add_argument("--run", type=path_option, default=latest, metavar="FOLDER", help="folder of the file (the last run's)")
+    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder of the file (default: the last comparison)")
     asked = parser.parse_args(argv)
     try:
         found = trust(asked.pairs, asked.seed)
@@ -213,7 +213,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             f"{line.kind:24} {line.pairs:6} pairs  {line.overlapping:6} overlap  error {line.largest_error:.2g} m  "
             f"fcl differs {line.disagreements} (right {line.judge_wrong})  false alarms {line.false_alarms}  misses {line.misses}"
         )
-    print(write(found, asked.run, command(asked.pairs, asked.seed)))
+    print(write(found, asked.run or last_comparison(OUT, "judge"), command(asked.pairs, asked.seed)))
     return 0 if found.whole.largest_error <= PROVEN else 1
 
 

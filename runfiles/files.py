@@ -13,6 +13,8 @@ from avatarsim.errors import InvalidInput
 
 OUT = Path(__file__).resolve().parent.parent / "reports" / "out"
 """Where runs go unless `--out` names another folder; ignored by git."""
+COMPARE = "compare"
+"""The command whose last run is the one that reports and studies are about."""
 
 
 def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
@@ -126,12 +128,25 @@ def _new_folder(out: Path, command: str) -> Path:
     raise InvalidInput("number of runs of one second", 1000, "fewer")
 
 
-def point_latest(folder: Path) -> None:
-    """Let `latest`, beside `folder`, lead to it. A folder that was put there by hand is left alone."""
-    latest = folder.parent / "latest"
-    if latest.exists() and not latest.is_symlink():
+def latest(out: Path, command: str = COMPARE) -> Path:
+    """Return the link in `out` to the last run of `command`: `latest` for a comparison, else `latest-COMMAND`.
+
+    Studies write their files into the last comparison and reports are made of it, so that no other run may take its place."""
+    return out / ("latest" if command == COMPARE else f"latest-{command}")
+
+
+def last_comparison(out: Path, otherwise: str) -> Path:
+    """Return the link to the last comparison in the folder `out`, or, before the first one, the folder `otherwise` beside it: a
+    folder that is made in the place of the link would keep its name for ever."""
+    return latest(out) if latest(out).exists() else out / otherwise
+
+
+def point_latest(folder: Path, command: str = COMPARE) -> None:
+    """Let the link `latest` of `command`, beside `folder`, lead to it. A folder that was put there by hand is left alone."""
+    link = latest(folder.parent, command)
+    if link.exists() and not link.is_symlink():
         return
-    beside = folder.parent / f".latest.{os.getpid()}"
+    beside = link.with_name(f".{link.name}.{os.getpid()}")
     beside.unlink(missing_ok=True)
     beside.symlink_to(folder.name, target_is_directory=True)
-    os.replace(beside, latest)
+    os.replace(beside, link)

@@ -5,7 +5,6 @@ import sys
 import time
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
-from pathlib import Path
 
 from avatarsim.console import ended, path_option
 from reference.narrow_phase.benchmark import FULL, QUICK, ROWS, about, measure, write
@@ -15,10 +14,7 @@ from reference.narrow_phase.harness_cost import loop_cost
 from reference.narrow_phase.start_up import measured
 from reference.narrow_phase.table import report
 from reference.narrow_phase.verdict import judged
-
-OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
-"""Where runs are. The files go to the last one, which `make bench` has just made, or to a folder of their own without any: a
-folder named `latest` would stand in the way of the link."""
+from runfiles.files import OUT, last_comparison
 
 NOTHING, MISSING = 5, 3
 """Exit codes, those of `python -m scenarios`: the filter matched nothing; a library is missing. Losing a cell is no error."""
@@ -27,7 +23,7 @@ NOTHING, MISSING = 5, 3
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure, print, write."""
     parser = argparse.ArgumentParser(prog="python -m reference.narrow_phase", description=__doc__)
-    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the files (default: the last run)")
+    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the files (default: the last comparison)")
     parser.add_argument("--cells", default="*", metavar="GLOB", help='cells by name, such as "box-*" or "* deep"')
     parser.add_argument("--quick", action="store_true", help="a few pairs: shows that it runs, times mean nothing")
     asked = parser.parse_args(argv)
@@ -41,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"{time.monotonic() - begun:6.1f} s  {line}", file=sys.stderr, flush=True)
 
     rows, identities, absent = measure(ROOMS, chosen, plan, say)
-    folder = asked.run or (OUT / "latest" if (OUT / "latest").exists() else OUT / "narrow_phase")
+    folder = asked.run or last_comparison(OUT, "narrow_phase")
     said = about(plan, rows, identities, absent, time.monotonic() - begun)
     write(folder, rows, said)
     print(report(rows, judged(rows), loop_cost(plan.pairs)))

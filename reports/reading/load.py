@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from os.path import isfile
+from os.path import isfile, lexists
 from pathlib import Path
 from typing import Any
 
@@ -123,6 +123,8 @@ def load(run_dir: Path) -> Results:
     if isfile(run_dir):
         raise InvalidFile(str(run_dir), "a file", "the folder of a run, the one that holds results.json")
     valid = "complete, strict JSON in UTF-8, as a run leaves it; a killed run leaves half a file"
+    if not lexists(run_dir):
+        raise InvalidFile(str(run_dir), "not there", "the folder of a run; `make compare` leaves one")
     data: Any = read_json(path, str(path), valid, MOST_BYTES, _no_number)
     if not isinstance(data, dict) or not isinstance(data.get("rows"), list):
         raise InvalidFile(str(path), type(data).__name__, "an object with a list called rows")

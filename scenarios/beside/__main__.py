@@ -14,7 +14,7 @@ from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from reference.judging.judge import Judge
 from runfiles.csv_rows import csv_lines
-from runfiles.files import OUT, write_text
+from runfiles.files import OUT, latest, write_text
 from runfiles.naming import GATED
 from runfiles.record import load
 from scenarios.beside.pair import Among, Beside, compared
@@ -63,7 +63,7 @@ def csv_text(found: Sequence[Beside], theirs: str) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Compare, print, write. 0: ours is nowhere farther; 1: somewhere; 2: usage."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.beside", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--run", type=path_option, default=latest(OUT), metavar="FOLDER", help="a run (default: `latest`)")
     parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
     parser.add_argument("--engine", default="mujoco", metavar="NAME", help="the other engine (default: mujoco)")
     parser.add_argument("--preset", default="tuned", metavar="NAME", help="with which preset (default: tuned)")
@@ -72,7 +72,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         found = rows(asked.run, asked.filter, theirs)
         if not found:
-            valid = "a run and a filter with recordings of both, as `make compare` leaves them (`make check` runs ours alone)"
+            valid = "a run and a filter with recordings of both, as `make compare` leaves them"
             raise InvalidInput(f"recordings of {theirs} and of ours", f"{asked.run}, {asked.filter}", valid)
         write_text(asked.run / NAME, csv_text(found, theirs))
     except AvatarsimError as error:

@@ -5,8 +5,8 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from runfiles.files import plain, point_latest
-from scenarios.cli.commands import Plan, begun, finished, nothing, passes, scenes
+from runfiles.files import latest, plain
+from scenarios.cli.commands import Plan, begun, finished, lead_to, nothing, passes, scenes
 from scenarios.results.gate import STOPPED
 from scenarios.studies.ablation import LONG, idle, jobs, lines, table, write
 
@@ -25,12 +25,10 @@ def ablate(asked: argparse.Namespace, words: Sequence[str]) -> int:
     ran = begun(asked, words, made, {})
     code = passes(asked, made, ran, timed=True)
     told = lines(planned, ran.outcomes, ran.clocked, built, ran.scenarios)
-    beside = asked.out.resolve() / "latest"
+    beside = latest(asked.out.resolve())
     # of a run that was stopped nothing goes beside a whole one
     also = [beside] if code != STOPPED and beside.is_dir() else []
     write(told, idle(planned, ran.clocked), LONG, [ran.folder, *also])
-    if code != STOPPED and not beside.exists():
-        # nothing was compared here before: the report is that of this run
-        point_latest(ran.folder)
+    lead_to(ran, asked, code)
     print(json.dumps(plain([asdict(line) for line in told]), allow_nan=False) if asked.json else table(told))
     return finished(asked, words, made, ran, code)

@@ -213,10 +213,10 @@ def begun(asked: argparse.Namespace, words: Sequence[str], made: Plan, limits: C
 
 
 def lead_to(ran: Run, asked: argparse.Namespace, code: int) -> None:
-    """Let `latest` lead to a run that has come to its end. The folder of one that was resumed may lie anywhere, and what is
-    called `latest` beside it may be of something else."""
+    """Let the link of the command lead to a run that has come to its end. The folder of one that was resumed may lie anywhere,
+    and a file of the link's name beside it may be of something else."""
     if code != STOPPED and ran.folder.parent == asked.out.resolve():
-        point_latest(ran.folder)
+        point_latest(ran.folder, asked.command)
 
 
 def passes(asked: argparse.Namespace, made: Plan, ran: Run, timed: bool, at_length: bool = False) -> int:
@@ -285,7 +285,6 @@ def bench(asked: argparse.Namespace, words: Sequence[str]) -> int:
         return nothing(asked)
     ran = begun(asked, words, made, {})
     code = passes(asked, made, ran, timed=True, at_length=True)
-    # what times single queries, and the report after it, look for this run there
     lead_to(ran, asked, code)
     rows = [row for row in ran.rows() if is_time(row.metric) or row.status in ("crashed", "not-measured")]
     if asked.json:

@@ -11,7 +11,7 @@ from pathlib import Path
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.running.processes import Workers
 from runfiles.csv_rows import csv_text
-from runfiles.files import plain, write_text
+from runfiles.files import latest, plain, write_text
 from scenarios.cli.commands import nothing, say_last
 from scenarios.engines import known
 from scenarios.results.gate import INCOMPLETE, STOPPED
@@ -150,12 +150,12 @@ def sweep(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
 
 def written(places: Sequence[Path], files: Mapping[str, str]) -> None:
-    """The files of the sweep in its own folder and, where there is a last run, beside its results, for the report."""
+    """Write the files of the sweep into its own folder and, where there is one, into the last comparison, for its report."""
     for place in places:
         for name, text in files.items():
             write_text(place / name, text)
 
 
 def _last_run(out: Path) -> list[Path]:
-    """The folder of the last run; none before there is one."""
-    return [out / "latest"] if (out / "latest").is_dir() else []
+    """The folder of the last comparison; none before there is one."""
+    return [latest(out)] if latest(out).is_dir() else []

@@ -13,7 +13,7 @@ import numpy as np
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, UnknownName
 from runfiles.csv_rows import csv_text
-from runfiles.files import OUT, write_text
+from runfiles.files import OUT, last_comparison, write_text
 from runfiles.naming import BASELINE
 from scenarios.engines import known
 from scenarios.growth import worlds
@@ -77,7 +77,7 @@ def timed(engines: dict[str, tuple[str, ...]], quick: bool) -> list[Row]:
 def main(argv: Sequence[str] | None = None) -> int:
     """Time, print, write. 0: done; 2: usage; 3: an engine gave no times."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.growth", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
+    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the file (default: the last comparison)")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")
     parser.add_argument("--quick", action="store_true", help="the smallest sizes only: shows that it runs")
@@ -89,13 +89,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         offered = offers(asked.engine, 1)
         engines = {name: BEST.get(name, offered[name].presets) for name in asked.engine if not offered[name].trouble}
         rows = timed(engines, asked.quick)
-        asked.run.mkdir(parents=True, exist_ok=True)
-        write_text(asked.run / NAME, csv_text(rows, Row))
+        folder = asked.run or last_comparison(OUT, "growth")
+        write_text(folder / NAME, csv_text(rows, Row))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
     print(table(rows))
-    print(f"\n{asked.run / NAME}")
+    print(f"\n{folder / NAME}")
     return 3 if any(row.p50 != row.p50 for row in rows) else 0
 
 

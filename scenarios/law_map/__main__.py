@@ -16,7 +16,7 @@ from avatarsim.errors import AvatarsimError, UnknownName
 from avatarsim.running.processes import Died
 from avatarsim.running.stopping import stoppable
 from runfiles.csv_rows import csv_text
-from runfiles.files import OUT, write_text
+from runfiles.files import OUT, last_comparison, write_text
 from runfiles.naming import BASELINE
 from scenarios.engines import known
 from scenarios.job import Job
@@ -74,8 +74,7 @@ def kept(row: Mapping[str, Any]) -> Row:
 def main(argv: Sequence[str] | None = None) -> int:
     """Measure, print, write. 0: done; 2: usage; 3: an engine gave no figures; 130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.law_map", description=str(__doc__).splitlines()[2])
-    # without a last run none is made up: its name must stay free for a link
-    beside = OUT / ("latest" if (OUT / "latest").is_dir() else "sweep")
+    beside = last_comparison(OUT, "sweep")
     parser.add_argument("--run", type=path_option, default=beside, metavar="FOLDER", help="folder for the file")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")

@@ -16,7 +16,7 @@ from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.running.processes import Died
 from avatarsim.running.stopping import stoppable
 from runfiles.csv_rows import csv_text
-from runfiles.files import OUT, write_text
+from runfiles.files import OUT, latest, write_text
 from scenarios.nearest.frames import Sample
 from scenarios.nearest.searched import searched
 from scenarios.nearest.summary import Summary, summarised, table
@@ -61,7 +61,7 @@ def kept(run: Path, names: Sequence[str], first: str, count: int, jobs: int) -> 
 def main(argv: Sequence[str] | None = None) -> int:
     """Search, print, write. 0: within the promise in every scene; 1: not; 2: usage, or no answer for a scene; 130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.nearest", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--run", type=path_option, default=latest(OUT), metavar="FOLDER", help="a run (default: `latest`)")
     parser.add_argument("--filter", default="*", metavar="GLOB", help="scenes whose name matches (default: all)")
     parser.add_argument("--frames", type=int, default=FRAMES, metavar="N", help=f"frames per scene (default: {FRAMES})")
     parser.add_argument("--engine", default="avatarsim", metavar="NAME", help="whose postures (default: avatarsim)")

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidInput
 from runfiles.csv_rows import csv_text
-from runfiles.files import OUT, write_text
+from runfiles.files import OUT, last_comparison, write_text
 from runfiles.naming import GATED
 from scenarios import catalog
 from scenarios.running.harness import offer
@@ -37,7 +37,7 @@ def line(row: Spread) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run, print, write. 0: done; 2: usage."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.spread", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="folder for the file")
+    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the file (default: the last comparison)")
     parser.add_argument("--orders", type=int, default=ORDERS, metavar="N", help=f"orders tried (default: {ORDERS})")
     parser.add_argument("--engine", default=GATED[0], metavar="NAME", help=f"engine (default: {GATED[0]}), all its presets")
     asked = parser.parse_args(argv)
@@ -50,13 +50,13 @@ def main(argv: Sequence[str] | None = None) -> int:
         samples = [motion(k) for k in range(scenario.frames)]
         presets = offer(asked.engine).presets
         found = [measured(asked.engine, preset, scene, samples, scenario.dt, asked.orders) for preset in presets]
-        asked.run.mkdir(parents=True, exist_ok=True)
-        write_text(asked.run / NAME, csv_text(found, Spread))
+        folder = asked.run or last_comparison(OUT, "spread")
+        write_text(folder / NAME, csv_text(found, Spread))
     except AvatarsimError as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
     print("\n".join(map(line, found)))
-    print(f"\n{asked.run / NAME}")
+    print(f"\n{folder / NAME}")
     return 0
 
 

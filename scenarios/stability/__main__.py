@@ -15,7 +15,7 @@ from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.running.processes import Workers
 from avatarsim.running.stopping import stoppable
 from runfiles.csv_rows import csv_text
-from runfiles.files import OUT, write_text
+from runfiles.files import OUT, last_comparison, write_text
 from runfiles.naming import BASELINE
 from scenarios.engines import known
 from scenarios.results.gate import NOTHING
@@ -55,16 +55,15 @@ def swept(tasks: Sequence[Task], folder: Path, workers: Workers) -> dict[Task, O
 
 
 def run_of(asked: Path | None) -> Path:
-    """The folder asked for; else that of the last run, or, before the first one, where what is finished is kept."""
-    latest = OUT / "latest"
-    return asked if asked is not None else latest if latest.exists() else KEPT
+    """The folder asked for; else that of the last comparison, or, before the first one, where what is finished is kept."""
+    return asked if asked is not None else last_comparison(OUT, KEPT.name)
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Try, print, write. 0: done; 2: usage; 3: an engine could not be asked or gave no answer; 5: the filter matched nothing;
     130: stopped."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.stability", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the rows (default: that of the last run)")
+    parser.add_argument("--run", type=path_option, metavar="FOLDER", help="folder for the rows (default: the last comparison)")
     parser.add_argument("--kept", type=path_option, default=KEPT, metavar="FOLDER", help="folder of what is finished")
     everybody = [name for name in known() if name != BASELINE]
     parser.add_argument("--engine", nargs="+", default=everybody, metavar="NAME", help="engines (default: all)")

@@ -1,7 +1,7 @@
-"""`python -m scenarios.table_2 [--run FOLDER]`.
+"""`python -m scenarios.table_2 [--run FOLDER] [--to FOLDER]`.
 
 Reads a run that has timed scenes of the paper's Table 2, prints the table beside the paper's, and writes table_2.csv,
-figure_8.csv and, timed here, figure_7.csv and figure_7_shares.csv into the run's folder.
+figure_8.csv and, timed here, figure_7.csv and figure_7_shares.csv into the run's folder, or into another run's.
 """
 
 import argparse
@@ -14,7 +14,7 @@ from pathlib import Path
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError
 from runfiles.csv_rows import csv_lines
-from runfiles.files import OUT, write_text
+from runfiles.files import OUT, latest, write_text
 from scenarios.table_2.figure_7 import traces
 from scenarios.table_2.printed import SCENES
 from scenarios.table_2.rows import Row, rows, trace
@@ -23,13 +23,13 @@ TABLE, TRACE, LONG_TRACE, SHARES = "table_2.csv", "figure_8.csv", "figure_7.csv"
 """The files of the table and of the traces."""
 
 
-def written(folder: Path, clocks: bool = True) -> list[Row]:
-    """Write the files of a run; nothing where the run has none of the scenes."""
-    found = rows(folder, clocks)
+def written(run: Path, folder: Path, clocks: bool = True) -> list[Row]:
+    """Write the files of `run` into `folder`; nothing where the run has none of the scenes."""
+    found = rows(run, clocks)
     if found:
         write_text(folder / TABLE, csv_lines([entry.name for entry in fields(Row)], [astuple(row) for row in found]))
         lines = [
-            (run, k + 1, us, int(iterations)) for run, numbers in trace(folder).items()
+            (run, k + 1, us, int(iterations)) for run, numbers in trace(run).items()
             for k, (us, iterations) in enumerate(zip(numbers["us"], numbers["iterations"], strict=True))
         ]
         write_text(folder / TRACE, csv_lines(("run", "frame", "us", "iterations"), lines))
@@ -41,7 +41,6 @@ def written(folder: Path, clocks: bool = True) -> list[Row]:
                     for k, (us, touches) in enumerate(zip(trace.us, trace.contact, strict=True))]
             write_text(folder / LONG_TRACE, csv_lines(("run", "frame", "us", "contact"), long))
     return found
-
 
 
 def _cell(value: float, width: int, digits: int) -> str:
@@ -67,11 +66,13 @@ def table(found: Sequence[Row]) -> str:
 def main(argv: Sequence[str] | None = None) -> int:
     """Read, print, write. 0: done; 2: the run cannot be used; 5: it has none of the scenes."""
     parser = argparse.ArgumentParser(prog="python -m scenarios.table_2", description=str(__doc__).splitlines()[2])
-    parser.add_argument("--run", type=path_option, default=OUT / "latest", metavar="FOLDER", help="a run (default: the last)")
+    parser.add_argument("--run", type=path_option, default=latest(OUT), metavar="FOLDER", help="a run (default: `latest`)")
+    parser.add_argument("--to", type=path_option, metavar="FOLDER", help="folder for the files (default: that of the run)")
     parser.add_argument("--no-clocks", action="store_true", help="leave out the shares, which need a run of their own")
     asked = parser.parse_args(argv)
+    folder = asked.to or asked.run
     try:
-        found = written(asked.run, not asked.no_clocks)
+        found = written(asked.run, folder, not asked.no_clocks)
     except (AvatarsimError, OSError) as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2
@@ -79,7 +80,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         print(f"the run has timed none of {', '.join(SCENES)}", file=sys.stderr)
         return 5
     print(table(found))
-    print(f"\n{asked.run / TABLE}")
+    print(f"\n{folder / TABLE}")
     return 0
 
 

@@ -1,4 +1,4 @@
-"""`make prune` removes runs that are older than the last one, and nothing else."""
+"""`make prune` removes runs that are older than the last one of their command, and nothing else."""
 
 import shutil
 import subprocess
@@ -7,7 +7,9 @@ from pathlib import Path
 import pytest
 
 MAKEFILE = Path(__file__).parents[2] / "Makefile"
-OLD, LAST, RUNNING = "20250101-120000-compare", "20250102-080000-check", "20250102-080000-check-1"
+OLD, LAST, RUNNING = "20250101-120000-compare", "20250102-080000-compare", "20250102-080000-compare-1"
+OLD_CHECK, LAST_CHECK = "20250101-130000-check", "20250103-080000-check"
+BENCH = "20250101-140000-bench"
 
 
 def pruned(folder: Path) -> tuple[str, list[str]]:
@@ -47,3 +49,33 @@ def test_without_a_last_run_nothing_goes(tmp_path: Path, by_hand: bool) -> None:
         (out / "latest").mkdir()
     said, left = pruned(tmp_path)
     assert said == "reports/out has no last run; nothing removed\n" and {OLD, LAST} <= set(left)
+
+
+def test_each_command_has_a_last_run_of_its_own(tmp_path: Path) -> None:
+    """A comparison that runs while a check ends stays; a command without a link goes by the last comparison."""
+    out = a_project(tmp_path, OLD, LAST, RUNNING, OLD_CHECK, LAST_CHECK, BENCH)
+    (out / "latest").symlink_to(LAST)
+    (out / "latest-check").symlink_to(LAST_CHECK)
+    said, left = pruned(tmp_path)
+    assert set(said.split()) == {"removed", *(f"reports/out/{name}" for name in (OLD, OLD_CHECK, BENCH))}
+    assert {LAST, RUNNING, LAST_CHECK, "latest", "latest-check"} <= set(left)
+
+
+def test_what_a_link_leads_to_stays_whatever_its_age(tmp_path: Path) -> None:
+    """`latest` may lead to a run of another command, made by an earlier version."""
+    out = a_project(tmp_path, OLD, LAST, OLD_CHECK, LAST_CHECK)
+    (out / "latest").symlink_to(OLD_CHECK)
+    (out / "latest-check").symlink_to(LAST_CHECK)
+    assert pruned(tmp_path) == (f"removed reports/out/{OLD}\n", sorted([LAST, OLD_CHECK, LAST_CHECK, "latest", "latest-check",
+                                                                       "found", "notes.csv", "stability"]))
+
+
+def test_without_a_comparison_the_runs_of_a_check_alone_go(tmp_path: Path) -> None:
+    out = a_project(tmp_path, OLD, OLD_CHECK, LAST_CHECK)
+    (out / "latest-check").symlink_to(LAST_CHECK)
+    assert pruned(tmp_path)[0] == f"removed reports/out/{OLD_CHECK}\n" and (out / OLD).is_dir()
+
+
+def test_without_runs_nothing_is_wrong(tmp_path: Path) -> None:
+    (tmp_path / "reports" / "out").mkdir(parents=True)
+    assert pruned(tmp_path) == ("reports/out has no last run; nothing removed\n", [])

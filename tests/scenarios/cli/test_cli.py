@@ -14,7 +14,7 @@ from runfiles.timing_protocol import REPEATS, WARM_FRAMES
 from scenarios import catalog
 from scenarios.__main__ import main
 from scenarios.measure.timing import TAIL
-from tests.scenarios.command_line import called, last, latest
+from tests.scenarios.command_line import called, last, last_run, latest
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -201,7 +201,7 @@ def test_many_scenes_get_a_glance_in_a_comparison_and_all_their_frames_in_a_benc
         slowest = {"frame_time_max", "frame_time_raw_max"} if command == "bench" else set()
         assert {row["metric"] for row in times if row["value"] is None} == set(TAIL) - slowest
         assert found["provenance"]["timing"]["repeats"] == REPEATS
-        kept = list(csv.DictReader((tmp_path / "out" / "latest" / "bench.csv").read_text().splitlines()))
+        kept = list(csv.DictReader((last_run(tmp_path) / "bench.csv").read_text().splitlines()))
         [said] = [row["note"] for row in kept if row["metric"] == "frame_time_p50"]
         assert said == f"{rounds} frames, {WARM_FRAMES} warm-up frames"
 
@@ -222,7 +222,7 @@ def test_every_preset_and_seed_is_a_run_of_its_own(site: Path, tmp_path: Path) -
     called(tmp_path, *words)
     found = {(entry["preset"], entry["seed"]) for entry in latest(tmp_path)["engines"]}
     assert found == {("default", 1), ("default", 2), ("other", 1), ("other", 2)}
-    names = sorted(path.name for path in (tmp_path / "out" / "latest" / "recordings").iterdir())
+    names = sorted(path.name for path in (last_run(tmp_path) / "recordings").iterdir())
     assert names == sorted(f"ball_drop.tunnels.{preset}.{seed}.npz" for preset, seed in found)
 
 
@@ -247,4 +247,4 @@ def test_a_whole_comparison_in_processes_of_their_own(site: Path, tmp_path: Path
     assert times["frame_time_p99"] is None
     assert len(found["series"]["ball_drop"]["talks/default"]["frame_time_us"]) == 12
     assert [row["value"] for row in found["rows"] if row["metric"] == "deterministic"] == [1.0]
-    assert [path.name for path in (tmp_path / "out" / "latest" / "recordings").iterdir()] == ["ball_drop.talks.default.0.npz"]
+    assert [path.name for path in (last_run(tmp_path) / "recordings").iterdir()] == ["ball_drop.talks.default.0.npz"]

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidFile
-from runfiles.files import plain, point_latest, run_folder, write_json
+from runfiles.files import last_comparison, latest, plain, point_latest, run_folder, write_json
 from scenarios.job import Job, Outcome
 from scenarios.results.results import COLUMNS, Results, Row, csv_text, write
 
@@ -82,6 +82,14 @@ def test_every_run_has_its_folder_and_latest_leads_to_the_last(tmp_path: Path) -
     point_latest(two)
     assert (tmp_path / "latest").resolve() == two.resolve()
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted([one.name, two.name, "latest"])
+
+
+def test_studies_go_to_the_last_comparison_and_never_into_another_run(tmp_path: Path) -> None:
+    point_latest(run_folder(tmp_path, "check"), "check")
+    assert last_comparison(tmp_path, "growth") == tmp_path / "growth" and not latest(tmp_path).exists()
+    compared = run_folder(tmp_path, "compare")
+    point_latest(compared)
+    assert last_comparison(tmp_path, "growth").resolve() == compared.resolve() != latest(tmp_path, "check").resolve()
 
 
 def test_a_folder_called_latest_is_left_alone(tmp_path: Path) -> None:

@@ -63,7 +63,7 @@ def test_bad_engines_fail_the_scene(name: str, tmp_path: Path) -> None:
     """All of them in one run: what a run begins with would take as long as the engines."""
     words = ["check", "--engine", *METRICS, "--filter", name, "--out", str(tmp_path / "out"), "--jobs", "0"]
     assert main([*words, "--frames", str(frames(name))]) == 1
-    results = json.loads((tmp_path / "out" / "latest" / "results.json").read_text())
+    results = json.loads((tmp_path / "out" / "latest-check" / "results.json").read_text())
     assert results["exit_code"] == 1
     for engine, metric in METRICS.items():
         rows = [row for row in results["rows"] if row["engine"] == engine]

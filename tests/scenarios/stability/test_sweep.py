@@ -55,7 +55,7 @@ def test_what_may_be_the_machines_fault_is_asked_again(tmp_path: Path) -> None:
 
 def test_rows_go_to_the_last_run_or_beside_what_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(command, "OUT", tmp_path)
-    assert command.run_of(None) == command.KEPT and command.run_of(tmp_path / "asked") == tmp_path / "asked"
+    assert command.run_of(None) == tmp_path / command.KEPT.name and command.run_of(tmp_path / "asked") == tmp_path / "asked"
     (tmp_path / "latest").mkdir()
     assert command.run_of(None) == tmp_path / "latest"
 

@@ -97,9 +97,15 @@ def test_the_command_writes_table_and_trace(run: Path, capsys: pytest.CaptureFix
     ]
 
 
+def test_the_files_may_go_into_another_run(run: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other"
+    assert main(["--run", str(run), "--to", str(other), "--no-clocks"]) == 0
+    assert {path.name for path in other.iterdir()} == {"table_2.csv", "figure_8.csv"} and not list(run.glob("*.csv"))
+
+
 def test_a_run_without_the_scenes_leaves_no_files(tmp_path: Path) -> None:
     (tmp_path / "results.json").write_text('{"series": {}}')
-    assert main(["--run", str(tmp_path)]) == 5 and written(tmp_path) == [] and table([]).count("\n") == 0
+    assert main(["--run", str(tmp_path)]) == 5 and written(tmp_path, tmp_path) == [] and table([]).count("\n") == 0
     assert main(["--run", str(tmp_path / "nowhere")]) == 2
     assert [path.name for path in tmp_path.iterdir()] == ["results.json"]
 
