@@ -164,7 +164,7 @@ def carried_out(
     families = {name: scenario.family or name for name, scenario in made.scenarios.items()}
     scales = {name: scenario.scale for name, scenario in made.scenarios.items()}
     show(asked, ran.rows(), made.gated, families, ran.unsaid(), scales)
-    for said in ran.lapses():
+    for said in ran.remarks():
         print(said, file=sys.stderr)
     return finished(asked, words, made, ran, code)
 

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
 from runfiles.naming import BASELINE
 from runfiles.sayable import Unsaid
@@ -111,6 +112,7 @@ class Run:
         self.limits, self.provenance, self.begun = limits, dict(provenance), time.monotonic()
         self.outcomes: dict[str, Outcome] = {}
         self.clocked: dict[str, Clocked] = {}
+        self.lost: Sequence[str] = ()
         self.note, self.written, self.writing, self.stays = "", self.begun, 0.0, stays
 
     def measure(self, ready: Sequence[Outcome], workers: Workers) -> None:
@@ -118,6 +120,8 @@ class Run:
         for outcome in ready:
             self.outcomes[outcome.job.stem] = outcome
         runnable = [job for job in self.jobs if job.stem not in self.outcomes]
+        if not isinstance(workers, int):
+            self.lost = workers.lost
         with Progress("accuracy", len(runnable), sys.stderr) as progress:
             for outcome in outcomes(runnable, self.folder, workers):
                 self.outcomes[outcome.job.stem] = outcome
@@ -231,7 +235,7 @@ class Run:
                 for name, s in self.scenarios.items()
             },
             provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,
-            notes=[note for note in (self.note, *self.lapses()) if note],
+            notes=[note for note in (self.note, *self.remarks()) if note],
         )
         if code is not None or not self.stays:
             results.write(known, self.folder)
@@ -243,6 +247,10 @@ class Run:
         """What the authors of gated scenes gave up, a sentence each."""
         gated = [outcome for job, outcome in self._known() if (job.engine, job.preset) in self.gated]
         return list(dict.fromkeys(said for outcome in gated if (said := lapsed(outcome))))
+
+    def remarks(self) -> list[str]:
+        """Sentences that a run ends with: what authors gave up, and workers of a cluster that were lost."""
+        return [*self.lapses(), *map(lost_said, self.lost)]
 
     def code(self) -> int:
         """The exit code that all rows so far call for."""

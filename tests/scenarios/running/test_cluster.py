@@ -3,7 +3,10 @@
 import json
 import os
 import signal
+import threading
+import time
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import dask
@@ -17,6 +20,7 @@ from scenarios.__main__ import main
 from scenarios.results.provenance import provenance
 from scenarios.running import cluster as module
 from scenarios.running.cluster import cluster
+from scenarios.running.harness import Run
 from scenarios.running.processes import side_by_side
 from scenarios.stability.finished import NAME as FINISHED
 from tests.scenarios.killed import differing, of_run, of_sweep, run_of
@@ -38,13 +42,19 @@ def act(word: str) -> str:
 act.__module__ = "tests.scenarios.running.test_cluster"
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
+@contextmanager
+def own_workers(workers: int) -> Iterator[LocalCluster]:
     """Loopback alone; what a nanny looks after may start processes of its own only by this setting."""
     with dask.config.set({"distributed.worker.daemon": False}), pytest.MonkeyPatch.context() as patch:
         patch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]))
-        with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as local:
-            yield str(local.scheduler_address)
+        with LocalCluster(n_workers=workers, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as local:
+            yield local
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    with own_workers(2) as local:
+        yield str(local.scheduler_address)
 
 
 def test_each_task_has_its_answer_and_a_death_is_told(address: str) -> None:
@@ -117,3 +127,80 @@ def test_an_address_without_a_scheduler_is_refused(monkeypatch: pytest.MonkeyPat
     for wrong in ("tcp://127.0.0.1:1", "nowhere://", "tcp://127.0.0.1"):
         with pytest.raises(InvalidInput, match="--scheduler"):
             next(side_by_side(str, [1], cluster(wrong)))
+
+
+def until_there(path: str) -> str:
+    """Return `path`, once there is a file."""
+    while path and not Path(path).exists():
+        time.sleep(0.01)
+    return path
+
+
+until_there.__module__ = act.__module__
+
+
+def test_a_cluster_that_has_lost_its_workers_says_so_and_goes_on_with_a_new_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """The nanny of the killed worker starts another one, which takes longer than many looks."""
+    from tests.scenarios.running import test_cluster
+
+    monkeypatch.setattr(generic, "LOOK_EVERY", 0.02)
+    gate, said, found = tmp_path / "gate", "", []
+    with own_workers(1) as local:
+        [(first, nanny)] = [(nanny.worker_address, nanny) for nanny in local.workers.values()]
+        where = cluster(str(local.scheduler_address))
+        work = side_by_side(test_cluster.until_there, ["", str(gate)], where)
+        found.append(next(work))
+        rest = threading.Thread(target=lambda: found.extend(work))
+        rest.start()
+        os.kill(nanny.pid, signal.SIGKILL)
+        while "no worker" not in said:
+            said += capfd.readouterr().err
+            time.sleep(0.05)
+        gate.touch()
+        rest.join()
+    said += capfd.readouterr().err
+    assert sorted(answer for _, answer in found) == ["", str(gate)]
+    assert said.count("no worker") == 1 and local.scheduler_address in said
+    assert [line for line in said.splitlines() if "was lost" in line and first in line] and where.lost == [first]
+
+
+class Workers:
+    """A client whose workers are those of a list, look by look, and at the end those of the last one."""
+
+    def __init__(self, *looks: set[str] | None) -> None:
+        self.looks, self.seen_all = list(looks), threading.Event()
+
+    def nthreads(self) -> dict[str, int]:
+        present = self.looks[0] if len(self.looks) == 1 else self.looks.pop(0)
+        if len(self.looks) == 1:
+            self.seen_all.set()
+        if present is None:
+            raise OSError("no scheduler")
+        return dict.fromkeys(present, 1)
+
+
+@pytest.mark.parametrize(("looks", "lines", "lost"), [
+    ([{"a", "b"}], 0, []), ([{"a"}, set(), set(), set(), {"c"}], 3, ["a", "b"]), ([{"a"}, None, {"a", "b"}], 0, []),
+    ([{"a"}, {"a", "late"}, {"a", "b"}], 0, ["late"]), ([None], 0, []),
+])
+def test_lines_come_while_there_is_no_worker_and_lost_ones_are_known(
+    looks: list[set[str] | None], lines: int, lost: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(generic, "LOOK_EVERY", 0.001)
+    monkeypatch.setattr(generic, "SAY_EVERY", 0.0)
+    client = Workers(*looks)
+    with generic.Watch(client, "tcp://here:1", ["a", "b"]) as watch:
+        if len(looks) > 1:
+            client.seen_all.wait()
+    assert capsys.readouterr().err.count("tcp://here:1 has no worker") == lines and watch.lost() == lost
+
+
+def test_a_run_names_the_workers_that_its_cluster_has_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = cluster("tcp://here:1")
+    monkeypatch.setattr(generic.Cluster, "results", lambda self, *asked: iter(self.lost.append("tcp://gone:7") or ()))
+    ran = Run(tmp_path, {}, [], frozenset(), {}, {})
+    ran.measure([], lost)
+    ran.write(0)
+    assert any("tcp://gone:7" in note for note in json.loads((tmp_path / "results.json").read_text())["notes"])
