@@ -32,7 +32,7 @@ class Kind:
 
     @property
     def above(self) -> int:
-        """In how many of them the figure is above the bound, within a ceiling or not."""
+        """In how many of them the figure is above the bound, waived or not."""
         return len({row.scenario for row in self.rows if _share(row) > 1.0})
 
     @property
@@ -84,7 +84,7 @@ def _share(row: Row) -> float:
 def kinds(verdict: Verdict) -> tuple[Kind, ...]:
     """Every metric with a bound of the gate: first what is promised everywhere, then those that most scenes have."""
     found: dict[str, list[Row]] = {}
-    for row in (*verdict.failed, *verdict.ceiling, *verdict.held):
+    for row in (*verdict.failed, *verdict.waived, *verdict.passed):
         if row.bound is not None:
             found.setdefault(row.metric, []).append(row)
     made = [Kind(metric, tuple(rows)) for metric, rows in found.items()]

@@ -20,8 +20,8 @@ def cell_note(cell: Cell, ours: str) -> tuple[str, str]:
     status = believed(row, ours)
     if status == "fail":
         return ("failed", f"fails, limit {limit(row.limit, row.unit)}")
-    if status == "ceiling":
-        return ("above", f"above {limit(row.bound, row.unit)}")
+    if status == "waived":
+        return ("above", f"waived, above {limit(row.bound, row.unit)}")
     if status == "pass":
         return ("held", "holds")
     if cell.unsaid:

@@ -54,7 +54,8 @@ class Line:
 
 @dataclass(frozen=True)
 class Block:
-    """One scene of the table; `truth` names the metric in the ground-truth column, `ceiling` is where the overlap gate stands."""
+    """One scene of the table; `truth` names the metric in the ground-truth column, `ceiling` is up to where
+    the bound of overlap is waived."""
 
     scene: str
     title: str
@@ -71,7 +72,7 @@ class Block:
 
 def gated_run(rows: Iterable[Row]) -> str:
     """The engine and preset under the gate: whichever carries pass or fail, by default avatarsim/default."""
-    return next((row.run for row in rows if row.status in ("pass", "fail")), OURS)
+    return next((row.run for row in rows if row.status in ("pass", "waived", "fail")), OURS)
 
 
 def blocks(results: Results, first: Sequence[str] = ()) -> tuple[Block, ...]:

@@ -23,10 +23,12 @@ LOOKS = (
     "jerk_ratio", "still_frames", "tracker_offset_max", "tracker_offset_rms", "tracker_offset_rms_free", "silent_offset_frames",
 )
 """Metrics of how motion looks; where one has a bound, that says less than a promise does."""
+WAIVED = "waived"
+"""Status of a check whose bound does not hold and is waived up to its scene's ceiling."""
 MOSTLY = 0.5
 """Share of the figures of how motion looks below which it is said beside the verdict how many have a bound, and which measures
 have none."""
-# Kinds of loss, worst first: a gated bound failed; a ceiling hides that the bound does not hold; another engine did better;
+# Kinds of loss, worst first: a check failed; one is waived, for its bound does not hold; another engine did better;
 # one that passed through what it should have met is passed over where that could win.
 KINDS = ("failed", "above bound", "behind")
 
@@ -46,21 +48,21 @@ class Loss:
 
     @property
     def severity(self) -> tuple[int, float]:
-        """Orders losses: a failed bound outweighs one kept up by a ceiling, and that any comparison."""
+        """Orders losses: a failed check outweighs a waived one, and that any comparison."""
         return (-KINDS.index(self.kind), self.factor)
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """Rows of the gate by outcome; `ceiling` are above their bound but within the scene's ceiling. Crashed and
+    """Rows of the gate by outcome; `waived` are above their bound and within the scene's ceiling. Crashed
     and unmeasured also hold one row per run of the other engines. `finished` is False for results of a run that never ended,
     `rivals` False when no other engine brought a number; `scenes` counts the scenes of the run by what became of the gated run in
     them, one word each; `looks`: how many of our figures of how motion looks have a bound, and of how many;
     `unbounded`: measures of these that have one nowhere."""
 
     gated: str
-    held: tuple[Row, ...]
-    ceiling: tuple[Row, ...]
+    passed: tuple[Row, ...]
+    waived: tuple[Row, ...]
     failed: tuple[Row, ...]
     crashed: tuple[Row, ...]
     unmeasured: tuple[Row, ...]
@@ -76,35 +78,35 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        """One word for the whole run; it is "held" only when nothing at all is wrong or missing."""
+        """One word for the whole run; it is "passed" only when nothing failed or is missing."""
         if self.failed:
             return "failed"
         if self.crashed:
             return "crashed"
         if self.unmeasured or not self.finished:
             return "incomplete"
-        return "held" if self.held or self.ceiling else "empty"
+        return "passed" if self.passed or self.waived else "empty"
 
     @property
     def sentence(self) -> str:
         """The verdict line."""
-        total = len(self.held) + len(self.ceiling) + len(self.failed)
+        total = len(self.passed) + len(self.waived) + len(self.failed)
         if self.word == "empty":
             return f"No verdict: this run has no gated measurement of {self.gated}."
-        parts = [f"{len(self.failed)} of {count(total, 'bound')} of {self.gated} failed"] if self.failed else []
+        parts = [f"{len(self.failed):,} of {count(total, 'check')} of {self.gated} failed"] if self.failed else []
         parts += [f"{count(len(self.crashed), 'run')} crashed"] if self.crashed else []
         parts += [f"{len(self.unmeasured):,} not measured"] if self.unmeasured else []
         if not self.finished:
             parts.append("the run did not end")
         if total and not self.failed:
-            parts.append(f"{count(total - len(self.ceiling), 'bound')} of {total:,} held by {self.gated}")
-        if self.ceiling:
-            parts.append(f"{len(self.ceiling):,} above the bound but within a ceiling")
-        if len(parts) == 1 and self.held and not self.failed:
-            promised = [told for metric, told in PROMISED.items() if any(row.metric == metric for row in self.held)]
+            parts.append(f"{len(self.passed):,} of {count(total, 'check')} of {self.gated} pass")
+        if self.waived:
+            parts.append(f"{len(self.waived):,} waived")
+        if len(parts) == 1 and self.passed and not self.failed:
+            promised = [told for metric, told in PROMISED.items() if any(row.metric == metric for row in self.passed)]
             kept = f", among them what is promised everywhere: {', '.join(promised)}" if promised else ""
-            held = f"All {count(total, 'bound')} of {self.gated} held{kept}" if total > 1 else "The one bound held"
-            return f"{held}{self.but}."
+            passed = f"All {count(total, 'check')} of {self.gated} pass{kept}" if total > 1 else "The one check passes"
+            return f"{passed}{self.but}."
         return "; ".join(parts)[:1].upper() + "; ".join(parts)[1:] + f"{self.but}."
 
     @property
@@ -120,26 +122,27 @@ class Verdict:
 
 def believed(row: Row, ours: str) -> str:
     """What a gated row says, unless its numbers contradict it: a pass needs a finite value within the limit. A gated row
-    above its bound but within its ceiling reads "ceiling"; info rows of other engines stay info."""
-    gated = row.status == "pass" or (row.status == "info" and row.run == ours and row.bound is not None)
+    above its bound and within its ceiling reads "waived", also where the run of an earlier version says "info"; info rows of
+    other engines stay info."""
+    gated = row.status in ("pass", WAIVED) or (row.status == "info" and row.run == ours and row.bound is not None)
     if not gated:
         return row.status
     if row.value is None:
         return "not-measured"
     if not math.isfinite(row.value) or (row.limit is not None and not row.value <= row.limit):
         return "fail"
-    return "pass" if row.bound is None or row.value <= row.bound else "ceiling"
+    return "pass" if row.bound is None or row.value <= row.bound else WAIVED
 
 
 def verdict(results: Results) -> Verdict:
     """Judge a run from its rows alone."""
     ours = gated_run(results.rows)
     ranked, looks = compared(results.rows, ours, results.unsaid, results.scales, told(results)), _looks(results, ours)
-    by_word: dict[str, list[Row]] = {word: [] for word in ("pass", "ceiling", "fail", "crashed", "not-measured", "neutral")}
+    by_word: dict[str, list[Row]] = {word: [] for word in ("pass", WAIVED, "fail", "crashed", "not-measured", "neutral")}
     runs_seen: set[tuple[str, str, int, str]] = set()
     for row in results.rows:
         word = believed(row, ours)
-        if word in ("pass", "ceiling", "fail"):
+        if word in ("pass", WAIVED, "fail"):
             by_word[word].append(row)
         elif word in ("crashed", "not-measured"):
             key = (row.scenario, row.run, row.seed, row.metric if row.run == ours and word == "not-measured" else word)
@@ -152,10 +155,10 @@ def verdict(results: Results) -> Verdict:
     failed = tuple(sorted(by_word["fail"], key=lambda row: -excess(row)))
     code = 1 if failed else 3 if by_word["crashed"] or by_word["not-measured"] else 0 if results.rows else 5
     return Verdict(
-        ours, tuple(by_word["pass"]), tuple(by_word["ceiling"]), failed, tuple(by_word["crashed"]),
+        ours, tuple(by_word["pass"]), tuple(by_word[WAIVED]), failed, tuple(by_word["crashed"]),
         tuple(by_word["not-measured"]), tuple(by_word["neutral"]),
-        _losses(results, failed, tuple(by_word["ceiling"]), ranked), ranked,
-        _states(results, ours, failed, by_word["ceiling"]), code, results.exit_code is not None,
+        _losses(results, failed, tuple(by_word[WAIVED]), ranked), ranked,
+        _states(results, ours, failed, by_word[WAIVED]), code, results.exit_code is not None,
         any(row.engine not in (RAW_TRACKER, ours.split("/")[0]) and row.value is not None for row in results.rows),
         (sum(row.bound is not None for row in looks), len(looks)),
         tuple(metric for metric in LOOKS if {row.bound for row in looks if row.metric == metric} == {None}),
@@ -167,15 +170,14 @@ def _looks(results: Results, ours: str) -> list[Row]:
     return [row for row in results.rows if row.run == ours and row.metric in LOOKS and row.value is not None]
 
 
-CEILING = "within a ceiling"
-STATES = ("held", CEILING, "failed", "crashed", "refused", "not measured")
-"""What can become of a scene; worst of those that fit: crashed, not measured, failed, refused, within a ceiling, held. In a scene
-within a ceiling a bound does not hold, and the gate stands higher."""
+STATES = ("passed", WAIVED, "failed", "crashed", "refused", "not measured")
+"""What can become of a scene; worst of those that fit: crashed, not measured, failed, refused, waived, passed. In a waived
+scene a bound does not hold yet."""
 
 
-def _states(results: Results, ours: str, failed: Iterable[Row], ceiling: Iterable[Row]) -> Mapping[str, int]:
+def _states(results: Results, ours: str, failed: Iterable[Row], waived: Iterable[Row]) -> Mapping[str, int]:
     """Number of scenes by state of `ours`: each scene of the run has exactly one, so they add up."""
-    lost, above = {row.scenario for row in failed}, {row.scenario for row in ceiling}
+    lost, above = {row.scenario for row in failed}, {row.scenario for row in waived}
     counted = dict.fromkeys(STATES, 0)
     for scene in results.scenes():
         own = [row for row in results.of(scene) if row.run == ours]
@@ -187,7 +189,7 @@ def _states(results: Results, ours: str, failed: Iterable[Row], ceiling: Iterabl
         elif scene in lost:
             state = "failed"
         else:
-            state = "refused" if said & {"refused", "cannot-say"} else CEILING if scene in above else "held"
+            state = "refused" if said & {"refused", "cannot-say"} else WAIVED if scene in above else "passed"
         counted[state] += 1
     return counted
 
@@ -212,7 +214,7 @@ def _gaps(results: Results, ours: str) -> list[Row]:
     ]
 
 
-def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...], ranked: Compared) -> tuple[Loss, ...]:
+def _losses(results: Results, failed: tuple[Row, ...], waived: tuple[Row, ...], ranked: Compared) -> tuple[Loss, ...]:
     found = [
         Loss(
             row.scenario, row.metric, quantity(row.value, row.unit),
@@ -221,9 +223,9 @@ def _losses(results: Results, failed: tuple[Row, ...], ceiling: tuple[Row, ...],
         for row in failed
     ]
     found += [
-        Loss(row.scenario, row.metric, quantity(row.value, row.unit), f"bound {limit(row.bound, row.unit)}; the gate stands at "
-             f"a ceiling of {limit(row.limit, row.unit)}", "above bound", excess(row))
-        for row in ceiling
+        Loss(row.scenario, row.metric, quantity(row.value, row.unit), f"bound {limit(row.bound, row.unit)}, waived up to "
+             f"{limit(row.limit, row.unit)}", "above bound", excess(row))
+        for row in waived
     ]
     found += [
         _compared(lost) for metric in by_family(ranked, results.families) for lost in metric.lost
@@ -243,12 +245,12 @@ def _compared(lost: Lost) -> Loss:
 
 def scenes_sentence(verdict_: Verdict) -> str:
     """How the scenes add up, and what the gate counts beside them."""
-    bounds = len(verdict_.held) + len(verdict_.ceiling) + len(verdict_.failed)
-    above = f", {len(verdict_.ceiling)} above the bound and within a ceiling" if verdict_.ceiling else ""
-    # a run without ceilings need not be told of them
-    parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items() if number or state != CEILING)
-    return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(bounds, 'bound')}: "
-            f"{len(verdict_.held)} hold{above}, {len(verdict_.failed)} failed. A scene that expects a "
+    checks = len(verdict_.passed) + len(verdict_.waived) + len(verdict_.failed)
+    above = f", {len(verdict_.waived)} waived" if verdict_.waived else ""
+    # a run without waivers need not be told of them
+    parts = " + ".join(f"{number} {state}" for state, number in verdict_.scenes.items() if number or state != WAIVED)
+    return (f"Scenes: {parts} = {sum(verdict_.scenes.values())}. In them {count(checks, 'check')}: "
+            f"{len(verdict_.passed)} pass{above}, {len(verdict_.failed)} failed. A scene that expects a "
             "refusal and got it counts as refused.")
 
 
@@ -288,7 +290,7 @@ def reading_order(results: Results, verdict_: Verdict) -> tuple[str, ...]:
     """Scenes as tables list them: those in trouble, then everyday scenes, then others with an avatar, then the rest; of each kind
     those first that we lose."""
     lost = losing_scenes(verdict_)
-    trouble = {row.scenario for row in verdict_.failed + verdict_.ceiling}
+    trouble = {row.scenario for row in verdict_.failed + verdict_.waived}
     trouble |= {row.scenario for row in verdict_.crashed + verdict_.unmeasured if row.run == verdict_.gated}
     avatars = with_avatar(results.rows)
 
@@ -303,5 +305,5 @@ def reading_order(results: Results, verdict_: Verdict) -> tuple[str, ...]:
 def losing_scenes(verdict_: Verdict) -> tuple[str, ...]:
     """Scenes in the order in which a reader should see them: failed and lost first."""
     troubled = [row.scenario for row in verdict_.crashed + verdict_.unmeasured if row.run == verdict_.gated]
-    failed = [row.scenario for row in verdict_.failed + verdict_.ceiling]
+    failed = [row.scenario for row in verdict_.failed + verdict_.waived]
     return tuple(dict.fromkeys([*failed, *troubled, *(loss.scene for loss in verdict_.losses)]))

@@ -95,7 +95,7 @@ def _statuses(verdict: Verdict) -> dict[str, tuple[str, str]]:
     """By scene the worst that the gate says of it, as (class, words)."""
     rows: dict[str, dict[str, int]] = defaultdict(lambda: defaultdict(int))
     for name, group in (("failed", verdict.failed), ("crashed", verdict.crashed), ("unmeasured", verdict.unmeasured),
-                        ("ceiling", verdict.ceiling), ("held", verdict.held), ("neutral", verdict.neutral)):
+                        ("waived", verdict.waived), ("passed", verdict.passed), ("neutral", verdict.neutral)):
         for row in group:
             if row.run == verdict.gated:
                 rows[row.scenario][row.status if name == "neutral" else name] += 1
@@ -103,17 +103,17 @@ def _statuses(verdict: Verdict) -> dict[str, tuple[str, str]]:
 
 
 def _status(tally: Mapping[str, int]) -> tuple[str, str]:
-    gated = sum(tally.get(name, 0) for name in ("failed", "ceiling", "held"))
+    gated = sum(tally.get(name, 0) for name in ("failed", "waived", "passed"))
     if tally.get("failed"):
-        return "failed", f"{tally['failed']} of {count(gated, 'bound')} failed"
+        return "failed", f"{tally['failed']} of {count(gated, 'check')} failed"
     if tally.get("crashed"):
         return "crashed", "crashed"
     if tally.get("unmeasured"):
         return "not-measured", f"{tally['unmeasured']} not measured"
-    if tally.get("ceiling"):
-        return "within-a-ceiling", f"{tally['ceiling']} of {count(gated, 'bound')} within a ceiling only"
-    if tally.get("held"):
-        return "held", f"all {count(gated, 'bound')} held" if gated > 1 else "its bound held"
+    if tally.get("waived"):
+        return "waived", f"{tally['waived']} of {count(gated, 'check')} waived"
+    if tally.get("passed"):
+        return "passed", f"all {count(gated, 'check')} pass" if gated > 1 else "its check passes"
     if tally.get("refused"):
         return "refused", "refused, as it should be"
     return "none", "cannot be said"

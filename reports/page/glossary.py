@@ -40,8 +40,8 @@ TERMS = (
      "which is ranked, and weight times that height a potential energy in joule. No velocity comes of it, so that the energy "
      "audit, which counts kinetic energy that nothing explains, does not count it."),
     ("left the allowed side", "Something was where the scene says that it cannot be, such as behind a wall."),
-    ("bound, ceiling", "A bound is a figure that our engine promises in a scene; a ceiling stands in for one that does not hold "
-     "yet. The gate, which can fail, is all bounds of one engine and preset."),
+    ("bound, check, waived", "A bound is a figure that our engine promises in a scene, and a check whether it holds. A check is "
+     "waived where the bound does not hold yet, up to a stated figure. The gate is all checks of one engine and preset."),
     ("family", "A scene with its variants: other frame rates, other clips, other sizes. Sentences count families."),
     ("default", "An engine with its default parameters in our rig (MuJoCo: a weld per link; PyBullet: a constraint of the root "
      "and a motor per joint); of ours, the method that is meant to be used."),

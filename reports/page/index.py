@@ -330,11 +330,11 @@ def _narrow(narrow: NarrowPhase) -> dict[str, object]:
 
 
 def _heads(shown: tuple[Block, ...]) -> Mapping[str, str]:
-    """The line under each column's title: bound and ceiling where the gate has them."""
+    """The line under each column's title: the bound, and up to where it is waived."""
     ceilings = [block.ceiling for block in shown if block.ceiling is not None and block.ceiling > OVERLAP_BOUND]
     text = f"bound {limit(OVERLAP_BOUND, 'm')}"
     if ceilings:
-        text += f"; ceilings up to {limit(max(ceilings), 'm')} in {count(len(ceilings), 'scene')}"
+        text += f"; waived up to {limit(max(ceilings), 'm')} in {count(len(ceilings), 'scene')}"
     heads = {column.key: "" for column in COLUMNS} | {"overlap": text, "overlap_frames": "above 1 µm"}
     for index, column in enumerate(COLUMNS):
         limits = {cell.row.limit for block in shown for line in block.lines for cell in line.cells[index : index + 1]
@@ -399,7 +399,7 @@ def _flat(raw: Mapping[str, object], prefix: str = "") -> list[tuple[str, str]]:
 
 def _disagreement(results: Results, verdict: Verdict) -> str:
     """A sentence if the file contradicts itself: exit code against rows, a pass against its own series; "" otherwise."""
-    for row in verdict.held:
+    for row in verdict.passed:
         series = results.series.get(row.scenario, {}).get(row.run)
         if row.metric == "residual_overlap_max" and series and series.overlap.size and row.limit is not None:
             if not peak(series.overlap) <= row.limit:

@@ -151,7 +151,7 @@ def page(
     sources += [scripts.source("quantity.js")] if sources else []
     replayed = found.replay or {}
     drawn_charts = charts(found.lines, found.dt, POINTS, int(str(replayed.get("stride", 0))), found.repeats)
-    gated = [row for row in (*verdict.failed, *verdict.ceiling, *verdict.held) if row.scenario == block.scene]
+    gated = [row for row in (*verdict.failed, *verdict.waived, *verdict.passed) if row.scenario == block.scene]
     return labelled(environment().get_template("scene.html.j2").render(
         block=block, damage=found.damage, grasped=found.grasped, columns=COLUMNS, strokes=strokes, around=around, caveat=CAVEAT,
         gated=gated,

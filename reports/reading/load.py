@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 # The layout of results.json that this reader knows. Raising it without teaching `load` the new layout refuses every file.
 SCHEMA_VERSION = 1
-STATUSES = ("pass", "fail", "info", "crashed", "not-measured", "cannot-say", "refused")
+STATUSES = ("pass", "waived", "fail", "info", "crashed", "not-measured", "cannot-say", "refused")
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Row:
 
     @property
     def limit(self) -> float | None:
-        """Where the gate stands: the ceiling while there is one, else the bound."""
+        """Above this a check fails: up to where its bound is waived, else the bound."""
         return self.bound if self.ceiling is None else self.ceiling
 
 

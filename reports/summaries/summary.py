@@ -112,7 +112,7 @@ def _cells(line: Line, ours: str) -> str:
         word = believed(cell.row, ours) if cell.row else ""
         if cell.row and cell.row.metric == "frame_time_p50" and cell.value is not None and (how := cell_note(cell, ours)[1]):
             text += f" [{escaped(how)}]"
-        text = f"**{text} ✕**" if word == "fail" else f"{text} above bound" if word == "ceiling" else text
+        text = f"**{text} ✕**" if word == "fail" else f"{text} waived" if word == "waived" else text
         if cell.ratio is not None and text != MISSING:
             text += " (best)" if cell.best else f" ({ratio(cell.ratio)})" if cell.ratio > 1.0 else ""
         texts.append(text)

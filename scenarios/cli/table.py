@@ -82,7 +82,8 @@ def verdict(line: Line, gated: frozenset[tuple[str, str]]) -> str:
             return f"FAIL ({failed})"
         if any(row.status in ("not-measured", "crashed") for row in rows):
             return "NOT MEASURED"
-        return "PASS" if all(row.status == "pass" for row in rows if row.bound is not None) else "PASS (ceiling)"
+        waived = sum(row.status == "waived" for row in rows)
+        return f"PASS ({waived} waived)" if waived else "PASS"
     broken = [row for row in rows if row.bound is not None and not (row.value is not None and row.value <= row.bound)]
     return f"(breaks {len(broken)})" if broken else "(holds)"
 
@@ -140,11 +141,11 @@ def _engine(line: Line) -> str:
 
 
 def remarks(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
-    """What failed or is missing, each a line that names the row."""
+    """What failed, is waived or is missing, each a line that names the row."""
     said = []
     for line in found:
         for row in line.rows.values():
-            if row.status in ("fail", "crashed", "not-measured"):
+            if row.status in ("fail", "waived", "crashed", "not-measured"):
                 limit = row.bound if row.ceiling is None else row.ceiling
                 shown = "" if row.value is None else f" {row.value:.4g}"
                 wanted = "" if limit is None else f" (limit {limit:g})"

@@ -12,15 +12,15 @@ from runfiles.files import plain, write_json, write_text
 from runfiles.published import SCHEMA_VERSION, check
 from scenarios.job import Outcome
 
-Status = Literal["pass", "fail", "info", "crashed", "not-measured", "cannot-say", "refused"]
+Status = Literal["pass", "waived", "fail", "info", "crashed", "not-measured", "cannot-say", "refused"]
 COLUMNS = ("scenario", "engine", "preset", "seed", "frames", "metric", "value", "unit", "bound", "status")
 """Columns of results.csv, fixed: scripts of users read them."""
 
 
 @dataclass(frozen=True)
 class Row:
-    """One figure of one run. `value` is None where nothing was measured; `bound` is the promise, `ceiling` where the gate stands
-    meanwhile; `note` says why a status is what it is."""
+    """One figure of one run. `value` is None where nothing was measured; `bound` is the promise, `ceiling` up to where
+    it is waived; `note` says why a status is what it is."""
 
     scenario: str
     engine: str

@@ -18,7 +18,7 @@ from pathlib import Path
 from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.running.processes import Died
-from scenarios.results.gate import FAILED, HELD, INCOMPLETE, USAGE
+from scenarios.results.gate import FAILED, INCOMPLETE, PASSED, USAGE
 from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
 from scenarios.studies.unseen_motions import Seen, broken, jobs, seen, table
@@ -65,7 +65,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(table(rows))
     for said in (*promises, *troubles):
         print(said)
-    return FAILED if promises else INCOMPLETE if troubles else HELD
+    return FAILED if promises else INCOMPLETE if troubles else PASSED
 
 
 if __name__ == "__main__":

@@ -86,9 +86,9 @@ def test_tiles_add_up_to_the_scenes(run_dir: Write, results: Json) -> None:
     strange = rows[0] | {"scenario": "new", "engine": "mujoco", "bound": None, "status": "info"}
     data = results | {"rows": [*rows, refused, strange]}
     found = verdict(load(run_dir(data)))
-    assert dict(found.scenes) == {"held": 1, "within a ceiling": 1, "failed": 1, "crashed": 0, "refused": 1, "not measured": 1}
+    assert dict(found.scenes) == {"passed": 1, "waived": 1, "failed": 1, "crashed": 0, "refused": 1, "not measured": 1}
     assert sum(found.scenes.values()) == len({row["scenario"] for row in data["rows"]})  # type: ignore[index]
-    assert "1 held + 1 within a ceiling + 1 failed + 0 crashed + 1 refused + 1 not measured = 5" in scenes_sentence(found)
+    assert "1 passed + 1 waived + 1 failed + 0 crashed + 1 refused + 1 not measured = 5" in scenes_sentence(found)
     folder = run_dir(data)
     write_report(folder)
     page = (folder / "index.html").read_text(encoding="utf-8")

@@ -24,10 +24,10 @@ def made(folder: Path) -> dict[str, object]:
 def test_cards_say_what_the_gate_says(run_dir: Write, results: Json) -> None:
     found = made(run_dir(results))["cards"]
     assert isinstance(found, dict) and list(found) == ["arm_wall", "hand_over_table", "ball_drop"]
-    assert (found["arm_wall"].status, found["arm_wall"].said) == ("held", "its bound held")
+    assert found["arm_wall"].status == "passed"
     young = found["hand_over_table"]
-    assert (young.status, young.said) == ("within-a-ceiling", "1 of 1 bound within a ceiling only")
-    assert (found["ball_drop"].status, found["ball_drop"].said) == ("failed", "1 of 1 bound failed")
+    assert young.status == "waived" and "1 of 1" in young.said
+    assert found["ball_drop"].status == "failed" and "1 of 1" in found["ball_drop"].said
     assert found["arm_wall"].picture.svg == "<svg/>" and found["ball_drop"].picture.svg == ""
     assert found["arm_wall"].figures == (("overlap", "300 nm (avatarsim)"), ("others up to", "4.00 mm (mujoco/default)"))
     assert found["ball_drop"].behind == ("error of restitution 0.3, best other 0.02 (pybullet/default)",)

@@ -77,7 +77,7 @@ def test_every_picture_has_words(run_dir: Write, results: Json) -> None:
 
 def test_sections_stand_in_order(run_dir: Write, results: Json) -> None:
     text, _ = written(run_dir(results))
-    parts = ("1 of 3 bounds", "Where other engines are better</h2>", "Accuracy against time</h2>",
+    parts = ("1 of 3 checks", "Where other engines are better</h2>", "Accuracy against time</h2>",
              "Are only the effects simulated that a scene calls for? (avatarsim only)</h2>",
              "Do hard cases stay numerically stable?</h2>",
              "Scenes</h2>", "Ranking</h2>", "Overlap in all scenes</h2>", "Over the time of a scene</h2>", "Frame times</h2>",
@@ -127,7 +127,7 @@ def test_a_file_that_contradicts_itself_is_called_out(run_dir: Write, results: J
 def test_whatever_is_missing_the_page_stands(run_dir: Write, results: Json, cut: str) -> None:
     empty: Json = {"series": {}, "engines": [], "provenance": {}}
     text, _ = written(run_dir(results | (empty if cut == "all" else {cut: empty[cut]})))
-    assert "1 of 3 bounds" in text
+    assert "1 of 3 checks" in text
 
 
 def test_without_a_row_there_is_no_page(run_dir: Write, results: Json) -> None:
@@ -159,7 +159,7 @@ def test_every_value_nan_or_missing_is_never_held(run_dir: Write, results: Json)
     assert isinstance(rows, list)
     for value in ("NaN", None, "Infinity"):
         text, _ = written(run_dir(results | {"rows": [row | {"value": value} for row in rows]}))
-        assert 'class="verdict held"' not in text
+        assert 'class="verdict passed"' not in text
 
 
 def test_damaged_results_cost_nothing_that_was_written_before(run_dir: Write, results: Json) -> None:

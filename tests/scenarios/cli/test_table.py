@@ -33,8 +33,9 @@ def test_what_fails_is_named_with_its_limit_and_shown_as_failed() -> None:
     assert "FAIL (1)" in text and "fail: drop avatarsim/default still_frames 7.5 (limit 1) above 1" in text
 
 
-def test_above_the_bound_within_the_ceiling_is_no_plain_pass() -> None:
-    assert "PASS (ceiling)" in table([row("avatarsim/default", "residual_overlap_max", 4e-4, "info", 1e-6, ceiling=1e-3)], OURS)
+def test_a_waived_check_is_no_plain_pass_and_is_named() -> None:
+    text = table([row("avatarsim/default", "residual_overlap_max", 4e-4, "waived", 1e-6, ceiling=1e-3)], OURS)
+    assert "PASS (1 waived)" in text and "waived: drop avatarsim/default residual_overlap_max 0.0004 (limit 0.001)" in text
 
 
 def test_crashed_missing_and_wordless_runs_say_so() -> None:

@@ -57,6 +57,15 @@ def test_reports_can_read_it(tmp_path: Path) -> None:
     assert found.exit_code == 1 and found.titles == {"drop": "A drop."}
 
 
+def test_a_waived_check_has_its_status_in_both_files_and_in_the_published_layout(tmp_path: Path) -> None:
+    waived = Row("drop", "e", "default", 0, 90, "still_frames", 2.0, "%", 1.0, 3.0, "waived", "above the bound 1")
+    write(results([*ROWS, waived]), tmp_path)
+    assert list(csv.DictReader((tmp_path / "results.csv").read_text().splitlines()))[-1]["status"] == "waived"
+    from reports.reading.load import load
+
+    assert load(tmp_path).rows[-1].status == "waived"
+
+
 def test_bench_appears_with_the_first_time(tmp_path: Path) -> None:
     write(results(ROWS), tmp_path)
     assert not (tmp_path / "bench.csv").exists()
