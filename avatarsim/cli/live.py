@@ -132,6 +132,11 @@ def _say_ports(ports: Ports) -> None:
         print(f"avatarsim: tracked hands of a headset: {ports.hands}", file=sys.stderr)
 
 
+def _say_refusal(source: str, sentence: str) -> None:
+    """The first refusal of a peer of the ports."""
+    print(f"avatarsim: refused from {source}: {sentence}; further refusals are counted on the page", file=sys.stderr, flush=True)
+
+
 def drive(
     asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], rivals: Sequence[Plan], depth: Depth | None
 ) -> int:
@@ -152,7 +157,9 @@ def drive(
             page = Page(session, Driver(found.scene), shows)
             stack.callback(page.close)
             if asked.ws is not None or asked.udp is not None:
-                page.ports = stack.enter_context(Ports(found.scene, page.track, asked.listen, asked.udp, asked.ws))
+                page.ports = stack.enter_context(
+                    Ports(found.scene, page.track, asked.listen, asked.udp, asked.ws, on_refusal=_say_refusal)
+                )
                 _say_ports(page.ports)
             print(f"avatarsim: {page.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
             if not asked.no_browser:
