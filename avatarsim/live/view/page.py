@@ -43,6 +43,8 @@ DRAWN, TOLD = 1.0 / 30.0, 0.25
 """[s] between two drawings, and between two looks at the figures, as fast as they can be read. Shorter: drawing takes all."""
 SOONEST = 1e-3
 """[s] of a wait at least, so that other threads have their turn."""
+UP = np.array((0.0, 0.0, 1.0))
+"""Up in the world."""
 DEEPER = 2.0
 """[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
 
@@ -85,7 +87,7 @@ class Page:
 
     def _build(self) -> None:
         """All that the page has, in the server's thread."""
-        self.server.scene.set_up_direction("+z")
+        self.server.scene.set_up_direction(UP)
         camera, seen = self.server.initial_camera, self.shows.stage.camera
         camera.position, camera.look_at = np.asarray(seen.position), np.asarray(seen.look_at)
         for k, name in enumerate(self.session.loops):
@@ -298,6 +300,11 @@ class Page:
         at, grabbed, away = self._grabbed[name]
         goal = at + (end - grabbed if up is None else DEEPER * up * away)
         self.driver.drag(name, goal, None)
+
+    def go_home(self, camera: viser.CameraHandle) -> None:
+        """Bring the camera of a viewer back to the first view of the stage."""
+        seen = self.shows.stage.camera
+        camera.position, camera.look_at, camera.up_direction = np.array(seen.position), np.array(seen.look_at), UP
 
     def see_gizmos(self, visible: bool) -> None:
         """Show the gizmos, or not."""
