@@ -23,8 +23,7 @@ from avatarsim.live.ports.server import HIGHEST_PORT, Ports
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
 from avatarsim.live.stages import Stage, stage, stage_of
-from avatarsim.live.view.depth import Depth
-from avatarsim.scene.body import Role
+from avatarsim.live.view.depth import Depth, still
 from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -90,14 +89,6 @@ def clips_of(paths: Sequence[Path], scene: Scene, model: Model | None) -> Mappin
             raise InvalidFile(f"motion {path.name}", scene.name, "one beside --avatar, whose joints it moves")
         clips[path.name] = load_motion(path).motion(model)
     return clips
-
-
-def still(scene: Scene) -> Scene:
-    """The scene without its loose bodies."""
-    bodies = tuple(body for body in scene.bodies if body.role is Role.FIXED)
-    names = {*(body.name for body in bodies), *scene.names[len(scene.bodies):]}
-    exclude = tuple(pair for pair in scene.exclude if names.issuperset(pair))
-    return replace(scene, bodies=bodies, exclude=exclude, require=(), force=())
 
 
 def own_depth(scene: Scene) -> Depth:

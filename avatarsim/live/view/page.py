@@ -21,15 +21,16 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.live.drive.driver import Driver
+from avatarsim.live.messages import State
 from avatarsim.live.ports.protocol import Goals
 from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Session
 from avatarsim.live.stages import Stage
-from avatarsim.live.view.depth import Depth
+from avatarsim.live.view.depth import Depth, OwnOverlap
 from avatarsim.live.view.drawn import Drawn
 from avatarsim.live.view.panel import Panel
 from avatarsim.live.view.server import AdmittingServer
-from avatarsim.live.view.telling import at_page, at_ports, sentence, table
+from avatarsim.live.view.telling import at_page, at_ports, is_held, overlapping, sentence, table
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
@@ -68,7 +69,7 @@ class Page:
     def __init__(self, session: Session, driver: Driver, shows: Shows) -> None:
         self.session, self.driver, self.shows = session, driver, shows
         self._events: queue.SimpleQueue[tuple[int, Callable[[], None]]] = queue.SimpleQueue()
-        self._scene = session.scene
+        self._scene, self._overlap = session.scene, OwnOverlap(session.scene)
         try:
             self.server = AdmittingServer(shows.host, shows.port, "avatarsim live")
         except OSError as error:
@@ -228,12 +229,17 @@ class Page:
                 target = self.shows.depth(self._scene, *raw, self._sample.angles)
         name = self.session.first.plan.name
         if name in states:
-            heard = [sentence(states[name], figures[name]), at_page(self.server.refusals)]
+            heard = [sentence(states[name], figures[name], self._overlapping(states[name])), at_page(self.server.refusals)]
             if self.ports is not None:
                 heard.append(at_ports(self.ports.refusals))
             rows, words = table(figures, depths, target), "\n\n".join(filter(None, heard))
             times = {n: [s.engine_ns for s in self.session.loops[n].states()] for n in states}
             self._there(lambda: self._write(rows, words, times, depths))
+
+    def _overlapping(self, state: State) -> str:
+        """What of the user's own posture overlaps, where that holds the avatar back."""
+        pair = self._overlap.pair(self._sample) if is_held(state) else None
+        return overlapping(pair, self.driver.links) if pair is not None else ""
 
     def _write(self, rows: str, words: str, times: Mapping[str, list[int]], depths: Mapping[str, float]) -> None:
         """Figures on the panel, and red for what overlaps."""
