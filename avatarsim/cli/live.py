@@ -23,8 +23,7 @@ from avatarsim.live.ports.server import HIGHEST_PORT, Ports
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
 from avatarsim.live.stages import Stage, stage, stage_of
-from avatarsim.live.view.depth import Depth
-from avatarsim.scene.body import Role
+from avatarsim.live.view.depth import Depth, still
 from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -92,14 +91,6 @@ def clips_of(paths: Sequence[Path], scene: Scene, model: Model | None) -> Mappin
     return clips
 
 
-def still(scene: Scene) -> Scene:
-    """The scene without its loose bodies."""
-    bodies = tuple(body for body in scene.bodies if body.role is Role.FIXED)
-    names = {*(body.name for body in bodies), *scene.names[len(scene.bodies):]}
-    exclude = tuple(pair for pair in scene.exclude if names.issuperset(pair))
-    return replace(scene, bodies=bodies, exclude=exclude, require=(), force=())
-
-
 def own_depth(scene: Scene) -> Depth:
     """How deep avatars are in what is fixed and in themselves, by our own distances; those of loose bodies are not among them."""
     chords = Chords(still(scene))
@@ -132,6 +123,11 @@ def _say_ports(ports: Ports) -> None:
         print(f"avatarsim: tracked hands of a headset: {ports.hands}", file=sys.stderr)
 
 
+def _say_refusal(source: str, sentence: str) -> None:
+    """The first refusal of a peer of the ports."""
+    print(f"avatarsim: refused from {source}: {sentence}; further refusals are counted on the page", file=sys.stderr, flush=True)
+
+
 def drive(
     asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], rivals: Sequence[Plan], depth: Depth | None
 ) -> int:
@@ -152,7 +148,9 @@ def drive(
             page = Page(session, Driver(found.scene), shows)
             stack.callback(page.close)
             if asked.ws is not None or asked.udp is not None:
-                page.ports = stack.enter_context(Ports(found.scene, page.track, asked.listen, asked.udp, asked.ws))
+                page.ports = stack.enter_context(
+                    Ports(found.scene, page.track, asked.listen, asked.udp, asked.ws, on_refusal=_say_refusal)
+                )
                 _say_ports(page.ports)
             print(f"avatarsim: {page.address} (Ctrl-C ends it)", file=sys.stderr, flush=True)
             if not asked.no_browser:

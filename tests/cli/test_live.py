@@ -2,6 +2,7 @@
 
 import json
 import socket
+import webbrowser
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,31 @@ def test_a_page_runs_for_the_time_asked_for(tmp_path: Path, capsys: pytest.Captu
     assert main(["live", "--avatar", str(tmp_path / "stick.urdf"), "--room", "floor", *words]) == 0
     said = capsys.readouterr().err
     assert "http://127.0.0.1:" in said and "websocket at 127.0.0.1:" in said and "udp at 127.0.0.1:" in said
+
+
+def test_the_first_refusal_of_a_peer_is_a_line_on_stderr(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "stick.urdf").write_text(URDF)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as free:
+        free.bind(("127.0.0.1", 0))
+        one.bind(("127.0.0.1", 0))
+        one.settimeout(60.0)
+        place = free.getsockname()
+        free.close()
+
+        def opened(address: str) -> None:
+            # the page is there, and the ports are open
+            for _ in range(3):
+                one.sendto(b'{"links": {"tail": {"position": [0, 0, 1]}}}', place)
+            assert b"refused" in one.recv(1024)
+
+        monkeypatch.setattr(webbrowser, "open", opened)
+        words = ["--port", "0", "--seconds", "1", "--udp", str(place[1])]
+        assert main(["live", "--avatar", str(tmp_path / "stick.urdf"), "--room", "floor", *words]) == 0
+        source = f"udp 127.0.0.1:{one.getsockname()[1]}"
+    [line] = [line for line in capsys.readouterr().err.splitlines() if source in line]
+    assert "'tail'" in line
 
 
 def test_a_port_that_is_taken_ends_with_2(capsys: pytest.CaptureFixture[str]) -> None:

@@ -15,6 +15,7 @@ import pytest
 from avatarsim.cli.live import own_depth
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.live.drive.driver import Driver
+from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Plan, State
 from avatarsim.live.recording import OURS, read
 from avatarsim.live.replaying import replay
@@ -172,9 +173,53 @@ def test_keys_move_the_hand(running: Running, seen: Browser) -> None:
     before = running.wait(5).positions[root].copy()
     seen.mouse("Moved", 300.0, 600.0, is_down=False)
     for _ in range(10):
-        seen.key("w", "KeyW", 87)
-        time.sleep(0.05)
+        hold(seen, "i", "KeyI", 0.05)
     assert np.linalg.norm(running.wait(10).positions[root] - before) > 0.01
+
+
+def hold(one: Browser, key: str, code: str, seconds: float = 0.3) -> None:
+    """Hold a key."""
+    about = {"key": key, "code": code, "windowsVirtualKeyCode": 0x20 if key == " " else ord(key[0].upper())}
+    if len(key) > 1:
+        about["windowsVirtualKeyCode"] = {"Home": 36, "ArrowUp": 38}[key]
+    one.tell("Input.dispatchKeyEvent", type="keyDown", **about)
+    time.sleep(seconds)
+    one.tell("Input.dispatchKeyEvent", type="keyUp", **about)
+
+
+def viewed(running: Running) -> np.ndarray:
+    """Place and direction of the camera of the first browser, once they are still."""
+    camera = next(iter(running.page.server.get_clients().values())).camera
+    last, end = np.zeros(6), time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        time.sleep(0.5)
+        now = np.concatenate([camera.position, camera.look_at])
+        if np.array_equal(now, last):
+            return now
+        last = now
+    raise AssertionError("the camera does not come to rest")
+
+
+def test_the_camera_stands_still_under_all_keys_of_the_avatar(running: Running, seen: Browser) -> None:
+    seen.mouse("Moved", 300.0, 600.0, is_down=False)
+    before = viewed(running)
+    for key in KEYS:
+        hold(seen, key.key, "Space" if key.key == " " else f"Key{key.key.upper()}")
+        assert viewed(running) == pytest.approx(before, abs=1e-6), key.key
+
+
+@pytest.mark.parametrize("way", ["button", "key"])
+def test_home_brings_a_camera_back_that_flew_away(running: Running, seen: Browser, way: str) -> None:
+    camera = running.page.shows.stage.camera
+    seen.mouse("Moved", 300.0, 600.0, is_down=False)
+    for key, code in (("s", "KeyS"), ("d", "KeyD"), ("ArrowUp", "ArrowUp")):
+        hold(seen, key, code, 1.0)
+    assert np.linalg.norm(viewed(running)[:3] - camera.position) > 0.5
+    if way == "button":
+        seen.click("Home")
+    else:
+        hold(seen, "Home", "Home", 0.05)
+    assert viewed(running) == pytest.approx(np.array([*camera.position, *camera.look_at]), abs=1e-3)
 
 
 def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> None:

@@ -30,12 +30,12 @@ class Key:
 
 
 KEYS: Final = (
-    Key("w", "walk forward", "forward", 1.0),
-    Key("s", "walk back", "forward", -1.0),
-    Key("a", "step left", "side", 1.0),
-    Key("d", "step right", "side", -1.0),
-    Key("q", "turn left", "turn", 1.0),
-    Key("e", "turn right", "turn", -1.0),
+    Key("i", "walk forward", "forward", 1.0),
+    Key("k", "walk back", "forward", -1.0),
+    Key("j", "step left", "side", 1.0),
+    Key("l", "step right", "side", -1.0),
+    Key("u", "turn left", "turn", 1.0),
+    Key("o", "turn right", "turn", -1.0),
     Key("r", "stand up; without legs: up", "height", 1.0),
     Key("f", "crouch; without legs: down", "height", -1.0),
     Key("t", "reach forward with both arms; again: arms back"),
@@ -43,7 +43,7 @@ KEYS: Final = (
     Key("h", "open the fist", "fist", -1.0),
     Key(" ", "flick: a quick strike of the right arm, or of the hand"),
 )
-"""All keys, as the page lists them."""
+"""All keys, as the page lists them. The page's own camera flies by W A S D Q E and the arrow keys, which are none of these."""
 
 BY_NAME: Final = {key.key: key for key in KEYS}
 AXES: Final = ("forward", "side", "turn", "height", "fist")

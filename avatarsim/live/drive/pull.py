@@ -1,7 +1,9 @@
 """Damped least squares inverse kinematics within joint limits (Wampler 1986; Buss 2004; damped by the error, Sugihara 2011).
 
-Goals of several links are one stacked system. After a round each joint is projected into its limits; the direction in which it
-was stopped is taken out of the system for the other rounds of that call, so that the rest of the chain does what it cannot do.
+Goals of several links are one stacked system. After a round each joint is projected into its limits. Turns in the direction of
+what its limits took away then cost more in the other rounds of that call, so that the rest of the chain does what it cannot do
+(weighted least norm, Chan and Dubey 1995). The cost is a continuous function of the share that was taken away: a projection that
+changes a turn by its rounding alone stops no joint.
 """
 
 from collections.abc import Sequence
@@ -11,10 +13,11 @@ from math import atan2, hypot, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.live.drive.limits import Limits, inside
+from avatarsim.live.drive.limits import INWARD, Limits, inside
 from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.live.drive.turns import (
     NO_LENGTH,
+    ZERO,
     add,
     conjugate,
     cross,
@@ -60,7 +63,16 @@ ONE_SIDED = 0.6
 SHORTENED = 0.01
 """By which share of the lever a chain must become shorter for its elbow to be bent."""
 
-AXES: tuple[Vector, ...] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+STOPPED = 0.25
+"""Share of a turn from which on a joint whose limits take it away counts as stopped. Larger: joints at limits are asked again in
+vain; smaller: more of a rounding error comes into the posture."""
+
+LEAST_FREE = 1e-3
+"""Share of its freedom that a stopped joint keeps, so that no system is singular."""
+
+Axes = tuple[Vector, Vector, Vector]
+
+AXES: Axes = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
@@ -104,8 +116,9 @@ class Pull:
         if not self.joints:
             return True
         left, before, begun = most, inf, list(posture.turns)
-        stopped: dict[int, list[Vector]] = {k: [*AXES] for k in still}
-        bound = {h for k in still for h, _ in enumerate(self.tree.nodes[k].hinges, start=self.tree.nodes[k].first_angle)}
+        nodes = self.tree.nodes
+        free: dict[int, Axes] = {k: (ZERO, ZERO, ZERO) if k in still else AXES for k in self.joints if nodes[k].is_ball}
+        slack = {h: 0.0 if k in still else 1.0 for k in self.joints for h, _ in enumerate(nodes[k].hinges, nodes[k].first_angle)}
         for _ in range(ROUNDS):
             poses = self.tree.poses(posture, self.needed)
             error = self._error(poses, goals)
@@ -115,14 +128,14 @@ class Pull:
             if size > STALLED * before:
                 return not still
             before = size
-            owners, jacobian = self._jacobian(posture, poses, goals, stopped, bound)
+            owners, jacobian = self._jacobian(posture, poses, goals, free, slack)
             gram = jacobian @ jacobian.T
             gram[np.diag_indices_from(gram)] += 0.5 * size * size + DAMPING * self.lever * self.lever
             step = jacobian.T @ np.linalg.solve(gram, error)
             largest = _largest(owners, step.tolist())
             step *= min(1.0, min(left, STEEPEST) / max(largest, 1e-300))
             # what a limit takes away is not spent
-            left -= self._apply(posture, poses, owners, step.tolist(), stopped, bound)
+            left -= self._apply(posture, poses, owners, step.tolist(), free, slack)
             if left <= SPENT * most:
                 self._hold_back(posture, begun, most)
                 return False
@@ -199,7 +212,7 @@ class Pull:
 
     def _jacobian(
         self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], goals: Sequence[Goal],
-        stopped: dict[int, list[Vector]], bound: set[int],
+        free: dict[int, Axes], slack: dict[int, float],
     ) -> tuple[list[tuple[int, int]], Array]:
         """(joint, number of a hinge's angle or -1 for a ball's three columns), and all columns (rows, n): turns in the world."""
         owners: list[tuple[int, int]] = []
@@ -209,13 +222,12 @@ class Pull:
             axes: list[Vector] = []
             if node.is_ball:
                 owners.append((k, -1))
-                axes = _free_of(stopped.get(k, []))
+                axes = [*free[k]]
             else:
                 turned = self.tree.above(k, poses)
                 for h, hinge in enumerate(node.hinges, start=node.first_angle):
                     owners.append((k, h))
-                    axis = rotate(turned, hinge.axis)
-                    axes.append((0.0, 0.0, 0.0) if h in bound else axis)
+                    axes.append(scaled(rotate(turned, hinge.axis), slack[h]))
                     turned = multiply(turned, exp(scaled(hinge.axis, posture.angles[h])))
             for axis in axes:
                 column: list[float] = []
@@ -230,23 +242,22 @@ class Pull:
 
     def _apply(
         self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], owners: Sequence[tuple[int, int]],
-        step: list[float], stopped: dict[int, list[Vector]], bound: set[int],
+        step: list[float], free: dict[int, Axes], slack: dict[int, float],
     ) -> float:
-        """Turn the joints, and project each into its limits; the most [rad] that one of them has turned."""
+        """Turn the joints, project each into its limits, and update what is free; the most [rad] that one of them has turned."""
         at, most = 0, 0.0
         for k, h in owners:
             node = self.tree.nodes[k]
             if h >= 0:
-                hinge, wanted = node.hinges[h - node.first_angle], posture.angles[h] + step[at]
+                asked = slack[h] * step[at]
+                hinge, wanted = node.hinges[h - node.first_angle], posture.angles[h] + asked
                 before, posture.angles[h] = posture.angles[h], min(max(wanted, hinge.lower), hinge.upper)
                 most = max(most, abs(posture.angles[h] - before))
-                if posture.angles[h] != wanted:
-                    bound.add(h)
+                slack[h] *= 1.0 - _stopped(abs(posture.angles[h] - wanted), abs(asked))
                 at += 1
                 continue
-            free = _free_of(stopped.get(k, []))
-            turn = (0.0, 0.0, 0.0)
-            for axis, share in zip(free, step[at : at + 3], strict=True):
+            turn = ZERO
+            for axis, share in zip(free[k], step[at : at + 3], strict=True):
                 turn = add(turn, scaled(axis, share))
             at += 3
             above = self.tree.above(k, poses)
@@ -254,8 +265,7 @@ class Pull:
             was, posture.turns[k] = posture.turns[k], allowed(node.limits, node.orientation, wanted_turn)
             most = max(most, norm(way(was, posture.turns[k])))
             lost = way(posture.turns[k], wanted_turn)
-            if norm(lost) > 0.0:
-                stopped.setdefault(k, []).append(rotate(above, scaled(lost, 1.0 / norm(lost))))
+            free[k] = _stiffened(free[k], rotate(above, lost), _stopped(norm(lost), norm(turn)))
         return most
 
 
@@ -305,16 +315,18 @@ def allowed(limits: Limits | None, orientation: Quaternion, turn: Quaternion) ->
     return turn if found is full else normalised(multiply(conjugate(orientation), found))
 
 
-def _free_of(stopped: Sequence[Vector]) -> list[Vector]:
-    """The world's axes without their parts along directions in which a ball was stopped."""
-    axes: list[Vector] = [*AXES]
-    taken: list[Vector] = []
-    for direction in stopped[:3]:
-        for one in taken:
-            direction = sub(direction, scaled(one, dot(one, direction)))
-        length = norm(direction)
-        if length > 1e-3:
-            taken.append(scaled(direction, 1.0 / length))
-    for one in taken:
-        axes = [sub(axis, scaled(one, dot(one, axis))) for axis in axes]
-    return axes
+def _stopped(lost: float, asked: float) -> float:
+    """Share, 0 to 1, to which a joint is stopped whose limits took `lost` of the turn `asked` [rad]; continuous in both."""
+    return min(lost / max(STOPPED * asked, INWARD), 1.0)
+
+
+def _stiffened(free: Axes, direction: Vector, share: float) -> Axes:
+    """Add a cost of turns along `direction` to what a ball is free to do, a symmetric matrix (rank-one update of its inverse)."""
+    length = norm(direction)
+    if not length > 0.0:
+        return free
+    along = scaled(direction, 1.0 / length)
+    x, y, z = taken = dot(free[0], along), dot(free[1], along), dot(free[2], along)
+    factor = share / (1.0 - share * (1.0 - LEAST_FREE - dot(taken, along)))
+    a, b, c = free
+    return sub(a, scaled(taken, factor * x)), sub(b, scaled(taken, factor * y)), sub(c, scaled(taken, factor * z))

@@ -14,7 +14,7 @@ from avatarsim.live.ports.admission import Limits, as_address
 from avatarsim.live.ports.drawing import described
 from avatarsim.live.ports.protocol import Shape
 from avatarsim.live.ports.refusals import Refusals
-from avatarsim.live.ports.taking import Gate, OnTarget
+from avatarsim.live.ports.taking import Gate, OnRefusal, OnTarget
 from avatarsim.live.ports.udp import Datagrams
 from avatarsim.scene.scene import Scene
 
@@ -36,18 +36,19 @@ class Ports:
     listen     address of this machine; other machines reach anything but loopback
     udp_port, ws_port  0: the system chooses one; None: there is none
     allow      further hosts that Host and Origin headers may name
+    on_refusal called in the ports' own thread with a peer's address and the reason of its first refusal
 
     Raises InvalidInput for an address or a port that is none."""
 
     def __init__(
         self, scene: Scene, on_target: OnTarget, listen: str = "127.0.0.1", udp_port: int | None = 0, ws_port: int | None = 0,
-        allow: tuple[str, ...] = (), limits: Limits | None = None,
+        allow: tuple[str, ...] = (), limits: Limits | None = None, on_refusal: OnRefusal | None = None,
     ) -> None:
         self.refusals = Refusals()
         self._listen = as_address(listen)
         self._asked = {"udp": _port("UDP port", udp_port), "websocket": _port("WebSocket port", ws_port)}
         self._limits = limits or Limits()
-        self._gate = Gate(Shape.of(scene), on_target, self.refusals)
+        self._gate = Gate(Shape.of(scene), on_target, self.refusals, on_refusal)
         self._scene, self._allow = scene, allow
         self._ends: dict[str, socket.socket] = {}
         self._loop: asyncio.SelectorEventLoop | None = None

@@ -13,31 +13,43 @@ OnTarget = Callable[[TrackerSample | Goals, int, str], None]
 """Called with what a tracker wants, when its bytes arrived [ns of the monotonic clock], and where it came from."""
 
 
+OnRefusal = Callable[[str, str], None]
+"""Called with where a peer comes from and with the reason of its first refusal, printable characters alone."""
+
+REPORTED = 64
+"""Peers whose first refusal is reported; refusals of further peers are only counted, so that no flood fills a terminal."""
+
+
 class Gate:
     """Where messages of trackers go through, whichever way they came."""
 
-    def __init__(self, shape: Shape, on_target: OnTarget, refusals: Refusals) -> None:
+    def __init__(self, shape: Shape, on_target: OnTarget, refusals: Refusals, on_refusal: OnRefusal | None = None) -> None:
         self.shape, self.refusals = shape, refusals
-        self._on_target = on_target
+        self._on_target, self._on_refusal = on_target, on_refusal
+        self._reported: set[str] = set()
 
     def take(self, data: bytes, window: Window, peer: Peer, source: str) -> tuple[Pace, str]:
         """Hand on what `data` says, or count why not: the pace of its peer, and what was wrong, empty where nothing was."""
         stamp = time.monotonic_ns()
         pace = window.admit(stamp)
         if pace is not Pace.READ:
-            self.refusals.count(Refusal.TOO_FAST, peer)
-            return pace, Refusal.TOO_FAST.value
+            return pace, self.refuse(Refusal.TOO_FAST, peer, source)
         try:
             found = parse(data, self.shape)
         except Refused as error:
-            return pace, self._refused(error.reason, peer, str(error))
+            return pace, self.refuse(error.reason, peer, source, str(error))
         try:
             self._on_target(found, stamp, source)
         except AvatarsimError as error:
-            return pace, self._refused(Refusal.NOT_TAKEN, peer, str(error))
+            return pace, self.refuse(Refusal.NOT_TAKEN, peer, source, str(error))
         self.refusals.took(peer)
         return pace, ""
 
-    def _refused(self, reason: Refusal, peer: Peer, sentence: str) -> str:
+    def refuse(self, reason: Refusal, peer: Peer, source: str, sentence: str = "") -> str:
+        """Count a refusal, and report it if it is the first of its source. Returns the sentence, or the reason without one."""
+        sentence = sentence or reason.value
         self.refusals.count(reason, peer, sentence)
+        if self._on_refusal is not None and source not in self._reported and len(self._reported) < REPORTED:
+            self._reported.add(source)
+            self._on_refusal(source, "".join(c if c.isprintable() else "?" for c in sentence))
         return sentence

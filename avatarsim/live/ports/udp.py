@@ -1,12 +1,16 @@
 """UDP in: one datagram is one message (RFC 768). A non-blocking socket that an event loop reads in small batches.
 
-Nothing is ever sent back, so that a forged source address makes no echo.
+A source gets an answer to its first datagram that is taken, and to one refused datagram a second. Source addresses can be forged:
+answers are short, and so few that they are no use as an echo.
 """
 
+import json
 import socket
+import time
 from collections import OrderedDict
+from contextlib import suppress
 
-from avatarsim.live.ports.admission import Limits, Window
+from avatarsim.live.ports.admission import SECOND, Limits, Window
 from avatarsim.live.ports.refusals import Peer
 from avatarsim.live.ports.taking import Gate
 
@@ -14,6 +18,17 @@ LONGEST_DATAGRAM = 1 << 16
 """[bytes] more than a datagram can hold."""
 BATCH = 64
 """Datagrams read before others have their turn: a millisecond or two of a flood."""
+ANSWERS = 20
+"""Answers a second to all sources together. More: a flood of forged addresses makes more traffic elsewhere."""
+TAKEN = json.dumps({"taken": 1}).encode()
+"""The answer to the first datagram of a source that is taken."""
+
+
+class Source:
+    """What is known of a source of datagrams."""
+
+    def __init__(self, limits: Limits) -> None:
+        self.window, self.was_taken, self.told = Window(limits), False, -1
 
 
 class Datagrams:
@@ -21,24 +36,43 @@ class Datagrams:
 
     def __init__(self, end: socket.socket, gate: Gate, limits: Limits) -> None:
         self._end, self._gate, self._limits = end, gate, limits
-        self._windows: OrderedDict[object, Window] = OrderedDict()
+        self._sources: OrderedDict[object, Source] = OrderedDict()
+        self._second, self._answers = -1, 0
 
     def read(self) -> None:
         """Take what has come, up to a batch; the event loop calls again where more is there."""
         for _ in range(BATCH):
             try:
-                data, source = self._end.recvfrom(LONGEST_DATAGRAM)
+                data, address = self._end.recvfrom(LONGEST_DATAGRAM)
             except BlockingIOError:
                 return
             except OSError:
                 # a system that reports here what became of something sent earlier; the next call reads on
                 return
-            self._gate.take(data, self._window(source), Peer.UDP, f"udp {source[0]}:{source[1]}")
+            source = self._source(address)
+            _, wrong = self._gate.take(data, source.window, Peer.UDP, f"udp {address[0]}:{address[1]}")
+            self._answer(source, address, wrong)
 
-    def _window(self, source: object) -> Window:
-        """The window of a source; that of the source that was silent longest makes room."""
-        window = self._windows.pop(source, None) or Window(self._limits)
-        self._windows[source] = window
-        if len(self._windows) > self._limits.sources:
-            self._windows.popitem(last=False)
-        return window
+    def _answer(self, source: Source, address: tuple[str, int], wrong: str) -> None:
+        """Send the reason of a refusal, at most one a second, or that a first datagram was taken."""
+        second = time.monotonic_ns() // SECOND
+        if second != self._second:
+            self._second, self._answers = second, 0
+        if self._answers >= ANSWERS or (source.told == second if wrong else source.was_taken):
+            return
+        self._answers += 1
+        if wrong:
+            source.told = second
+        else:
+            source.was_taken = True
+        # an answer that cannot be sent at once is lost, as any datagram may be
+        with suppress(OSError):
+            self._end.sendto(json.dumps({"refused": wrong}).encode() if wrong else TAKEN, address)
+
+    def _source(self, address: object) -> Source:
+        """A source by its address; the one that was silent longest makes room."""
+        source = self._sources.pop(address, None) or Source(self._limits)
+        self._sources[address] = source
+        if len(self._sources) > self._limits.sources:
+            self._sources.popitem(last=False)
+        return source

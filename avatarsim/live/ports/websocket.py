@@ -36,7 +36,7 @@ CLOSING = 1.0
 QUIET = logging.getLogger("avatarsim.live.ports")
 QUIET.addHandler(logging.NullHandler())
 QUIET.propagate = False
-"""What the library logs of bad handshakes is counted here instead; no peer writes on the user's terminal."""
+"""What the library logs of bad handshakes is counted here instead."""
 
 
 class Written:
@@ -148,7 +148,7 @@ class WebSockets:
             oldest = next(iter(self._waiting))
             oldest.is_evicted = True
             self._waiting.pop(oldest)
-            self._gate.refusals.count(Refusal.TOO_MANY, Peer.WEBSOCKET)
+            self._gate.refuse(Refusal.TOO_MANY, Peer.WEBSOCKET, source_of(oldest))
             oldest.transport.abort()
 
     def left(self, connection: Guarded) -> None:
@@ -159,37 +159,36 @@ class WebSockets:
         if connection.request is None and not connection.is_evicted:
             wrong = connection.protocol.handshake_exc
             is_cut = wrong is None or isinstance(wrong.__cause__, EOFError)
-            self._gate.refusals.count(Refusal.NO_HANDSHAKE if is_cut else Refusal.NOT_HTTP, Peer.WEBSOCKET)
+            self._gate.refuse(Refusal.NO_HANDSHAKE if is_cut else Refusal.NOT_HTTP, Peer.WEBSOCKET, source_of(connection))
         elif was_admitted and not connection.is_served:
-            self._gate.refusals.count(Refusal.NOT_HTTP, Peer.WEBSOCKET)
+            self._gate.refuse(Refusal.NOT_HTTP, Peer.WEBSOCKET, source_of(connection))
 
     def _judge(self, connection: ServerConnection, request: Request) -> Response | None:
         """None lets the handshake go on; else what is answered instead."""
         headers = request.headers
         is_page = "Upgrade" not in headers
-        peer = Peer.PAGE if is_page else Peer.WEBSOCKET
+        peer, source = Peer.PAGE if is_page else Peer.WEBSOCKET, source_of(connection)
         foreign = judged(headers.get_all("Host"), headers.get_all("Origin"), str(connection.local_address[0]), self._allowed)
         if foreign is not None:
-            return self._refuse(foreign, peer, HTTPStatus.FORBIDDEN)
+            return self._refuse(foreign, peer, source, HTTPStatus.FORBIDDEN)
         path = request.path.partition("?")[0]
         if is_page:
             found = page(path)
             if found is None:
-                return self._refuse(Refusal.NO_SUCH_PAGE, peer, HTTPStatus.NOT_FOUND)
+                return self._refuse(Refusal.NO_SUCH_PAGE, peer, source, HTTPStatus.NOT_FOUND)
             answer = Headers({**found.headers, "Content-Length": str(len(found.body)), "Connection": "close"})
             return Response(HTTPStatus.OK.value, HTTPStatus.OK.phrase, answer, found.body)
         if path not in WAYS:
-            return self._refuse(Refusal.NO_SUCH_PAGE, peer, HTTPStatus.NOT_FOUND)
+            return self._refuse(Refusal.NO_SUCH_PAGE, peer, source, HTTPStatus.NOT_FOUND)
         if len(self._admitted) >= self._limits.connections:
-            return self._refuse(Refusal.TOO_MANY, peer, HTTPStatus.SERVICE_UNAVAILABLE)
+            return self._refuse(Refusal.TOO_MANY, peer, source, HTTPStatus.SERVICE_UNAVAILABLE)
         assert isinstance(connection, Guarded)
         self._admitted.add(connection)
         self._waiting.pop(connection, None)
         return None
 
-    def _refuse(self, reason: Refusal, peer: Peer, status: HTTPStatus) -> Response:
-        self._gate.refusals.count(reason, peer)
-        body = f"{reason.value}\n".encode()
+    def _refuse(self, reason: Refusal, peer: Peer, source: str, status: HTTPStatus) -> Response:
+        body = f"{self._gate.refuse(reason, peer, source)}\n".encode()
         answer = Headers({"Content-Type": "text/plain; charset=utf-8", "Content-Length": str(len(body)), "Connection": "close"})
         return Response(status.value, status.phrase, answer, body)
 
@@ -209,7 +208,7 @@ class WebSockets:
             sent = 0 if error.sent is None or error.rcvd_then_sent else error.sent.code
             reason = {1009: Refusal.TOO_LONG, 1002: Refusal.BROKEN_FRAMES, 1007: Refusal.BROKEN_FRAMES}.get(sent)
             if reason is not None:
-                self._gate.refusals.count(reason, Peer.WEBSOCKET)
+                self._gate.refuse(reason, Peer.WEBSOCKET, source_of(connection))
         except Exception as error:
             # a fault of ours, or of what takes the targets: told as the event loop tells those met by UDP
             asyncio.get_running_loop().call_exception_handler({"message": "a WebSocket was given up", "exception": error})
@@ -219,19 +218,17 @@ class WebSockets:
 
     async def _read(self, connection: ServerConnection, slot: Slot, way: str) -> None:
         """Messages one by one; a tracker is told what was wrong with the last one."""
-        window = Window(self._limits)
-        # none of a peer that has gone already
-        host, port = (connection.remote_address or ("", 0))[:2]
+        window, source = Window(self._limits), source_of(connection)
         while True:
             # as bytes, whatever its kind: a text that is none is then refused like any other message
             data = await connection.recv(decode=False)
             if way != TRACKER:
-                self._gate.refusals.count(Refusal.NOT_ASKED, Peer.WEBSOCKET)
-                pace, wrong = window.admit(time.monotonic_ns()), Refusal.NOT_ASKED.value
+                wrong = self._gate.refuse(Refusal.NOT_ASKED, Peer.WEBSOCKET, source)
+                pace = window.admit(time.monotonic_ns())
             else:
-                pace, wrong = self._gate.take(data, window, Peer.WEBSOCKET, f"websocket {host}:{port}")
+                pace, wrong = self._gate.take(data, window, Peer.WEBSOCKET, source)
             if pace is Pace.FLOOD:
-                self._gate.refusals.count(Refusal.FLOOD, Peer.WEBSOCKET)
+                self._gate.refuse(Refusal.FLOOD, Peer.WEBSOCKET, source)
                 connection.transport.abort()
                 return
             if wrong and way == TRACKER:
@@ -247,8 +244,14 @@ class WebSockets:
             except ConnectionClosed:
                 return
             except TimeoutError:
-                self._gate.refusals.count(Refusal.STOPPED_READING, Peer.WEBSOCKET)
+                self._gate.refuse(Refusal.STOPPED_READING, Peer.WEBSOCKET, source_of(connection))
                 connection.transport.abort()
                 return
             newest = await slot.take()
             message = newest if isinstance(newest, str) else newest.packed if way == PACKED else newest.json
+
+
+def source_of(connection: ServerConnection) -> str:
+    """Address and port of a peer; empty ones of a peer that has gone already."""
+    host, port = (connection.remote_address or ("", 0))[:2]
+    return f"websocket {host}:{port}"

@@ -21,15 +21,16 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.live.drive.driver import Driver
+from avatarsim.live.messages import State
 from avatarsim.live.ports.protocol import Goals
 from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Session
 from avatarsim.live.stages import Stage
-from avatarsim.live.view.depth import Depth
+from avatarsim.live.view.depth import Depth, OwnOverlap
 from avatarsim.live.view.drawn import Drawn
 from avatarsim.live.view.panel import Panel
 from avatarsim.live.view.server import AdmittingServer
-from avatarsim.live.view.telling import at_page, at_ports, sentence, table
+from avatarsim.live.view.telling import at_page, at_ports, is_held, overlapping, sentence, table
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
@@ -43,6 +44,8 @@ DRAWN, TOLD = 1.0 / 30.0, 0.25
 """[s] between two drawings, and between two looks at the figures, as fast as they can be read. Shorter: drawing takes all."""
 SOONEST = 1e-3
 """[s] of a wait at least, so that other threads have their turn."""
+UP = np.array((0.0, 0.0, 1.0))
+"""Up in the world."""
 DEEPER = 2.0
 """[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
 
@@ -66,7 +69,7 @@ class Page:
     def __init__(self, session: Session, driver: Driver, shows: Shows) -> None:
         self.session, self.driver, self.shows = session, driver, shows
         self._events: queue.SimpleQueue[tuple[int, Callable[[], None]]] = queue.SimpleQueue()
-        self._scene = session.scene
+        self._scene, self._overlap = session.scene, OwnOverlap(session.scene)
         try:
             self.server = AdmittingServer(shows.host, shows.port, "avatarsim live")
         except OSError as error:
@@ -85,7 +88,7 @@ class Page:
 
     def _build(self) -> None:
         """All that the page has, in the server's thread."""
-        self.server.scene.set_up_direction("+z")
+        self.server.scene.set_up_direction(UP)
         camera, seen = self.server.initial_camera, self.shows.stage.camera
         camera.position, camera.look_at = np.asarray(seen.position), np.asarray(seen.look_at)
         for k, name in enumerate(self.session.loops):
@@ -226,12 +229,17 @@ class Page:
                 target = self.shows.depth(self._scene, *raw, self._sample.angles)
         name = self.session.first.plan.name
         if name in states:
-            heard = [sentence(states[name], figures[name]), at_page(self.server.refusals)]
+            heard = [sentence(states[name], figures[name], self._overlapping(states[name])), at_page(self.server.refusals)]
             if self.ports is not None:
                 heard.append(at_ports(self.ports.refusals))
             rows, words = table(figures, depths, target), "\n\n".join(filter(None, heard))
             times = {n: [s.engine_ns for s in self.session.loops[n].states()] for n in states}
             self._there(lambda: self._write(rows, words, times, depths))
+
+    def _overlapping(self, state: State) -> str:
+        """What of the user's own posture overlaps, where that holds the avatar back."""
+        pair = self._overlap.pair(self._sample) if is_held(state) else None
+        return overlapping(pair, self.driver.links) if pair is not None else ""
 
     def _write(self, rows: str, words: str, times: Mapping[str, list[int]], depths: Mapping[str, float]) -> None:
         """Figures on the panel, and red for what overlaps."""
@@ -298,6 +306,11 @@ class Page:
         at, grabbed, away = self._grabbed[name]
         goal = at + (end - grabbed if up is None else DEEPER * up * away)
         self.driver.drag(name, goal, None)
+
+    def go_home(self, camera: viser.CameraHandle) -> None:
+        """Bring the camera of a viewer back to the first view of the stage."""
+        seen = self.shows.stage.camera
+        camera.position, camera.look_at, camera.up_direction = np.array(seen.position), np.array(seen.look_at), UP
 
     def see_gizmos(self, visible: bool) -> None:
         """Show the gizmos, or not."""

@@ -66,6 +66,7 @@ class Panel:
         with gui.add_folder("Keys", expand_by_default=False):
             gui.add_markdown("\n".join(f"- **{NAMED.get(key.key, key.key)}** {key.what}" for key in KEYS))
             gui.add_markdown("Drag any part of the avatar with the mouse; with shift it goes away from you and back.")
+            gui.add_markdown("The keys w a s d q e and the arrows fly the camera; Home brings it back.")
             for key in KEYS:
                 hotkey = cast(HotkeyKey, NAMED.get(key.key, key.key.upper()))
                 self._on(gui.add_command(key.what, hotkey=hotkey).on_trigger, partial(self._press, key.key))
@@ -116,6 +117,15 @@ class Panel:
         for label, acts in rows:
             group = gui.add_button_group(label, tuple(acts))
             self._on(group.on_click, partial(self._chosen, group, acts))
+        for home in (
+            gui.add_button("Home", hint="the first view again, also by the key Home").on_click,
+            gui.add_command("Home: the first view again", hotkey="home").on_trigger,
+        ):
+            home(self._home)
+
+    async def _home(self, event: viser.GuiEvent[viser.GuiButtonHandle] | viser.CommandEvent) -> None:
+        if event.client is not None:
+            self._page.go_home(event.client.camera)
 
     def _clip_buttons(self, clips: Sequence[str]) -> None:
         gui = self._server.gui

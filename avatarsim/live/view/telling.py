@@ -1,8 +1,9 @@
 """What the panel says: frame times beside the rates that they allow, late frames, latency, penetration, statuses in words."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from math import isnan
 
+from avatarsim.cleaning.chords import Pair
 from avatarsim.live.figures import SPAN, Figures
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Refusals
@@ -14,10 +15,14 @@ NAMED = 4
 """Reasons of refusals that are named, the most frequent; of more, how many."""
 
 SAID = {
-    "planning": "looks for a way round", "following": "follows a way round", "waiting": "waits: no way is known yet",
+    "planning": "looks for a way round", "following": "follows a way round",
+    "waiting": "waits: no free way to your posture is known; go back to where the avatar is, or press Reset",
     "goal_not_reached": "held back by what it touches",
 }
 """Statuses in words; others are said by their names."""
+
+HELD = ("waiting", "goal_not_reached")
+"""Statuses of an avatar that does not come to its user, for which the user's own overlap is a reason."""
 
 
 def milliseconds(nanoseconds: float) -> str:
@@ -66,9 +71,24 @@ def at_ports(refusals: Refusals) -> str:
     return f"Messages of trackers: {taken}. Refused: {refused(refusals)}."
 
 
-def sentence(state: State, of: Figures) -> str:
-    """One line on the driven engine: latency, what was left out, what it reports."""
+def is_held(state: State) -> bool:
+    """Whether the avatar does not come to its user."""
+    return any(name in HELD for name in state.statuses)
+
+
+def overlapping(pair: Pair, links: Collection[str]) -> str:
+    """Which parts of the user's own posture overlap, and what the user can do."""
+    first, second = (f"{'your ' if name in links else 'the '}{name.rpartition('/')[2].replace('_', ' ')}" for name in pair)
+    done = "move them apart" if pair[0] in links else "pull it out"
+    return f"{second} is inside {first}; {done}, or press Reset"
+
+
+def sentence(state: State, of: Figures, overlap: str = "") -> str:
+    """One line on the driven engine: latency, what was left out, what it reports; `overlap` of the user's own posture."""
     statuses = [SAID.get(name, name.replace("_", " ")) for name in state.statuses]
+    if overlap and is_held(state):
+        statuses = [SAID.get(name, name.replace("_", " ")) for name in state.statuses if name not in HELD]
+        statuses.append(f"waits: {overlap}" if "waiting" in state.statuses else f"held back: {overlap}")
     told = "; ".join(statuses) if statuses else "follows freely"
     left = f", {of.skipped} frames left out" if of.skipped else ""
     stages = ", ".join(f"{name} {1e-3 * cost:.0f} us" for name, cost in of.stages.items() if cost)

@@ -63,7 +63,7 @@ def everything(one: Driver, seed: int) -> list[TrackerSample]:
     rng, found = np.random.default_rng(seed), []
     for k in range(200):
         if k % 3 == 0 and k < 90:
-            one.press("wsadqerft "[int(rng.integers(10))])
+            one.press("ikjluorft "[int(rng.integers(10))])
         if k == 100:
             one.drag("human/right_hand", rng.uniform(-1.0, 1.0, 3) + (-2.2, 0.0, 1.0))
         if k == 130:
@@ -128,11 +128,11 @@ def test_a_drag_goes_before_keys_and_keys_before_a_clip_before_a_tracker() -> No
     one.set_sample(random_sample(BODY, 2))
     one.tick(DT)
     assert one.source == "clip"
-    assert one.press("w") == ""
+    assert one.press("i") == ""
     one.tick(DT)
     assert one.source == "keys"
     one.drag("human/head", one.pose("human/head")[0])
-    assert "dragged" in one.press("w")
+    assert "dragged" in one.press("i")
     one.tick(DT)
     assert one.source == "drag"
     one.release("human/head")
@@ -172,7 +172,7 @@ def test_a_clip_is_played_to_its_end_and_taken_over_where_it_is() -> None:
 
 
 @pytest.mark.parametrize(("key", "axis", "sign"), [
-    ("w", 0, 1.0), ("s", 0, -1.0), ("a", 1, 1.0), ("d", 1, -1.0), ("r", 2, 1.0), ("f", 2, -1.0),
+    ("i", 0, 1.0), ("k", 0, -1.0), ("j", 1, 1.0), ("l", 1, -1.0), ("r", 2, 1.0), ("f", 2, -1.0),
 ])
 def test_keys_move_a_hand_along_its_own_axes(key: str, axis: int, sign: float) -> None:
     moved = ticks(driver("hand"), 30, key)[-1].positions[0] - HAND.first_sample.positions[0]
@@ -182,7 +182,7 @@ def test_keys_move_a_hand_along_its_own_axes(key: str, axis: int, sign: float) -
 
 def test_keys_turn_close_open_and_flick_a_hand() -> None:
     one = driver("hand")
-    turned = ticks(one, 60, "q")[-1]
+    turned = ticks(one, 60, "u")[-1]
     assert 2.0 * np.arctan2(turned.rotations[0, 3], turned.rotations[0, 0]) > 0.7
     closed = ticks(one, 120, "g")[-1]
     opened = ticks(one, 120, "h")[-1]
@@ -260,7 +260,7 @@ def test_other_avatars_stay_unless_they_are_dragged() -> None:
     two = tuple(rigid_avatar(name, BALL, solid(BALL, 1.0)) for name in ("one", "two"))
     start = TrackerSample(0.0, np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]), np.tile((1.0, 0.0, 0.0, 0.0), (2, 1)), np.zeros(0))
     driven = Driver(Scene("two", (), two, start=start))
-    moved = ticks(driven, 30, "w")[-1]
+    moved = ticks(driven, 30, "i")[-1]
     assert moved.positions[0, 0] > 0.05 and moved.positions[1] == pytest.approx((1.0, 0.0, 0.0))
     driven.drag("two", (1.0, 0.5, 0.0))
     assert ticks(driven, 60)[-1].positions[1] == pytest.approx((1.0, 0.5, 0.0))
@@ -268,6 +268,6 @@ def test_other_avatars_stay_unless_they_are_dragged() -> None:
 
 def test_a_reset_begins_again() -> None:
     one = driver("gallery")
-    ticks(one, 30, "w")
+    ticks(one, 30, "i")
     one.reset()
     assert same(one.tick(DT), BODY.first_sample) and one.source == "still"

@@ -12,7 +12,7 @@ NAMES = [link.name for link in SCENE.links]
 LEFT, RIGHT = NAMES.index("left_foot"), NAMES.index("right_foot")
 
 
-def walked(seconds: float, keys: str = "w") -> list[TrackerSample]:
+def walked(seconds: float, keys: str = "i") -> list[TrackerSample]:
     """Postures while keys are held."""
     one, found = driver("gallery"), []
     for k in range(round(seconds / DT)):
@@ -48,7 +48,7 @@ def test_a_walk_goes_ahead_level_and_within_limits() -> None:
 
 
 def test_turning_turns_the_feet_along() -> None:
-    turned = walked(2.0, "q")
+    turned = walked(2.0, "u")
     joints = places(SCENE, turned[-1])
     hips = joints[NAMES.index("left_hip")] - joints[NAMES.index("right_hip")]
     feet = joints[LEFT] - joints[RIGHT]
@@ -77,7 +77,7 @@ def test_a_crouch_lowers_the_root_over_feet_that_stay_and_ends_in_time() -> None
 def test_a_walk_that_is_let_go_comes_to_rest() -> None:
     one = driver("gallery")
     for _ in range(60):
-        one.press("w")
+        one.press("i")
         one.tick(DT)
     for _ in range(240):
         sample = one.tick(DT)

@@ -35,7 +35,7 @@ def finger_through_the_table(one: Driver, frame: int) -> None:
 def walk_into_things(one: Driver, frame: int) -> None:
     """Over a box and through walls, and a hand through the table in the other room."""
     if frame < 150 and frame % 3 == 0:
-        one.press("w" if frame < 60 else "d")
+        one.press("i" if frame < 60 else "l")
     if frame == 150:
         one.drag("human/right_hand", (2.0, -0.9, 0.3))
 

@@ -5,6 +5,8 @@ import socket
 import struct
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -63,6 +65,64 @@ def test_garbage_by_websocket_is_counted_and_told(live: Opened, reason: Refusal)
         client.send(GOOD)
         until(lambda: live.targets)
     assert live.ports.refusals.counts == {(reason, Peer.WEBSOCKET): 1}
+
+
+@pytest.mark.parametrize("reason", GARBAGE, ids=lambda reason: reason.name)
+def test_garbage_by_udp_is_answered_with_the_reason(live: Opened, reason: Refusal) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
+        end.settimeout(LONG)
+        end.sendto(GARBAGE[reason], live.udp)
+        assert json.loads(end.recv(1024)) == {"refused": live.ports.refusals.last}
+
+
+def test_the_first_good_datagram_of_a_source_is_answered_and_no_other(live: Opened) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as end:
+        end.settimeout(LONG)
+        for _ in range(3):
+            end.sendto(GOOD.encode(), live.udp)
+        assert json.loads(end.recv(1024)) == {"taken": 1}
+        until(lambda: len(live.targets) == 3)
+        end.setblocking(False)
+        with pytest.raises(BlockingIOError):
+            end.recv(1024)
+
+
+def test_answers_by_udp_are_few_whatever_comes(opened: Callable[..., Opened], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("avatarsim.live.ports.udp.time", SimpleNamespace(monotonic_ns=lambda: 0))
+    live, answers = opened(), 0
+    with ExitStack() as stack:
+        ends = [stack.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) for _ in range(30)]
+        for count, end in enumerate(ends, 1):
+            end.sendto(b"garbage", live.udp)
+            end.sendto(b"garbage", live.udp)
+            until(lambda count=count: live.ports.refusals.of(Refusal.WRONG_MAGIC) == 2 * count)
+        for end in ends:
+            end.setblocking(False)
+            with suppress(BlockingIOError):
+                while end.recv(1024):
+                    answers += 1
+    # one of each source, and no more than that of all
+    assert answers == 20
+
+
+def test_the_first_refusal_of_each_peer_is_reported_and_no_other(opened: Callable[..., Opened]) -> None:
+    told = list[tuple[str, str]]()
+    live = opened(on_refusal=lambda *refusal: told.append(refusal))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as one, connect(live.url()) as other:
+        one.sendto(b'{"links": {"\\u001b[2J\\n": 1}}', live.udp)
+        until(lambda: told)
+        for _ in range(3):
+            one.sendto(b"garbage", live.udp)
+            other.send(b"garbage")
+        until(lambda: sum(live.ports.refusals.counts.values()) == 7)
+        sources = [f"udp 127.0.0.1:{one.getsockname()[1]}", f"websocket 127.0.0.1:{other.local_address[1]}"]
+    assert [source for source, _ in told] == sources and all(reason.isprintable() for _, reason in told)
+    assert live.asked("/nowhere", "Host: localhost")[0] == 404
+    assert told[2][1] == Refusal.NO_SUCH_PAGE.value
+    for count in range(9, 109):
+        send(live, b"garbage")
+        until(lambda count=count: sum(live.ports.refusals.counts.values()) == count)
+    assert len(told) == 64
 
 
 def test_text_that_is_none_is_refused_and_the_socket_goes_on(live: Opened) -> None:

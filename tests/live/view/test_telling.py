@@ -1,12 +1,16 @@
 """What the panel says."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from avatarsim.live.figures import Figures
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Peer, Refusal, Refusals
-from avatarsim.live.view.telling import at_page, at_ports, depth, sentence, table
+from avatarsim.live.stages import stage
+from avatarsim.live.view.depth import OwnOverlap
+from avatarsim.live.view.telling import at_page, at_ports, depth, overlapping, sentence, table
 
 
 def state(**other: object) -> State:
@@ -38,6 +42,22 @@ def test_statuses_are_words() -> None:
     words = sentence(state(is_paused=True, is_logged=False), Figures(skipped=2, stages={"posture": 50_000, "motion": 0}))
     assert "Paused" in words and "2 frames left out" in words and "posture 50 us" in words and "motion" not in words
     assert "not saved" in words
+
+
+@pytest.mark.parametrize("status", ["waiting", "goal_not_reached"])
+def test_a_user_inside_something_is_told_what_to_pull_out(status: str) -> None:
+    found = stage("hand").scene
+    start, own, links = found.first_sample, OwnOverlap(found), found.names[len(found.bodies):]
+    sunk = replace(start, positions=start.positions + (0.0, 0.0, 0.75 - 0.97))
+    pair = own.pair(sunk)
+    assert own.pair(start) is None and pair is not None and pair[0] == "table" and pair[1].startswith("hand/")
+    words = sentence(state(statuses={status: 1}), Figures(), overlapping(("table", "hand/palm"), links))
+    assert "palm" in words and "table" in words and "Reset" in words
+    assert "table" not in sentence(state(), Figures(), overlapping(("table", "hand/palm"), links))
+
+
+def test_one_who_waits_outside_is_told_what_to_do() -> None:
+    assert "Reset" in sentence(state(statuses={"waiting": 1}), Figures())
 
 
 def test_refusals_are_counted_by_reason_and_never_quoted() -> None:
