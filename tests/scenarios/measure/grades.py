@@ -105,6 +105,7 @@ CLOSED_FORMS_GRADED = {
     "rod_angular_velocity": "closed_form/test_closed_form.py::test_falling_rod_is_what_its_equation_of_motion_gives",
     "tripod_load": "closed_form/test_closed_form.py::test_loads_of_a_sliding_tripod_balance_forces_and_moments",
     "flip_times": "closed_form/test_closed_form_rotation.py::test_flips_are_where_integration_puts_them",
+    "top_precession": "closed_form/test_closed_form_rotation.py::test_a_top_goes_round_as_integration_has_it",
     "spring_state": "closed_form/test_closed_form_spring.py::test_spring_state_is_what_integration_gives",
     "damping_ratio": SWING, "spring_overshoot": SWING,
     "spring_stable_step": "closed_form/test_closed_form_spring.py::test_semi_implicit_spring_grows_just_beyond_the_stable_step",
