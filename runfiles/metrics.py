@@ -33,9 +33,23 @@ METRICS: dict[str, tuple[str, str]] = {
     "pivot_rate_error_max": ("rad/s", "largest difference of a falling rod's angular speed from what energy allows at its angle"),
     "pivot_missing": ("rad", "by how much a falling rod fell short of the angle that it is to reach"),
     "halted_frames": ("frames", "frames in which a simulated body has speed at both ends and was not moved"),
+    "time_kept_error": ("", "|1 - k|, k the way that simulated bodies faster than 0.02 m/s go along what their shown velocities "
+                        "state, over that; of all ways that one impact in a frame could make of the velocities at its two ends "
+                        "the nearest is taken"),
+    "stalled_bodies": ("%", "share of those bodies and frames in which a body goes less than a fifth of that way, in three "
+                       "frames in a row at least"),
     "status_frames": ("frames", "frames that the engine itself reports as not ended well"),
     "escaped_bodies": ("%", "bodies that were ever outside the region declared for them"),
     "travel_missing": ("m", "how far pushed bodies fell short of the way that the scene states for them"),
+    "axis_spin_error_max": ("rad/s", "largest difference of a top's spin about its own axis from what it began with"),
+    "precession_error_max": ("rad/s", "difference of the mean rate at which a top's axis goes round from the closed form"),
+    "wave_speed_error": ("%", "difference of the speed of a wave through a row of dominoes from the stated one"),
+    "wave_missing": ("bodies", "bodies of such a row that did not fall"),
+    "pile_height_error_max": ("%", "largest difference of the mean height of a heap at rest from the stated one"),
+    "height_missing": ("m", "by how much a carried body rose less than its user"),
+    "grip_slip_max": ("m", "farthest that a carried body has moved in the frame of a link that carries it"),
+    "pressed_sideways_max": ("m", "farthest that a body pressed straight down has gone sideways"),
+    "sag_error_max": ("m", "largest distance of a loaded link from where equation 6 has it: load over spring below its user"),
     "joint_limit_excess_max": ("deg", "largest angle beyond a hinge's limits or a ball's swing and twist, from poses"),
     "joint_gap_max": ("m", "largest distance of a link from where its joint holds it on its parent"),
     "reach_cone_excess_max": ("deg", "largest angle by which a limb points outside its reach cone"),

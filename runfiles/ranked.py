@@ -35,6 +35,10 @@ LENGTH, ANGLE, SHARE, FRAMES = 1e-5, 1e-3, 0.05, 0.5
 """[m], [deg], [%] and [frames] below which nothing in a shown motion can be told apart."""
 ENERGY = 1e-6
 """[J]: a ball of 0.1 kg lifted by a micrometre. Smaller ranks rounding, larger hides what overlap removal adds."""
+KEPT = 0.01
+"""Share of a way up to which two engines keep time alike: bodies that bounce more than once in a frame lack or add as much."""
+PILE = 5.0
+"""Difference [%] of the height of a heap below which two are level: where bodies come to lie is chance."""
 TIME = 0.1
 """Share by which two times may differ and are level: by so much the same frames differ from run to run."""
 RATIO = 1e-9
@@ -62,6 +66,8 @@ RANKED: dict[str, Ranked] = {
     "jerk_ratio": Ranked(0.01, stays_inside=True),
     "still_frames": Ranked(0.5, stays_inside=True),
     "halted_frames": Ranked(FRAMES),
+    "time_kept_error": Ranked(KEPT),
+    "stalled_bodies": Ranked(100.0 * KEPT),
     "pose_jump_max": Ranked(ANGLE, stays_inside=True),
     "root_jump_max": Ranked(LENGTH, stays_inside=True),
     "link_jump_max": Ranked(LENGTH, stays_inside=True),
@@ -72,11 +78,16 @@ RANKED: dict[str, Ranked] = {
         name: Ranked(CLOSED_FORM, is_truth_error=True) for name in (
             "restitution_error_max", "apex_error_max", "bounce_time_error_max", "zeno_end_error_max", "course_error_max",
             "velocity_error_max", "spin_error_max", "stop_distance_error_max", "stop_direction_error_max", "flip_time_error_max",
-            "pivot_rate_error_max",
+            "pivot_rate_error_max", "axis_spin_error_max", "precession_error_max", "wave_speed_error", "sag_error_max",
         )
     },
     "pivot_missing": Ranked(CLOSED_FORM),
     "travel_missing": Ranked(LENGTH),
+    "wave_missing": Ranked(0.5),
+    "pile_height_error_max": Ranked(PILE),
+    "height_missing": Ranked(LENGTH),
+    "grip_slip_max": Ranked(LENGTH),
+    "pressed_sideways_max": Ranked(LENGTH),
     "drift_max": Ranked(1e-6),
     "towers_fallen": Ranked(0.5),
     "momentum_drift_max": Ranked(RATIO),
@@ -101,12 +112,15 @@ KINDS: dict[str, tuple[str, ...]] = {
         "root_jump_max", "link_jump_max"),
     "limits": ("joint_limit_excess_max", "reach_cone_excess_max", "joint_gap_max"),
     "loose bodies (lift, energy that nothing explains, halts, drift, falls)": (
-        "lift_height_max", "energy_added_max", "halted_frames", "rest_energy_end", "drift_max", "towers_fallen"),
+        "lift_height_max", "energy_added_max", "halted_frames", "time_kept_error", "stalled_bodies", "rest_energy_end",
+        "drift_max", "towers_fallen", "wave_missing", "pile_height_error_max"),
+    "grips": ("height_missing", "grip_slip_max", "pressed_sideways_max"),
     "conserved quantities": ("momentum_drift_max", "angular_momentum_drift_max", "energy_drift_max", "energy_gain_max"),
     "closed forms": (
         "restitution_error_max", "apex_error_max", "bounce_time_error_max", "zeno_end_error_max", "course_error_max",
         "velocity_error_max", "spin_error_max", "stop_distance_error_max", "stop_direction_error_max", "flip_time_error_max",
-        "pivot_rate_error_max", "pivot_missing", "travel_missing"),
+        "pivot_rate_error_max", "pivot_missing", "travel_missing", "axis_spin_error_max", "precession_error_max",
+        "wave_speed_error", "sag_error_max"),
     "right side, finite numbers": ("wrong_side_frames", "escaped_bodies", "not_finite_frames"),
     "time": ("frame_time_p50", "frame_time_p95", "frame_time_p99", "frame_time_max"),
 }

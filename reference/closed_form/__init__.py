@@ -25,7 +25,7 @@ from reference.closed_form.impact import (
     two_spheres,
 )
 from reference.closed_form.reach import reach_angles, reach_shortfall
-from reference.closed_form.rotation import flip_times
+from reference.closed_form.rotation import flip_times, top_precession
 from reference.closed_form.sliding import (
     incline_acceleration,
     rod_angular_velocity,
@@ -52,7 +52,8 @@ __all__ = [
     "incline_acceleration",
     "oblique_bounce", "oblique_bounce_literal", "point_impact", "reach_angles", "reach_shortfall",
     "rod_angular_velocity", "roll_distance", "roll_speed", "roll_time", "semi_implicit_fall_error", "spring_overshoot",
-    "spring_stable_step", "spring_state", "stop_distance", "stop_time", "superball_speed", "tips_over", "tripod_load",
+    "spring_stable_step", "spring_state", "stop_distance", "stop_time", "superball_speed", "tips_over",
+    "top_precession", "tripod_load",
     "two_spheres",
     "wall_contact_time", "zeno_time",
 ]

@@ -71,6 +71,67 @@ class Pivot:
     until: float
 
 
+@dataclass(frozen=True, eq=False)
+class Top:
+    """Key "tops": a body turns about its own z axis at `spin` [rad/s] for ever, and that axis about gravity at `precession`
+    [rad/s] on the mean."""
+
+    body: str
+    spin: float
+    precession: float
+
+
+@dataclass(frozen=True)
+class Wave:
+    """Key "waves": `bodies` in a row, `pitch` [m] apart, topple one another; from place `first` to place `last` of them the front
+    runs at `speed` [m/s]."""
+
+    bodies: tuple[str, ...]
+    pitch: float
+    speed: float
+    first: int
+    last: int
+
+
+@dataclass(frozen=True)
+class Pile:
+    """Key "piles": from `since` [s] on the origins of `bodies` are on the mean `height` [m] above that of the body `floor`."""
+
+    bodies: tuple[str, ...]
+    floor: str
+    height: float
+    since: float
+
+
+@dataclass(frozen=True)
+class Carried:
+    """Key "carried": from `since` to `until` [s] the links together carry a body, which stays where it is in their frames."""
+
+    body: str
+    links: tuple[str, ...]
+    since: float
+    until: float = math.inf
+
+
+@dataclass(frozen=True)
+class Pressed:
+    """Key "pressed": from `since` to `until` [s] a body is pressed along gravity, and has no reason to go sideways."""
+
+    body: str
+    since: float
+    until: float = math.inf
+
+
+@dataclass(frozen=True)
+class Sag:
+    """Key "sags": from `since` to `until` [s] a loaded link hangs `sag` [m] below its user: by equation 6 load over spring."""
+
+    link: str
+    sag: float
+    since: float
+    until: float = math.inf
+
+
 def steady(x: float, y: float, z: float) -> OfTime:
     """The same three numbers at any time."""
     return lambda time: (x, y, z)

@@ -9,10 +9,13 @@ from avatarsim.scene.scene import Scene
 from runfiles.overlapping import Overlapping, gathered
 from runfiles.record import Recording
 from scenarios.measure.bodies.bounce import bounce_times, bounces, zeno_ends
-from scenarios.measure.bodies.closed_form import course_errors, flips, pivots, stops
+from scenarios.measure.bodies.closed_form import course_errors, flips, pivots, stops, tops
 from scenarios.measure.bodies.conserved import conserved
 from scenarios.measure.bodies.energy import energy
-from scenarios.measure.bodies.standing import at_rest, towers
+from scenarios.measure.bodies.grips import carried, pressed, sags
+from scenarios.measure.bodies.standing import at_rest, piles, towers
+from scenarios.measure.bodies.time_kept import time_kept
+from scenarios.measure.bodies.waves import waves
 from scenarios.measure.bodies.whereabouts import escapes, grasp, travel
 from scenarios.measure.frames import halts, not_finite, work
 from scenarios.measure.known import Known
@@ -42,8 +45,9 @@ class Measured:
 
 def motion_figures(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, Value]:
     """Closed forms and invariants of motion and impact, each only if the scenario expects it."""
-    found: dict[str, Value] = {**halts(recording, scene)}
-    for family in (bounce_times, zeno_ends, course_errors, at_rest, conserved, stops, flips, pivots, escapes, towers):
+    found: dict[str, Value] = {**halts(recording, scene), **time_kept(recording, scene)}
+    for family in (bounce_times, zeno_ends, course_errors, at_rest, conserved, stops, flips, pivots, tops, escapes, towers, piles,
+                   waves, carried, pressed, sags):
         found |= family(recording, scenario, scene)
     return found
 

@@ -1,4 +1,4 @@
-"""Bodies against closed forms: courses, sliding to a stop, flips about the middle axis, rods that fall about their foot."""
+"""Bodies against closed forms: courses, sliding to a stop, flips about the middle axis, rods about their foot, tops."""
 
 from collections.abc import Iterator
 
@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
-from scenarios.building.expected import Course, Flips, OfTime, Pivot, Stop
+from scenarios.building.expected import Course, Flips, OfTime, Pivot, Stop, Top
 from scenarios.measure.expecting import expected
 from scenarios.measure.value import Missing, Value, Values
 from scenarios.scenario import Scenario
@@ -127,3 +127,21 @@ def pivots(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
         errors.append(float(np.max(np.abs(speed[:last] - [entry.rate(float(a)) for a in lean[:last]]))))
         short.append(max(0.0, entry.until - float(np.max(lean))))
     return {"pivot_rate_error_max": float(np.max(errors)), "pivot_missing": float(np.max(short))}
+
+
+def tops(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """Return axis_spin_error_max [rad/s], the largest difference of a top's spin about its own z axis from the stated one, and
+    precession_error_max [rad/s], that of the mean rate at which this axis goes round gravity. Empty without tops."""
+    entries = expected(scenario, "tops", Top)
+    if not entries:
+        return {}
+    spins, rates = [], []
+    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
+    for entry in entries:
+        own = scene.names.index(entry.body)
+        axis = rotation.rotate(recording.orientations[:, own], np.array([0.0, 0.0, 1.0]))
+        spins.append(np.abs(np.sum(recording.angular_velocities[:, own] * axis, axis=1) - entry.spin).max())
+        flat = axis - (axis @ up)[:, None] * up
+        turned = np.arctan2(rotation.cross(flat[:-1], flat[1:]) @ up, np.sum(flat[:-1] * flat[1:], axis=1)).sum()
+        rates.append(abs(turned / (recording.times[-1] - recording.times[0]) - entry.precession))
+    return {"axis_spin_error_max": float(np.max(spins)), "precession_error_max": float(np.max(rates))}

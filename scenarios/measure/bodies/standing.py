@@ -1,11 +1,11 @@
-"""Bodies that should rest: how far they drift, how much they still move at the end, and which towers stand."""
+"""Bodies that should rest: how far they drift, how much they still move at the end, which towers stand, how high piles are."""
 
 import numpy as np
 
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from runfiles.record import Recording
-from scenarios.building.expected import Rest, Tower
+from scenarios.building.expected import Pile, Rest, Tower
 from scenarios.measure.bodies.energy import kinetic
 from scenarios.measure.expecting import expected
 from scenarios.measure.value import Missing, Values
@@ -57,3 +57,19 @@ def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
         "towers_fallen": float(standing.count(False)),
         "ratio_standing_max": max((tower.ratio for tower in before_the_first_that_fell), default=0.0),
     }
+
+
+def piles(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """Return pile_height_error_max [%]: largest difference of the mean height of the bodies of a pile above its floor from the
+    stated one, once it should rest. Empty without piles."""
+    errors = []
+    for pile in expected(scenario, "piles", Pile):
+        settled = recording.times >= pile.since
+        if not settled.any():
+            return {"pile_height_error_max": Missing("the recording ends before the pile is at rest", "scene")}
+        up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
+        own = [scene.names.index(name) for name in pile.bodies]
+        places = recording.positions[settled]
+        height = (places[:, own].mean(axis=1) - places[:, scene.names.index(pile.floor)]) @ up
+        errors.append(100.0 * np.abs(height / pile.height - 1.0).max())
+    return {"pile_height_error_max": float(np.max(errors))} if errors else {}

@@ -20,6 +20,11 @@ FOLLOWS = "posture/test_tracker_offset.py::test_an_injected_offset_comes_out_and
 SHAKES = "posture/test_smoothness.py::test_an_injected_shake_comes_out"
 TURNS = "posture/test_tracker_offset.py::test_an_injected_turn_comes_out_over_joints"
 
+KEPT = "bodies/test_time_kept.py::test_an_injected_share_of_the_way_comes_out"
+WAVE = "bodies/test_waves.py::test_the_speed_of_a_wave_comes_out_though_it_passes_between_frames"
+CARRIED = "bodies/test_grips.py::test_what_a_carried_body_lacks_in_height_comes_out"
+TOP = "bodies/test_spinning.py::test_a_top_is_compared_by_its_own_spin_and_by_how_its_axis_goes_round"
+
 METRICS_GRADED = {
     "residual_overlap_max": "test_overlap.py::test_an_injected_overlap_is_found_to_ten_nanometres",
     "residual_overlap_p95": DEPTHS, "residual_overlap_mean": DEPTHS, "overlap_frames": DEPTHS,
@@ -35,6 +40,11 @@ METRICS_GRADED = {
     "stop_distance_error_max": STOP, "stop_direction_error_max": STOP,
     "flip_time_error_max": "bodies/test_spinning.py::test_flips_are_compared_one_by_one",
     "pivot_rate_error_max": ROD, "pivot_missing": ROD, "halted_frames": HALT, "status_frames": HALT,
+    "time_kept_error": KEPT, "stalled_bodies": KEPT, "axis_spin_error_max": TOP, "precession_error_max": TOP,
+    "wave_speed_error": WAVE, "wave_missing": WAVE, "height_missing": CARRIED, "grip_slip_max": CARRIED,
+    "pile_height_error_max": "bodies/test_course.py::test_a_pile_is_as_high_as_its_bodies_are_on_the_mean_above_their_floor",
+    "pressed_sideways_max": "bodies/test_grips.py::test_only_ways_at_right_angles_to_gravity_are_sideways",
+    "sag_error_max": "bodies/test_grips.py::test_a_sag_is_compared_with_that_of_the_spring",
     "escaped_bodies": "bodies/test_course.py::test_the_share_of_bodies_that_left_their_region",
     "towers_fallen": TOWERS, "ratio_standing_max": TOWERS,
     "travel_missing": "bodies/test_travel.py::test_the_shortfall_of_a_stated_way_is_the_figure",
@@ -95,6 +105,7 @@ CLOSED_FORMS_GRADED = {
     "rod_angular_velocity": "closed_form/test_closed_form.py::test_falling_rod_is_what_its_equation_of_motion_gives",
     "tripod_load": "closed_form/test_closed_form.py::test_loads_of_a_sliding_tripod_balance_forces_and_moments",
     "flip_times": "closed_form/test_closed_form_rotation.py::test_flips_are_where_integration_puts_them",
+    "top_precession": "closed_form/test_closed_form_rotation.py::test_a_top_goes_round_as_integration_has_it",
     "spring_state": "closed_form/test_closed_form_spring.py::test_spring_state_is_what_integration_gives",
     "damping_ratio": SWING, "spring_overshoot": SWING,
     "spring_stable_step": "closed_form/test_closed_form_spring.py::test_semi_implicit_spring_grows_just_beyond_the_stable_step",

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from runfiles.record import Recording
-from scenarios.building.expected import Course, Rest, Stop, Tower, steady, uniform
+from scenarios.building.expected import Course, Pile, Rest, Stop, Tower, steady, uniform
 from scenarios.measure.bodies.closed_form import course_errors, stops
-from scenarios.measure.bodies.standing import at_rest, towers
+from scenarios.measure.bodies.standing import at_rest, piles, towers
 from scenarios.measure.bodies.whereabouts import escapes
 from scenarios.measure.frames import halts
 from scenarios.measure.value import Missing
@@ -108,3 +108,16 @@ def test_the_share_of_bodies_that_left_their_region() -> None:
     assert escapes(moved((1.0, 0.0, 0.0)), scenario, drop_scene()) == {"escaped_bodies": 50.0}
     assert escapes(moved((0.0, 0.0, 0.0)), scenario, drop_scene()) == {"escaped_bodies": 0.0}
     assert escapes(moved((0.0, 0.0, 0.0)), replace(drop(30), regions=()), drop_scene()) == {}
+
+
+def test_a_pile_is_as_high_as_its_bodies_are_on_the_mean_above_their_floor() -> None:
+    pile = Pile(("ball",), "slab", 1.0, 0.2)
+    recording = moved((0.0, 0.0, 0.0))
+    recording.positions[:, BALL, 2] = recording.positions[0, 0, 2] + 1.25
+    recording.positions[: round(0.2 / DT), BALL, 2] = 9.0
+    assert piles(recording, asks(piles=(pile,)), drop_scene())["pile_height_error_max"] == pytest.approx(25.0)
+    recording.positions[-1, BALL, 2] -= 0.75
+    assert piles(recording, asks(piles=(pile,)), drop_scene())["pile_height_error_max"] == pytest.approx(50.0)
+    early = piles(moved((0.0, 0.0, 0.0), 5), asks(piles=(pile,)), drop_scene())["pile_height_error_max"]
+    assert isinstance(early, Missing) and early.fault == "scene"
+    assert piles(recording, asks(), drop_scene()) == {}

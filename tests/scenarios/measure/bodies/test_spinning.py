@@ -1,4 +1,4 @@
-"""Spins and falling rods: flips between frames, one by one, and angles until a rod is down."""
+"""Spins, falling rods, tops: flips between frames, one by one, angles until a rod is down, how fast an axis goes round."""
 
 from dataclasses import replace
 from math import cos, sin
@@ -6,9 +6,10 @@ from math import cos, sin
 import numpy as np
 import pytest
 
+from avatarsim.spatial import rotation
 from runfiles.record import Recording
-from scenarios.building.expected import Flips, Pivot
-from scenarios.measure.bodies.closed_form import crossings, flips, pivots
+from scenarios.building.expected import Flips, Pivot, Top
+from scenarios.measure.bodies.closed_form import crossings, flips, pivots, tops
 from scenarios.measure.value import Missing
 from scenarios.scenario import Scenario
 from tests.scenarios.examples import drop, drop_scene, resting
@@ -58,3 +59,24 @@ def test_a_rod_is_judged_by_its_angle_until_it_is_down() -> None:
     assert found == {"pivot_rate_error_max": pytest.approx(0.01), "pivot_missing": 0.0}
     found = pivots(leaning(0.2), asks(pivots=(Pivot("ball", lambda angle: 0.5, 1.0),)), drop_scene())
     assert found == {"pivot_rate_error_max": pytest.approx(0.29), "pivot_missing": pytest.approx(0.5)}
+
+
+def precessing(rate: float, spin: float, lean: float = 0.2) -> Recording:
+    """Turns about its own axis at `spin`, which leans and goes round at `rate`, both [rad/s]."""
+    recording = resting(drop_scene(), FRAMES)
+    upright, across = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
+    for k, time in enumerate(recording.times):
+        own = rotation.from_axis_angle(upright, (spin - rate * cos(lean)) * time)
+        leaning = rotation.multiply(rotation.from_axis_angle(across, lean), own)
+        recording.orientations[k, BALL] = rotation.multiply(rotation.from_axis_angle(upright, rate * time), leaning)
+        axis = rotation.rotate(recording.orientations[k, BALL], np.array([0.0, 0.0, 1.0]))
+        recording.angular_velocities[k, BALL] = (spin - rate * cos(lean)) * axis + np.array([0.0, 0.0, rate])
+    return recording
+
+
+@pytest.mark.parametrize(("rate", "spin"), [(4.3, 200.0), (-3.1, 200.0), (4.0, 188.0), (12.0, 201.5)])
+def test_a_top_is_compared_by_its_own_spin_and_by_how_its_axis_goes_round(rate: float, spin: float) -> None:
+    found = tops(precessing(rate, spin), asks(tops=(Top("ball", 200.0, 4.0),)), drop_scene())
+    assert found["axis_spin_error_max"] == pytest.approx(abs(spin - 200.0), abs=1e-9)
+    assert found["precession_error_max"] == pytest.approx(abs(rate - 4.0), abs=1e-9)
+    assert tops(precessing(rate, spin), asks(), drop_scene()) == {}

@@ -1,0 +1,1 @@
+"""Sustained contact: crowds of loose bodies, and hands that carry, press, push and sweep them."""

@@ -1,0 +1,52 @@
+"""Rows of bodies that topple one another: how fast the wave runs, and how many it reaches."""
+
+import numpy as np
+
+from avatarsim.scene.scene import Scene
+from avatarsim.spatial import rotation
+from runfiles.record import Array, Recording
+from scenarios.building.expected import Wave
+from scenarios.measure.expecting import expected
+from scenarios.measure.value import Values
+from scenarios.scenario import Scenario
+
+TOPPLED = np.radians(30.0)
+"""Lean [rad] beyond which a body counts as toppled: more than one that is pushed and stands up again, less than one that lies on
+the next."""
+
+
+def waves(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """Return wave_speed_error [%] and wave_missing [bodies], the largest over expects["waves"]; empty without waves.
+
+    wave_speed_error: difference of the speed of the front, from body `first` to body `last`, from the stated one. A wave that
+    does not get there has the speed of what it has done by the end of the recording. wave_missing: bodies that never toppled.
+    """
+    errors, missing = [], []
+    for wave in expected(scenario, "waves", Wave):
+        times = [_toppled(recording, scene, name) for name in wave.bodies]
+        errors.append(100.0 * abs(_speed(wave, np.array(times), float(recording.times[-1])) / wave.speed - 1.0))
+        missing.append(float(np.isnan(times).sum()))
+    return {"wave_speed_error": float(np.max(errors)), "wave_missing": float(np.max(missing))} if errors else {}
+
+
+def _toppled(recording: Recording, scene: Scene, name: str) -> float:
+    """Time [s] at which a body's own z axis leans beyond TOPPLED, between the states shown; nan where it never does."""
+    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
+    axis = rotation.rotate(recording.orientations[:, scene.names.index(name)], np.array([0.0, 0.0, 1.0]))
+    lean = np.arctan2(np.linalg.norm(rotation.cross(axis, up), axis=1), axis @ up)
+    beyond = np.flatnonzero(lean > TOPPLED)
+    if not len(beyond):
+        return float("nan")
+    k = int(beyond[0])
+    return float(recording.times[0] if k == 0 else np.interp(TOPPLED, lean[k - 1 : k + 1], recording.times[k - 1 : k + 1]))
+
+
+def _speed(wave: Wave, times: Array, end: float) -> float:
+    """Speed of the front [m/s] from body `first` to body `last`, or to the farthest before it that the wave has reached; 0 if it
+    has not reached the first."""
+    reached = np.flatnonzero(~np.isnan(times[: wave.last + 1]))
+    farthest = int(reached[-1]) if len(reached) else 0
+    if np.isnan(times[wave.first]) or farthest <= wave.first:
+        return 0.0
+    until = times[wave.last] if farthest == wave.last else end
+    return float(wave.pitch * (farthest - wave.first) / (until - times[wave.first]))

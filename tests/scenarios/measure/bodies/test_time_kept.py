@@ -1,0 +1,130 @@
+"""Time kept: 0 for closed forms with impacts inside frames, the injected share where time stands still or runs ahead."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from reference.closed_form import bounce_state
+from runfiles.record import Recording
+from scenarios.measure.bodies.time_kept import stated_way, time_kept
+from tests.scenarios.examples import DT, drop_scene, resting
+from tests.scenarios.measure.test_metamorphic import run
+
+BALL = 1
+FRAMES = 60
+
+
+def moved(place: Callable[[float], object], velocity: Callable[[float], object]) -> Recording:
+    """The ball where a closed form has it."""
+    recording = resting(drop_scene(), FRAMES)
+    recording.positions[:, BALL] = [place(float(t)) for t in recording.times]
+    recording.velocities[:, BALL] = [velocity(float(t)) for t in recording.times]
+    return recording
+
+
+def figures(recording: Recording) -> tuple[float, float]:
+    found = time_kept(recording, drop_scene())
+    return float(str(found["time_kept_error"])), float(str(found["stalled_bodies"]))
+
+
+def uniform(speed: float) -> Recording:
+    return moved(lambda t: (speed * t, 0.0, 1.0), lambda t: (speed, 0.0, 0.0))
+
+
+def test_an_injected_share_of_the_way_comes_out() -> None:
+    """Of time_kept_error, and of stalled_bodies below a fifth."""
+    recording = uniform(2.0)
+    assert figures(recording) == pytest.approx((0.0, 0.0), abs=1e-12)
+    for share, stalled in ((0.7, 0.0), (0.21, 0.0), (0.19, 100.0), (0.0, 100.0), (-0.5, 100.0)):
+        late = replace(recording, positions=recording.positions * np.array([share, 1.0, 1.0]))
+        assert figures(late) == pytest.approx((1.0 - share, stalled), abs=1e-12)
+    ahead = replace(recording, positions=recording.positions * np.array([1.3, 1.0, 1.0]))
+    assert figures(ahead) == pytest.approx((0.3, 0.0), abs=1e-12)
+
+
+def test_ways_gone_too_far_do_not_make_up_for_a_body_that_stalls() -> None:
+    recording = uniform(1.0)
+    for row, stalled in ((1, 0.0), (3, 50.0)):
+        stopped = np.arange(FRAMES) // row % 2 == 0
+        recording.positions[1:, BALL, 0] = np.cumsum(np.where(stopped, 0.0, 2.0 * DT))
+        assert figures(recording) == pytest.approx((0.0, stalled), abs=1e-12)
+
+
+@pytest.mark.parametrize(("row", "stalled"), [(1, 0.0), (3, 25.0), (5, 25.0), (15, 25.0)])
+def test_a_body_that_creeps_in_a_quarter_of_the_frames_lacks_a_quarter_and_stalls_if_it_is_for_three(
+    row: int, stalled: float,
+) -> None:
+    recording = uniform(1.0)
+    creeps = np.arange(FRAMES) // row % 4 == 3
+    recording.positions[1:, BALL, 0] = np.cumsum(np.where(creeps, 3e-8, DT))
+    assert figures(recording) == pytest.approx((0.25, stalled), abs=1e-5)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.3, 0.8, 1.0])
+def test_a_ball_that_bounces_within_frames_keeps_its_time(restitution: float) -> None:
+    def state(t: float) -> tuple[float, float]:
+        return bounce_state(1.0, restitution, 9.81, t)
+
+    error, stalled = figures(moved(lambda t: (0.7 * t, 0.0, 0.1 + state(t)[0]), lambda t: (0.7, 0.0, state(t)[1])))
+    assert error < 1e-3 and stalled == 0.0
+
+
+def test_a_frozen_ball_cannot_hide_behind_an_impact_that_turns_one_part_of_its_velocity() -> None:
+    """Its velocity along the floor says where it goes, whatever the floor did to the other part."""
+    signs = np.where(np.arange(FRAMES + 1) % 2, 1.0, -1.0)
+    recording = resting(drop_scene(), FRAMES)
+    recording.velocities[:, BALL] = np.stack([np.full(FRAMES + 1, 0.9), np.zeros(FRAMES + 1), signs], axis=1)
+    assert figures(recording) == pytest.approx((1.0, 100.0))
+    # turned back as a whole it may have gone nowhere, and proves neither
+    recording.velocities[:, BALL, 0] = 0.0
+    assert figures(recording) == (0.0, 0.0)
+
+
+def test_an_impact_anywhere_in_the_frame_is_on_the_line_and_what_is_beyond_its_ends_is_not() -> None:
+    before, after = np.array([[0.3, 0.0, -1.0]]), np.array([[0.2, 0.0, 0.4]])
+    for share in (0.0, 0.1, 0.5, 1.0):
+        way = before + share * (after - before)
+        assert stated_way(way, before, after) == pytest.approx(way)
+    assert stated_way(2.0 * after, before, after) == pytest.approx(after)
+    assert stated_way(np.zeros((1, 3)), before, before) == pytest.approx(before)
+
+
+def test_a_centre_of_mass_that_rolls_keeps_its_time_though_the_origin_of_its_body_does_not() -> None:
+    """The origin lies beside the centre of mass, as that of a hull may."""
+    scene = drop_scene()
+    ball = scene.bodies[BALL]
+    assert ball.mass is not None
+    off = replace(scene, bodies=(scene.bodies[0], replace(ball, mass=replace(ball.mass, centre=(0.0, 0.05, 0.0)))))
+    recording, angle = resting(off, FRAMES), 10.0 * np.arange(FRAMES + 1) * DT
+    turn = np.stack([np.cos(0.5 * angle), *np.zeros((2, FRAMES + 1)), np.sin(0.5 * angle)], axis=1)
+    arm = 0.05 * np.stack([-np.sin(angle), np.cos(angle), 0.0 * angle], axis=1)
+    recording.orientations[:, BALL] = turn
+    recording.positions[:, BALL] = np.stack([angle / 10.0, 0.0 * angle, 0.0 * angle + 1.0], axis=1) - arm
+    recording.velocities[:, BALL, 0] = 1.0
+    found = time_kept(recording, off)
+    assert found["time_kept_error"] == pytest.approx(0.0, abs=1e-12) and found["stalled_bodies"] == 0.0
+
+
+def test_slow_bodies_do_not_count_and_a_number_that_is_none_is_none() -> None:
+    slow = resting(drop_scene(), FRAMES)
+    slow.velocities[:, BALL, 0] = 0.019
+    assert figures(slow) == (0.0, 0.0)
+    slow.velocities[:, BALL, 0] = 0.021
+    assert figures(slow) == pytest.approx((1.0, 100.0))
+    slow.positions[7, BALL, 2] = np.nan
+    assert np.isnan(figures(slow)).all()
+
+
+def test_a_scene_without_loose_bodies_says_nothing() -> None:
+    scene = drop_scene()
+    alone = replace(scene, bodies=scene.bodies[:1])
+    assert time_kept(resting(alone, 5), alone) == {}
+
+
+@pytest.mark.parametrize("name", ["ball_drop", "bounce_ladder", "newton_cradle", "slide_to_roll", "stop_distance", "log_roll"])
+def test_exact_scenes_of_the_catalogue_keep_their_time(name: str) -> None:
+    _, scene, recording = run("avatarsim", name, 60)
+    found = time_kept(recording, scene)
+    assert found["time_kept_error"] == pytest.approx(0.0, abs=1e-4) and found["stalled_bodies"] == 0.0
