@@ -26,8 +26,9 @@ is no part of that engine's own time; see `FrameRecord.stage_ns`."""
 class Snapshot:
     """The world at one instant: what a frame shows at its end, or a sub-step or an event inside it.
 
-    `time` [s] since load; positions (n, 3) and orientations (n, 4) of body frames in the scene's canonical order;
-    velocities (n, 3) of centres of mass [m/s] and angular velocities (n, 3) [rad/s], world axes; read-only where all are zero.
+    `time` [s] since load; positions (n, 3) and orientations (n, 4) of body frames in the scene's canonical order, of avatarsim's
+    own engine with a scalar part from 0 on, so that equal states are equal bits; velocities (n, 3) of centres of mass [m/s] and
+    angular velocities (n, 3) [rad/s], world axes; read-only where all are zero.
     `event` names what happened: "step", or "impact" for the velocities right after a collision at this instant
     (the velocities right before it are the previous snapshot's, at the same time, named "approach"). An event's time is when the
     surfaces meet, where the engine knows that better than from its last pose. When that pose keeps a gap, this is later by the

@@ -56,6 +56,7 @@ class Recording:
     raw_*: the tracker's own posture: link frames (F+1, L, 3), (F+1, L, 4), hinge angles (F+1, H).
     inside_*: sub-steps and events in order: time (S,) [s], frame (S,) from 1 to F, event (S,) code in EVENTS, poses, velocities;
     all of them while it is measured, those of `scenarios.results.thinned` in the file of a run.
+    Quaternions do not change their sign from row to row; `state_hashes` are of those that the engine gave.
     overlap (F+1,) [m] of every state shown, as the run judged it; empty where it was not judged.
     counts, statuses: (F+1,) per name. state_hashes (F+1,). frame_times_ns (repeats, frames), empty before the timing pass.
     meta: scene, engine, version, preset, seed, dt, settings, cannot_say, scene_hash, error (why it ended early, or absent).

@@ -107,6 +107,11 @@ class Audit:
         return float(self.depths.max())
 
     @property
+    def deepest_frame(self) -> int | None:
+        """The frame of the deepest overlap, counted from 0; None without any."""
+        return int(np.argmax(self.depths)) if self.deepest > 0.0 else None
+
+    @property
     def overlapping(self) -> int:
         """In how many frames shapes overlap by more than OVERLAP."""
         return int(np.sum(~(self.depths <= OVERLAP)))

@@ -16,6 +16,7 @@ from avatarsim.scene.body import Body
 from avatarsim.scene.checks import finite_array, require_near, within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample
+from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,8 @@ class Shield:
     `model` gives the avatar, its coordinates and bodies, `room` more bodies; `rate` [1/s] is how often the shield is called.
     What comes out is free of overlap and within limits, and so is the way from the last one that came out, as slerp in joints and
     straight lines for the rest show it. What is free itself, and reached on a free way, comes out as it went in, but for
-    quaternions, which are made unit ones; after contact the avatar catches up with what comes in.
+    quaternions: they are of length 1, and their sign is that nearer to the last ones that came out. After contact the avatar
+    catches up with what comes in.
 
     Raises InvalidInput for a model without avatar and for another rate.
 
@@ -47,6 +49,7 @@ class Shield:
         self._chords = Chords(scene)
         self._follower: Follower | None = None
         self._before: TrackerSample | None = None
+        self._rotations: Array | None = None
         self._time = 0.0
         self.is_free = True
 
@@ -72,5 +75,7 @@ class Shield:
             self._follower.follow(self._before, sample, is_free)
         self._before, self._time, self.is_free = sample, time, self._follower.is_input
         shown = self._follower.shown
-        motion = Motion(np.array([time]), shown.positions[None], shown.rotations[None], shown.angles[None])
+        last = sample.rotations if self._rotations is None else self._rotations
+        self._rotations = rotation.continuous(np.stack([last, shown.rotations]))[1]
+        motion = Motion(np.array([time]), shown.positions[None], self._rotations[None], shown.angles[None])
         return np.asarray(self.coordinates.rows(motion)[0])

@@ -18,6 +18,7 @@ from avatarsim.scene.checks import FARTHEST, instance
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import checked
+from avatarsim.spatial import rotation
 
 UNREACHED = 1.0
 """[s] after which a free input that was not reached again counts as unreachable: catching up takes less."""
@@ -63,6 +64,7 @@ def clean_motion(
     written = Written(motion)
     follower = tracked(chords, motion, judged, options, written, lambda share: tell(0.1 + 0.4 * share))
     Smoothing(chords, follower, motion, written, judged.is_free, options).improve(lambda share: tell(0.5 + 0.4 * share))
+    written.rotations = rotation.with_signs_of(written.rotations, motion.rotations, written.kind == Kind.INPUT)
     done = written.motion
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion, model.at_rest)
     tell(1.0)

@@ -3,6 +3,7 @@
 import argparse
 from pathlib import Path
 
+from avatarsim.assets.meshes.decompose import REPAIRS
 from avatarsim.console import path_option
 from avatarsim.files import VARIABLE
 
@@ -105,6 +106,14 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+def options_of(command: str) -> frozenset[str]:
+    """Names of a command's options, without dashes; of one that is none, no names."""
+    for action in parser()._actions:
+        if isinstance(action, argparse._SubParsersAction) and command in action.choices:
+            return frozenset(name.lstrip("-") for one in action.choices[command]._actions for name in one.option_strings)
+    return frozenset()
+
+
 def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     live = commands.add_parser(
         "live", help="drive an avatar in the browser", description=LIVE, epilog=LIVE_END, formatter_class=RAW,
@@ -115,6 +124,7 @@ def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> No
                       "of the catalogue: python -m scenarios.live in a checkout")
     live.add_argument("--avatar", metavar="FILE", type=path_option, help="an avatar of your own: MJCF, URDF")
     live.add_argument("--room", metavar="FILE", type=path_option, help="your own room: MJCF, URDF, a mesh, or the word floor")
+    _reading(live)
     replay = commands.add_parser(
         "replay", help="run a recording again, and compare it bit for bit", description=REPLAY, epilog=REPLAY_END,
         formatter_class=RAW,
@@ -164,6 +174,8 @@ def _opinion(one: argparse.ArgumentParser) -> None:
 
 def _running(one: argparse.ArgumentParser) -> None:
     running = one.add_argument_group("running")
+    running.add_argument("--rate", type=float, metavar="HZ",
+                         help="frames a second at which clips are done, 1 to 2000 (default: the file's)")
     running.add_argument("--workers", type=int, metavar="N",
                          help="clips at a time; 0: one after the other, in this process (default: one a processor)")
     running.add_argument("--scheduler", metavar="ADDRESS",
@@ -172,7 +184,6 @@ def _running(one: argparse.ArgumentParser) -> None:
 
 def _reading(one: argparse.ArgumentParser) -> None:
     motion = one.add_argument_group("how motions are read")
-    motion.add_argument("--rate", type=float, metavar="HZ", help="frames a second of what is written (default: the file's)")
     motion.add_argument("--file-rate", type=float, metavar="HZ", help="frames a second of files that state none")
     motion.add_argument("--scale", type=float, metavar="M", help="metres a unit of length (default: guessed and said)")
     motion.add_argument("--up", choices=("y", "z"), help="the axis that points up (default: guessed and said)")
@@ -191,6 +202,7 @@ def _reading(one: argparse.ArgumentParser) -> None:
     model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
     model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
     model.add_argument("--meshes", choices=("hull", "decompose"), help="meshes by their hulls (default), or by convex pieces")
+    model.add_argument("--repair", choices=REPAIRS, help="of open or crossing surfaces of meshes (default auto)")
     model.add_argument("--avatar-scale", type=float, metavar="M", help="metres a unit of length of the avatar's file (default 1)")
     model.add_argument("--room-scale", type=float, metavar="M", help="metres a unit of length of the room's file (default 1)")
     model.add_argument("--room-up", choices=("y", "z"), help="the axis that points up in a room that is a mesh (default z)")

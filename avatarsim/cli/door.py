@@ -3,8 +3,12 @@
 import sys
 
 from avatarsim.cli.arguments import parsed
+from avatarsim.cli.option_words import in_words
 from avatarsim.console import USAGE
-from avatarsim.errors import AvatarsimError
+from avatarsim.errors import AvatarsimError, InvalidFile
+
+UNREADABLE = 3
+"""Exit code where a file could not be read."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -34,5 +38,5 @@ def main(arguments: list[str] | None = None) -> int:
 
         return compiling(asked)
     except AvatarsimError as error:
-        print(f"avatarsim: {error}", file=sys.stderr)
-        return USAGE
+        print(f"avatarsim: {in_words(str(error), asked.command or '')}", file=sys.stderr)
+        return UNREADABLE if isinstance(error, InvalidFile) else USAGE

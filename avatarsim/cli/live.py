@@ -11,9 +11,13 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
+from avatarsim.assets.models.doors import MODELS
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.chords import Chords, with_own_names
 from avatarsim.cleaning.start import free_posture
+from avatarsim.cli.option_words import in_words
+from avatarsim.cli.reading import reading_of
+from avatarsim.clips.wishes import Reading
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage
 from avatarsim.live.messages import RATES, Array, Plan
@@ -34,6 +38,8 @@ HAND = "hand"
 """The scene that is shown where none is asked for."""
 MARGIN = 1e-3
 """[m] about the first posture of an avatar of one's own, as in cleaning."""
+AS_FOUND = Reading()
+"""How files are read where no option says otherwise."""
 PACKAGES = ("viser", "websockets")
 """What the extra `view` brings."""
 
@@ -42,9 +48,9 @@ def run(asked: argparse.Namespace) -> int:
     require_page()
     try:
         found, model = _stage(asked)
-        clips = clips_of(asked.motion, found.scene, model)
+        clips = clips_of(asked.motion, found.scene, model, reading_of(asked))
     except InvalidFile as error:
-        print(f"avatarsim: {error}", file=sys.stderr)
+        print(f"avatarsim: {in_words(str(error), 'live')}", file=sys.stderr)
         return UNREADABLE
     return drive(asked, found, clips, (), own_depth(found.scene))
 
@@ -67,10 +73,12 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
         raise InvalidInput("--scene", asked.scene, "no option beside --avatar")
     from avatarsim.assets.models.load import load_avatar, load_room
 
-    model = load_avatar(asked.avatar)
-    rooms = () if asked.room is None else (load_room(asked.room),)
+    reading = reading_of(asked)
+    model = load_avatar(asked.avatar, **reading.of_avatar())  # type: ignore[arg-type]
+    is_model = asked.room is not None and asked.room.suffix.lower() in MODELS
+    rooms = () if asked.room is None else (load_room(asked.room, **reading.of_room(is_model)),)  # type: ignore[arg-type]
     for said in (*model.said, *(said for room in rooms for said in room.said)):
-        print(f"avatarsim: {said}", file=sys.stderr)
+        print(f"avatarsim: {in_words(said, 'live')}", file=sys.stderr)
     if model.avatar is None:
         raise InvalidFile(f"avatar in {asked.avatar.name}", "none", "a file with joints; a room goes with --room")
     bodies = (*model.bodies, *with_own_names((body for room in rooms for body in room.bodies), set(model.scene().names)))
@@ -79,15 +87,17 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
     return replace(own, scene=replace(own.scene, start=start)), model
 
 
-def clips_of(paths: Sequence[Path], scene: Scene, model: Model | None) -> Mapping[str, Motion]:
+def clips_of(
+    paths: Sequence[Path], scene: Scene, model: Model | None, reading: Reading = AS_FOUND
+) -> Mapping[str, Motion]:
     """The motions of files for an avatar, by the files' names. Raises InvalidFile for what cannot be read or does not fit."""
-    from avatarsim.assets.motions.load import load_motion
+    from avatarsim.clips.inputs import options_for, read
 
     clips = {}
     for path in paths:
         if model is None:
             raise InvalidFile(f"motion {path.name}", scene.name, "one beside --avatar, whose joints it moves")
-        clips[path.name] = load_motion(path).motion(model)
+        clips[path.name] = read(path, options_for(path, reading))[0].motion(model)
     return clips
 
 
@@ -140,6 +150,9 @@ def drive(
     seconds = None if asked.seconds is None else within("--seconds", asked.seconds, 0.0, 1e6, InvalidInput)
     ours = Plan(OURS, found.scene, Settings(preset=asked.method, time_stages=True), rate)
     require_place(asked.listen, asked.port)
+    for name, port in (("--ws", asked.ws), ("--udp", asked.udp)):
+        if port is not None and not 0 <= port <= HIGHEST_PORT:
+            raise InvalidInput(name, port, f"a whole number from 0, which lets the system choose, to {HIGHEST_PORT}")
     print("avatarsim: loading", file=sys.stderr)
     try:
         with ExitStack() as stack:

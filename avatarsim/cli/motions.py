@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import re
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
@@ -11,6 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from avatarsim.cleaning import Options
+from avatarsim.cleaning.stream import FASTEST, SLOWEST
+from avatarsim.cli.option_words import in_words
+from avatarsim.cli.reading import reading_of
 from avatarsim.clips import batch as batches
 from avatarsim.clips import certificate
 from avatarsim.clips.batch import Batch
@@ -18,13 +20,13 @@ from avatarsim.clips.certificate import Trouble
 from avatarsim.clips.found import Found, found
 from avatarsim.clips.inputs import files_of, given
 from avatarsim.clips.page.layout import angle, length
-from avatarsim.clips.task import OVERLAPS, UNREADABLE, WORDS, Outcome, Task
+from avatarsim.clips.task import OVERLAPS, UNREADABLE, Outcome, Task
 from avatarsim.clips.whole_files import alone_in, require_ours, write_whole
-from avatarsim.clips.wishes import FLOOR, Reading, Wishes
+from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.console import Progress, printable
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.running.stopping import stoppable
-from avatarsim.scene.checks import positive
+from avatarsim.scene.checks import within
 
 if TYPE_CHECKING:
     from avatarsim.running.processes import Workers
@@ -34,16 +36,14 @@ CLEAN, LEFT, UNDONE = 0, 1, 3
 STOPPED = 130
 """Exit code of a program that the user stopped."""
 
+WORKERS = 1024
+"""Processes of one command at most: each takes some 0.2 GB of memory."""
 AUDIT = "audit.json"
 """File of an audit's measures."""
 NAMED = 5
 """Names in a sentence; of more, the number."""
 SENTENCES = 24
 """Different sentences on clips that are said; the certificate has all. More would bury the table of a thousand clips."""
-OF_READERS = re.compile(
-    r"\b(scale|up|rate|skeleton|limits|mass|stature|offsets|joints|quaternion|fix|couplings|root|leave|folder|meshes)=(?:False|\.\.\.)?(?=(\S)?)"
-)
-"""An option of a reader as its sentences name it."""
 WIDEST = 40
 """Characters of a clip's name in the table; of longer ones the end."""
 HEAD = {
@@ -157,38 +157,17 @@ def exit_code(batch: Batch) -> int:
 
 def wishes_of(asked: argparse.Namespace) -> Wishes:
     """The options as what a clip asks for. Raises InvalidInput for numbers out of range."""
-    for name in ("rate", "file_rate", "scale", "stature", "mass", "avatar_scale", "room_scale"):
-        if getattr(asked, name) is not None:
-            positive(f"--{name.replace('_', '-')}", getattr(asked, name), InvalidInput)
-    for names, what in ((("fix", "couplings", "root", "leave", "avatar_scale"), "avatar"), (("room_scale", "room_up"), "room")):
-        for name in names:
-            if getattr(asked, name) and getattr(asked, what) is None:
-                raise InvalidInput(f"--{name.replace('_', '-')}", getattr(asked, name), f"an option beside --{what}")
-    if asked.workers is not None and asked.workers < 0:
-        raise InvalidInput("--workers", asked.workers, "0 at least")
+    reading = reading_of(asked)
+    if asked.rate is not None:
+        within("--rate [1/s]", asked.rate, SLOWEST, FASTEST, InvalidInput)
+    if asked.workers is not None and not 0 <= asked.workers <= WORKERS:
+        raise InvalidInput("--workers", asked.workers, f"0 to {WORKERS}")
     given_ = {name: getattr(asked, name) for name in ("margin", "blend") if getattr(asked, name, None) is not None}
-    reading = Reading(
-        scale=asked.scale, up=asked.up, file_rate=asked.file_rate, quaternion=asked.quaternion, joints=asked.joints,
-        mass=asked.mass, limits=not asked.no_limits,
-        offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
-        asf=_absolute(asked.asf), fix=_listed(asked.fix), couplings=asked.couplings, root=asked.root, leave=_listed(asked.leave),
-        folder=_absolute(asked.folder), meshes=asked.meshes,
-        avatar_scale=asked.avatar_scale, room_scale=asked.room_scale, room_up=asked.room_up,
-    )
     room = asked.room if asked.room is None or str(asked.room) == FLOOR else asked.room.absolute()
     return Wishes(
         avatar=None if asked.avatar is None else asked.avatar.absolute(), room=room, rate=asked.rate, reading=reading,
         cleaning=Options(**given_, loose=asked.loose, opinion=not asked.no_opinion), page=not getattr(asked, "no_page", True),
     )
-
-
-def _absolute(path: Path | None) -> str | None:
-    return None if path is None else str(path.absolute())
-
-
-def _listed(text: str) -> tuple[str, ...]:
-    """Names with commas between."""
-    return tuple(name.strip() for name in text.split(",") if name.strip())
 
 
 def row(command: str, one: Outcome) -> str:
@@ -198,13 +177,32 @@ def row(command: str, one: Outcome) -> str:
     name = printable(one.place)
     over = len(name) + 3 - WIDEST
     name = name if over <= 3 else f"...{name[over:]}"
-    last = ("clean" if entry["is_clean"] else "OVERLAPS") + (", done before" if one.kept else "")
+    last = verdict(entry) + (", done before" if one.kept else "")
     begin = f"{name:{WIDEST}} {entry['frames']:6}  {_deepest(overlap['before']):20} "
     if command == "audit":
-        return f"{begin} {chords['not_certified_before']:18}  {angle(limits['excess_before_rad']):>14}  {last}"
+        line = f"{begin} {chords['not_certified_before']:18}  {angle(limits['excess_before_rad']):>14}  {last}"
+        return f"{line}{_where(overlap['before'], entry['frames'])}"
     ways = f"{chords['not_certified_before']} / {chords['not_certified_after']}"
     most = max((link["p95_m"] for link in entry["moved"]["links"]), default=0.0)
     return f"{begin}{_deepest(overlap['after']):15} {ways:>18}  {length(most):>9}  {last}"
+
+
+def verdict(entry: Mapping[str, Any]) -> str:
+    """What is worst about a clip as it is written, or of an audit as it came."""
+    when = "before" if entry["overlap"]["after"] is None else "after"
+    if entry["is_clean"]:
+        return "clean"
+    if entry["overlap"][when]["frames"]:
+        return "OVERLAPS"
+    return "NOT CERTIFIED" if entry["between_frames"][f"not_certified_{when}"] else "BEYOND LIMITS"
+
+
+def _where(overlap: Mapping[str, Any], frames: int) -> str:
+    """A line on the pair and the frame of the deepest overlap; empty without any."""
+    if overlap["pair"] is None:
+        return ""
+    a, b = map(printable, overlap["pair"])
+    return f"\n    deepest: {a} and {b}, in frame {overlap['frame']} of 0 to {frames - 1}"
 
 
 def excluded(entry: Mapping[str, Any]) -> str:
@@ -225,13 +223,8 @@ def _deepest(one: dict[str, Any]) -> str:
 
 
 def say(sentence: str) -> None:
-    """One line on the error stream; options of readers, which speak of Python, by their words here."""
-    print(f"avatarsim: {OF_READERS.sub(_as_option, printable(sentence))}", file=sys.stderr, flush=True)
-
-
-def _as_option(found: re.Match[str]) -> str:
-    name = WORDS.get(found[1], found[1])
-    return f"--{name} " if found[2] else f"--{name}"
+    """One line on the error stream, in the words of the command line."""
+    print(f"avatarsim: {in_words(printable(sentence), 'clean')}", file=sys.stderr, flush=True)
 
 
 def _say_left(clips: Found) -> None:

@@ -5,8 +5,11 @@ import json
 import sys
 
 from avatarsim.assets.meshes.convex_pieces import Pieces, pieces_of_mesh
-from avatarsim.assets.meshes.decompose import REPAIRS
-from avatarsim.errors import AvatarsimError
+from avatarsim.assets.meshes.decompose import REPAIRS, Wishes
+from avatarsim.cli.option_words import as_options
+from avatarsim.console import USAGE
+from avatarsim.errors import AvatarsimError, InvalidInput
+from avatarsim.scene.checks import positive
 
 REFUSED = 3
 """Exit code when a mesh was refused; the others are still treated."""
@@ -40,7 +43,15 @@ def parser() -> argparse.ArgumentParser:
 
 def main(words: list[str] | None = None) -> int:
     """0, or REFUSED when a mesh was refused, which the error stream explains."""
-    asked = parser().parse_args(words)
+    options = parser()
+    asked = options.parse_args(words)
+    flags = {name.lstrip("-") for action in options._actions for name in action.option_strings}
+    try:
+        positive("--scale", asked.scale, InvalidInput)
+        Wishes(asked.threshold, asked.seed, asked.most_vertices, asked.most_pieces, asked.hull, asked.repair)
+    except InvalidInput as error:
+        print(f"avatarsim pieces: {error}", file=sys.stderr)
+        return USAGE
     code = 0
     if not asked.json:
         print(HEAD)
@@ -51,7 +62,7 @@ def main(words: list[str] | None = None) -> int:
                 most_pieces=asked.most_pieces, hull=asked.hull, repair=asked.repair, kept=not asked.no_cache, quiet=asked.quiet,
             )
         except AvatarsimError as error:
-            print(f"{path}: {error}", file=sys.stderr)
+            print(f"{path}: {as_options(str(error), flags)}", file=sys.stderr)
             code = REFUSED
         except KeyboardInterrupt:
             print("stopped; nothing was left half written", file=sys.stderr)

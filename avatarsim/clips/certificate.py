@@ -107,7 +107,8 @@ def _rate(motion: Motion) -> float | None:
 
 
 def _overlap(one: Audit) -> dict[str, object]:
-    return {"frames": one.overlapping, "deepest_m": one.deepest, "pair": list(one.deepest_pair) if one.deepest_pair else None}
+    pair = list(one.deepest_pair) if one.deepest_pair else None
+    return {"frames": one.overlapping, "deepest_m": one.deepest, "pair": pair, "frame": one.deepest_frame}
 
 
 def _opinion(one: Opinion | None) -> dict[str, object] | None:

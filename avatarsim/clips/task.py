@@ -18,16 +18,13 @@ from avatarsim.clips.inputs import files_of, given, motion_files, options_for, o
 from avatarsim.clips.page.clip_page import Shown, clip_page
 from avatarsim.clips.page.layout import GENERATOR
 from avatarsim.clips.whole_files import beside, moved, put, require_ours, sha256_of, write_whole
-from avatarsim.clips.wishes import Wishes
+from avatarsim.clips.wishes import OPTIONS, Wishes
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.scene.body import Body
 from avatarsim.scene.motion import Motion
 
 CERTIFICATES, PAGES = "certificates", "pages"
 """Folders of the output for what belongs to one clip each."""
-
-WORDS = {"rate": "file-rate", "skeleton": "asf", "limits": "no-limits"}
-"""Options of readers that have another name on the command line."""
 
 UNREADABLE, REFUSED, OVERLAPS = "unreadable", "refused", "no free posture"
 """Kinds of trouble."""
@@ -93,7 +90,7 @@ class _Clip:
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
         bodies = room.bodies if room else ()
-        told = (*(f"--{WORDS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
+        told = (*(f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning)
             measured = certificate.entry(self.place, file.format, key, motion, before, said=said)

@@ -5,6 +5,9 @@ from pathlib import Path
 
 from avatarsim.cleaning import Options
 
+OPTIONS = {"rate": "file-rate", "skeleton": "asf", "limits": "no-limits"}
+"""Arguments of readers that have another name on the command line."""
+
 FLOOR = "floor"
 """The word that stands for level ground in place of a room's file."""
 
@@ -21,7 +24,7 @@ class Reading:
     stature         [m] of a body without offsets
     asf             the skeleton of AMC motions
     mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
-    fix, couplings, root, leave, folder, meshes    of the avatar's model, as in `load_avatar`
+    fix, couplings, root, leave, folder, meshes, repair    of the avatar's model, as in `load_avatar`
     avatar_scale    metres a unit of length of the avatar's model
     room_scale, room_up    of a room: metres a unit of length; of a mesh, the axis that points up"""
 
@@ -41,6 +44,7 @@ class Reading:
     leave: tuple[str, ...] = ()
     folder: str | None = None
     meshes: str | None = None
+    repair: str | None = None
     avatar_scale: float | None = None
     room_scale: float | None = None
     room_up: str | None = None
@@ -57,12 +61,13 @@ class Reading:
     def of_avatar(self) -> dict[str, object]:
         """Options of `load_avatar`."""
         asked = {"fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave, "couplings": self.couplings,
-                 "root": self.root, "folder": self.folder, "meshes": self.meshes, "scale": self.avatar_scale}
+                 "root": self.root, "folder": self.folder, "meshes": self.meshes, "repair": self.repair,
+                 "scale": self.avatar_scale}
         return {name: value for name, value in asked.items() if value}
 
     def of_room(self, is_model: bool) -> dict[str, object]:
         """Options of `load_room`, for a model or for a mesh."""
-        asked: dict[str, object] = {"meshes": self.meshes, "scale": self.room_scale}
+        asked: dict[str, object] = {"meshes": self.meshes, "repair": self.repair, "scale": self.room_scale}
         asked.update({"folder": self.folder} if is_model else {"y_up": self.room_up == "y"})
         return {name: value for name, value in asked.items() if value}
 

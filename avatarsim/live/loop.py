@@ -23,6 +23,7 @@ from avatarsim.live.orders import World
 from avatarsim.live.recording import Recorder
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial import rotation
 
 COLLECTED = 64
 """Frames between two runs of Python's collector over the youngest objects: at 60 Hz one a second, of some 20 us."""
@@ -82,6 +83,7 @@ class Loop:
         self._is_paused = self._is_over = False
         self._log: Recorder | None = None
         self._logs = self._on_cpu = 0
+        self._turns: Array = self.world.shown.shown.orientations
         self._begin_log()
 
     def run(self) -> None:
@@ -124,8 +126,12 @@ class Loop:
         latency = -1 if self._used else now - self._stamp
         self._used = True
         state_hash = record.state_hash()
+        if self._turns.shape == shown.orientations.shape:
+            self._turns = rotation.continuous(np.stack([self._turns, shown.orientations]))[1]
+        else:
+            self._turns = shown.orientations
         self._channel.send(State(
-            self._frame, shown.time, shown.positions, shown.orientations, record.angles, self._target, latency, cost,
+            self._frame, shown.time, shown.positions, self._turns, record.angles, self._target, latency, cost,
             now > due + self._period and not self._is_paused, self._skipped, due + self._period,
             dict(record.statuses), dict(record.counts), dict(record.stage_ns), state_hash, self._is_paused,
             self._log is not None and self._log.is_open, self._on_cpu,

@@ -124,7 +124,7 @@ class State:
     """What is shown after a frame, and what it cost. Bodies are in the scene's canonical order.
 
     frame         frames since the loop began; `time` [s] of the engine
-    positions     (n, 3) [m], orientations (n, 4) scalar first, angles (hinges,) [rad]
+    positions     (n, 3) [m], orientations (n, 4) scalar first, their signs as in the last frame, angles (hinges,) [rad]
     target        the newest target's number, 0 before the first; `latency` [ns] from its stamp until this state was published, -1
                   where it was used before
     engine_ns     how long the engine took, in `advance`, `cpu_ns` of that on the processor: others took the rest

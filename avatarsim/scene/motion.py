@@ -12,6 +12,9 @@ from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
+MOST_FRAMES = 1_000_000
+"""Frames of a resampled motion at most, two hours at 120 Hz. More: a human's motion passes 1 GB."""
+
 SAME_INSTANT = 1e-9
 """Share of a step by which an instant may miss a recorded one and still be that one: what sums of steps lose to rounding."""
 
@@ -78,6 +81,9 @@ class Motion:
         if len(self) == 1:
             return self
         duration = float(self.times[-1] - self.times[0])
+        if not duration * rate < MOST_FRAMES:
+            valid = f"up to {MOST_FRAMES / duration:g} for {duration:g} s, {MOST_FRAMES} frames"
+            raise InvalidInput("frames a second of a resampled motion [1/s]", rate, valid)
         instants = self.times[0] + np.arange(int(duration * rate + SAME_INSTANT) + 1) / rate
         after = np.clip(np.searchsorted(self.times, instants, side="right"), 1, len(self) - 1)
         before = after - 1

@@ -110,6 +110,32 @@ def from_matrix(matrix: ArrayLike) -> Array:
     return np.asarray(np.where(q[..., :1] < 0.0, -q, q))
 
 
+def continuous(quaternions: ArrayLike, like: ArrayLike | None = None) -> Array:
+    """Quaternions (F, ..., 4) of the same rotations in a row, none with a negative product with the one before.
+
+    q and -q are one rotation, but numbers between them are not: a reader that interpolates or differentiates components sees a
+    jump. The first frame stays. With `like` (F, ..., 4) the sign changes where that of `like` does, and nowhere else."""
+    q = np.asarray(quaternions, dtype=np.float64)
+    steps = _steps(q) if like is None else _steps(q) * _steps(np.asarray(like, dtype=np.float64))
+    return np.asarray(q * np.cumprod(np.concatenate([np.ones((*q[:1].shape[:-1], 1)), steps]), axis=0))
+
+
+def _steps(q: Array) -> Array:
+    """-1 where a quaternion of (F, ..., 4) changes sides from the one before, else 1: (F - 1, ..., 1)."""
+    return np.where((q[1:] * q[:-1]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0)
+
+
+def with_signs_of(quaternions: ArrayLike, recorded: ArrayLike, kept: ArrayLike) -> Array:
+    """Quaternions (F, ..., 4), F > 0, that change their signs where those of `recorded` (F, ..., 4) do.
+
+    Frames `kept` (F,) have the sign of `recorded`, and the frames after them continue from there."""
+    q, like = continuous(quaternions, recorded), np.asarray(recorded, dtype=np.float64)
+    frames, is_kept = np.arange(len(q)), np.asarray(kept, dtype=np.bool_)
+    anchor = np.maximum.accumulate(np.where(is_kept, frames, -1))
+    anchor[anchor < 0] = int(np.argmax(is_kept))
+    return np.asarray(q * np.where((q[anchor] * like[anchor]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0))
+
+
 def slerp(a: ArrayLike, b: ArrayLike, fraction: ArrayLike) -> Array:
     """Spherical interpolation from a (fraction 0) to b (fraction 1), the short way round."""
     start = normalised(a)

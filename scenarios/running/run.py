@@ -11,6 +11,7 @@ from avatarsim.engine import Engine, FrameRecord, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses_each
+from avatarsim.spatial import rotation
 from runfiles import overlapping, record
 from runfiles.record import EVENTS, Integers, Recording
 from scenarios.engines import opened
@@ -159,15 +160,15 @@ def gathered(
             "names": scene.names, **about,
         },
         times=np.arange(len(frames), dtype=np.float64) * scenario.dt,
-        positions=_stack(shown, "positions", n, 3), orientations=_stack(shown, "orientations", n, 4),
+        positions=_stack(shown, "positions", n, 3), orientations=_turns(shown, n),
         velocities=_stack(shown, "velocities", n, 3), angular_velocities=_stack(shown, "angular_velocities", n, 3),
         angles=np.array(angles, dtype=np.float64).reshape(len(frames), -1),
-        raw_positions=raw_positions, raw_orientations=raw_orientations,
+        raw_positions=raw_positions, raw_orientations=rotation.continuous(raw_orientations),
         raw_angles=np.array([sample.angles for sample in states[: len(frames)]], dtype=np.float64).reshape(len(frames), -1),
         inside_time=np.array([snapshot.time for snapshot in within], dtype=np.float64),
         inside_frame=np.array([k for k, _ in inside], dtype=np.int64),
         inside_event=np.array([EVENTS.index(snapshot.event) for snapshot in within], dtype=np.int64),
-        inside_positions=_stack(within, "positions", n, 3), inside_orientations=_stack(within, "orientations", n, 4),
+        inside_positions=_stack(within, "positions", n, 3), inside_orientations=_turns(within, n),
         inside_velocities=_stack(within, "velocities", n, 3),
         inside_angular_velocities=_stack(within, "angular_velocities", n, 3),
         state_hashes=np.array([frame.state_hash() for frame in frames]),
@@ -178,6 +179,13 @@ def gathered(
 def _stack(snapshots: list[Snapshot], name: str, n: int, width: int) -> record.Array:
     """(len(snapshots), n, width) of one field; an engine that gives another shape is told so by numpy."""
     return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=np.float64).reshape(len(snapshots), n, width)
+
+
+def _turns(snapshots: list[Snapshot], n: int) -> record.Array:
+    """(len(snapshots), n, 4) orientations whose signs do not change from row to row."""
+    # an engine may show what is not finite
+    with np.errstate(over="ignore", invalid="ignore"):
+        return rotation.continuous(_stack(snapshots, "orientations", n, 4))
 
 
 def _tally(per_frame: list[Mapping[str, int]]) -> dict[str, Integers]:

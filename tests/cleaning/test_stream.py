@@ -7,6 +7,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Options, Shield
 from avatarsim.cleaning.chords import Chords, certified, scene_of
 from avatarsim.errors import InvalidInput
+from avatarsim.spatial import rotation
 from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging, walker
 
 
@@ -65,3 +66,19 @@ def test_a_model_without_coordinates_and_other_rates_are_refused() -> None:
     for rate in (0.0, float("nan"), 1e4):
         with pytest.raises(InvalidInput, match="rate of a shield"):
             Shield(model(), (), rate)
+
+
+@pytest.mark.parametrize("flips", [False, True])
+def test_quaternions_of_a_turning_root_keep_their_side(flips: bool) -> None:
+    count = 120
+    given = rows(0.5 - 0.25 * np.exp(-(((np.arange(count) - 60) / 20.0) ** 2)))
+    # two whole turns, so that the scalar part changes its sign twice, most of them in the floor
+    given[:, 3:7] = rotation.from_axis_angle((0.0, 0.0, 1.0), np.linspace(0.0, 4.0 * np.pi, count))
+    if flips:
+        given[:, 3:7] *= np.where(given[:, 3:4] < 0.0, -1.0, 1.0)
+    shield = Shield(model(), (FLOOR,), RATE)
+    shown = np.array([shield(q) for q in given])
+    for first in (3, 8):
+        quaternions = shown[:, first : first + 4]
+        assert ((quaternions[1:] * quaternions[:-1]).sum(axis=1) > 0.0).all()
+    assert shown[0, 3:7] == pytest.approx(given[0, 3:7])

@@ -16,6 +16,7 @@ from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import poses_of_links
+from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
 from scenarios.cleaned import between, depths
 from tests.cleaning.rooms import FLOOR, lowered, model, swinging, walker, wall
@@ -263,3 +264,28 @@ def test_clips_of_a_few_frames(frames: int) -> None:
         cleaned = clean(swinging(frames, height), model(), (FLOOR,), OPTIONS)
         require_clean(cleaned, FLOOR) if frames > 1 else None
         assert len(cleaned.motion) == frames and cleaned.after.overlapping == 0
+
+
+def turning(canonical: bool) -> Motion:
+    """A dip into the floor while the root makes two whole turns; if `canonical`, quaternions with a scalar part from 0 on."""
+    motion = dipping()
+    rotations = motion.rotations.copy()
+    rotations[:, 0] = rotation.from_axis_angle((0.0, 0.0, 1.0), np.linspace(0.0, 4.0 * np.pi, len(motion)))
+    if canonical:
+        rotations *= np.where(rotations[..., :1] < 0.0, -1.0, 1.0)
+    return replace(motion, rotations=rotations)
+
+
+@pytest.mark.parametrize("blend", [0.0, OPTIONS.blend])
+@pytest.mark.parametrize("canonical", [False, True])
+def test_quaternions_change_sides_only_where_the_input_does(canonical: bool, blend: float) -> None:
+    motion = turning(canonical)
+    cleaned = clean(motion, model(), (FLOOR,), replace(OPTIONS, blend=blend))
+    assert cleaned.changed[44:48].all()
+
+    def sides(rotations: np.ndarray) -> np.ndarray:
+        return np.asarray((rotations[1:] * rotations[:-1]).sum(axis=2) > 0.0)
+
+    assert sides(motion.rotations).all() == (not canonical)
+    assert (sides(cleaned.motion.rotations) == sides(motion.rotations)).all()
+    assert np.array_equal(~cleaned.changed, same(motion, cleaned.motion))

@@ -14,6 +14,7 @@ import pytest
 
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.cli import main
+from avatarsim.cli.motions import verdict
 from avatarsim.clips import certificate
 from avatarsim.clips.whole_files import alone_in
 from tests.clips.made import bvh, csv, robot
@@ -368,6 +369,7 @@ import sys
 for name in ("coacd", "coal", "distributed", "joblib", "jsonschema", "mujoco", "pandas", "pebble", "tqdm", "trimesh", "viser"):
     sys.modules[name] = None
 from avatarsim.cli import main
+from avatarsim.cli.motions import verdict
 sys.exit(main(sys.argv[1:]))
 """
 
@@ -388,3 +390,44 @@ def test_the_module_is_the_command(tmp_path: Path) -> None:
     assert done.returncode in (0, 1) and "a.bvh" in done.stdout and "Traceback" not in done.stderr
     wrong = subprocess.run([*line[:4], str(tmp_path / "absent.bvh")], cwd=ROOT, capture_output=True, text=True, timeout=300)
     assert wrong.returncode == 3 and "absent.bvh" in wrong.stderr
+
+
+def rows_of(said: str) -> dict[str, list[str]]:
+    """Lines of a table by the clip that they are about; lines below a clip's own begin with spaces."""
+    found: dict[str, list[str]] = {}
+    for line in said.splitlines()[1:]:
+        found.setdefault(line.split()[0], []).append(line) if not line.startswith(" ") else [*found.values()][-1].append(line)
+    return found
+
+
+def test_an_audit_tells_limits_from_overlap_and_names_the_deepest_pair(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    csv(tmp_path / "deep.csv")
+    still = [["0", "0", "2", "0", "0", "0", "1", angle] for angle in ("0", "0.1", "0.1")]
+    (tmp_path / "bent.csv").write_text("\n".join(map(",".join, still)) + "\n")
+    (tmp_path / "good.csv").write_text("\n".join(",".join([*row[:-1], "0.01"]) for row in still) + "\n")
+    words = ["audit", *(f"{name}.csv" for name in ("deep", "bent", "good")), "--avatar", "robot.xml", "--room", "floor"]
+    robot(tmp_path)
+    words = [str(tmp_path / word) if "." in word else word for word in words]
+    assert main([*words, "--workers", "0", "-o", str(tmp_path / "out")]) == 1
+    rows = rows_of(capsys.readouterr().out)
+    assert rows["deep.csv"][0].endswith("OVERLAPS") and rows["good.csv"][0].endswith("clean")
+    assert rows["bent.csv"][0].endswith("BEYOND LIMITS") and len(rows["bent.csv"]) == len(rows["good.csv"]) == 1
+    whole = json.loads((tmp_path / "out" / "audit.json").read_text())
+    jsonschema.validate(whole, certificate.schema())
+    overlap = {one["motion"]: one["overlap"]["before"] for one in whole["clips"]}
+    assert overlap["deep.csv"]["frame"] in (4, 5) and overlap["bent.csv"]["frame"] is None
+    (below,) = rows["deep.csv"][1:]
+    assert all(name in below for name in (*overlap["deep.csv"]["pair"], f"frame {overlap['deep.csv']['frame']}"))
+
+
+@pytest.mark.parametrize(("frames", "ways", "last"), [(1, 1, "OVERLAPS"), (0, 2, "NOT CERTIFIED"), (0, 0, "BEYOND LIMITS")])
+def test_the_verdict_is_the_worst_of_what_was_written(frames: int, ways: int, last: str) -> None:
+    one = {"frames": frames, "deepest_m": 0.0, "pair": None, "frame": None}
+    for name, other in (("before", None), ("after", one)):
+        entry = {
+            "is_clean": False, "overlap": {"before": one if other is None else {**one, "frames": 9}, "after": other},
+            "between_frames": {f"not_certified_{name}": ways},
+        }
+        assert verdict(entry) == last and verdict({**entry, "is_clean": True}) == "clean"

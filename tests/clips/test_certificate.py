@@ -39,8 +39,8 @@ def test_the_schema_refuses_what_is_no_certificate(name: str, value: object) -> 
 
 def test_figures_stand_where_they_belong() -> None:
     one: Any = entry()
-    assert one["overlap"]["before"] == {"frames": 1, "deepest_m": 0.03, "pair": ["hand", "table"]}
-    assert one["overlap"]["after"] == {"frames": 0, "deepest_m": 0.0, "pair": None} and one["is_clean"] is True
+    assert one["overlap"]["before"] == {"frames": 1, "deepest_m": 0.03, "pair": ["hand", "table"], "frame": 1}
+    assert one["overlap"]["after"] == {"frames": 0, "deepest_m": 0.0, "pair": None, "frame": None} and one["is_clean"] is True
     assert one["between_frames"] == {"chords": 3, "not_certified_before": 1, "not_certified_after": 0}
     assert one["jerk_p95_m_s3"]["before"] == {"where_free": 12.5, "elsewhere": None}
     assert one["moved"]["links"][1] == {"name": "arm", "rms_m": 0.02, "p95_m": 0.04} and one["changed_frames"] == 2

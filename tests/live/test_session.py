@@ -14,6 +14,7 @@ from avatarsim.live.recording import read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import LoopDied, LoopRefused, Session
 from avatarsim.scene.tracker import rest
+from avatarsim.spatial import rotation
 from tests.live.small import plan, pushed
 
 PATIENCE = 60.0
@@ -51,6 +52,17 @@ def test_all_loops_follow_the_same_targets(session: Session) -> None:
     np.testing.assert_allclose(states[0].positions, states[1].positions, atol=0.05)
     figures = session.first.figures()
     assert figures.frames > 0 and figures.worst >= figures.p99 >= figures.p50 > 0 and figures.latency_p99 > 0
+
+
+def test_quaternions_that_are_shown_keep_their_side(session: Session) -> None:
+    session.command(Order.RESET)
+    shown = []
+    for frame in range(40):
+        turn = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(0.3 * frame))
+        session.send(replace(pushed(0), rotations=np.stack([turn, pushed(0).rotations[1]])), "test")
+        shown.append(until(session, 1).orientations)
+    turns = np.array(shown)
+    assert ((turns[1:] * turns[:-1]).sum(axis=-1) > 0.0).all() and (turns[:, 2, 0] < -0.5).any()
 
 
 def test_a_target_that_fits_no_avatar_is_refused_at_the_door(session: Session) -> None:

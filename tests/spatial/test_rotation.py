@@ -107,3 +107,27 @@ def test_between_opposites_is_half_a_turn(a: np.ndarray) -> None:
 
 def test_normalised_broadcasts() -> None:
     assert rotation.normalised([[2.0, 0, 0, 0], [0, 0, -3.0, 0]]) == pytest.approx(np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0]]))
+
+
+@given(SEEDS, st.integers(1, 12))
+def test_continuous_quaternions_are_the_same_rotations_without_changes_of_sides(seed: int, count: int) -> None:
+    given = np.stack([wxyz(random(seed + k, count)) for k in range(2)], axis=1)
+    found = rotation.continuous(given)
+    same(found, given)
+    assert np.array_equal(found[0], given[0])
+    assert not ((found[1:] * found[:-1]).sum(axis=-1) < 0.0).any()
+    alike = rotation.continuous(found, given)
+    assert np.array_equal((alike[1:] * alike[:-1]).sum(axis=-1) < 0.0, (given[1:] * given[:-1]).sum(axis=-1) < 0.0)
+
+
+@given(SEEDS, st.integers(1, 30))
+def test_frames_that_were_kept_have_their_own_signs(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    signs, others = rng.choice([-1.0, 1.0], size=(2, count, 1))
+    recorded = signs * rotation.multiply(rotation.from_axis_angle((0.6, 0.0, 0.8), 0.4 * np.arange(count)), wxyz(random(seed, 1)))
+    kept = rng.uniform(size=count) < rng.uniform()
+    given = np.where(kept[:, None], recorded, others * rotation.multiply(wxyz(Rotation.from_rotvec([0.0, 0.1, 0.2])), recorded))
+    found = rotation.with_signs_of(given, recorded, kept)
+    same(found, given)
+    assert np.array_equal(found[kept], recorded[kept])
+    assert ((found * recorded).sum(axis=1) > 0.0).all()

@@ -1,7 +1,7 @@
 """What a model file may name, checked before MuJoCo sees a word of it: no entity, no plugin, no file outside one folder.
 
-XML is scanned by expat, which knows nothing of models: the scan looks at elements that name files and at nothing else, follows
-includes, and hands on the very bytes that it read. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
+XML is scanned by expat, which knows nothing of models: the scan looks at elements that name files and at the numbers of `values`,
+follows includes, and hands on the very bytes that it read. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
 """
 
 import os
@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from xml.parsers import expat
 
+from avatarsim.assets.models import values
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_bytes
 
@@ -127,7 +128,7 @@ class _Scan:
 
     def __init__(self, name: str, main: PurePosixPath, folder: Path) -> None:
         self._name, self._main, self._folder = name, main, folder
-        self._open: list[str] = []
+        self._open: list[values.Element] = []
         self._elements = 0
         self.found: list[tuple[str, Path]] = []
         self.is_robot = self.has_world = False
@@ -153,15 +154,17 @@ class _Scan:
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._elements += 1
-        self._open.append(tag)
+        above, own = tuple(self._open), values.Element(tag, attributes)
+        self._open.append(own)
         if len(self._open) > DEEPEST_XML:
             raise InvalidFile(self._place("depth of elements"), len(self._open), f"up to {DEEPEST_XML}")
         if self._elements > ELEMENTS:
             raise InvalidFile(self._place("number of elements"), self._elements, f"up to {ELEMENTS}")
-        self.is_robot |= self._open == ["robot"]
-        self.has_world |= self._open == ["robot", "link"] and attributes.get("name") == "world"
-        if self._open[0] == "robot" and len(self._open) > 1 and self._open[1] in FOREIGN:
+        self.is_robot |= not above and tag == "robot"
+        self.has_world |= [one.tag for one in self._open] == ["robot", "link"] and attributes.get("name") == "world"
+        if self._open[0].tag == "robot" and len(self._open) > 1 and self._open[1].tag in FOREIGN:
             return
+        values.require(self._place, above, own)
         if tag == "plugin":
             name = attributes.get("plugin") or attributes.get("name") or attributes.get("instance") or ""
             raise InvalidFile(self._place("<plugin>"), name, "a model without plugins: a plugin is code, which is not run here")

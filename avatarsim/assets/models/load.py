@@ -4,12 +4,13 @@ from pathlib import Path
 
 from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.mesh import BY_TRIMESH
+from avatarsim.assets.meshes.repairs import ADVICE
 from avatarsim.assets.models import doors
 from avatarsim.assets.models.from_mujoco import Options, model_of_file
 from avatarsim.assets.models.links_of_tree import JointWishes
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.pieces_of_geoms import PLANE, MeshWishes
-from avatarsim.errors import InvalidFile
+from avatarsim.errors import InvalidFile, InvalidShape
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Piece
@@ -67,8 +68,7 @@ def load_room(
 
     Of a model all bodies are taken, jointed ones as they are at the reference: with a free joint loose, else fixed. The options
     are those of `load_avatar`, `scale` is metres a unit of length of any file. A mesh is one fixed body of convex pieces: `y_up`
-    where y points up in it, `threshold` and `repair` as in `pieces_of_mesh`. Raises what `load_avatar` and `pieces_of_mesh`
-    raise."""
+    where y points up in it, `threshold` and `repair` as in `pieces_of_mesh`. Raises what `load_avatar` raises."""
     if str(path) == FLOOR:
         top = Piece(Box(PLANE), (0.0, 0.0, -0.5 * PLANE[2]))
         return Model(None, None, (fixed(FLOOR, (top,), "wood"),), ())
@@ -80,6 +80,11 @@ def load_room(
         advice = doors.CONVERSION.get(path.suffix.lower())
         valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"
         raise InvalidFile(f"format of {path.name}", path.suffix, f"{valid}; {advice}" if advice else valid)
-    found = pieces_of_mesh(path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair)
+    try:
+        found = pieces_of_mesh(path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair)
+    except InvalidShape as error:
+        # of a room there are pieces only, no single hull
+        valid = error.valid.replace(ADVICE, 'repair="remesh" wraps it in a closed one')
+        raise InvalidFile(error.thing, error.value, valid) from error
     said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.3g} mm off", *found.repairs)
     return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), said)

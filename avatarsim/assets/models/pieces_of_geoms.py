@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.meshes import pieces_of_mesh
+from avatarsim.assets.meshes.decompose import Wishes
 from avatarsim.assets.meshes.hulls import hull_of, reduced
 from avatarsim.assets.models.compiled import Compiled, GeomKind
 from avatarsim.errors import InvalidFile, InvalidShape, UnknownName
@@ -44,6 +45,8 @@ class MeshWishes:
     def __post_init__(self) -> None:
         if not isinstance(self.meshes, tuple) and self.meshes not in WAYS:
             raise UnknownName("meshes", str(self.meshes), WAYS)
+        # refused also where no mesh needs them
+        Wishes(most_vertices=self.most_vertices, repair=self.repair)
 
     def decomposes(self, mesh: str) -> bool:
         """Whether a mesh of this name is decomposed."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.errors import InvalidInput
-from avatarsim.scene.checks import Vector
+from avatarsim.scene.checks import Vector, within
 from avatarsim.spatial.rotation import Array
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -96,8 +96,7 @@ def tree_of(joints: int) -> str | None:
 
 def approximate(member: str, stature: float = STATURE) -> tuple[Skeleton, Array]:
     """A skeleton of our own, and the pelvis's place (3,) [m] in the family's axes."""
-    if not (LEAST_STATURE <= stature <= MOST_STATURE):
-        raise InvalidInput("stature [m]", stature, f"{LEAST_STATURE:g} to {MOST_STATURE:g}")
+    within("stature [m]", stature, LEAST_STATURE, MOST_STATURE, InvalidInput)
     bones = []
     for name, parent in TREES[member]:
         bones.append(_bone(name, parent, _sized(_share(name, MIDDLE, LEFT), stature), stature))

@@ -151,6 +151,8 @@ def _units(name: str, lines: list[tuple[int, str]]) -> tuple[float | None, float
                 raise InvalidFile(f"length in {at}", length, "above 0")
         elif words[0] == "angle" and len(words) > 1:
             angle = angle_unit(at, words[1])
+        elif words[0] == "mass" and len(words) > 1 and not number(at, words[1]) > 0.0:
+            raise InvalidFile(f"mass in {at}", quoted(words[1]), "above 0")
     return length, angle
 
 
@@ -240,8 +242,15 @@ def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None
         bone.dof = _dof(at, words)
     elif word == "limits" or word.startswith("("):
         pairs = re.findall(r"\(\s*([^\s()]+)\s+([^\s()]+)\s*\)", said)
-        bone.limits += [(_limit(at, low), _limit(at, high)) for low, high in pairs]
-    elif word not in ("id", "bodymass", "cofmass", "bodycolor", "radius"):
+        found = [(_limit(at, low), _limit(at, high)) for low, high in pairs]
+        for low, high in found:
+            if not low <= high:
+                raise InvalidFile(f"limits (lower, upper) in {at}", (low, high), "lower at most upper")
+        bone.limits += found
+    elif word == "bodymass":
+        if not number(at, words[0] if words else "") >= 0.0:
+            raise InvalidFile(f"bodymass in {at}", quoted(said), "0 or more")
+    elif word not in ("id", "cofmass", "bodycolor", "radius"):
         raise InvalidFile(at, quoted(said), "id, name, direction, length, axis, dof, limits or end")
 
 
@@ -261,6 +270,8 @@ def _whole(name: str, bone: AsfBone, before: list[AsfBone]) -> AsfBone:
         raise InvalidFile(f"bones of {name}", f"more than {caps.LINKS - 1} in line {bone.line}", f"up to {caps.LINKS - 1}")
     if bone.length < 0.0:
         raise InvalidFile(f"length of {bone.name}, {at}", bone.length, "0 or more")
+    if bone.length > 0.0 and not any(bone.direction):
+        raise InvalidFile(f"direction of {bone.name}, {at}", bone.direction, "not 0 0 0 for a bone with a length")
     if bone.limits and len(bone.limits) != len(bone.dof):
         raise InvalidFile(f"limits of {bone.name}, {at}", len(bone.limits), f"{len(bone.dof)}, one for each of its dof")
     return bone

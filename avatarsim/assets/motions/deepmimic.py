@@ -206,7 +206,7 @@ class DeepMimic:
             if slot.kind == "hinge":
                 angles[:, slot.hinge] = self.clip.angles[joint]
             else:
-                turns = self.clip.rotations[joint]
+                turns = rotation.continuous(self.clip.rotations[joint])
                 rotations[:, slot.link] = _of_axes(turns, joint == "root") if flat else turns
         positions[:, slots["root"].link] = self.clip.root_positions
         return Motion(self.clip.times, positions, rotations, angles)
@@ -220,18 +220,23 @@ class DeepMimic:
         before = self._motion(coordinates, slots, flat)
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
         steps = self.frames[:, 0] if same_times else np.diff(motion.times, append=2.0 * motion.times[-1] - motion.times[-2])
+        stayed = (coordinates.rows(motion) == coordinates.rows(before)).all(axis=1) if same_times else None
         columns = [steps[:, None], y_up(motion.positions[:, slots["root"].link])]
+        first = 4
         for joint, width in LAYOUT:
             slot = slots[joint]
+            first += width
             if width == 1:
                 columns.append(motion.angles[:, slot.hinge, None])
             else:
                 turns = motion.rotations[:, slot.link]
                 own = _to_axes(turns, joint == "root") if flat else turns
-                columns.append(np.concatenate([own[:, :1], y_up(own[:, 1:])], axis=1))
+                turns = np.concatenate([own[:, :1], y_up(own[:, 1:])], axis=1)
+                recorded = self.frames[:, first - 4 : first]
+                signed = rotation.continuous(turns) if stayed is None else rotation.with_signs_of(turns, recorded, stayed)
+                columns.append(signed)
         rows = np.concatenate(columns, axis=1).tolist()
-        if same_times:
-            stayed = (coordinates.rows(motion) == coordinates.rows(before)).all(axis=1)
+        if stayed is not None:
             rows = [was if kept else now for was, now, kept in zip(self.content["Frames"], rows, stayed.tolist(), strict=True)]
         return json.dumps({**self.content, "Frames": rows}).encode("utf-8")
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed
 from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial.rotation import Array
 
@@ -25,8 +26,7 @@ EVEN = 1e-6
 
 def at_rate(rate: float, frames: int, thing: str) -> Array:
     """Instants (frames,) [s] of a steady rate. Raises InvalidInput for a rate that no recording has."""
-    if not (LOWEST <= rate <= HIGHEST):
-        raise InvalidInput(f"{thing} [1/s]", rate, f"{LOWEST:g} to {HIGHEST:g}")
+    rate = within(f"{thing} [1/s]", rate, LOWEST, HIGHEST, InvalidInput)
     return np.arange(frames) / rate
 
 
@@ -38,14 +38,27 @@ def times_of(archive: Archive, frames: int, rate: float | None) -> Array:
     if key is None:
         valid = f"one of {', '.join((*RATES, *STEPS, *TIMES))}; or say it: rate=30"
         raise InvalidFile(f"frames a second of {archive.name}", "not stated", valid)
+    # one that another entry makes needless must be one all the same
+    stated = {name: _stated(archive, name) for name in (*RATES, *STEPS) if name == key or _is_one_number(archive, name)}
     if key in TIMES:
         return _instants(archive, key, frames)
-    stated = archive.scalar(key)
+    return at_rate(stated[key], frames, key)
+
+
+def _is_one_number(archive: Archive, key: str) -> bool:
+    return key in archive.arrays and archive.arrays[key].size == 1 and archive.arrays[key].dtype.kind in "iuf"
+
+
+def _stated(archive: Archive, key: str) -> float:
+    """Frames a second [1/s] as a rate or a step of the file states them. Raises InvalidFile for what no recording has."""
+    value = archive.scalar(key)
     if key in STEPS:
-        stated = 1.0 / stated if stated > 0.0 else 0.0
-    if not (LOWEST <= stated <= HIGHEST):
-        raise InvalidFile(f"frames a second [1/s] by {key} of {archive.name}", stated, f"{LOWEST:g} to {HIGHEST:g}")
-    return at_rate(stated, frames, key)
+        if not (1.0 / HIGHEST <= value <= 1.0 / LOWEST):
+            raise InvalidFile(f"{key} of {archive.name} [s]", value, f"{1.0 / HIGHEST:g} to {1.0 / LOWEST:g}")
+        return 1.0 / value
+    if not (LOWEST <= value <= HIGHEST):
+        raise InvalidFile(f"{key} of {archive.name}, frames a second [1/s]", value, f"{LOWEST:g} to {HIGHEST:g}")
+    return value
 
 
 def _instants(archive: Archive, key: str, frames: int) -> Array:

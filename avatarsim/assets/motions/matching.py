@@ -1,6 +1,6 @@
 """Columns of a file to generalized coordinates and back: by the joints' names where a file has them, else by their number."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.scene.motion import Motion
+from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 
 Columns = NDArray[np.int64]
@@ -144,7 +145,9 @@ def _with_widths(coordinates: Coordinates) -> list[str]:
 
 
 def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Motion:
-    """The motion of rows of generalized coordinates. Raises InvalidFile for what no recording holds, with frame and joint."""
+    """The motion of rows of generalized coordinates, quaternions without changes of sign.
+
+    Raises InvalidFile for what no recording holds, with frame and joint."""
     first = 0
     for slot in coordinates.slots:
         width = WIDTHS[slot.kind]
@@ -160,9 +163,10 @@ def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Mo
         lengths = np.sqrt((np.clip(part[:, -4:], -1e100, 1e100) ** 2).sum(axis=1))
         require_within(name, f"length of the quaternion of {slot.name}", lengths, SHORTEST, LONGEST, "1")
     try:
-        return coordinates.motion(q, times)
+        found = coordinates.motion(q, times)
     except InvalidInput as error:
         raise InvalidFile(f"{error.thing} of {name}", error.value, error.valid) from error
+    return replace(found, rotations=rotation.continuous(found.rotations))
 
 
 def require_within(name: str, thing: str, values: Array, least: float, most: float, unit: str) -> None:
@@ -173,20 +177,19 @@ def require_within(name: str, thing: str, values: Array, least: float, most: flo
         raise InvalidFile(f"{thing} in frame {frame} of {name} [{unit}]", float(values[frame]), f"{least:g} to {most:g}")
 
 
-def rows_near(motion: Motion, coordinates: Coordinates, near: Array | None) -> Array:
-    """Generalized coordinates (F, width) of a motion, quaternions of the sign that is nearer to those of `near`, or to the frame
-    before: q and -q are one rotation, and a reader may draw lines between numbers."""
+def rows_near(motion: Motion, coordinates: Coordinates, near: Array | None, stayed: Array | None = None) -> Array:
+    """Generalized coordinates (F, width) of a motion. Quaternions change their sign where those of `near` do, and are of its sign
+    in frames that `stayed` (F,); without `near` they never change it. A reader may draw lines between numbers."""
     rows = coordinates.rows(motion).copy()
     first = 0
     for slot in coordinates.slots:
         end = first + WIDTHS[slot.kind]
         if slot.kind in ("free", "ball"):
-            quaternions = rows[:, end - 4 : end]
-            if near is not None:
-                sign = np.where((quaternions * near[:, end - 4 : end]).sum(axis=1) < 0.0, -1.0, 1.0)
+            part = slice(end - 4, end)
+            if near is None:
+                rows[:, part] = rotation.continuous(rows[:, part])
             else:
-                steps = np.where((quaternions[1:] * quaternions[:-1]).sum(axis=1) < 0.0, -1.0, 1.0)
-                sign = np.cumprod(np.concatenate([[1.0], steps]))
-            rows[:, end - 4 : end] = sign[:, None] * quaternions
+                kept = np.zeros(len(rows), dtype=np.bool_) if stayed is None else stayed
+                rows[:, part] = rotation.with_signs_of(rows[:, part], near[:, part], kept)
         first = end
     return rows

@@ -142,11 +142,13 @@ class Recording:
                 place = place + rotation.rotate(carried, track.place(self.values))
                 own = rotation.multiply(carried, track.turned(self.values, self.axes.angle))
                 positions[:, k] = self.axes.scale * self.axes.vectors(place)
-                rotations[:, k] = rotation.normalised(self.axes.turned(own))
+                turned = self.axes.turned(own)
             elif len(track.turns) == 3:
-                rotations[:, k] = rotation.normalised(self.axes.turned(track.turned(self.values, self.axes.angle)))
+                turned = self.axes.turned(track.turned(self.values, self.axes.angle))
             else:
                 hinges.append(track.angles(self.values, self.axes.angle))
+                continue
+            rotations[:, k] = rotation.continuous(rotation.normalised(turned))
         all_hinges: Array = np.concatenate([np.zeros((len(self.values), 0)), *hinges], axis=1)
         times = np.arange(len(self.values), dtype=np.float64) * self.step
         return Motion(times, positions, rotations, all_hinges)

@@ -178,7 +178,7 @@ class SmplFile:
         upright = self._upright
         root = rotation.multiply(rotation.from_rotation_vector(self.poses[frames, 0]), AXES)
         turns[:, 0] = rotation.multiply(upright, root)
-        return rotation.normalised(turns), rotation.rotate(upright, self.trans[frames] + self.pelvis)
+        return rotation.continuous(rotation.normalised(turns)), rotation.rotate(upright, self.trans[frames] + self.pelvis)
 
     def motion(self, model: Model) -> Motion:
         """The motion for an avatar whose joints are called as the family's, its root free and the others balls.

@@ -19,6 +19,7 @@ from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
+from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 
 WHOLE = ("qpos", "joint_pos")
@@ -115,11 +116,10 @@ class Trajectory:
             now = self.table.copy()
         else:
             now = np.stack([np.interp(motion.times, self.times, column) for column in self.table.T], axis=1)
+        stayed = (coordinates.rows(motion) == coordinates.rows(before)).all(axis=1) if same_times else None
         moved = columns >= 0
-        now[:, columns[moved]] = matching.rows_near(motion, coordinates, near)[:, moved]
-        stayed = None
-        if same_times:
-            stayed = (coordinates.rows(motion) == coordinates.rows(before)).all(axis=1)
+        now[:, columns[moved]] = matching.rows_near(motion, coordinates, near, stayed)[:, moved]
+        if stayed is not None:
             now[stayed] = self.table[stayed]
         return self.store.written(Changed(model, before, motion, self.table, now, stayed))
 
@@ -153,8 +153,13 @@ class ArrayStore:
         lasting = None if changed.stayed is None else _lasting(changed.stayed)
         for key, values in anew.items():
             recorded = archive.arrays[key]
-            if lasting is not None and values.shape == recorded.shape and key in derived.ALL:
-                anew[key] = np.where(lasting.reshape(-1, *(1,) * (values.ndim - 1)), recorded, values)
+            if lasting is None or values.shape != recorded.shape or key not in derived.ALL:
+                if key in derived.TURNS:
+                    anew[key] = rotation.continuous(values).astype(values.dtype)
+                continue
+            if key in derived.TURNS:
+                values = rotation.with_signs_of(values, recorded, lasting).astype(values.dtype)
+            anew[key] = np.where(lasting.reshape(-1, *(1,) * (values.ndim - 1)), recorded, values)
         frames = len(changed.before)
         found: dict[str, AnyArray] = {}
         for key, recorded in archive.arrays.items():

@@ -40,7 +40,7 @@ def depth(metres: float) -> str:
 
 def table(figures: Mapping[str, Figures], depths: Mapping[str, float], target: float) -> str:
     """A table of all engines in Markdown: frame time, late frames, penetration of what each shows."""
-    lines = ["| | p50 | p99 | worst | late | overlap |", "|---|---:|---:|---:|---:|---:|"]
+    lines = ["| | p50 | p99 | worst | late | overlap now |", "|---|---:|---:|---:|---:|---:|"]
     lines += [
         f"| {name} | {milliseconds(of.p50)} | {milliseconds(of.p99)} | {milliseconds(of.worst)} | {100.0 * of.late:.2g}% "
         f"| {depth(depths.get(name, float('nan')))} |"
@@ -48,7 +48,7 @@ def table(figures: Mapping[str, Figures], depths: Mapping[str, float], target: f
     ]
     lines += [f"| your own posture | | | | | {depth(target)} |"]
     budgets = ", ".join(f"{ms:.3g} at {rate}" for rate, ms in BUDGETS.items())
-    return "\n".join([*lines, "", f"In ms, of the last {SPAN:.0f} s. A frame has {budgets}."])
+    return "\n".join([*lines, "", f"Times in ms, of the last {SPAN:.0f} s. A frame has {budgets}."])
 
 
 def refused(refusals: Refusals) -> str:

@@ -242,3 +242,12 @@ def test_folded_skeletons_stand_in_their_clip(tmp_path: Path) -> None:
     file = read_bvh(written(tmp_path, bvh(FOLDED, values)), scale=0.01, up="y")
     assert any("as the skeleton is folded at rest" in said for said in file.model().said)
     assert not any("leaves limits" in said and "Leg" in said for said in file.model().said)
+
+
+def test_quaternions_of_a_spin_keep_their_side(tmp_path: Path) -> None:
+    values = rows(80, 1.0)
+    # two whole turns about the vertical, counted within half a turn, as many programs write them
+    values[:, 4] = (np.linspace(0.0, 720.0, 80) + 180.0) % 360.0 - 180.0
+    file = read_bvh(written(tmp_path, bvh(WALKER, values)))
+    rotations = file.motion(file.model()).rotations
+    assert ((rotations[1:] * rotations[:-1]).sum(axis=2) > 0.0).all() and (rotations[:, 0, 0] < 0.0).any()

@@ -35,7 +35,7 @@ def test_what_the_user_says_counts() -> None:
 @pytest.mark.parametrize(("stated", "says"), [
     ({}, r"not stated.*rate=30"), ({"fps": [50, 60]}, "one number"), ({"fps": "50"}, "type of fps"),
     ({"fps": 0}, "frames a second"), ({"fps": -30.0}, "frames a second"), ({"fps": np.nan}, "finite"),
-    ({"fps": 1e12}, "frames a second"), ({"dt": 0.0}, "frames a second"),
+    ({"fps": 1e12}, "frames a second"), ({"dt": 0.0}, "dt of some.npz"),
     ({"times": [0.0, 0.1]}, "instants of times.*2.*3"), ({"times": [0.0, 0.2, 0.1]}, "step from frame 1 to the next"),
     ({"times": [0.0, 0.0, 0.1]}, "step from frame 0 to the next"), ({"times": [0.0, np.inf, 0.1]}, "finite"),
     ({"times": [0.0, 1.0, 1e9]}, "step from frame 1 to the next"),

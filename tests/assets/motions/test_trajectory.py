@@ -264,7 +264,7 @@ def test_balls_are_rows_of_four(tmp_path: Path) -> None:
     q = np.concatenate([walk(5, 0), rotation.normalised(rng.normal(size=(5, 4))), rng.normal(size=(5, 2))], axis=1)
     found = load_motion(saved(tmp_path / "some.npz", {"qpos": q, "fps": 30}))
     motion = found.motion(puppet())
-    assert np.allclose(motion.rotations[:, 1], q[:, 7:11]) and np.allclose(motion.angles, q[:, 11:])
+    assert np.allclose(np.abs((motion.rotations[:, 1] * q[:, 7:11]).sum(axis=1)), 1.0) and np.allclose(motion.angles, q[:, 11:])
 
 
 def test_an_archive_without_names_is_said_to_be_matched_by_order(tmp_path: Path) -> None:
@@ -327,3 +327,37 @@ def test_pickled_rows_are_refused_by_name(tmp_path: Path) -> None:
 def test_an_order_that_is_none_is_refused(tmp_path: Path) -> None:
     with pytest.raises(UnknownName, match="wxyz, xyzw"):
         load_motion(saved(tmp_path / "some.npz", gmr()), quaternion="zyxw")
+
+
+def turning(frames: int, canonical: bool) -> np.ndarray:
+    """Rows whose root makes two whole turns; if `canonical`, quaternions with a scalar part from 0 on."""
+    q = walk(frames)
+    q[:, 3:7] = rotation.from_axis_angle((0.0, 0.0, 1.0), np.linspace(0.0, 4.0 * np.pi, frames))
+    if canonical:
+        q[:, 3:7] *= np.where(q[:, 3:4] < 0.0, -1.0, 1.0)
+    return q
+
+
+@pytest.mark.parametrize("canonical", [False, True])
+def test_quaternions_are_read_and_written_without_new_changes_of_sides(tmp_path: Path, canonical: bool) -> None:
+    q = turning(60, canonical)
+    model = robot()
+    assert model.coordinates is not None
+    own = model.coordinates.motion(q, np.arange(60) / 50.0)
+    places, turns = bodies(model, own)
+    arrays = {"fps": 50, "joint_pos": q, "body_pos_w": places, "body_quat_w": turns, "joint_names": np.array(JOINTS)}
+    found = load_motion(saved(tmp_path / "some.npz", arrays))
+    motion = found.motion(model)
+    assert ((motion.rotations[1:] * motion.rotations[:-1]).sum(axis=2) > 0.0).all()
+    changed = raised(motion, 10, 40)
+    signs = np.where(np.random.default_rng(0).normal(size=(60, 1)) < 0.0, -1.0, 1.0)
+    signs[:10] = signs[41:] = 1.0
+    rotations = changed.rotations.copy()
+    rotations[:, 0] *= signs
+    written = entries(found.written(replace(changed, rotations=rotations), model))
+    for now, was in ((written["joint_pos"][:, None, 3:7], q[:, None, 3:7]), (written["body_quat_w"], turns)):
+        sides = [(one[1:] * one[:-1]).sum(axis=2) > 0.0 for one in (now, was)]
+        assert np.array_equal(*sides)
+        assert np.allclose(now[:10], was[:10]) and np.allclose(now[41:], was[41:])
+    other = entries(found.written(motion.resampled(100.0), model))["joint_pos"][:, 3:7]
+    assert ((other[1:] * other[:-1]).sum(axis=1) > 0.0).all()

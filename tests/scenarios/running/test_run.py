@@ -9,10 +9,13 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidFile, MissingPackage, StartOverlaps
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.spatial import rotation
 from runfiles import record
 from scenarios.job import Job
 from scenarios.running.run import accuracy
-from scenarios.scenario import Scenario
+from scenarios.scenario import Motion, Scenario
 from tests.scenarios.bad_engines import MODULE, joined
 from tests.scenarios.examples import DT, drop, fist, fist_motion, fist_scene
 
@@ -181,3 +184,21 @@ def test_a_second_run_in_the_same_folder_keeps_whole_recordings_only(folder: Pat
     monkeypatch.setattr("scenarios.running.run.code_hash", lambda: "0" * 16)
     accuracy(job("fist", "tunnels", options={"gain": 1}), folder)
     assert path.stat().st_mtime_ns > written, "other code is another run"
+
+
+def spinning_motion(scene: Scene, seed: int) -> Motion:
+    """The fist where it is, turning by 0.3 rad a frame."""
+    def sample(frame: int) -> TrackerSample:
+        turn = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(0.3 * (frame + 1)))
+        return replace(rest(scene.avatars, (frame + 1) * DT), rotations=turn[None])
+
+    return sample
+
+
+def test_quaternions_of_a_recording_keep_their_side(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    spinning = replace(fist(60), name="spinning", motion=spinning_motion)
+    monkeypatch.setattr(sys.modules[CATALOGUE], "get", {"spinning": spinning}.__getitem__)
+    assert accuracy(job("spinning", "avatarsim"), folder).state == "measured"
+    kept = record.load(folder / "recordings" / "spinning.avatarsim.default.0.npz")
+    for turns in (kept.orientations, kept.raw_orientations):
+        assert ((turns[1:] * turns[:-1]).sum(axis=-1) > 0.0).all() and (turns[:, -1, 0] < -0.9).any()

@@ -1,0 +1,57 @@
+"""Sentences of the library in the words of a command line: `fix=("elbow", ...)` is `--fix elbow,...` there.
+
+Readers advise in Python, since they are called from there; a command prints their sentences with its own options.
+"""
+
+import re
+import shlex
+from collections.abc import Collection
+
+from avatarsim.cli.arguments import options_of
+from avatarsim.clips.wishes import OPTIONS
+
+VALUE = r"\"[^\"]*\"|'[^']*'|\([^()]*\)|True|False|\.\.\.|[A-Z]+\.npz|[0-9.]+(?![\w.])"
+"""A value as sentences write it: a text, a tuple of texts, a truth value, three dots, a file's name in capitals, a number."""
+
+ARGUMENT = re.compile(rf"(?<![\w.-])([a-z][a-z_]*)=({VALUE})?(?=(\S)?)")
+"""An argument, its value if it has one, and the character after it."""
+
+PHRASES = {
+    "size_range widens this": ("avatar-scale", "--avatar-scale gives another unit"),
+    "motion.resampled(rate) makes them": ("margin", "--rate makes them"),
+    "load_room reads a room": ("room", "--room takes a room"),
+}
+"""What is said of Python in other ways: the option that must be there, and how the command line says it."""
+
+
+def in_words(sentence: str, command: str) -> str:
+    """The sentence in the words of a command of `avatarsim`."""
+    return as_options(sentence, options_of(command))
+
+
+def as_options(sentence: str, options: Collection[str]) -> str:
+    """The sentence with arguments that are among a command's `options` as such; others stay as they are."""
+
+    def option(found: re.Match[str]) -> str:
+        argument, value, after = found[1], found[2] or "", found[3]
+        name = OPTIONS.get(argument, argument.replace("_", "-"))
+        if name not in options:
+            return found[0]
+        said = _said(value)
+        return f"--{name}{f' {said}' if said else ''}" + (" " if not value and after else "")
+
+    for phrase, (needed, words) in PHRASES.items():
+        if needed in options:
+            sentence = sentence.replace(phrase, words)
+    return ARGUMENT.sub(option, sentence)
+
+
+def _said(value: str) -> str:
+    """A value as a shell takes it."""
+    if value.startswith("("):
+        names = [name for pair in re.findall(r"\"([^\"]*)\"|'([^']*)'", value) for name in pair if name]
+        # of a tuple that is only sketched there is no name to give
+        return ",".join(filter(None, [shlex.quote(",".join(names)) if names else "NAME", "..." if "..." in value else ""]))
+    if value in ("", "True", "False"):
+        return ""
+    return "DIR" if value == "..." else shlex.quote(value.strip("\"'"))

@@ -1,0 +1,265 @@
+"""Values of files that are present and wrong are refused by name, with value and range; what is left out has its default."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.assets.models.doors import texts_of
+from avatarsim.assets.motions.load import load_motion
+from avatarsim.scene.joint import MANY_TURNS, Ball, Hinges
+from tests.assets.motions.files import ASF, WALKER, amc, bvh
+from tests.assets.motions.robots import JOINTS, robot, saved, walk
+
+URDF = """<robot name="two">
+<link name="base">
+<inertial><origin xyz="0 0 0.01"/><mass value="2.0"/>
+<inertia ixx="0.021" iyy="0.022" izz="0.023" ixy="0.001" ixz="0" iyz="0"/></inertial>
+<visual><geometry><sphere radius="-7"/></geometry></visual>
+<collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision>
+<collision><origin xyz="0 0 0.3" rpy="0 0 0"/><geometry><sphere radius="0.05"/></geometry></collision>
+<collision><origin xyz="0 0 0.6"/><geometry><cylinder radius="0.04" length="0.11"/></geometry></collision>
+</link>
+<link name="arm">
+<inertial><mass value="0.5"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><origin xyz="0.3 0 0"/><geometry><capsule radius="0.03" length="0.21"/></geometry></collision>
+</link>
+<link name="tool"/>
+<joint name="grip" type="fixed"><parent link="arm"/><child link="tool"/><axis xyz="0 0 0"/></joint>
+<joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0.31 0 0" rpy="0 0 0.1"/>
+<axis xyz="0 1 0"/><limit lower="-1.0" upper="1.5" effort="10" velocity="3"/><dynamics damping="0.1" friction="0.2"/></joint>
+</robot>"""
+
+MJCF = """<mujoco model="two">
+<option timestep="0.002"/>
+<default><geom density="900"/></default>
+<worldbody>
+<geom name="floor" type="plane" size="0 0 0.1" pos="0 0 -2"/>
+<body name="base" quat="1 0 0 0">
+<freejoint/>
+<inertial pos="0 0 0" mass="2.0" diaginertia="0.021 0.022 0.023"/>
+<geom name="box" type="box" size="0.1 0.12 0.05" friction="1 0.005 0.0001" margin="0" mass="1.5"/>
+<geom name="ball" size="0.05" pos="0 0 0.3"/>
+<body name="arm" pos="0.31 0 0">
+<inertial pos="0 0 0" mass="0.6" fullinertia="0.031 0.03 0.03 0.001 0 0"/>
+<joint name="elbow" axis="0 1 0" range="-60 90" damping="0.1" frictionloss="0.2" armature="0.01" stiffness="0.3" ref="5"/>
+<geom name="upper" type="capsule" size="0.03" fromto="0.2 0 0 0.4 0 0"/>
+<body name="hand" pos="0.5 0 0">
+<joint name="wrist" type="ball" range="0 40"/>
+<geom name="palm" type="cylinder" size="0.031 0.05" density="500"/>
+</body></body></body>
+</worldbody>
+</mujoco>"""
+
+NUMBERS = ("nan", "inf", "-inf", "1e999", "some", "", "1 2 3 4 5 6 7")
+"""What is no value of any attribute."""
+
+ATTRIBUTES: tuple[tuple[str, str, str, str, tuple[str, ...]], ...] = (
+    ("urdf", 'mass value="', "2.0", "link base", ("-2",)), ("urdf", 'ixx="', "0.021", "link base", ("-0.02",)),
+    ("urdf", 'ixy="', "0.001", "link base", ()), ("urdf", 'box size="', "0.2 0.2 0.1", "base", ("-1 1 1", "0 1 1", "1 1")),
+    ("urdf", 'sphere radius="', "0.05", "link base", ("-0.05", "0")),
+    ("urdf", 'cylinder radius="', "0.04", "link base", ("-1", "0")), ("urdf", 'length="', "0.11", "link base", ("-1", "0")),
+    ("urdf", 'capsule radius="', "0.03", "link arm", ("-1", "0")), ("urdf", 'length="', "0.21", "link arm", ("-1", "0")),
+    ("urdf", 'axis xyz="', "0 1 0", "joint elbow", ("0 0 0", "0 1")),
+    ("urdf", 'origin xyz="', "0.31 0 0", "joint elbow", ("1 1",)),
+    ("urdf", 'rpy="', "0 0 0.1", "joint elbow", ("0 0",)), ("urdf", 'lower="', "-1.0", "joint elbow", ("2", "1.5")),
+    ("urdf", 'effort="', "10", "joint elbow", ("-10",)), ("urdf", 'velocity="', "3", "joint elbow", ("-3",)),
+    ("urdf", 'damping="', "0.1", "joint elbow", ("-0.1",)), ("urdf", 'friction="', "0.2", "joint elbow", ("-0.2",)),
+    ("xml", 'timestep="', "0.002", "timestep", ("-1", "0")), ("xml", 'density="', "900", "density", ("-900",)),
+    ("xml", 'quat="', "1 0 0 0", "body base", ("0 0 0 0", "1 0 0")), ("xml", 'mass="', "2.0", "body base", ("-2",)),
+    ("xml", 'diaginertia="', "0.021 0.022 0.023", "body base", ("-1 1 1", "1")),
+    ("xml", 'fullinertia="', "0.031 0.03 0.03 0.001 0 0", "arm", ("-1 1 1 0 0 0",)),
+    ("xml", 'box" size="', "0.1 0.12 0.05", "geom box", ("-1 1 1", "0 1 1", "1 1 0")),
+    ("xml", 'ball" size="', "0.05", "ball", ("-1",)),
+    ("xml", 'friction="', "1 0.005 0.0001", "geom box", ("-1",)), ("xml", 'margin="', "0", "geom box", ("-1",)),
+    ("xml", 'mass="', "1.5", "geom box", ("-1.5",)), ("xml", 'fromto="', "0.2 0 0 0.4 0 0", "geom upper", ("1 0 0 1 0 0",)),
+    ("xml", 'pos="', "0.31 0 0", "body arm", ("0 0",)), ("xml", 'axis="', "0 1 0", "joint elbow", ("0 0 0",)),
+    ("xml", 'range="', "-60 90", "joint elbow", ("90 -60", "10 10", "90")), ("xml", 'damping="', "0.1", "joint elbow", ("-1",)),
+    ("xml", 'frictionloss="', "0.2", "joint elbow", ("-1",)), ("xml", 'armature="', "0.01", "joint elbow", ("-1",)),
+    ("xml", 'stiffness="', "0.3", "joint elbow", ("-1",)), ("xml", 'ref="', "5", "joint elbow", ("1 1",)),
+    ("xml", 'range="', "0 40", "joint wrist", ("10 40", "0 -40")),
+    ("xml", 'palm" type="cylinder" size="', "0.031 0.05", "palm", ("0 1",)),
+    ("xml", 'density="', "500", "geom palm", ("-500",)),
+)
+"""Format, text before a value, the value, what the error is about, and values that are numbers and wrong."""
+
+ANY_LENGTH = ("friction", "damping", "stiffness", "size")
+"""Attributes that hold as many numbers as they please."""
+
+
+def written(folder: Path, form: str, text: str) -> Path:
+    path = folder / f"model.{form}"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize("case", ATTRIBUTES, ids=lambda case: f"{case[3]} {case[1].strip('=')}")
+def test_numbers_of_models_are_refused_by_name(tmp_path: Path, case: tuple[str, str, str, str, tuple[str, ...]]) -> None:
+    form, before, good, about, wrong = case
+    whole = URDF if form == "urdf" else MJCF
+    assert whole.count(f"{before}{good}\"") == 1
+    for value in (*wrong, *NUMBERS):
+        if value == NUMBERS[-1] and any(name in before for name in ANY_LENGTH):
+            continue
+        path = written(tmp_path, form, whole.replace(f'{before}{good}"', f'{before}{value}"'))
+        with pytest.raises(av.InvalidInput) as found:
+            texts_of(path, tmp_path)
+        assert about in found.value.thing and "line" in found.value.thing and found.value.valid, str(found.value)
+        # limits are shown together
+        assert str(found.value.value) in (value, f"{value} and 1.5"), str(found.value)
+
+
+@pytest.mark.parametrize(("form", "good", "wrong"), [
+    ("urdf", 'value="2.0"', 'value="-2"'), ("urdf", 'ixy="0.001"', 'ixy="5"'), ("urdf", ' upper="1.5"', ""),
+    ("xml", '0.03 0.03 0.001 0 0"', '0.03 0.03 0.5 0 0"'), ("xml", 'range="-60 90"', 'range="90 -60"'),
+])
+def test_models_with_wrong_numbers_are_not_loaded(tmp_path: Path, form: str, good: str, wrong: str) -> None:
+    text = URDF if form == "urdf" else MJCF
+    assert text.count(good) == 1
+    with pytest.raises(av.InvalidInput, match="base|arm|elbow"):
+        av.load_room(written(tmp_path, form, text.replace(good, wrong)))
+
+
+def test_what_is_left_out_of_a_model_has_its_default(tmp_path: Path) -> None:
+    urdf = av.load_avatar(written(tmp_path, "urdf", URDF)).avatar
+    assert urdf is not None and urdf.links[0].mass.mass == 2.0
+    joint = urdf.links[1].joint
+    assert isinstance(joint, Hinges) and (joint.hinges[0].lower, joint.hinges[0].upper) == (-1.0, 1.5)
+    found = av.load_avatar(written(tmp_path, "urdf", URDF.replace(' lower="-1.0" upper="1.5"', ""))).avatar
+    assert found is not None
+    joint = found.links[1].joint
+    assert isinstance(joint, Hinges) and (joint.hinges[0].lower, joint.hinges[0].upper) == (-MANY_TURNS, MANY_TURNS)
+    massless = av.load_avatar(written(tmp_path, "urdf", URDF.replace('<mass value="2.0"/>', '<mass value="0"/>')))
+    assert massless.avatar is not None and any("without mass" in said and "base" in said for said in massless.said)
+    inferred = URDF[: URDF.index("<inertial>")] + URDF[URDF.index("<visual>") :]
+    without = av.load_avatar(written(tmp_path, "urdf", inferred)).avatar
+    # of the density of water
+    assert without is not None and without.links[0].mass.mass == pytest.approx(massless.avatar.links[0].mass.mass, rel=0.02)
+    free = av.load_avatar(written(tmp_path, "xml", MJCF.replace(' range="-60 90"', "").replace("0 40", "0 0"))).avatar
+    assert free is not None
+    joint, ball = free.links[1].joint, free.links[2].joint
+    assert isinstance(joint, Hinges) and joint.hinges[0].upper - joint.hinges[0].lower > MANY_TURNS
+    assert isinstance(ball, Ball) and ball.limits is None
+
+
+STANDING = np.zeros((5, 30)) + np.r_[0.0, 90.0, 0.0, np.zeros(27)]
+TEXTS: tuple[tuple[str, str, str, tuple[str, ...]], ...] = (
+    ("asf", "length 0.45", "length", ("-0.45", "0", "nan", "x")), ("asf", "mass 1.0", "mass", ("-1", "0", "nan", "x")),
+    ("asf", "angle deg", "angle", ("grad", "1")), ("asf", "position 0 0 0", "position", ("0 nan 0", "0 0", "a b c")),
+    ("asf", "orientation 0 0 0", "orientation", ("0 1 0", "nan 0 0")), ("asf", "axis XYZ", "axis", ("XYW", "XX", "")),
+    ("asf", "direction 0.34202 -0.939693 0", "direction", ("0 0 0", "nan 0 0", "1 0", "x 0 0")),
+    ("asf", "length 7.6", "length", ("-7.6", "nan", "inf", "x", "")), ("asf", "axis 0 0 20  XYZ", "axis", ("0 0 nan", "0 0 x")),
+    ("asf", "limits (-160.0 20.0)", "limits", ("(20 -160)", "(nan 20)", "(inf -inf)", "(a b)", "(1e300 2e300)")),
+    ("bvh", "OFFSET 0 10 0", "OFFSET", ("0 nan 0", "0 x 0", "0 1e30 0", "0 10")),
+    ("bvh", "Frames: 5", "Frames:", ("-5", "0", "4", "x", "nan", "1e3")),
+    ("bvh", "Frame Time: 0.008333", "Frame Time:", ("-1", "0", "nan", "inf", "x", "1e9")),
+    ("bvh", "0.0 90.0 0.0", "", ("0.0 nan 0.0", "0.0 x 0.0", "0.0 1e30 0.0", "0.0 90.0")),
+    ("amc", "ltibia 0.0", "ltibia", ("nan", "x", "1e30", "1 2", "")), ("amc", "\n3\n", "\n", ("4\n", "-3\n", "3.5\n")),
+)
+"""Format, what stands in the file, the word that stays, and what comes after it."""
+
+
+@pytest.mark.parametrize("case", TEXTS, ids=lambda case: f"{case[0]} {case[1].split()[0]}")
+def test_numbers_of_recorded_texts_are_refused_by_line(tmp_path: Path, case: tuple[str, str, str, tuple[str, ...]]) -> None:
+    form, good, word, wrong = case
+    files = {"asf": ("07.asf", ASF), "amc": ("07_01.amc", amc(np.zeros((5, 22)))), "bvh": ("w.bvh", bvh(WALKER, STANDING))}
+    for name, text in files.values():
+        (tmp_path / name).write_text(text)
+    name, text = files[form]
+    assert good in text
+    path = tmp_path / ("w.bvh" if form == "bvh" else "07_01.amc")
+    assert load_motion(path).model() is not None
+    for value in wrong:
+        (tmp_path / name).write_text(text.replace(good, word + value if word == "\n" else f"{word} {value}".strip(), 1))
+        with pytest.raises(av.InvalidInput) as found:
+            load_motion(path)
+        assert name in found.value.thing and found.value.valid, (value, str(found.value))
+
+
+ROWS = walk(20)
+
+
+def rows(column: int, value: float) -> np.ndarray:
+    found = ROWS.copy()
+    found[3, column] = value
+    return found
+
+
+NAN = float("nan")
+ENTRIES: tuple[tuple[str, dict[str, Any]], ...] = (
+    *(("fps", {"fps": np.array(value)}) for value in (-1.0, 0, NAN, np.inf, "x", True, 1e9)),
+    *(("dt", {"fps": None, "dt": np.array(value)}) for value in (-0.02, 0.0, NAN, 1e9)),
+    ("dt", {"dt": np.array(-3.0)}), ("fps", {"times": np.arange(20) / 50.0, "fps": np.array(-5.0)}),
+    *(("times", {"fps": None, "times": value}) for value in (-np.arange(20.0), np.zeros(20), np.full(20, NAN), np.arange(3.0))),
+    *(("qpos", {"qpos": rows(column, value)}) for column in (1, 4, 9) for value in (NAN, np.inf)),
+    ("floating_base", {"qpos": rows(1, 1e30)}), ("waist", {"qpos": rows(7, 1e30)}),
+    ("floating_base", {"qpos": np.where(np.arange(11) < 3, ROWS, 0.0)}), ("floating_base", {"qpos": 3.0 * ROWS}),
+)
+
+
+@pytest.mark.parametrize("case", range(len(ENTRIES)))
+def test_entries_of_trajectories_are_refused_by_name(tmp_path: Path, case: int) -> None:
+    name, changed = ENTRIES[case]
+    arrays = {key: value for key, value in {"qpos": ROWS, "fps": np.array(50.0), **changed}.items() if value is not None}
+    with pytest.raises(av.InvalidInput) as found:
+        load_motion(saved(tmp_path / "some.npz", arrays)).motion(robot())
+    assert name in found.value.thing and "some.npz" in found.value.thing and found.value.valid
+
+
+@pytest.mark.parametrize(("column", "value", "about"), [
+    (9, "nan", "column 9"), (9, "inf", "column 9"), (9, "x", "numbers"), (9, "", "numbers"), (0, "0", "instant"),
+    (0, "-9", "instant"),
+    (2, "1e30", "floating_base"), (4, "9", "floating_base"),
+])
+def test_cells_of_tables_are_refused_by_name(tmp_path: Path, column: int, value: str, about: str) -> None:
+    lines = [["time", *(f"root_{axis}" for axis in ("x", "y", "z", "qw", "qx", "qy", "qz")), *JOINTS]]
+    lines += [[str(0.02 * k), *map(str, row)] for k, row in enumerate(ROWS.tolist())]
+    lines[4][column] = value
+    (tmp_path / "some.csv").write_text("\n".join(map(",".join, lines)) + "\n")
+    with pytest.raises(av.InvalidInput) as found:
+        load_motion(tmp_path / "some.csv").motion(robot())
+    assert about in found.value.thing and "some.csv" in found.value.thing and found.value.valid
+
+
+def smpl(folder: Path) -> Path:
+    arrays = {"poses": np.zeros((9, 156)), "trans": np.zeros((9, 3)), "mocap_framerate": np.array(60.0)}
+    return saved(folder / "body.npz", arrays)
+
+
+def recording(folder: Path) -> Path:
+    (folder / "w.bvh").write_text(bvh(WALKER, STANDING))
+    return folder / "w.bvh"
+
+
+def acclaim(folder: Path) -> Path:
+    (folder / "07.asf").write_text(ASF)
+    (folder / "07_01.amc").write_text(amc(np.zeros((5, 22))))
+    return folder / "07_01.amc"
+
+
+@pytest.mark.parametrize(("made", "name"), [
+    (smpl, "mass"), (smpl, "stature"), (smpl, "rate"), (recording, "mass"), (recording, "scale"), (acclaim, "mass"),
+    (acclaim, "scale"), (acclaim, "rate"),
+])
+def test_options_of_motions_are_refused_by_name(tmp_path: Path, made: Callable[[Path], Path], name: str) -> None:
+    path = made(tmp_path)
+    assert load_motion(path).model() is not None
+    for value in (-1.0, 0.0, NAN, float("inf"), "x"):
+        with pytest.raises(av.InvalidInput) as found:
+            load_motion(path, **{name: value}).model()
+        assert name in found.value.thing and found.value.valid
+        assert found.value.value is value
+
+
+@pytest.mark.parametrize(("name", "wrong"), [
+    ("scale", (-1.0, 0.0, NAN, "x")), ("most_vertices", (-1, 3, 8.5, "x")), ("repair", ("x", 3)), ("meshes", ("x",)),
+    ("root", ("x",)), ("couplings", ("x",)), ("size_range", ((-1.0, 2.0), (2.0, 1.0), (NAN, 1.0))),
+])
+def test_options_of_models_are_refused_by_name(tmp_path: Path, name: str, wrong: tuple[Any, ...]) -> None:
+    path = written(tmp_path, "xml", MJCF)
+    for value in wrong:
+        with pytest.raises(av.InvalidInput):
+            av.load_avatar(path, **{name: value})
