@@ -23,11 +23,8 @@ from avatarsim.errors import AvatarsimError
 from avatarsim.files import Damaged, Distrusted, make_private, read_entry, say_distrust, write_entry
 from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.jit.places import SHIPPED
+from avatarsim.jit.places import SHIPPED, SUFFIX
 from avatarsim.jit.processor import Cpu, compiled_for, usable
-
-SUFFIX = ".kernel"
-"""How the names of entries end."""
 
 LATCH = ".compiling"
 """How the name of a lock file ends, which is there while a process compiles a kernel."""

@@ -23,7 +23,7 @@ from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target,
 from avatarsim.scene.tracker import TrackerSample, checked
 
 LOADING = 180.0
-"""[s] in which a loop must have loaded: a first compile of all kernels takes one to two minutes."""
+"""[s] in which a loop must have loaded: a first compile of all kernels takes about a minute."""
 ANSWERED = 10.0
 """[s] in which a loop must answer a command; a switch takes some 20 ms, of a method that is compiled first much longer."""
 ENDING = 2.0
