@@ -30,6 +30,7 @@ from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.console import Progress
 from avatarsim.engine import Settings
+from avatarsim.errors import described, ended_by
 from avatarsim.files import VARIABLE, make_private
 from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE, seconds
@@ -167,6 +168,8 @@ def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
             compile_part(part)
     except CannotKeep as error:
         sys.exit(f"avatarsim: {error}")
+    except MemoryError as error:
+        sys.exit(f"avatarsim: {described(error)}")
 
 
 def compile_distances() -> None:
@@ -290,5 +293,5 @@ def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
     codes = [one.exitcode for one in children]
     for share, code in zip(shares, codes, strict=True):
         if code != 0:
-            print(f"  {', '.join(share)}: failed with code {code}", file=stream)
+            print(f"  {', '.join(share)}: {ended_by(code or 0)}", file=stream)
     return not any(codes)

@@ -19,6 +19,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self, TextIO
 
+from avatarsim.errors import described
+
 _SAID: set[str] = set()
 """Topics of which this process has spoken."""
 
@@ -95,7 +97,7 @@ def printable(text: str) -> str:
 
 
 USAGE, UNSAID = 2, 3
-"""Exit codes: wrong usage; the answer could not be written."""
+"""Exit codes: wrong usage; the answer could not be computed or written."""
 
 
 def path_option(text: str) -> Path:
@@ -119,8 +121,8 @@ def lost_output() -> OSError | None:
 
 
 def ended(main: Callable[[], int]) -> int:
-    """The exit code of `main`, once all it printed is written: USAGE where standard output is closed, UNSAID where it is full or
-    where its reader has gone."""
+    """The exit code of `main`, once all it printed is written: USAGE where standard output is closed, UNSAID where it is full,
+    where its reader has gone, or where memory is short."""
     if sys.stderr is None:
         # a file that is opened later would get its number, and with it what children complain of
         sys.stderr = open(os.devnull, "w", encoding="utf-8")
@@ -137,6 +139,8 @@ def ended(main: Callable[[], int]) -> int:
         pass
     except OSError as error:
         refused.append(f"the system refused {error.filename or 'a file or a stream'}: {error.strerror or error}")
+    except MemoryError as error:
+        refused.append(described(error))
     lost = lost_output()
     if lost is not None:
         code = UNSAID

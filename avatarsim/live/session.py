@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput
+from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, ended_by
 from avatarsim.live.channel import pair
 from avatarsim.live.figures import Figures, Window
 from avatarsim.live.loop import run
@@ -119,7 +119,7 @@ class Driven:
 
     def _dead(self) -> LoopDied:
         code = self._process.exitcode
-        return LoopDied(f"{self.plan.name} " + ("does not answer" if code is None else f"ended with exit code {code}"))
+        return LoopDied(f"{self.plan.name} " + ("does not answer" if code is None else ended_by(code)))
 
     def close(self) -> None:
         """End the process, with force where it does not end by itself."""
