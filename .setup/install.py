@@ -1,7 +1,8 @@
 """Makes .venv and fills it from requirements.lock; every failure is one plain sentence.
 
-Started by choose_python.py with a supported Python; uses the standard library only. The project itself runs from the
-checkout, which a path file makes importable from any folder. What pip prints goes to .venv/set-up.log.
+Started by choose_python.py with a supported Python; uses the standard library only. The project itself is installed in editable
+mode: it runs from the checkout, from any folder, and .venv/bin/avatarsim is its command. What pip prints goes to
+.venv/set-up.log.
 """
 
 import fcntl
@@ -22,7 +23,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 VENV_PYTHON = VENV / "bin" / "python"
+COMMAND = VENV / "bin" / "avatarsim"
 LOCK = ROOT / "requirements.lock"
+PROJECT = ROOT / "pyproject.toml"
 STAMP = VENV / "set-up-stamp"
 LOG = VENV / "set-up.log"
 HERE = f"{sys.version_info[0]}.{sys.version_info[1]}"
@@ -93,10 +96,16 @@ def pip_install(requirements: str, *options: str) -> str | None:
     """Install these pins with their hashes; None, or what pip printed when it failed."""
     pins = VENV / "set-up-pins.txt"
     pins.write_text(requirements, encoding="utf-8")
-    command = [str(VENV_PYTHON), "-I", "-m", "pip", "install", "--require-hashes", "--no-deps", *options]
-    command += ["--no-input", "--retries", "2", "--progress-bar", "off", "--disable-pip-version-check"]
-    command += ["-r", str(pins)]
     wanted = len(re.findall(r"(?m)^[A-Za-z0-9]", requirements))
+    output = pip("--require-hashes", *options, "--retries", "2", "-r", str(pins), wanted=wanted)
+    pins.unlink()
+    return output
+
+
+def pip(*options: str, wanted: int = 1) -> str | None:
+    """Run `pip install` in .venv; None, or what it printed when it failed. `wanted`: number of packages, for the progress."""
+    command = [str(VENV_PYTHON), "-I", "-m", "pip", "install", "--no-deps", "--no-input", "--progress-bar", "off"]
+    command += ["--disable-pip-version-check", *options]
     with LOG.open("w", encoding="utf-8") as log:
         process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL)
     started = told = time.monotonic()
@@ -113,7 +122,6 @@ def pip_install(requirements: str, *options: str) -> str | None:
         process.terminate()
         process.wait()
         raise
-    pins.unlink()
     return LOG.read_text(encoding="utf-8", errors="replace") if process.returncode else None
 
 
@@ -131,13 +139,14 @@ def make_venv() -> None:
     """Create .venv with the running Python, or keep the one that is there."""
     there = venv_version()
     if there == HERE:
-        say(f"Bringing .venv up to date\n  1/3 Python {HERE}: .venv is there")
+        say(f"Bringing .venv up to date\n  1/4 Python {HERE}: .venv is there")
         return
     if there is not None:
         raise SetUpStopped(
             f"Python {HERE} is to be used, and .venv has Python {there}; remove .venv to change it."
         )
-    say(f"Setting up (once; about a minute, 1.6 GB)\n  1/3 Python {HERE}: making .venv")
+    say("Setting up (once; about a minute of computing and a download of 0.5 GB; 1.8 GB in .venv)")
+    say(f"  1/4 Python {HERE}: making .venv")
     command = [sys.executable, "-m", "venv", "--clear", str(VENV)]
     made = subprocess.run(command, capture_output=True, text=True, check=False)
     if made.returncode != 0:
@@ -148,16 +157,22 @@ def make_venv() -> None:
         )
 
 
-def make_importable() -> None:
-    """Write the path file by which .venv's Python finds the checkout from any folder: examples run as they are."""
-    packages = VENV / "lib" / f"python{HERE}" / "site-packages"
-    packages.mkdir(parents=True, exist_ok=True)
-    (packages / "avatarsim_checkout.pth").write_text(f"{ROOT}\n", encoding="utf-8")
+def install_project() -> None:
+    """Install the checkout in editable mode, by the locked setuptools and without a network.
+
+    In the mode `compat` all of its packages can be imported from any folder, the harness too; the default finds avatarsim alone.
+    """
+    say("  4/4 avatarsim itself, from this checkout")
+    output = pip("--no-build-isolation", "--no-index", "--config-settings", "editable_mode=compat", "--editable", str(ROOT))
+    # The metadata are in .venv as well.
+    shutil.rmtree(ROOT / "avatarsim.egg-info", ignore_errors=True)
+    if output is not None:
+        raise SetUpStopped(f"{pip_sentence(output)} Details: .venv/set-up.log")
 
 
 def install_pybullet(pin: str) -> bool:
     """Install pybullet from its wheel or, where there is none, from source; False if it is left out."""
-    say("  3/3 pybullet")
+    say("  3/4 pybullet")
     output = pip_install(pin, "--only-binary", ":all:")
     if output is None:
         return True
@@ -196,23 +211,29 @@ def extract_pybullet_data(pin: str) -> bool:
 
 
 def set_up() -> None:
-    """The three steps, skipped when the stamp says that they were done for this very lock."""
+    """The four steps; those that the stamp says were done for this very lock and pyproject.toml are left out."""
     others, pybullet = split_lock(LOCK.read_text(encoding="utf-8"))
-    digest = hashlib.sha256((others + pybullet).encode()).hexdigest()
+    packages = {"lock": digest(others + pybullet), "python": HERE, "pybullet": True}
+    project = {"project": digest(PROJECT.read_text(encoding="utf-8"))}
     stamp = json.loads(STAMP.read_text(encoding="utf-8")) if STAMP.exists() else {}
-    if stamp == {"lock": digest, "python": HERE, "pybullet": True}:
-        make_importable()
+    if stamp == packages | project and COMMAND.exists():
         STAMP.touch()
         say(".venv is ready.")
         return
-    make_venv()
-    make_importable()
-    say(f"  2/3 {len(re.findall(r'(?m)^[A-Za-z0-9]', others))} packages from requirements.lock")
-    if (output := pip_install(others)) is not None:
-        raise SetUpStopped(f"{pip_sentence(output)} Details: .venv/set-up.log")
-    stamp = {"lock": digest, "python": HERE, "pybullet": install_pybullet(pybullet)}
-    STAMP.write_text(json.dumps(stamp), encoding="utf-8")
+    if {name: stamp.get(name) for name in packages} != packages:
+        make_venv()
+        say(f"  2/4 {len(re.findall(r'(?m)^[A-Za-z0-9]', others))} packages from requirements.lock")
+        if (output := pip_install(others)) is not None:
+            raise SetUpStopped(f"{pip_sentence(output)} Details: .venv/set-up.log")
+        packages["pybullet"] = install_pybullet(pybullet)
+    install_project()
+    STAMP.write_text(json.dumps(packages | project), encoding="utf-8")
     say("Set-up is complete.")
+
+
+def digest(text: str) -> str:
+    """SHA-256 of a text."""
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def wait_for_turn(latch: int) -> None:

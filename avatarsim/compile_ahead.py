@@ -9,11 +9,13 @@ compilation count as done.
 import fcntl
 import gc
 import hashlib
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib import import_module
 from multiprocessing import get_context
 from multiprocessing.connection import wait
 from pathlib import Path
@@ -28,19 +30,19 @@ from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.console import Progress
 from avatarsim.engine import Settings
+from avatarsim.errors import described, ended_by
 from avatarsim.files import VARIABLE, make_private
 from avatarsim.jit import places
-from avatarsim.jit.cache import SUFFIX
-from avatarsim.jit.first_compile import FIRST_COMPILE
+from avatarsim.jit.first_compile import FIRST_COMPILE, seconds
 from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
 from avatarsim.jit.linking import KernelDispatcher
-from avatarsim.jit.places import NAME, CannotKeep, Places
+from avatarsim.jit.places import NAME, CannotKeep, Places, kept_kernels, missing
 from avatarsim.jit.processor import Cpu, compiled_for, usable
 from avatarsim.many_worlds import advance_many
 from avatarsim.model.world import build
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
@@ -48,27 +50,22 @@ from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 
 
-def kernels() -> list[KernelDispatcher]:
-    """Every kernel that a module of the package holds; nearly all are compiled for one signature, so there are as many files."""
-    modules = [module for name, module in sys.modules.items() if name.startswith(f"{ROOT.name}.")]
-    held = [one for module in modules for one in vars(module).values() if isinstance(one, KernelDispatcher)]
-    return list({id(one): one for one in held}.values())
-
-
 class Compiled:
     """The kernels of the package, and how many of them are compiled by now."""
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        found = kernels()
-        self.clock = clock
-        self.total, self.folders = len(found), {one.folder for one in found}
-        self.kept, self.begun = self.done(), clock()
+        self.wanted, self.clock = FIRST_COMPILE.own(), clock
+        self.total = len(self.wanted)
+        self.files, self.begun = self.entries(), clock()
+        self.kept = self.done()
+
+    def entries(self) -> int:
+        """Files of compiled kernels: a kernel has one for each set of argument types."""
+        return sum(kept_kernels(folder).total() for folder in {folder for folder, _ in self.wanted})
 
     def done(self) -> int:
-        """Kernels on disk, at most as many as there are."""
-        bases = set(places.current().read) | {place for place in [places.current().write] if place is not None}
-        kept = {(folder, path.name) for base in bases for folder in self.folders for path in (base / folder).glob(f"*{SUFFIX}")}
-        return min(len(kept), self.total)
+        """Kernels of which any file is on disk."""
+        return self.total - missing(self.wanted)
 
     def left(self, done: int) -> float:
         """[s] until all are done if it goes on as it went; infinite at first."""
@@ -82,18 +79,30 @@ class Compiled:
         return f"{told}, about {self.left(done):.0f} s left" if tells else told
 
 
-SHARES = (("distance", "posture", "cleaning"), ("motion", "paper", "worlds"))
+HARNESS = ROOT.parent / "reference" / "compile_ahead.py"
+"""The file that compiles the kernels of the harness, in a checkout; a wheel has none."""
+
+SOURCES = (ROOT / "compile_ahead.py", *([HARNESS] if HARNESS.is_file() else []))
+"""Files that import, directly or not, every kernel that is compiled ahead."""
+
+SHARES = (("distance", "posture", "cleaning"), ("motion", "paper", "worlds", *(["harness"] if HARNESS.is_file() else [])))
 """Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.
 Distances, which all other parts call, come first in one and a third of the way through the other: a process waits for a kernel
-that another one is compiling. Posture and motion together compile all kernels of a scene with both; worlds are what calls these
-for many engines at once, and contacts; cleaning proves ways between recorded postures. Memory grows by half a gigabyte per
+that another one is compiling. Posture and motion together compile all kernels of a scene with both; worlds compile the calls for
+many engines at once and those between frames; cleaning proves ways between recorded postures. Memory grows by half a gigabyte per
 process."""
 
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
 
+LIMITS = SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 1.0, (-1.0, 1.0))
+"""Limits of the ball joint in the scenes of the parts: checked at each load, which calls kernels."""
+
 LOOK = 0.5
 """[s] between two looks at how far the processes are; longer tells late, shorter takes time from them."""
+
+DT = 1.0 / 60.0
+"""[s] frame time of the scenes of the parts."""
 
 
 def part_scene(part: str) -> tuple[Scene, str]:
@@ -103,39 +112,47 @@ def part_scene(part: str) -> tuple[Scene, str]:
     loose = simulated("ball", ball, "wood", solid(ball, 0.2), (0.0, 0.0, 0.2))
     links = (
         Link("root", None, Free(), ball, solid(ball, 1.0)),
-        Link("limb", "root", Ball(), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.2)),
+        Link("limb", "root", Ball(LIMITS), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.2)),
         Link("tip", "limb", Hinges((Hinge((1.0, 0.0, 0.0), -1.0, 1.0),)), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.2)),
     )
     avatars = () if part == "motion" else (Avatar("a", links, chains=("tip",)),)
     start = rest(avatars)
     start.positions[:] = (0.5, 0.5, 0.5)
-    bodies = (floor, loose) if part in ("motion", "together", "worlds") else (floor,)
+    bodies = (floor,) if part in ("posture", "distance", "cleaning") else (floor, loose)
     return Scene(part, bodies, avatars, start=start), "paper" if part == "paper" else "default"
 
 
 def compile_part(part: str) -> None:
-    """Load the part's scene and run two frames of it; numba keeps on disk what it compiles on the way."""
+    """Load the part's scene and run two frames of it; what is compiled on the way is kept on disk."""
     # The compiler makes and keeps millions of objects: looking through them for rings of garbage costs it a tenth of its time.
     gc.disable()
-    if part == "distance":
-        compile_distances()
-        return
-    if part == "cleaning":
-        compile_cleaning()
+    if part in WITHOUT_FRAMES:
+        WITHOUT_FRAMES[part]()
         return
     scene, preset = part_scene(part)
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(preset=preset), 1.0 / 60.0)
-    first = scene.first_sample
-    for k in range(1, 3):
-        lower = first.positions - np.array([0.0, 0.0, 0.3 * k])
-        sample = TrackerSample(k / 60.0, lower, first.rotations, first.angles)
-        if part == "worlds":
-            advance_many([engine], [sample], 1.0 / 60.0, threads=1)
-            engine.contacts(1.0)
-        else:
-            engine.advance(sample, 1.0 / 60.0)
-    engine.close()
+    with AvatarsimEngine() as engine:
+        engine.load(scene, Settings(preset=preset), DT)
+        first = scene.first_sample
+        for k in range(1, 3):
+            lower = first.positions - np.array([0.0, 0.0, 0.3 * k])
+            sample = TrackerSample(DT * k, lower, first.rotations, first.angles)
+            if part == "worlds":
+                advance_many([engine], [sample], DT, threads=1)
+            else:
+                engine.advance(sample, DT)
+        if part == "posture":
+            engine.put(first)
+        if part in ("posture", "worlds", "paper"):
+            call_between_frames(engine, scene)
+
+
+def call_between_frames(engine: AvatarsimEngine, scene: Scene) -> None:
+    """Call what a program may ask of an engine between two frames, and load the scene without removal of overlaps."""
+    engine.contacts(1.0)
+    engine.restore(engine.snapshot())
+    engine.change(scene)
+    engine.reset()
+    engine.load(replace(scene, narrow=("overlap_removal",)), Settings(), DT)
 
 
 def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
@@ -151,6 +168,8 @@ def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
             compile_part(part)
     except CannotKeep as error:
         sys.exit(f"avatarsim: {error}")
+    except MemoryError as error:
+        sys.exit(f"avatarsim: {described(error)}")
 
 
 def compile_distances() -> None:
@@ -173,15 +192,30 @@ def compile_cleaning() -> None:
     clean(motion, model, options=Options(opinion=False))
 
 
-def stamp_name(cpu: Cpu) -> Path:
-    """The file, within a place of kernels, that says that everything is compiled for these very sources and a processor."""
+def compile_harness() -> None:
+    """Compile the kernels of the harness in the checkout around this package."""
+    if str(ROOT.parent) not in sys.path:
+        sys.path.append(str(ROOT.parent))
+    import_module("reference.compile_ahead").compile_kernels()
+
+
+WITHOUT_FRAMES = {"distance": compile_distances, "cleaning": compile_cleaning, "harness": compile_harness}
+"""Parts that run no frames of an engine."""
+
+
+def stamp_names(cpu: Cpu) -> list[Path]:
+    """The files, within a folder of kernels, that mark everything as compiled for a processor: one per entry of SOURCES."""
     known_as = hashlib.sha256(repr(cpu).encode()).hexdigest()[:20]
-    return kernel_folder(str(ROOT / "simulator.py")) / f"everything-compiled-{known_as}"
+    return [kernel_folder(str(source)) / f"everything-compiled-{known_as}" for source in SOURCES]
 
 
 def is_compiled() -> bool:
     """Whether everything is compiled for a processor whose code this machine runs."""
-    return any((base / stamp_name(cpu)).exists() for base in places.current().read for cpu in usable())
+    names = [name for cpu in usable() for name in stamp_names(cpu)]
+    found = [(base, name) for base in places.current().read for name in names if (base / name).exists()]
+    for base, name in found:
+        places.current().use((base / name).parent)
+    return {name.parent for _, name in found} == {name.parent for name in names}
 
 
 @contextmanager
@@ -196,21 +230,22 @@ def turn(stamp: Path) -> Iterator[None]:
 
 
 def compile_everything(stream: TextIO | None = None) -> bool:
-    """Compile what is not compiled yet and say how far it is, on the standard output unless told otherwise; False if a part
-    failed, which then compiles when it is first used. Where nothing can be kept nothing is compiled, and that is said."""
+    """Compile what is not compiled yet and print progress, on the standard output unless told otherwise; False if a part failed,
+    which then compiles when it is first used. Prints nothing where nothing has to be compiled; where nothing can be kept, nothing
+    is compiled, and that is printed."""
     if config.DISABLE_JIT or is_stock() or is_compiled():
         return True
     base = places.current().write
     if base is None:
         return True
-    stamp, stream = base / stamp_name(compiled_for()), stream or sys.stdout
-    print("compiling the engine's kernels: once, half a minute to two minutes on 2 cores", file=stream, flush=True)
+    stamps, stream = [base / name for name in stamp_names(compiled_for())], stream or sys.stdout
     try:
-        with turn(stamp):
-            if stamp.exists():
+        with turn(stamps[0]):
+            if is_compiled():
                 return True
             good = run_shares(SHARES, stream)
-            if good:
+            for stamp in stamps if good else ():
+                make_private(stamp.parent)
                 stamp.touch()
         return good
     except OSError as error:
@@ -235,8 +270,8 @@ def compile_into(folder: Path, stream: TextIO | None = None) -> bool:
 
 
 def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
-    """Compile shares in child processes and say how far they are; False if one of them failed."""
-    compiled = Compiled()
+    """Compile shares in child processes and print progress once a kernel is compiled; False if one of them failed."""
+    compiled, announced = Compiled(), False
     # A fork has imported everything already, which takes a second; where there are no forks everything is imported anew.
     child = get_context("fork").Process if sys.platform == "linux" else get_context("spawn").Process
     children = [child(target=compile_share, args=(share, places.current().only)) for share in shares]
@@ -244,13 +279,19 @@ def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
         one.start()
     with Progress("compiling", stream) as progress:
         while running := [one.sentinel for one in children if one.is_alive()]:
-            if progress.due:
+            if not announced and compiled.entries() > compiled.files:
+                count, announced = compiled.total - compiled.kept, True
+                cores = min(len(children), os.cpu_count() or 1)
+                length = f"about {seconds(count, cores)} s on {cores} core{'s' if cores > 1 else ''}"
+                print(f"compiling up to {count} kernels of the engine, once: {length}", file=stream, flush=True)
+            if announced and progress.due:
                 done = compiled.done()
                 progress.step(done / compiled.total, compiled.told(done))
             wait(running, LOOK)
-    print(f"  {compiled.done()} kernels compiled in {compiled.clock() - compiled.begun:.0f} s", file=stream)
+    if (new := compiled.entries() - compiled.files) > 0:
+        print(f"  {new} kernels compiled in {compiled.clock() - compiled.begun:.0f} s", file=stream)
     codes = [one.exitcode for one in children]
     for share, code in zip(shares, codes, strict=True):
         if code != 0:
-            print(f"  {', '.join(share)}: failed with code {code}", file=stream)
+            print(f"  {', '.join(share)}: {ended_by(code or 0)}", file=stream)
     return not any(codes)

@@ -20,6 +20,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self, TextIO
 
+from avatarsim.errors import described
+
 _SAID: set[str] = set()
 """Topics of which this process has spoken."""
 
@@ -96,7 +98,7 @@ def printable(text: str) -> str:
 
 
 USAGE, UNSAID, FAULT = 2, 3, 70
-"""Exit codes: wrong usage; the answer could not be written; a fault of the program (EX_SOFTWARE of sysexits). Python's own code
+"""Exit codes: wrong usage; the answer could not be computed or written; a fault of the program (EX_SOFTWARE of sysexits). Python's own code
 for the last is 1, which is the answer of several commands: a bound failed, something got worse."""
 
 
@@ -121,8 +123,8 @@ def lost_output() -> OSError | None:
 
 
 def ended(main: Callable[[], int]) -> int:
-    """The exit code of `main`, once all it printed is written: USAGE where standard output is closed, UNSAID where it is full or
-    where its reader has gone, FAULT with a traceback where `main` raised what it should not."""
+    """The exit code of `main`, once all it printed is written: USAGE where standard output is closed, UNSAID where it is full,
+    where its reader has gone, or where memory is short, FAULT with a traceback where `main` raised what it should not."""
     if sys.stderr is None:
         # a file that is opened later would get its number, and with it what children complain of
         sys.stderr = open(os.devnull, "w", encoding="utf-8")
@@ -139,6 +141,8 @@ def ended(main: Callable[[], int]) -> int:
         pass
     except OSError as error:
         refused.append(f"the system refused {error.filename or 'a file or a stream'}: {error.strerror or error}")
+    except MemoryError as error:
+        refused.append(described(error))
     except Exception:
         code = FAULT
         refused.append(traceback.format_exc().rstrip())

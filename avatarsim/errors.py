@@ -22,8 +22,10 @@ import re
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
+from errno import ENOMEM
 from importlib import metadata
 from pathlib import Path
+from traceback import walk_tb
 
 ROOT = Path(__file__).resolve().parents[1]
 """The folder that the package lies in: a checkout, or a folder of installed packages."""
@@ -146,6 +148,41 @@ class MissingPackage(AvatarsimError):
 
 class UnsupportedVersion(AvatarsimError, ImportError):
     """An installed package is of a version that cannot be used; the message says which one can. Raised by imports."""
+
+
+OWN = ("avatarsim", "runfiles", "reference", "scenarios", "reports", "tests")
+"""Top-level packages of the project: a lack of memory is located in the innermost function of these."""
+
+
+NOT_MAPPED = "failed to map segment"
+"""How the dynamic linker puts a lack of memory for a library."""
+
+
+def described(error: BaseException) -> str:
+    """One line on an error: its kind and its message; of a lack of memory also the function that needed it, and the limit."""
+    said, kind = " ".join(str(error).split()), type(error).__name__.removeprefix("_Array")
+    if not (isinstance(error, MemoryError) or getattr(error, "errno", None) == ENOMEM or NOT_MAPPED in said):
+        return f"{kind}: {said}"
+    frames = [frame for frame, _ in walk_tb(error.__traceback__)]
+    own = [frame for frame in frames if str(frame.f_globals.get("__name__")).partition(".")[0] in OWN]
+    where = [f" (in {frame.f_globals['__name__']}.{frame.f_code.co_qualname})" for frame in own[-1:]]
+    limit = memory_limit() or "the machine has no more memory"
+    return f"{kind}: {said or 'too little memory'}{''.join(where)}; {limit}: end other programs, raise the limit, or ask for less"
+
+
+def memory_limit() -> str:
+    """The limit on the address space of this process, for a message; empty where none is set."""
+    # POSIX alone has limits of processes
+    import resource
+
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    return "" if limit == resource.RLIM_INFINITY else f"its address space is limited to {1e-9 * limit:.2g} GB (ulimit -v)"
+
+
+def ended_by(code: int) -> str:
+    """How a process ended without an answer, by its exit code; with the limit on its memory, which is often the reason."""
+    how = f"was killed by signal {-code}" if code < 0 else f"ended with code {code}"
+    return "; ".join(filter(None, [how, memory_limit()]))
 
 
 def bringing(extra: str, package: str, root: Path = ROOT) -> str:

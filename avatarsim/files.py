@@ -185,6 +185,9 @@ MOST = 2**27
 """Bytes that a file may have unless its reader says otherwise. Parsed as text it takes up to ten times its size in memory; the
 largest mesh that we know of has a tenth of this."""
 
+CHUNK = 2**20
+"""Bytes read at a time of a file that grows, or whose system states no size."""
+
 DEEPEST = 64
 """Levels to which lists and objects of a file may be nested. Our own files take 8, glTF some more. Less: such a file is refused;
 more: what readers do with a value recurses as deep as the value, and Python ends that at 1,000 calls. How deep its parsers go by
@@ -210,7 +213,10 @@ def read_bytes(path: Path, thing: str, valid: str, most: int = MOST) -> bytes:
     check(path, thing, valid, most)
     try:
         with path.open("rb") as file:
-            content = file.read(most + 1)
+            # a read of so many bytes takes their memory at once, however short the file is
+            content = file.read(os.fstat(file.fileno()).st_size)
+            while len(content) <= most and (more := file.read(CHUNK)):
+                content += more
     except OSError as error:
         raise InvalidFile(thing, _reason(error), valid) from error
     if len(content) > most:

@@ -170,7 +170,7 @@ class AvatarsimEngine:
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the world of `scene` for frames of `dt` [s], above 0 and at most 1; returns the first state shown, at time 0.
 
-        The first load on a machine compiles the engine, one to two minutes; later ones take milliseconds. Raises StartOverlaps
+        The first load on a machine compiles the engine, about a minute; later ones take milliseconds. Raises StartOverlaps
         where the first pose is not free, InvalidScene for a start beyond joint limits, UnknownName and InvalidInput for settings;
         if it raises, the engine is what it was.
         """

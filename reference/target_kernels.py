@@ -17,6 +17,9 @@ Integers = NDArray[np.int64]
 RIGID, MOVED, TURNED, FREE = 0, 1, 2, 3
 """Kinds of joints: none, hinges, ball, free root."""
 
+BEYOND = 1e-3
+"""Excess [rad] from which a motor holds: at 0, one that is asked for its very limit would hold at every step."""
+
 
 @kernel
 def _multiply(pw: float, px: float, py: float, pz: float, qw: float, qx: float, qy: float,
@@ -161,4 +164,29 @@ def clamp_balls(balls: Integers, rest: Array, axis: Array, between: Array, stops
             w, x, y, z = _multiply(between[b, 0], between[b, 1], between[b, 2], between[b, 3], w, x, y, z)
             turns[k, 0], turns[k, 1], turns[k, 2], turns[k, 3] = _multiply(
                 rest[k, 0], -rest[k, 1], -rest[k, 2], -rest[k, 3], w, x, y, z)
+    return 0
+
+
+@kernel
+def beyond_stops(states: Array, left: Array, right: Array, axis: Array, stops: Array, found: NDArray[np.bool_]) -> int:
+    """Write which of `states` (n, 4), joint turns (x, y, z, w) as Bullet has them, are beyond `stops` (n, 3) [rad]: swing, lower
+    and upper twist; 0 on return. left turn right, (n, 4) each, is the turn away from the cone's centre, of a limb along `axis`
+    (n, 3)."""
+    for k in range(len(states)):
+        w, x, y, z = states[k, 3], states[k, 0], states[k, 1], states[k, 2]
+        pw, px, py, pz = left[k, 0], left[k, 1], left[k, 2], left[k, 3]
+        w, x, y, z = (pw * w - px * x - py * y - pz * z, pw * x + px * w + py * z - pz * y,
+                      pw * y - px * z + py * w + pz * x, pw * z + px * y - py * x + pz * w)
+        qw, qx, qy, qz = right[k, 0], right[k, 1], right[k, 2], right[k, 3]
+        w, x, y, z = (w * qw - x * qx - y * qy - z * qz, w * qx + x * qw + y * qz - z * qy,
+                      w * qy - x * qz + y * qw + z * qx, w * qz + x * qy - y * qx + z * qw)
+        along = x * axis[k, 0] + y * axis[k, 1] + z * axis[k, 2]
+        across = math.sqrt(max(0.0, x * x + y * y + z * z - along * along))
+        swing = 2.0 * math.atan2(across, math.sqrt(w * w + along * along))
+        twist = 2.0 * math.atan2(along, w)
+        if twist > math.pi:
+            twist -= 2.0 * math.pi
+        elif twist < -math.pi:
+            twist += 2.0 * math.pi
+        found[k] = swing > stops[k, 0] + BEYOND or not stops[k, 1] - BEYOND <= twist <= stops[k, 2] + BEYOND
     return 0

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from avatarsim.console import ended, lost_output, path_option
-from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
 from scenarios.cli import ablate, commands, comparison, listing, sweep
@@ -88,6 +88,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         return code
     except AvatarsimError as error:
         code, said = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {error}"
+    except MemoryError as error:
+        code, said = INCOMPLETE, described(error)
     except KeyboardInterrupt:
         code, said = STOPPED, "stopped"
     except OSError as error:

@@ -18,6 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
+from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from scenarios.posture_table.plan import drawn_seed
 from scenarios.running.progress import Progress
@@ -199,4 +200,4 @@ def _print_table(chosen: Sequence[Number], found: Sequence[Number], words: Seque
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(ended(main))

@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.console import FAULT, UNSAID, USAGE, path_option
+from avatarsim.cli import main as avatarsim
+from avatarsim.console import FAULT, UNSAID, USAGE, ended, path_option
+from reports.__main__ import main as reports
+from scenarios.__main__ import main as scenarios
 
 ROOT = Path(__file__).resolve().parent.parent
 PRINTS = "import sys\nfrom avatarsim.console import ended\nsys.exit(ended(lambda: print('x' * {}) or {}))"
@@ -69,6 +72,58 @@ def test_commands_of_the_harness_end_so_too() -> None:
     with open("/dev/full", "wb") as full:
         code, said = ran(["-m", "scenarios", "metrics"], full.fileno())
     assert code == 3 and said == "the system refused what was printed, or a file: No space left on device\n"
+
+
+LIMITED = """
+import resource, sys
+from pathlib import Path
+import numpy as np
+from avatarsim.console import ended
+from avatarsim.files import read_bytes
+limit = 4096 * int(Path("/proc/self/statm").read_text().split()[0]) + 50_000_000
+resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+print(f"{{1e-9 * limit:.2g}} GB", flush=True)
+sys.exit(ended(lambda: {}))
+"""
+"""A command that may take 50 MB more than its imports."""
+
+
+@pytest.mark.parametrize(("command", "words"), [
+    ("read_bytes(Path({large!r}), 'file', 'any', 10**10)", ["avatarsim.files.read_bytes"]),
+    ("np.zeros((10**4, 10**4))", ["(10000, 10000)", "float64"]),
+])
+def test_too_little_memory_ends_with_what_was_too_large_and_the_limit(command: str, words: list[str], tmp_path: Path) -> None:
+    with (tmp_path / "large").open("wb") as file:
+        file.truncate(10**9)
+    program = LIMITED.format(command.format(large=str(tmp_path / "large")))
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert done.returncode == UNSAID and len(done.stderr.splitlines()) == 1
+    assert [word for word in ("MemoryError", done.stdout.strip(), *words) if word not in done.stderr] == []
+
+
+def test_a_small_file_takes_little_memory(tmp_path: Path) -> None:
+    (tmp_path / "small").write_text("x" * 7)
+    program = LIMITED.format(f"len(read_bytes(Path({str(tmp_path / 'small')!r}), 'file', 'any'))")
+    done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stderr) == (7, "")
+
+
+def hungry(*_: object) -> object:
+    raise MemoryError
+
+
+@pytest.mark.parametrize(("run", "patched"), [
+    (lambda: avatarsim(["compile"]), ("avatarsim.cli.compiling.run", hungry)),
+    (lambda: scenarios(["list"]), ("scenarios.__main__.COMMANDS", {"list": hungry})),
+    (lambda: reports(["write", "."]), ("reports.__main__.write_report", hungry)),
+])
+def test_every_command_says_where_memory_was_short(
+    run: Callable[[], int], patched: tuple[str, object], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(*patched)
+    assert ended(run) == UNSAID
+    said = capsys.readouterr().err
+    assert "MemoryError" in said and f"{__name__}.hungry" in said and "Traceback" not in said
 
 
 def test_an_empty_path_is_refused() -> None:

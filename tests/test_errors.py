@@ -1,6 +1,12 @@
 """Messages name the thing, the value and what is valid; of very many names those that were probably meant."""
 
-from avatarsim.errors import ALL_NAMED, LONGEST_VALUE, NEAREST, InvalidInput, UnknownName, likely
+import resource
+from errno import ENOMEM
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import ALL_NAMED, LONGEST_VALUE, NEAREST, InvalidInput, UnknownName, described, ended_by, likely
 from scenarios import catalog
 
 MANY = [f"scene_{k}" for k in range(ALL_NAMED)] + ["two_arms", "two_arms_and_leg"]
@@ -29,6 +35,26 @@ def test_each_scene_is_found_by_its_name_without_a_letter() -> None:
 def test_of_a_long_value_a_message_shows_the_beginning_and_the_end() -> None:
     said = str(InvalidInput("corners", list(range(10**5)), "few"))
     assert said.startswith("corners is [0, 1, 2") and said.endswith("99999]; valid: few") and len(said) < 2 * LONGEST_VALUE
+
+
+def large_array() -> object:
+    return np.zeros((10**7, 10**6))
+
+
+@pytest.mark.parametrize(("limit", "words"), [(600 * 2**20, ["0.63 GB", "ulimit -v"]), (resource.RLIM_INFINITY, ["the machine"])])
+def test_a_lack_of_memory_names_what_was_too_large_where_and_the_limit(
+    limit: int, words: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(resource, "getrlimit", lambda which: (limit, limit))
+    with pytest.raises(MemoryError) as caught:
+        large_array()
+    said = described(caught.value)
+    assert said.startswith("MemoryError: ") and "(10000000, 1000000)" in said and "float64" in said
+    assert [word for word in (f"{__name__}.large_array", *words) if word not in said] == []
+    for error in (MemoryError(), OSError(ENOMEM, "Cannot allocate memory"), ImportError("x.so: failed to map segment")):
+        assert [word for word in (type(error).__name__, *words) if word not in described(error)] == []
+    assert described(ValueError("not\n  so")) == "ValueError: not so"
+    assert "signal 6" in ended_by(-6) and ("ulimit -v" in ended_by(-6)) == (limit > 0)
 
 
 def test_a_value_that_cannot_be_shown_is_named_by_its_type() -> None:

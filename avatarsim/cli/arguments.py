@@ -58,7 +58,7 @@ examples:
 
 LIVE_END = """\
 exit codes: 0 ended by Ctrl-C; 1 the engine's process ended by itself; 2 wrong usage, or a port that is taken; 3 a file that could
-not be read."""
+not be read, or too little memory."""
 
 REPLAY = """\
 Run a recording of `avatarsim live` again, without a page: the same samples and commands, and after each frame the hash of what is
@@ -68,7 +68,8 @@ example:
   avatarsim replay hand-20260101-120000.live"""
 
 REPLAY_END = """\
-exit codes: 0 the same to the bit; 1 another state was shown, and the first such frame is named; 2 wrong usage; 3 no recording."""
+exit codes: 0 the same to the bit; 1 another state was shown, and the first such frame is named; 2 wrong usage; 3 no recording, or
+too little memory."""
 
 
 def parser() -> argparse.ArgumentParser:

@@ -20,7 +20,7 @@ from avatarsim.clips.page.layout import GENERATOR
 from avatarsim.clips.task import CERTIFICATES, REFUSED, Outcome, Task, outcome
 from avatarsim.clips.whole_files import require_ours, write_whole
 from avatarsim.clips.wishes import Wishes
-from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.sources import about, code_hash
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def _here(task: Task, progress: Callable[[float], None] | None) -> object:
         raise
     except Exception as error:
         # as of a process, whose end costs its clip alone
-        return f"{type(error).__name__}: {error}"
+        return described(error)
 
 
 def answer(task: Task) -> Outcome:

@@ -3,9 +3,9 @@
 It stands in for numba's own cache, which unpickles whatever lies in its files, keeps an index that a crash can leave behind
 wrong, names files by absolute paths, and reads from nothing that it cannot write to.
 
-Everything that shapes the machine code is in the name of the entry: the digest of the sources (which names the folder), the
-kernel's name, its bytecode and closure, the types of its arguments, the processor. None of it depends on where the package or
-the cache lies, so both may be moved.
+Everything that shapes the machine code is in the name of the entry: the digest of sources, versions and settings (which names the
+folder), the kernel's name, its bytecode and closure, the types of its arguments, the processor. None of it depends on where the
+package or the cache lies, so both may be moved.
 """
 
 import fcntl
@@ -19,14 +19,12 @@ from pathlib import Path
 from typing import Any
 
 from avatarsim.console import say_once
+from avatarsim.errors import AvatarsimError
 from avatarsim.files import Damaged, Distrusted, make_private, read_entry, say_distrust, write_entry
 from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE
-from avatarsim.jit.places import SHIPPED
+from avatarsim.jit.places import SHIPPED, SUFFIX
 from avatarsim.jit.processor import Cpu, compiled_for, usable
-
-SUFFIX = ".kernel"
-"""How the names of entries end."""
 
 LATCH = ".compiling"
 """How the name of a lock file ends, which is there while a process compiles a kernel."""
@@ -129,13 +127,21 @@ class KernelFiles(ABC):
         for base in bases:
             for file in files:
                 data = self._read(base, file)
-                if data is None:
-                    continue
-                kept_for, payload = pickle.loads(data)
-                found = self.rebuild(target_context, payload) if kept_for == arguments else None
+                found = None if data is None else self._loaded(data, arguments, target_context, base / self.folder / file)
                 if found is not None:
                     return found
         return None
+
+    def _loaded(self, data: bytes, arguments: tuple[Any, ...], target_context: Any, path: Path) -> Any:
+        """The compiled kernel of an entry; None if it is for other arguments or cannot be loaded, which is said."""
+        try:
+            kept_for, payload = pickle.loads(data)
+            return self.rebuild(target_context, payload) if kept_for == arguments else None
+        except (AvatarsimError, MemoryError):
+            raise
+        except Exception as error:  # whatever a pickle of other versions raises
+            _discard(path, f"{path} cannot be loaded ({type(error).__name__}: {error})")
+            return None
 
     def _read(self, base: Path, file: str) -> bytes | None:
         """The content of an entry; None if there is none that can be used, and if that is a fault it is said."""
@@ -147,8 +153,7 @@ class KernelFiles(ABC):
         except Distrusted as error:
             say_distrust(error)
         except Damaged as error:
-            say_once("damaged", f"{error}: such compiled kernels are removed and compiled anew")
-            _remove(path)
+            _discard(path, str(error))
         except OSError as error:
             say_once("unreadable", f"compiled kernels cannot be read: {error}")
         else:
@@ -156,6 +161,12 @@ class KernelFiles(ABC):
                 places.current().use(path.parent)
             return data
         return None
+
+
+def _discard(path: Path, why: str) -> None:
+    """Remove an entry that cannot be used; it is compiled anew."""
+    say_once("damaged", f"{why}: such compiled kernels are removed and compiled anew")
+    _remove(path)
 
 
 def _remove(path: Path) -> None:

@@ -3,14 +3,29 @@
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 
 from avatarsim.console import Progress, say_once
+from avatarsim.jit.places import missing
 
-ANNOUNCED = (
-    "compiling the engine's kernels, once for this version and machine: one to two minutes; `python -m avatarsim compile` does it"
-    " ahead, and faster"
-)
-"""What is said at the first kernel that a program has to wait for."""
+SECONDS = 0.1
+"""[s] of one core that a kernel takes to compile, on average over the engine, on a machine of 2024."""
+
+PACKAGE = "avatarsim."
+"""How the names of modules and of kernel folders begin whose compilation is announced."""
+
+
+def announcement(count: int) -> str:
+    """The line printed before the first kernel that a program has to wait for, when `count` kernels are not compiled."""
+    return (
+        f"compiling up to {count} kernels of the engine, once for this version and machine: up to {seconds(count)} s;"
+        " `python -m avatarsim compile` does it ahead, on two cores"
+    )
+
+
+def seconds(count: int, cores: int = 1) -> int:
+    """[s] that compiling `count` kernels takes, at least 1."""
+    return max(1, round(SECONDS * count / cores))
 
 
 class FirstCompile:
@@ -21,23 +36,31 @@ class FirstCompile:
 
     def __init__(self) -> None:
         self.silent = False
-        self.declared = self.compiled = self._depth = 0
+        self.declared: set[tuple[Path, str]] = set()
+        """Kernels of all modules that are imported: folder of the source file, name."""
+        self.compiled = self._most = self._depth = 0
         self._progress: Progress | None = None
 
     def begin(self, module: str) -> None:
         """A kernel of a module is about to be compiled; those outside this package are few, and not announced."""
-        if self.silent or not module.startswith("avatarsim."):
+        if self.silent or not module.startswith(PACKAGE):
             return
-        say_once("first compile", ANNOUNCED)
+        if self.compiled == 0:
+            # Which of the kernels a scene calls is known only at its end: most scenes call fewer than all.
+            self._most = max(1, missing(self.own()))
+            say_once("first compile", announcement(self._most))
         self.compiled += 1
         # The stream may be closed, or its terminal gone; that must not stop a compile.
         with suppress(OSError, ValueError):
             if self._progress is None and sys.stderr is not None and sys.stderr.isatty():
                 self._progress = Progress("compiling", sys.stderr)
             if self._progress is not None:
-                # Which of the kernels a scene calls is known only at its end: most scenes call fewer than all.
-                share = min(self.compiled / max(self.declared, 1), 1.0)
-                self._progress.step(share, f"kernel {self.compiled} of at most {max(self.declared, self.compiled)}")
+                most = max(self._most, self.compiled)
+                self._progress.step(self.compiled / most, f"kernel {self.compiled} of at most {most}")
+
+    def own(self) -> set[tuple[Path, str]]:
+        """The declared kernels of the engine itself."""
+        return {(folder, name) for folder, name in self.declared if folder.parts[0].startswith(PACKAGE)}
 
     @contextmanager
     def nested(self) -> Iterator[None]:

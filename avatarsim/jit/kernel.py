@@ -12,8 +12,8 @@ Why these options:
 
 Why not numba's own cache: numba stamps a compiled function with the content of *its own* file only.
 Edit a callee in another file and the callers go on running the old code. Here the folder of a file's kernels
-is named by a hash of that file, of everything in this package that it imports, directly or not, and of the
-versions and flags that shape the machine code. So an edit recompiles exactly what could have changed. For
+is named by a hash of that file, of everything in this package and its own that it imports, directly or not,
+and of the versions and flags that shape the machine code. So an edit recompiles exactly what could have changed. For
 that to hold a kernel imports, at the top of its file or under TYPE_CHECKING, every module whose kernels,
 constants or named tuples it uses. How entries are kept is the matter of `jit/cache.py`, where of `jit/places.py`.
 """
@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numpy as np
 
 from avatarsim.jit.tested_versions import guarded, installed
 
@@ -50,7 +51,10 @@ WITHOUT_LOCK = {"nogil": True}
 ROOT = Path(__file__).resolve().parents[1]
 """The package's own folder."""
 
-FLAGS = ("DISABLE_JIT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "OPT")
+FLAGS = (
+    "DISABLE_JIT", "BOUNDSCHECK", "DEBUGINFO_DEFAULT", "DEBUG_JIT", "DEBUG_NRT", "EXTEND_VARIABLE_LIFETIMES",
+    "LLVM_REFPRUNE_FLAGS", "LLVM_REFPRUNE_PASS", "LOOP_VECTORIZE", "OPT", "SLP_VECTORIZE", "USING_SVML",
+)
 """numba settings that change the machine code; the processor is in the name of each entry instead."""
 
 SHAPING = ("jit/kernel.py", "jit/linking.py", "jit/compiler_passes.py")
@@ -60,7 +64,7 @@ STOCK = "AVATARSIM_STOCK_NUMBA"
 """Environment variable: 1 compiles with numba alone, as `numba.njit(cache=True)` does, to tell a fault of what is built upon it
 from others. Compiling takes several times as long, and numba's cache does not notice an edit of what a kernel calls."""
 
-_IMPORT = re.compile(rf"^\s*(?:from|import)\s+({ROOT.name}(?:\.\w+)*)\b", re.MULTILINE)
+_IMPORT = re.compile(r"^\s*(?:from|import)\s+(\w+(?:\.\w+)*)\b", re.MULTILINE)
 _RELATIVE_IMPORT = re.compile(r"^\s*from\s+\.", re.MULTILINE)
 
 
@@ -104,14 +108,18 @@ def kernel_folder(source: str) -> Path:
 
 @functools.cache
 def source_hash(source: str) -> str:
-    """Hash of one file, of all it imports from this package (directly or not), and of versions and flags."""
-    # Any build of a Python of this minor version runs the same code.
-    python = sys.implementation.cache_tag, getattr(sys, "abiflags", "")
-    state = [*python, *installed().values(), *(f"{flag}={getattr(config, flag)}" for flag in FLAGS)]
-    digest = hashlib.sha256("\n".join(state).encode())
+    """Hash of one file, of all it imports from this package and its own (directly or not), and of `compiled_by`."""
+    digest = hashlib.sha256("\n".join(compiled_by()).encode())
     for name, path in sorted((_place(path), path) for path in _closure(Path(source).resolve())):
         digest.update(f"\n{name}\n".encode() + _content(path))
     return digest.hexdigest()[:20]
+
+
+def compiled_by() -> list[str]:
+    """Versions and settings that machine code, or the Python objects that are kept with it, depend on."""
+    # Any build of a Python of this minor version runs the same code, and any patch of numpy has its types in the same modules.
+    python, numpy = [sys.implementation.cache_tag or "", getattr(sys, "abiflags", "")], np.__version__.split(".")[:2]
+    return [*python, *numpy, *installed().values(), *(f"{flag}={getattr(config, flag)}" for flag in FLAGS)]
 
 
 def _place(path: Path) -> str:
@@ -120,7 +128,7 @@ def _place(path: Path) -> str:
 
 
 def _closure(source: Path) -> set[Path]:
-    """Return ``source`` and every file of this package that it can reach through imports."""
+    """Return ``source`` and every file of this package and of its own that it can reach through imports."""
     found, waiting = {ROOT / name for name in SHAPING}, [source]
     while waiting:
         path = waiting.pop()
@@ -138,16 +146,19 @@ def _content(source: Path) -> bytes:
 
 @functools.cache
 def _imported(source: Path) -> tuple[Path, ...]:
-    """Files of this package named in the import lines of ``source``; a folder stands for all that is in
-    it."""
+    """Files of this package, and of the one beside it that ``source`` is in, named in its import lines; a folder stands for all
+    that is in it."""
     text = source.read_text(encoding="utf-8")
-    names = set(_IMPORT.findall(text)) | ({ROOT.name} if _RELATIVE_IMPORT.search(text) else set())
+    # kernels of the harness lie beside the package
+    own = source.relative_to(ROOT.parent).parts[0] if source.is_relative_to(ROOT.parent) else ROOT.name
+    names = {name for name in _IMPORT.findall(text) if name.partition(".")[0] in (ROOT.name, own)}
+    names |= {ROOT.name} if _RELATIVE_IMPORT.search(text) else set()
     return tuple(path for name in names for path in _files_of(name))
 
 
 @functools.cache
 def _files_of(module: str) -> list[Path]:
-    path = ROOT.joinpath(*module.split(".")[1:])
+    path = ROOT.parent.joinpath(*module.split("."))
     if path.is_dir():
         return sorted(path.rglob("*.py"))
     # A name in a docstring may look like an import and lead nowhere.

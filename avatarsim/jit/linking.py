@@ -99,7 +99,7 @@ class KernelDispatcher(CalledKernel):
         super().__init__(function, targetoptions=options, pipeline_class=KernelCompiler)
         self.folder = folder
         self.keep_in_cache(folder)
-        FIRST_COMPILE.declared += 1
+        FIRST_COMPILE.declared.add((folder, self._cache.name))
 
     def __reduce__(self) -> tuple[Callable[..., object], tuple[str, str]]:
         """Pickled as a function is: by name."""

@@ -4,6 +4,8 @@ import os
 import re
 import shutil
 import time
+from collections import Counter
+from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
@@ -13,6 +15,9 @@ from avatarsim.files import PART, bases, is_readable, is_writable
 
 NAME = "avatarsim-kernels"
 """What the folder of compiled kernels is called wherever it lies."""
+
+SUFFIX = ".kernel"
+"""How the names of entries end."""
 
 VARIABLE = "NUMBA_CACHE_DIR"
 """numba's own variable for a cache folder is respected for kernels, too."""
@@ -144,3 +149,16 @@ def use_places(places: Places) -> None:
 def current() -> Places:
     """The folders in force."""
     return PLACES
+
+
+def kept_kernels(folder: Path) -> Counter[str]:
+    """Entries of each kernel of one source file, by the kernel's name, in all folders that are read."""
+    files = {path.name for base in current().read for path in (base / folder).glob(f"*{SUFFIX}")}
+    return Counter(file.rpartition("-")[0] for file in files)
+
+
+def missing(kernels: Iterable[tuple[Path, str]]) -> int:
+    """How many of `kernels`, each the folder of its source file and its name, have no entry in any folder that is read."""
+    wanted = set(kernels)
+    kept = {folder: kept_kernels(folder) for folder, _ in wanted}
+    return sum(1 for folder, name in wanted if name not in kept[folder])

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from avatarsim.engine import Engine, FrameRecord
-from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, described
 from avatarsim.live.channel import Channel
 from avatarsim.live.messages import Answer, Array, Command, Order, Plan, State, Target, Touching
 from avatarsim.live.orders import World
@@ -39,8 +39,8 @@ def run(plan: Plan, channel: Channel, orders: Connection) -> None:
     Sends down `orders` the first thing an `Answer` whose sentence says why nothing could be loaded; empty when all is well."""
     try:
         world = World(plan, engine_of(plan.engine))
-    except AvatarsimError as error:
-        orders.send(Answer(0, Order.RESET, 0, str(error)))
+    except (AvatarsimError, MemoryError) as error:
+        orders.send(Answer(0, Order.RESET, 0, str(error) if isinstance(error, AvatarsimError) else described(error)))
         return
     go_first()
     orders.send(Answer(0, Order.RESET, 0))

@@ -15,7 +15,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput
+from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, ended_by
 from avatarsim.live.channel import pair
 from avatarsim.live.figures import Figures, Window
 from avatarsim.live.loop import run
@@ -23,7 +23,7 @@ from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target,
 from avatarsim.scene.tracker import TrackerSample, checked
 
 LOADING = 180.0
-"""[s] in which a loop must have loaded: a first compile of all kernels takes one to two minutes."""
+"""[s] in which a loop must have loaded: a first compile of all kernels takes about a minute."""
 ANSWERED = 10.0
 """[s] in which a loop must answer a command; a switch takes some 20 ms, of a method that is compiled first much longer."""
 ENDING = 2.0
@@ -119,7 +119,7 @@ class Driven:
 
     def _dead(self) -> LoopDied:
         code = self._process.exitcode
-        return LoopDied(f"{self.plan.name} " + ("does not answer" if code is None else f"ended with exit code {code}"))
+        return LoopDied(f"{self.plan.name} " + ("does not answer" if code is None else ended_by(code)))
 
     def close(self) -> None:
         """End the process, with force where it does not end by itself."""

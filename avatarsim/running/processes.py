@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, Union
 
 from pebble import ProcessExpired, ProcessPool, concurrent
 
-from avatarsim.errors import InvalidInput
+from avatarsim.errors import InvalidInput, described, ended_by
 
 if TYPE_CHECKING:
     from avatarsim.running.cluster import Cluster
@@ -110,18 +110,13 @@ def settled() -> None:
     gc.freeze()
 
 
-def ended(code: int) -> str:
-    """How a process that gave no answer came to its end."""
-    return f"its process was killed by signal {-code}" if code < 0 else f"its process ended with code {code}"
-
-
 def attempt(function: Callable[[Task], Answer], task: Task) -> Answer | Died:
     """The answer, or what was raised, in words: an exception of an engine's own class need not travel."""
     try:
         return function(task)
     except Exception as error:
         where = traceback.extract_tb(error.__traceback__)[-1]
-        return Died(f"{type(error).__name__}: {error} (line {where.lineno} of {where.name})")
+        return Died(f"{described(error)} (line {where.lineno} of {where.name})")
 
 
 def only(function: Callable[[Task], Answer], task: Task) -> Answer | Died:
@@ -134,10 +129,10 @@ def heard(future: Future[Any], patience: float) -> Any:
     """The answer of a job that is over, or how it died."""
     error = future.exception() if future.done() else RuntimeError("its process gave up before it had begun")
     if isinstance(error, ProcessExpired):
-        return Died(ended(error.exitcode))
+        return Died(f"its process {ended_by(error.exitcode)}")
     if isinstance(error, TimeoutError):
         return Died(f"no answer within {patience:g} s")
-    return future.result() if error is None else Died(f"{type(error).__name__}: {error}")
+    return future.result() if error is None else Died(described(error))
 
 
 def stopped(pools: Sequence[ProcessPool]) -> None:

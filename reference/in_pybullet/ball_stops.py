@@ -6,46 +6,17 @@ What a motor is asked for is within the limits, so that its torque brings the jo
 than the torque by which a limb follows its user.
 """
 
-import math
 from collections.abc import Sequence
 
 import numpy as np
 import pybullet
 from numpy.typing import NDArray
 
-from avatarsim.jit.kernel import kernel
 from avatarsim.scene.joint import SwingTwist
 from avatarsim.spatial import rotation
+from reference.target_kernels import beyond_stops
 
 Array = NDArray[np.float64]
-
-BEYOND = 1e-3
-"""Excess [rad] from which a motor holds: at 0, one that is asked for its very limit would hold at every step."""
-
-
-@kernel
-def beyond_stops(states: Array, left: Array, right: Array, axis: Array, stops: Array, found: NDArray[np.bool_]) -> int:
-    """Write which of `states` (n, 4), joint turns (x, y, z, w) as Bullet has them, are beyond `stops` (n, 3) [rad]: swing, lower
-    and upper twist; 0 on return. left turn right, (n, 4) each, is the turn away from the cone's centre, of a limb along `axis`
-    (n, 3)."""
-    for k in range(len(states)):
-        w, x, y, z = states[k, 3], states[k, 0], states[k, 1], states[k, 2]
-        pw, px, py, pz = left[k, 0], left[k, 1], left[k, 2], left[k, 3]
-        w, x, y, z = (pw * w - px * x - py * y - pz * z, pw * x + px * w + py * z - pz * y,
-                      pw * y - px * z + py * w + pz * x, pw * z + px * y - py * x + pz * w)
-        qw, qx, qy, qz = right[k, 0], right[k, 1], right[k, 2], right[k, 3]
-        w, x, y, z = (w * qw - x * qx - y * qy - z * qz, w * qx + x * qw + y * qz - z * qy,
-                      w * qy - x * qz + y * qw + z * qx, w * qz + x * qy - y * qx + z * qw)
-        along = x * axis[k, 0] + y * axis[k, 1] + z * axis[k, 2]
-        across = math.sqrt(max(0.0, x * x + y * y + z * z - along * along))
-        swing = 2.0 * math.atan2(across, math.sqrt(w * w + along * along))
-        twist = 2.0 * math.atan2(along, w)
-        if twist > math.pi:
-            twist -= 2.0 * math.pi
-        elif twist < -math.pi:
-            twist += 2.0 * math.pi
-        found[k] = swing > stops[k, 0] + BEYOND or not stops[k, 1] - BEYOND <= twist <= stops[k, 2] + BEYOND
-    return 0
 
 
 class BallStops:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.errors import described
 from reference.narrow_phase.cells import Mode, Sequence
 from reference.narrow_phase.contender import Contender
 
@@ -69,7 +70,7 @@ def clocked(
             answers[name] = _answers(contender, sequence, judged)
         except Exception as error:
             # whatever a library throws is its own result, not the end of the others
-            trouble[name] = f"{type(error).__name__}: {error}"
+            trouble[name] = described(error)
     running = [contender for contender in contenders if contender.identity.name in answers]
     times: dict[str, list[list[float]]] = {name: [] for name in answers}
     calls: dict[str, list[list[float]]] = {name: [] for name in answers}

@@ -2,6 +2,7 @@
 
 from importlib import import_module
 
+from avatarsim.errors import described
 from reference.narrow_phase.contender import Contender
 
 ROOMS = ("in_ours", "in_coal", "in_fcl", "in_mujoco", "in_pybullet")
@@ -17,5 +18,5 @@ def contenders(rooms: tuple[str, ...]) -> tuple[list[Contender], dict[str, str]]
             found += import_module(f"reference.narrow_phase.{room}").contenders()
         except Exception as error:
             # a broken installation of a library is its own result too
-            absent[room.removeprefix("in_")] = f"not measured: {type(error).__name__}: {error}"
+            absent[room.removeprefix("in_")] = f"not measured: {described(error)}"
     return found, absent

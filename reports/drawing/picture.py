@@ -2,15 +2,16 @@
 
 import os
 import re
+import resource
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from html import escape
 from itertools import pairwise
 
-import vl_convert
-
 # The Vega-Lite that altair 6 writes for; the converter carries several.
 VEGA_LITE = "6.4"
+# [bytes] V8 takes 64 GiB for its heaps and a little more; measured: 60 GB are too few, 70 GB are enough.
+ADDRESS_SPACE = 70e9
 # One decimal of a pixel: finer cannot be seen, and path data are most of a picture's size.
 # Only inside tags: what stands between them is for readers, and "0.01 µs" is not "0 µs".
 TAG = re.compile(r"<[^>]*>")
@@ -28,6 +29,10 @@ NO_SIGN = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 def picture(spec: Mapping[str, object], label: str, name: str) -> str:
     """The SVG of `spec`, described by `label` in words, in place of the picture; `name` keeps ids apart within one page."""
+    require_address_space()
+    # brings a JavaScript engine, which ends the process where it has too little memory
+    import vl_convert
+
     svg: str = vl_convert.vegalite_to_svg({key: _writable(part) for key, part in spec.items()}, VEGA_LITE)
     svg = INNER_ROLES.sub("", svg)
     svg = IDLE.sub("", EMPTY_PATHS.sub("", svg))
@@ -35,6 +40,13 @@ def picture(spec: Mapping[str, object], label: str, name: str) -> str:
     svg = svg.replace('id="', f'id="{name}-').replace("url(#", f"url(#{name}-")
     svg = STRAIGHT.sub(lambda found: _short(found.group()), svg)
     return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(NO_SIGN.sub("?", label), quote=True)}" ', 1)
+
+
+def require_address_space() -> None:
+    """Raise MemoryError where the JavaScript engine of the converter could not begin: it would end the process."""
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit != resource.RLIM_INFINITY and limit < ADDRESS_SPACE:
+        raise MemoryError(f"vl_convert, which draws charts, reserves {1e-9 * ADDRESS_SPACE:.0f} GB of address space")
 
 
 def pictures(orders: Sequence[tuple[Mapping[str, object], str, str]]) -> list[Future[str]]:

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import MappingProxyType
 
 import reports
-from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, likely
+from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, described, likely
 from runfiles.files import clear_halves, plain, point_latest, run_folder
 from runfiles.naming import GATED
 from runfiles.sayable import Unsaid
@@ -253,7 +253,7 @@ def reported(folder: Path) -> str:
         return f"the report was not written: {error}"
     except Exception as error:
         # a fault in a chart must not cost the verdict
-        return f"the report was not written: {type(error).__name__}: {error}"
+        return f"the report was not written: {described(error)}"
     return f"left out of the report, since it cannot be used: {'; '.join(damage)}" if damage else ""
 
 

@@ -4,13 +4,13 @@ import math
 from collections.abc import Mapping
 
 from avatarsim.engine import Settings
-from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.errors import AvatarsimError, MissingPackage, described
 from scenarios.engines import STEPPED, opened
 from scenarios.job import Job
 from scenarios.law_map import worlds
 from scenarios.law_map.obtained import friction, restitution
 from scenarios.law_map.rows import Row, summed_up
-from scenarios.running.run import described, gathered
+from scenarios.running.run import gathered
 
 
 def job_of(law: str, shape: str, rate: int, engine: str, preset: str) -> Job:

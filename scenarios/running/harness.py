@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from avatarsim.errors import AvatarsimError, MissingPackage
+from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
 from runfiles.naming import BASELINE
@@ -27,7 +27,7 @@ from scenarios.running.glance import MANY, PATIENCE, glance
 from scenarios.running.phenomena import repeats_of, short_errors_of
 from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
-from scenarios.running.run import accuracy, described
+from scenarios.running.run import accuracy
 from scenarios.running.seat import Seats
 from scenarios.running.timing import MOST_FRAMES, Clocked, compared, timed_pass, timing_facts
 from scenarios.scenario import Scenario

@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 
 from avatarsim.engine import Engine, FrameRecord, Snapshot
-from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps
+from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps, described
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses_each
 from avatarsim.spatial import rotation
@@ -125,11 +125,6 @@ def outcome_of(job: Job, recording: Recording, what: Asked, path: Path) -> Outco
     cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
     rests = tuple(resting(recording, what.scene).tolist())
     return Outcome(job, "measured", "", recording.frames, values, notes, overlap, about, path, hashes, cost, rests)
-
-
-def described(error: BaseException) -> str:
-    """One line: the kind of error and what it says."""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}"
 
 
 def _close(engine: Engine) -> None:

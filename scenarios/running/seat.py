@@ -12,12 +12,12 @@ from types import TracebackType
 from typing import Self
 
 from avatarsim.engine import Engine
-from avatarsim.running.processes import ended, settled
+from avatarsim.errors import described, ended_by
+from avatarsim.running.processes import settled
 from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.running.asked import asked
 from scenarios.running.processes import context
-from scenarios.running.run import described
 
 PATIENCE = 300.0
 """Longest one repeat may take [s]."""
@@ -123,7 +123,7 @@ class Seat:
             self.child.join(LAST_WORDS)
             self.child.kill()
             self.child.join()
-            answer = ended(self.child.exitcode or 0)
+            answer = f"its process {ended_by(self.child.exitcode or 0)}"
         self.gone = True
         return answer
 

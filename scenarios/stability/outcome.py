@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.engine import Engine, FrameRecord, Settings
-from avatarsim.errors import InvalidInput, MissingPackage, StartOverlaps
+from avatarsim.errors import InvalidInput, MissingPackage, StartOverlaps, described
 from avatarsim.scene.tracker import checked
 from reference.judging.judge import Judge
 from runfiles.record import Recording
@@ -20,7 +20,7 @@ from scenarios.job import Job
 from scenarios.measure.bodies.energy import energy
 from scenarios.measure.frames import not_finite
 from scenarios.measure.side import wrong_side
-from scenarios.running.run import described, gathered
+from scenarios.running.run import gathered
 from scenarios.scenario import Scenario
 from scenarios.stability.plan import Trial
 from scenarios.stability.variation import Varied, varied

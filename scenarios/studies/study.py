@@ -9,9 +9,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from avatarsim.errors import AvatarsimError
+from avatarsim.errors import AvatarsimError, described
 from scenarios.job import Outcome
-from scenarios.running.run import described
 from scenarios.running.timing import Clocked
 from scenarios.scenario import Scenario
 

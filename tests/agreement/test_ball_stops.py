@@ -6,6 +6,7 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.scene.joint import Ball, SwingTwist
 from avatarsim.spatial import rotation
+from reference.target_kernels import BEYOND, beyond_stops
 from scenarios import catalog
 from scenarios.measure.posture.joints import places
 from scenarios.measure.posture.limits import joint_limit_excess, swing_twist
@@ -13,10 +14,7 @@ from tests.agreement.rivals import PybulletEngine, needs_pybullet
 from tests.agreement.scenes import turned
 
 
-@needs_pybullet
 def test_beyond_is_what_the_measure_of_limits_calls_beyond() -> None:
-    from reference.in_pybullet.ball_stops import BEYOND, beyond_stops
-
     draw, n = np.random.default_rng(5), 2000
     axis, centre = np.array([0.6, 0.0, 0.8]), np.array([0.0, 1.0, 0.0])
     limits = SwingTwist(tuple(axis), tuple(centre), 1.2, (-0.4, 0.9))

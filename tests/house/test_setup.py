@@ -4,18 +4,22 @@ import ast
 import importlib.util
 import subprocess
 import sys
+import sysconfig
+import venv
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 
+from tests.house.wheel import copied
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def _load(name: str) -> ModuleType:
+def _load(name: str, root: Path = ROOT) -> ModuleType:
     """A fresh copy of a set-up file, which lives in a hidden folder and so is not importable by name."""
-    spec = importlib.util.spec_from_file_location(name, ROOT / ".setup" / f"{name}.py")
+    spec = importlib.util.spec_from_file_location(name, root / ".setup" / f"{name}.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -135,12 +139,20 @@ class _House:
         self.asked: list[tuple[str, tuple[str, ...]]] = []
         self.answers: dict[str, str] = {}
         self.lock, self.stamp = folder / "requirements.lock", folder / ".venv" / "set-up-stamp"
+        self.project, self.command, self.installs = folder / "pyproject.toml", folder / ".venv" / "bin" / "avatarsim", 0
         self.lock.write_text(LOCK, encoding="utf-8")
-        for name, value in (("LOCK", self.lock), ("VENV", self.stamp.parent), ("STAMP", self.stamp)):
+        self.project.write_text("", encoding="utf-8")
+        for name, value in (("LOCK", self.lock), ("VENV", self.stamp.parent), ("STAMP", self.stamp), ("PROJECT", self.project),
+                            ("COMMAND", self.command)):
             monkeypatch.setattr(self.install, name, value)
+        monkeypatch.setattr(self.install, "install_project", self._project)
         monkeypatch.setattr(self.install, "make_venv", lambda: self.stamp.parent.mkdir(exist_ok=True))
         monkeypatch.setattr(self.install, "pip_install", self._pip)
         monkeypatch.setattr(self.install, "compiler_obstacle", lambda: "")
+
+    def _project(self) -> None:
+        self.installs += 1
+        _fake_python(self.command, "")
 
     def _pip(self, pins: str, *options: str) -> str | None:
         self.asked.append((pins, options))
@@ -165,14 +177,30 @@ def test_second_run_does_nothing_until_the_lock_changes(house: _House) -> None:
     assert house.install.main() == 0 and len(house.asked) == 4
 
 
-def test_checkout_is_importable_from_any_folder_also_after_an_older_set_up(house: _House) -> None:
-    assert house.install.main() == 0
-    [path_file] = house.stamp.parent.rglob("*.pth")
-    # the form that Python's site module reads: folders, a line each
-    assert [Path(line).resolve() for line in path_file.read_text(encoding="utf-8").splitlines()] == [ROOT]
-    assert path_file.parent.name == "site-packages"
-    path_file.unlink()
-    assert house.install.main() == 0 and path_file.is_file(), "written anew where the stamp is of a set-up without it"
+def test_the_project_is_installed_again_where_its_command_is_missing_or_its_metadata_changed(house: _House) -> None:
+    assert house.install.main() == 0 and house.installs == 1
+    house.command.unlink()
+    assert house.install.main() == 0 and house.installs == 2
+    house.project.write_text("[project]", encoding="utf-8")
+    assert house.install.main() == 0 and house.installs == 3
+    assert house.install.main() == 0 and house.installs == 3 and len(house.asked) == 2
+
+
+def test_the_command_and_all_packages_of_the_checkout_work_from_any_folder(tmp_path: Path) -> None:
+    """Installed for real: into an environment that sees the packages of this one, from a copy of this checkout."""
+    source = copied(tmp_path)
+    venv.create(source / ".venv", with_pip=False)
+    [packages] = (source / ".venv" / "lib").glob("python*/site-packages")
+    (packages / "of_this_environment.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
+    install = _load("install", source)
+    install.install_project()
+    run = {"cwd": tmp_path, "env": {"PATH": ""}, "capture_output": True, "text": True}
+    said = subprocess.run([source / ".venv" / "bin" / "avatarsim", "--help"], check=True, **run).stdout
+    assert "compile" in said and "replay" in said
+    where = "import avatarsim, reference, scenarios; print(avatarsim.__file__, reference.__file__, scenarios.__file__)"
+    found = subprocess.run([source / ".venv" / "bin" / "python", "-c", where], check=True, **run).stdout.split()
+    assert [Path(file).parent.parent for file in found] == [source] * 3
+    assert not (source / "avatarsim.egg-info").exists()
 
 
 def test_failed_set_up_leaves_no_stamp(house: _House, capfd: pytest.CaptureFixture[str]) -> None:

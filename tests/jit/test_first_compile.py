@@ -1,12 +1,15 @@
 """What a program says while it waits for kernels: one line, and a bar where there is a terminal."""
 
 import io
+import re
 import sys
+from pathlib import Path
 
 import pytest
 
 from avatarsim import console as progress
-from avatarsim.jit.first_compile import FirstCompile
+from avatarsim.jit import places
+from avatarsim.jit.first_compile import SECONDS, FirstCompile
 
 
 class Terminal(io.StringIO):
@@ -35,19 +38,31 @@ def test_one_line_where_there_is_no_terminal(monkeypatch: pytest.MonkeyPatch) ->
     stream = io.StringIO()
     monkeypatch.setattr(sys, "stderr", stream)
     first = FirstCompile()
+    first.declared = {(Path("avatarsim.room"), str(k)) for k in range(250)}
     compiled(first, 3)
-    assert stream.getvalue().count("\n") == 1 and "one to two minutes" in stream.getvalue() and "\r" not in stream.getvalue()
+    assert stream.getvalue().count("\n") == 1 and "\r" not in stream.getvalue()
+    assert re.findall(r"\d+", stream.getvalue()) == ["250", str(round(250 * SECONDS))]
 
 
 def test_a_bar_on_a_terminal_that_is_gone_in_the_end(monkeypatch: pytest.MonkeyPatch) -> None:
     stream = Terminal()
     monkeypatch.setattr(sys, "stderr", stream)
     first = FirstCompile()
-    first.declared = 4
+    first.declared = {(Path("avatarsim.room"), str(k)) for k in range(4)}
     compiled(first, 3)
-    line, bar = stream.getvalue().split("\n")
-    assert "one to two minutes" in line and "kernel 1 of at most 4" in bar and "kernel 3 of at most 4" in bar
+    _, bar = stream.getvalue().split("\n")
+    assert "kernel 1 of at most 4" in bar and "kernel 3 of at most 4" in bar
     assert bar.endswith("\r") and bar.split("\r")[-2].strip() == ""
+
+
+def test_kernels_that_are_kept_are_not_counted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(places, "PLACES", places.Places(tmp_path))
+    folder = tmp_path / "avatarsim.room" / "0"
+    folder.mkdir(parents=True)
+    for name in ("one-0.kernel", "one-1.kernel", "two-0.kernel", "three-0.compiling"):
+        (folder / name).touch()
+    wanted = {(Path("avatarsim.room/0"), name) for name in ("one", "two", "three", "four")}
+    assert places.missing(wanted) == 2 and places.kept_kernels(Path("avatarsim.room/0")) == {"one": 2, "two": 1}
 
 
 def test_silence_where_progress_is_shown_elsewhere_and_for_kernels_of_others(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -3,12 +3,15 @@ runs."""
 
 import importlib.util
 import os
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
 
+import llvmlite
 import numba
+import numpy as np
 import pytest
 
 from avatarsim.jit import kernel as real
@@ -71,6 +74,32 @@ def test_an_edited_callee_in_another_file_is_never_stale(package: Path, tmp_path
     assert run(package, **cache) == (51.0, 1)
 
 
+def test_an_edited_callee_of_a_package_beside_the_engine_is_never_stale(package: Path, tmp_path: Path) -> None:
+    cache = {"XDG_CACHE_HOME": str(tmp_path / "cache")}
+    harness = package.parent / "harness"
+    harness.mkdir()
+    (harness / "__init__.py").write_text("")
+    (harness / "caller.py").write_text(CALLER.format("callee").replace("avatarsim.callee", "harness.callee"))
+    for factor, answer in (("2.0", 21.0), ("5.0", 51.0)):
+        (harness / "callee.py").write_text(CALLEE.format(factor))
+        said, _ = run_in(package, ASK.format("").replace("avatarsim.caller", "harness.caller"), **cache)
+        assert said.split() == [str(answer), "0"]
+
+
+@pytest.mark.parametrize("setting", ["BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "USING_SVML", "EXTEND_VARIABLE_LIFETIMES"])
+def test_the_key_has_the_settings_of_numba_that_change_code(setting: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = real.source_hash.__wrapped__(__file__)
+    monkeypatch.setattr(numba.config, setting, not getattr(numba.config, setting))
+    assert real.source_hash.__wrapped__(__file__) != before
+
+
+@pytest.mark.parametrize("module", [np, numba, llvmlite])
+def test_the_key_has_the_versions_that_compiled_code_depends_on(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    before = real.source_hash.__wrapped__(__file__)
+    monkeypatch.setattr(module, "__version__", "1.26.4")
+    assert real.source_hash.__wrapped__(__file__) != before
+
+
 def test_flags_do_not_share_compiled_code(package: Path, tmp_path: Path) -> None:
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     assert run(package, **cache) == (21.0, 0)
@@ -126,6 +155,41 @@ def test_damaged_files_are_said_once_removed_and_compiled_anew(package: Path, tm
         assert {path for path in (tmp_path / "cache").rglob("*") if path.is_file()} == set(whole), "no leftovers"
     answer, hits, said = told(package, **cache)
     assert (answer, hits, said) == (21.0, 1, "")
+
+
+UNLOADABLE = {
+    "a module that is gone": "b'cnumpy.no_such_module\\ndtype\\n.'",
+    "half": "data[: len(data) // 2]",
+    "empty": "b''",
+    "no pair": "pickle.dumps(arguments)",
+    "no code": "pickle.dumps((arguments, None))",
+    "another layout": "pickle.dumps((arguments, payload[:-1]))",
+    "another layout of numba": "pickle.dumps((arguments, (*payload[:-1], payload[-1][:-1])))",
+    "no bitcode": "pickle.dumps((arguments, (payload[0], True, payload[2], (('name', b'none'), *payload[-1][1:]))))",
+}
+"""Contents that another version of a package might have written into an entry."""
+REWRITE = """
+import pickle
+from pathlib import Path
+import avatarsim.caller
+from avatarsim.files import read_entry, write_entry
+path = Path({path!r})
+data = read_entry(path)
+arguments, payload = pickle.loads(data)
+write_entry(path, {content})
+"""
+
+
+def test_whole_entries_that_cannot_be_loaded_are_said_once_and_compiled_anew(package: Path, tmp_path: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(package, **cache) == (21.0, 0)
+    [path] = (tmp_path / "cache").rglob("answer-*.kernel")
+    for kind, content in UNLOADABLE.items():
+        run_in(package, REWRITE.format(path=str(path), content=content), **cache)
+        answer, hits, said = told(package, **cache)
+        assert (answer, hits) == (21.0, 0), kind
+        assert said.count("compiled anew") == 1 and str(path) in said and "Traceback" not in said, kind
+        assert told(package, **cache) == (21.0, 1, ""), kind
 
 
 def test_a_full_disk_is_said_once_and_stops_nothing(package: Path, tmp_path: Path) -> None:
@@ -190,8 +254,8 @@ def test_a_file_that_others_may_write_to_is_never_unpickled(package: Path, tmp_p
 def test_the_first_compile_is_announced_in_one_line_and_a_cached_start_is_silent(package: Path, tmp_path: Path) -> None:
     cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
     said = told(package, **cache)[2]
-    assert said.startswith("avatarsim: compiling the engine's kernels, once") and said.count("\n") == 1
-    assert "python -m avatarsim compile" in said
+    assert said.count("\n") == 1 and "python -m avatarsim compile" in said
+    assert re.findall(r"\d+", said) == ["2", "1"], "two kernels, a second"
     assert told(package, **cache)[2] == ""
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.engine import FrameRecord
+from avatarsim.errors import described
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from runfiles.files import write_whole
@@ -20,7 +21,7 @@ from scenarios.engines import STEPPED, opened
 from scenarios.job import Job
 from scenarios.measure.posture.limits import limit_excess
 from scenarios.results.store import Entry
-from scenarios.running.run import described, gathered
+from scenarios.running.run import gathered
 from scenarios.studies.sweep import finer
 
 Array = NDArray[np.float64]

@@ -1,5 +1,6 @@
 """A picture's coordinates are rounded, what is written on it is not."""
 
+import resource
 from xml.etree import ElementTree
 
 import pytest
@@ -28,3 +29,9 @@ def test_a_sign_that_no_picture_can_hold_costs_that_sign(sign: str) -> None:
     svg = picture(spec, f"wall{sign}", "p")
     assert ElementTree.fromstring(svg).attrib["aria-label"] == "wall" + (sign if sign in "\x7f&" else "?")
     assert "wall" in svg.split(">", 1)[1]
+
+
+def test_too_little_address_space_is_an_error_and_not_the_end_of_the_process(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resource, "getrlimit", lambda which: (2 * 10**9, 2 * 10**9))
+    with pytest.raises(MemoryError, match="vl_convert"):
+        picture({"mark": "point"}, "said", "p")
