@@ -98,8 +98,8 @@ def printable(text: str) -> str:
 
 
 USAGE, UNSAID, FAULT = 2, 3, 70
-"""Exit codes: wrong usage; the answer could not be computed or written; a fault of the program (EX_SOFTWARE of sysexits). Python's
-own code for the last is 1, which is the answer of several commands: a bound failed, something got worse."""
+"""Exit codes: wrong usage; the answer could not be computed or written; a fault of the program (EX_SOFTWARE of sysexits).
+Python's own code for the last is 1, which is the answer of several commands: a bound failed, something got worse."""
 
 
 def path_option(text: str) -> Path:
