@@ -8,7 +8,7 @@ import pytest
 
 from avatarsim.cli import motions
 from avatarsim.cli.arguments import parsed, parser
-from avatarsim.console import USAGE
+from avatarsim.console import FAULT, USAGE
 from tests.clips.made import bvh
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,7 +35,7 @@ def test_commands_on_the_page_and_in_the_readme_are_understood() -> None:
 def test_exit_codes_are_those_of_the_command() -> None:
     [table] = re.findall(r"^## Exit codes\n.*?(^\|.*?)\n\n", PAGE, re.DOTALL | re.MULTILINE)
     codes = {int(code) for code in re.findall(r"^\| (\d+) \|", table, re.MULTILINE)}
-    assert codes == {motions.CLEAN, motions.LEFT, USAGE, motions.UNDONE, motions.STOPPED}
+    assert codes == {motions.CLEAN, motions.LEFT, USAGE, motions.UNDONE, motions.STOPPED, FAULT}
 
 
 def test_the_python_of_the_page_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
