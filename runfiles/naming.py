@@ -14,6 +14,8 @@ TUNED = "tuned"
 """The preset beside which settings stand that are better in something else."""
 UNSEEN_PREFIX = "unseen_"
 """How the names of scenes begin whose motions nothing was tuned for."""
+CROWD_PREFIX = "crowd_"
+"""How the names of scenes begin in which random bodies are drawn by a seed, which the name ends with."""
 OWN_PREFIX = "own_"
 """How the names of scenes begin that a user brings as files."""
 BASE: Mapping[tuple[str, str], str] = {

@@ -8,7 +8,7 @@ from reports.deciding.moments import Instants, address, moment
 from reports.deciding.seen_first import SEEN
 from reports.reading.load import Results
 from reports.sections.page_paths import path_of
-from reports.sections.unseen import changes_with_commits
+from reports.sections.unseen import is_room
 from reports.words.metric_words import words
 from reports.words.wording import quantity
 from runfiles.behind import Compared, at_size, by_family
@@ -48,7 +48,7 @@ def news(results: Results, found: Compared, ours: str, known: Mapping[str, Insta
 
 def waiting(known: Mapping[str, Instants]) -> tuple[News, ...]:
     """The longest wait in a room of motions that nothing was tuned for; nothing where no avatar waits there."""
-    waits = [(one.wait, scene) for scene, one in known.items() if one.wait is not None and changes_with_commits(scene)]
+    waits = [(one.wait, scene) for scene, one in known.items() if one.wait is not None and is_room(scene)]
     if not waits:
         return ()
     (length, begin), scene = max(waits)

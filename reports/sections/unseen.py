@@ -12,7 +12,7 @@ from reports.reading.load import Results, Row
 from reports.words.metric_words import words
 from reports.words.wording import MISSING, count, factor, listed, quantity
 from runfiles.explained import briefly
-from runfiles.naming import UNSEEN_PREFIX
+from runfiles.naming import CROWD_PREFIX, UNSEEN_PREFIX
 
 ORIGIN = "unseen"
 """Key in the provenance: what the seed was drawn from."""
@@ -126,13 +126,18 @@ class Unseen:
 
 
 def changes_with_commits(scene: str) -> bool:
-    """Whether a scene's motion is another at every commit, so that figures of two commits are of two motions."""
+    """Whether a scene or its motion is another at every commit, so that figures of two commits do not compare."""
+    return scene.startswith((UNSEEN_PREFIX, CROWD_PREFIX))
+
+
+def is_room(scene: str) -> bool:
+    """Whether a scene is a room with motions that nothing was tuned for."""
     return scene.startswith(UNSEEN_PREFIX)
 
 
 def unseen(results: Results, ours: str) -> Unseen | None:
     """The lines of a run; None where it has none of these rooms."""
-    rows = [row for row in results.rows if changes_with_commits(row.scenario) and row.engine != RAW_TRACKER]
+    rows = [row for row in results.rows if is_room(row.scenario) and row.engine != RAW_TRACKER]
     if not rows:
         return None
     grouped: dict[tuple[str, str], list[Row]] = {}

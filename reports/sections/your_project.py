@@ -14,7 +14,7 @@ from reports.deciding.moments import WAITS
 from reports.deciding.tables import RAW_TRACKER
 from reports.reading.load import Results, Row
 from reports.sections.growth import Growth, Point
-from reports.sections.unseen import changes_with_commits
+from reports.sections.unseen import is_room
 from reports.words.metric_words import words
 from reports.words.wording import count, listed, quantity
 from runfiles.like_for_like import with_avatar
@@ -109,7 +109,7 @@ def avatars(results: Results, ours: str) -> str:
     """Medians of what is seen of an avatar and of what it costs, engine by engine with its best settings, over everyday scenes
     with an avatar and over the rooms of motions that nothing was tuned for; scenes in which all of them have the figure."""
     everyday = [scene for scene in results.everyday if scene in with_avatar(results.rows)]
-    rooms = [scene for scene in results.scenes() if changes_with_commits(scene)]
+    rooms = [scene for scene in results.scenes() if is_room(scene)]
     said = [text for kind, scenes in (("everyday scenes", everyday), ("rooms of untuned motions", rooms))
             if (text := _medians(results, (ours, *TUNED), scenes, kind))]
     return (f"{' '.join(said)} Smaller is better in all; times are not like for like, as said above." if said else

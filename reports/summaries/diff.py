@@ -10,6 +10,7 @@ from reports.sections.unseen import changes_with_commits
 from reports.summaries.baseline import BASELINE
 from reports.summaries.noise import interval
 from reports.words.wording import quantity
+from runfiles.naming import CROWD_PREFIX
 
 TIME_NOISE = 1.25
 """Two runs on one host differ by this factor in frame time without any change in the code; smaller changes say nothing."""
@@ -82,7 +83,9 @@ def diff(old: Results, new: Results) -> Changes:
             worse.append(change)
         elif direction < 0:
             better.append(change)
-    runs_before, runs_after = ({f"{r.scenario}  {r.run}" for r in results.rows} for results in (old, new))
+    # crowds have the commit's seed in their names
+    runs_before, runs_after = ({f"{r.scenario}  {r.run}" for r in results.rows if not r.scenario.startswith(CROWD_PREFIX)}
+                               for results in (old, new))
     gone = [Change(k[0], k[1], k[2], before[k].unit, before[k].value, None) for k in before
             if k not in after and f"{k[0]}  {k[1]}" in runs_after and before[k].value is not None]
     return Changes(

@@ -13,10 +13,10 @@ from scenarios import catalog, unseen
 from scenarios.engines import opened
 from scenarios.job import CATALOGUE, Job
 from scenarios.posture_table import probes
-from scenarios.running.harness import offers
+from scenarios.running.harness import named_runs
 from scenarios.running.offered import patterns_of, unmatched
 from scenarios.scenario import Scenario
-from scenarios.variants import VARIANTS, takes_part
+from scenarios.variants import takes_part
 
 QUICK = 3
 """With --quick one scene, motion and frame of so many is taken."""
@@ -58,15 +58,7 @@ def runs_of(presets: Sequence[str], rivals: Sequence[str]) -> tuple[Run, ...]:
     for preset in presets:
         if preset not in known:
             raise UnknownName(f"preset of engine {GATED[0]}", preset, known)
-    others = [(engine, preset) for engine, _, preset in (rival.partition("/") for rival in rivals)]
-    # in processes of their own: what another engine prints or leaves on import stays there
-    found = offers(list(dict.fromkeys(engine for engine, _ in others)), 1)
-    for (engine, preset), rival in zip(others, rivals, strict=True):
-        offered = (*found[engine].presets, *VARIANTS.get(engine, {}))
-        if found[engine].trouble:
-            raise InvalidInput("--rivals", rival, f"an engine that can be opened ({found[engine].trouble})")
-        if preset not in offered:
-            raise UnknownName(f"preset of engine {engine}", preset, offered)
+    others = named_runs("--rivals", rivals)
     return tuple(dict.fromkeys([*((GATED[0], preset) for preset in presets), *others]))
 
 

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-from avatarsim.errors import AvatarsimError, MissingPackage, described
+from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, UnknownName, described
 from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
 from runfiles.naming import BASELINE
@@ -31,6 +31,7 @@ from scenarios.running.run import accuracy
 from scenarios.running.seat import Seats
 from scenarios.running.timing import MOST_FRAMES, Clocked, compared, timed_pass, timing_facts
 from scenarios.scenario import Scenario
+from scenarios.variants import VARIANTS
 
 OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
@@ -80,6 +81,21 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     for name, answer in side_by_side(offer, names, workers):
         found[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer
     return {name: found[name] for name in names}
+
+
+def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
+    """Return the runs that `option` names as ENGINE/PRESET. Raises InvalidInput for an engine that does not open, UnknownName for
+    a preset that there is not."""
+    runs = [(engine, preset) for engine, _, preset in (word.partition("/") for word in words)]
+    # in processes of their own: what another engine prints or leaves on import stays there
+    found = offers(list(dict.fromkeys(engine for engine, _ in runs)), 1)
+    for (engine, preset), word in zip(runs, words, strict=True):
+        offered = (*found[engine].presets, *VARIANTS.get(engine, {}))
+        if found[engine].trouble:
+            raise InvalidInput(option, word, f"an engine that can be opened ({found[engine].trouble})")
+        if preset not in offered:
+            raise UnknownName(f"preset of engine {engine}", preset, offered)
+    return runs
 
 
 def tidy(job: Job) -> bool:

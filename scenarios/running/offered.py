@@ -5,7 +5,7 @@ from fnmatch import fnmatchcase
 from typing import TypeVar
 
 from avatarsim.errors import UnknownName
-from scenarios import catalog, own_scenes, unseen
+from scenarios import catalog, drawn_crowds, own_scenes, unseen
 from scenarios.job import CATALOGUE, Job
 from scenarios.scenario import Scenario
 from scenarios.unseen import seeds
@@ -34,20 +34,27 @@ def filtered(scenes: Mapping[str, Scene], text: str) -> dict[str, Scene]:
 
 
 MIXED = ("list", "run", "compare")
-"""Commands that take the unseen scenes along."""
+"""Commands that take the unseen scenes and a few drawn crowds along."""
 NAMED = ("check", "bench")
 """Commands that take them only where a pattern names them: figures of these stand beside committed ones, and motions change."""
 
 
 def scenarios(command: str, patterns: str | None = None) -> dict[str, Scenario]:
     """Every scene that `command` offers, the unseen ones last; `patterns` is the text of its filter, None without one."""
-    named = any(pattern.startswith(unseen.PREFIX) for pattern in patterns_of(patterns or ""))
-    beside = {} if own_scenes.scenarios() else unseen.scenarios() if command in MIXED or (command in NAMED and named) else {}
-    return {**catalog.scenarios(), **beside}
+    found = catalog.scenarios()
+    if own_scenes.scenarios():
+        return found
+    for beside in (unseen, drawn_crowds):
+        named = any(pattern.startswith(beside.PREFIX) for pattern in patterns_of(patterns or ""))
+        if command in MIXED or (command in NAMED and named):
+            found = {**found, **beside.scenarios()}
+    return found
 
 
 def get(name: str) -> Scenario:
-    """The scene called `name`, of either kind; UnknownName lists both."""
+    """The scene called `name`, of any kind, a drawn crowd of any seed; UnknownName lists all."""
+    if name.startswith(drawn_crowds.PREFIX):
+        return drawn_crowds.get(name)
     known = scenarios("list")
     if name not in known:
         raise UnknownName("scenario", name, known)
@@ -56,6 +63,8 @@ def get(name: str) -> Scenario:
 
 def catalogue_of(name: str) -> str:
     """The module whose `get` gives the scene."""
+    if name.startswith(drawn_crowds.PREFIX):
+        return drawn_crowds.NAME
     return unseen.NAME if name in unseen.scenarios() else CATALOGUE
 
 

@@ -10,9 +10,9 @@ import numpy as np
 from runfiles.naming import GATED
 from scenarios import unseen
 from scenarios.job import Job, Outcome
-from scenarios.results.gate import bounds_of
 from scenarios.running.run import accuracy
 from scenarios.running.seat import repeat
+from scenarios.studies.broken import figure
 from scenarios.unseen.rooms import ROOMS
 
 HEAD = ("room", "motions", "overlap m", "limits deg", "chatter %", "reversal p95 mm", "jerk ratio", "silent frames", "slowest us")
@@ -24,11 +24,6 @@ class Seen:
 
     outcome: Outcome
     slowest: float
-
-    def figure(self, metric: str) -> float:
-        """The figure of a metric; nan where there is none."""
-        value = self.outcome.values.get(metric)
-        return value if isinstance(value, float) else math.nan
 
 
 def seen(job: Job, folder: Path) -> Seen:
@@ -42,20 +37,11 @@ def seen(job: Job, folder: Path) -> Seen:
     return Seen(outcome, max(around) / 1e3)
 
 
-def broken(found: Seen) -> list[str]:
-    """Every promise that one motion broke, in words; a figure that is missing or no number has broken it."""
-    job = found.outcome.job
-    return [
-        f"{job.scenario} --seed {job.seed}: {bound.metric} {found.figure(bound.metric):.4g} (at most {bound.limit:g})"
-        for bound in bounds_of(unseen.get(job.scenario)).values() if not bound.holds(found.figure(bound.metric))
-    ]
-
-
 def line(room: str, rows: Sequence[Seen]) -> tuple[str, ...]:
     """The cells of one room: worst of the promises, mean chatter, medians and sums of how it looks; nan where
     a motion has no figure."""
     def of(metric: str) -> np.ndarray:
-        return np.array([row.figure(metric) for row in rows])
+        return np.array([figure(row.outcome, metric) for row in rows])
 
     limits = np.maximum(of("joint_limit_excess_max"), of("reach_cone_excess_max"))
     return (
@@ -72,7 +58,12 @@ def table(rows: Iterable[Seen]) -> str:
     for row in rows:
         by_room.setdefault(row.outcome.job.scenario, []).append(row)
     cells = [HEAD, *(line(room, found) for room, found in by_room.items())]
-    widths = [max(len(row[k]) for row in cells) for k in range(len(HEAD))]
+    return aligned(cells)
+
+
+def aligned(cells: Sequence[Sequence[str]]) -> str:
+    """Return rows of cells as text in columns, the first of which begins at the left."""
+    widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
     return "\n".join("  ".join(text.rjust(width) if k else text.ljust(width) for k, (text, width) in
                                enumerate(zip(row, widths, strict=True))) for row in cells)
 

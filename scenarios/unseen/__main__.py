@@ -21,7 +21,8 @@ from avatarsim.running.processes import Died
 from scenarios.results.gate import FAILED, INCOMPLETE, PASSED, USAGE
 from scenarios.running.processes import side_by_side
 from scenarios.running.progress import Progress
-from scenarios.studies.unseen_motions import Seen, broken, jobs, seen, table
+from scenarios.studies.broken import broken
+from scenarios.studies.unseen_motions import Seen, jobs, seen, table
 from scenarios.unseen import seeds
 
 
@@ -61,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             else:
                 rows.append(answer)
             progress.step(f"{job.scenario} {job.seed}")
-    promises = [said for row in rows for said in broken(row)]
+    promises = [said for row in rows for said in broken(row.outcome).values()]
     print(table(rows))
     for said in (*promises, *troubles):
         print(said)

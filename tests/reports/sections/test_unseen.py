@@ -144,8 +144,12 @@ def test_an_engine_that_crashed_says_so_and_a_page_escapes_it(run_dir: Write) ->
 
 
 def test_figures_that_change_with_the_commit_are_no_baseline_and_no_difference(run_dir: Write) -> None:
-    before, after = run_with(run_dir, rows_of("wall")), run_with(run_dir, rows_of("wall", 50.0))
+    crowd = row("crowd_poured_8", OURS, "residual_overlap_max", 1e-7, "m")
+    before, after = run_with(run_dir, [*rows_of("wall"), crowd]), run_with(run_dir, rows_of("wall", 50.0))
     assert "unseen_" not in baseline.text(before) and "arm_wall" in baseline.text(before)
+    assert "crowd_" not in baseline.text(before) and "crowd_" not in diff(before, after).text()
+    found = unseen.unseen(before, OURS)
+    assert found is not None and {line.room for line in found.lines} == {"wall"}
     assert "unseen_wall  avatarsim/default  chatter_frames" not in diff(before, after).text()
 
 

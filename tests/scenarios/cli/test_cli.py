@@ -166,7 +166,8 @@ def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_ta
     both = {"ball_drop": drop, "rare": replace(drop, name="rare", everyday=False)}
     monkeypatch.setattr(catalog, "scenarios", lambda: both)
     monkeypatch.setattr(catalog, "get", both.__getitem__)
-    monkeypatch.setattr("scenarios.unseen.scenarios", lambda: {})
+    for beside in ("unseen", "drawn_crowds"):
+        monkeypatch.setattr(f"scenarios.{beside}.scenarios", lambda: {})
 
     def taken(*words: str) -> set[str]:
         called(tmp_path, *words, "--engine", "tunnels", "--preset", "default", frames=2)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import UnknownName
-from scenarios import catalog, unseen
+from scenarios import catalog, drawn_crowds, unseen
 from scenarios.__main__ import main, parser
 from scenarios.cli.commands import plan
 from scenarios.job import CATALOGUE
@@ -15,16 +15,18 @@ from scenarios.running import offered
 from scenarios.unseen import seeds
 
 OURS = {"unseen_corridor", "unseen_door", "unseen_door_90hz", "unseen_floor", "unseen_gallery", "unseen_wall"}
+CROWDS = set(drawn_crowds.scenarios())
 
 
 @pytest.mark.parametrize(("command", "patterns", "taken"), [
-    ("compare", None, True), ("run", "*", True), ("list", None, True), ("check", None, False), ("bench", "*", False),
-    ("check", "mocap_*,unseen_wall", True), ("bench", "unseen_*", True), ("ablate", "unseen_*", False), ("sweep", None, False),
+    ("compare", None, OURS | CROWDS), ("run", "*", OURS | CROWDS), ("list", None, OURS | CROWDS), ("check", None, set()),
+    ("bench", "*", set()), ("check", "mocap_*,unseen_wall", OURS), ("bench", "unseen_*", OURS), ("ablate", "unseen_*", set()),
+    ("sweep", None, set()), ("check", "crowd_*", CROWDS), ("bench", "crowd_*,unseen_wall", OURS | CROWDS),
 ])
-def test_the_gate_and_the_clock_take_them_only_by_name(command: str, patterns: str | None, taken: bool) -> None:
+def test_the_gate_and_the_clock_take_them_only_by_name(command: str, patterns: str | None, taken: set[str]) -> None:
     found = set(offered.scenarios(command, patterns))
-    assert found - set(catalog.scenarios()) == (OURS if taken else set())
-    assert set(catalog.scenarios()) <= found and not OURS & set(catalog.scenarios())
+    assert found - set(catalog.scenarios()) == taken
+    assert set(catalog.scenarios()) <= found and not (OURS | CROWDS) & set(catalog.scenarios())
 
 
 def test_a_plan_mixes_both_and_names_the_catalogue_and_the_seed_of_each() -> None:
@@ -37,6 +39,13 @@ def test_a_plan_mixes_both_and_names_the_catalogue_and_the_seed_of_each() -> Non
     others = parser().parse_args(["run", "unseen_wall", "--engine", "tracker", "--jobs", "0", "--seed", "3", "4"])
     chosen = plan(others, others.engine, True).jobs
     assert [job.seed for job in chosen] == [3, 4] and offered.origin(chosen) == {}
+
+
+def test_a_drawn_crowd_is_offered_by_name_whatever_its_seed() -> None:
+    assert offered.get("crowd_swept_6") is drawn_crowds.draw(6) and offered.catalogue_of("crowd_swept_6") == drawn_crowds.NAME
+    asked = parser().parse_args(["compare", "--filter", "crowd_*", "--engine", "tracker", "--jobs", "0"])
+    jobs = plan(asked, asked.engine, False).jobs
+    assert {job.scenario for job in jobs} == CROWDS and {job.asked()[0].name for job in jobs} == CROWDS
 
 
 def test_a_name_of_neither_kind_is_refused() -> None:

@@ -1,0 +1,61 @@
+"""Crowds that nothing was tuned for: random convex bodies poured, struck, swept and gripped, each a scene made by its seed."""
+
+from functools import cache
+
+import numpy as np
+
+from avatarsim.errors import InvalidInput, UnknownName
+from runfiles.naming import CROWD_PREFIX as PREFIX
+from scenarios.building import stage
+from scenarios.building.promises import FINITE, GAINS_NOTHING, KEEPS_TIME, NO_OVERLAP, RIGHT_SIDE
+from scenarios.drawn_crowds.bodies import LOW
+from scenarios.drawn_crowds.kinds import FRAMES, KINDS, SHORT, Drawn
+from scenarios.scenario import Bound, Scenario
+from scenarios.unseen import seeds
+
+__all__ = ["NAME", "PREFIX", "draw", "get", "scenarios"]
+
+NAME = __name__
+"""The module that a job names as its catalogue."""
+PROMISES = (
+    NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_TIME,
+    Bound("substep_overlap_max", 1e-6, "nothing overlaps inside a frame either"),
+    Bound("travel_missing", 0.0, "all bodies begin in the air, and fall"),
+)
+
+
+@cache
+def draw(seed: int) -> Scenario:
+    """Return the crowd of a seed, whose name ends with its kind and the seed. Raises InvalidInput for a seed below 0."""
+    if seed < 0:
+        raise InvalidInput("seed of a drawn crowd", seed, "0 at least")
+    kind = KINDS[seed % len(KINDS)]
+    name = f"{PREFIX}{kind.__name__}_{seed}"
+    crowd = kind(Drawn(name, np.random.default_rng([seed, *PREFIX.encode()])))
+    free = not crowd.scene.avatars
+    moving = tuple(body.name for body in crowd.scene.bodies if body.mass is not None)
+    return Scenario(
+        name=name,
+        title=f"{len(moving)} random bodies are {kind.__name__}.",
+        judged="Overlap, time kept and, without a hand, energy; nothing was tuned for it.",
+        build=lambda: crowd.scene, motion=crowd.motion, frames=FRAMES, short=SHORT,
+        bounds=(*PROMISES, *((GAINS_NOTHING,) if free else ())),
+        regions=(stage.above_floor(*moving, *(hand.name for hand in crowd.scene.avatars)),),
+        metrics=("stalled_bodies",),
+        expects={"travel": dict.fromkeys(crowd.falling, 0.5 * LOW), **({"alone": (moving,)} if free else {})},
+    )
+
+
+def get(name: str) -> Scenario:
+    """Return the crowd called `name`, of any seed. Raises UnknownName where no seed has it."""
+    digits = name.rpartition("_")[2]
+    found = draw(int(digits)) if name.startswith(PREFIX) and digits.isdecimal() else None
+    if found is None or found.name != name:
+        raise UnknownName("drawn crowd", name, (f"{PREFIX}{kind.__name__}_SEED" for kind in KINDS))
+    return found
+
+
+def scenarios() -> dict[str, Scenario]:
+    """Return a crowd of each kind by name, from the commit's own seed on."""
+    first = seeds.drawn().seed
+    return {crowd.name: crowd for crowd in map(draw, range(first, first + len(KINDS)))}

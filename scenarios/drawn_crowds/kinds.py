@@ -1,0 +1,199 @@
+"""Four kinds of drawn crowds: bodies that are poured, struck by something heavy, swept by a hand, or gripped by two pads."""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from avatarsim.scene.avatar import Avatar, rigid_avatar
+from avatarsim.scene.body import Body, Mass, fixed, simulated, solid
+from avatarsim.scene.checks import Vector
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, reach
+from avatarsim.spatial import rotation
+from scenarios.building.cases import LAID, turned_by
+from scenarios.building.reach import extent
+from scenarios.building.things import drawn_box, drawn_turn, open_box
+from scenarios.drawn_crowds.bodies import DENSITIES, FLOOR, HAND, THINGS, drawn_piece, drawn_table, lattice, of_density, spacing
+from scenarios.motion.rigid_hands import Places, eased, hands_at, led
+from scenarios.motion.untracked import untracked
+from scenarios.scenario import RENDERED, Motion
+
+FEWEST, MOST = 5, 100
+"""Bodies in a crowd."""
+FRAMES, SHORT = 120, 60
+"""Two seconds, and one."""
+LASTS = FRAMES * RENDERED
+SPAN = 60.0
+"""Width of the floor [m]: nothing comes to its end."""
+WALLS, THICK = 0.2, 0.04
+"""Height and thickness of a tray's walls [m]."""
+DRIFT, SPIN = 0.3, 3.0
+"""Largest first velocity [m/s], never upwards, and spin [rad/s] along each axis of what is poured."""
+STEEL, THROWN, SPEEDS, FLIES = 7800.0, (0.08, 0.16), (2.0, 6.0), (0.1, 0.3)
+"""Density [kg/m^3], sizes [m] and speeds [m/s] of what is thrown, and its way to the crowd [m]."""
+HAND_MASS = 0.5
+"""Mass of a hand or a pad [kg]."""
+LEGS, ABOVE = (2, 4), 0.005
+"""Fewest and most straight parts of a sweep, and the height of a hand or pad above the floor [m]."""
+PAD: Vector = (0.02, 0.05, 0.05)
+"""Edges of a pad [m]."""
+BESIDE, INTO, RISES = (0.01, 0.03), (0.005, 0.03), (0.1, 0.3)
+"""How far the pads begin from the gripped body, how far their user goes into it, and how far they rise [m]."""
+CLOSED, UP = (0.1, 0.4), (0.5, 1.3)
+"""When pads close and rise [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Crowd:
+    """A scene drawn, its motion, and the names of the bodies that begin in the air."""
+
+    scene: Scene
+    motion: Callable[[Scene, int], Motion]
+    falling: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawn:
+    """Bodies before they have places, with what the scene is further made of."""
+
+    name: str
+    random: np.random.Generator
+    pieces: list[Piece] = field(init=False)
+
+    def __post_init__(self) -> None:
+        count = int(self.random.integers(FEWEST, MOST + 1))
+        object.__setattr__(self, "pieces", [drawn_piece(self.random) for _ in range(count)])
+
+    @property
+    def radii(self) -> list[float]:
+        """Radii of balls about the origins that hold the bodies [m]."""
+        return [reach(piece) for piece in self.pieces]
+
+    def bodies(self, places: list[Vector], drift: float = 0.0, spin: float = 0.0) -> list[Body]:
+        """Return the floor, and the bodies at their places, turned, made of and moving as it is drawn."""
+        random = self.random
+        found = [fixed("floor", (Piece(Box((SPAN, SPAN, 0.2))),), FLOOR, (0.0, 0.0, -0.1))]
+        for k, (piece, place) in enumerate(zip(self.pieces, places, strict=True)):
+            mass = of_density(piece, float(random.uniform(*DENSITIES)))
+            material = THINGS[random.integers(len(THINGS))]
+            (x, y, z), turning = drawn_vector(random, drift), drawn_vector(random, spin)
+            velocity = (x, y, -abs(z))
+            found.append(simulated(f"thing_{k}", (piece,), material, mass, place, drawn_turn(random), velocity, turning))
+        return found
+
+    def crowd(self, bodies: list[Body], hands: tuple[Avatar, ...] = (), places: Places | None = None, first: int = 0) -> Crowd:
+        """Return the scene with hands that are led to `places`; the bodies from the thing number `first` on fall."""
+        start = hands_at(places(0.0)) if places else None
+        scene = Scene(self.name, tuple(bodies), hands, drawn_table(self.random), start=start)
+        return Crowd(scene, led(places) if places else untracked(), tuple(f"thing_{k}" for k in range(first, len(self.pieces))))
+
+
+def drawn_vector(random: np.random.Generator, largest: float) -> Vector:
+    """Return a vector, each of its parts up to `largest`."""
+    x, y, z = random.uniform(-largest, largest, size=3).tolist()
+    return x, y, z
+
+
+def towards(azimuth: float) -> np.ndarray:
+    """Return the horizontal unit vector at an angle [rad]."""
+    return np.array([math.cos(azimuth), math.sin(azimuth), 0.0])
+
+
+def poured(drawn: Drawn) -> Crowd:
+    """Pour the bodies onto the floor or, as often, into a tray, over whose walls they may fall."""
+    random = drawn.random
+    a_layer = int(random.integers(4, 17))
+    places = lattice(random, drawn.radii, a_layer)
+    bodies = drawn.bodies(places, DRIFT, SPIN)
+    if random.random() < 0.5:
+        half = float(np.abs(np.array(places)[:, :2]).max()) + 0.5 * spacing(drawn.radii)
+        bodies += open_box(2.0 * half, WALLS, THICK, FLOOR)[1:]
+    return drawn.crowd(bodies)
+
+
+def struck(drawn: Drawn) -> Crowd:
+    """Throw a heavy ball or box at the bodies, which stand close together as they fall."""
+    random = drawn.random
+    places = lattice(random, drawn.radii, math.ceil(len(drawn.pieces) ** (2.0 / 3.0)))
+    bodies = drawn.bodies(places)
+    size = float(random.uniform(*THROWN))
+    heavy = Piece(Sphere(0.5 * size)) if random.random() < 0.5 else drawn_box(random, *THROWN)
+    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + max(drawn.radii)
+    distance = held + reach(heavy) + float(random.uniform(*FLIES))
+    way, speed = towards(random.uniform(0.0, 2.0 * math.pi)), float(random.uniform(*SPEEDS))
+    x, y, z = (-distance * way + [0.0, 0.0, reach(heavy) + random.uniform(*FLIES)]).tolist()
+    # as fast upwards as it falls on the way to the middle
+    vx, vy, vz = (speed * way + [0.0, 0.0, 0.5 * 9.81 * distance / speed]).tolist()
+    bodies.append(simulated("thrown", (heavy,), THINGS[0], of_density(heavy, STEEL), (x, y, z), drawn_turn(random), (vx, vy, vz)))
+    return drawn.crowd(bodies)
+
+
+def drawn_hand(random: np.random.Generator) -> tuple[Piece, float]:
+    """Return a plate, an upright rod or a ball, and how high its middle is above its lowest point [m]."""
+    kind, size, turn = int(random.integers(3)), float(random.uniform(0.04, 0.1)), float(random.uniform(0.0, math.pi))
+    if kind == 0:
+        plate = Box((0.03, float(random.uniform(0.15, 0.4)), 2.0 * size))
+        return Piece(plate, orientation=turned_by((0.0, 0.0, 1.0), turn)), size
+    if kind == 1:
+        return Piece(Capsule(0.5 * size, 0.15)), 0.5 * size + 0.075
+    return Piece(Sphere(size)), size
+
+
+def swept(drawn: Drawn) -> Crowd:
+    """Lead a rigid hand through the bodies and out on the other side, along straight lines between places drawn among them."""
+    random = drawn.random
+    places = lattice(random, drawn.radii, math.ceil(len(drawn.pieces) / int(random.integers(1, 4))))
+    bodies = drawn.bodies(places)
+    piece, high = drawn_hand(random)
+    held = float(np.linalg.norm(np.array(places)[:, :2], axis=1).max()) + max(drawn.radii)
+    legs = int(random.integers(LEGS[0], LEGS[1] + 1))
+    points = [(held + reach(piece) + 0.02) * towards(random.uniform(0.0, 2.0 * math.pi))]
+    points += [held * float(random.random()) * towards(random.uniform(0.0, 2.0 * math.pi)) for _ in range(legs - 1)]
+    points.append(-points[0])
+    corners = np.array(points) + [0.0, 0.0, high + ABOVE]
+
+    def at(time: float) -> tuple[Vector]:
+        k = min(int(time * legs / LASTS), legs - 1)
+        share = eased(time, k * LASTS / legs, (k + 1) * LASTS / legs)
+        x, y, z = (corners[k] + share * (corners[k + 1] - corners[k])).tolist()
+        return ((x, y, z),)
+
+    return drawn.crowd(bodies, (rigid_avatar("hand", (piece,), of_mass(piece), HAND),), at)
+
+
+def of_mass(piece: Piece) -> Mass:
+    """Return HAND_MASS spread over a piece."""
+    return solid((piece,), HAND_MASS)
+
+
+def gripped(drawn: Drawn) -> Crowd:
+    """Close two pads on one of the bodies, which lies in a hole amid the others, and rise."""
+    random = drawn.random
+    piece = drawn.pieces[0]
+    # a capsule lies across, all others as they are
+    turn = turned_by((1.0, 0.0, 0.0), 0.5 * math.pi) if isinstance(piece.shape, Capsule) else rotation.IDENTITY
+    left, right, low = (extent(piece.shape, rotation.rotate(rotation.conjugate(np.array(turn)), np.array(d))) for d in (
+        (-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 0.0, -1.0),
+    ))
+    opened, into, rise = (float(random.uniform(*between)) for between in (BESIDE, INTO, RISES))
+    reached = max(left, right) + opened + PAD[0]
+    hole = max(math.hypot(reached, 0.5 * PAD[1]), reach(piece))
+    layers = int(random.integers(1, 5))
+    others = lattice(random, drawn.radii[1:], math.ceil((len(drawn.pieces) - 1) / layers), hole)
+    bodies = drawn.bodies([(0.0, 0.0, low + LAID), *others])
+    bodies[1] = replace(bodies[1], orientation=turn)
+
+    def at(time: float) -> tuple[Vector, Vector]:
+        gone = opened - (opened + into) * eased(time, *CLOSED)
+        z = 0.5 * PAD[2] + ABOVE + rise * eased(time, *UP)
+        return (right + 0.5 * PAD[0] + gone, 0.0, z), (-left - 0.5 * PAD[0] - gone, 0.0, z)
+
+    pad = Piece(Box(PAD))
+    pads = tuple(rigid_avatar(name, (pad,), of_mass(pad), HAND) for name in ("right", "left"))
+    return drawn.crowd(bodies, pads, at, first=1)
+
+
+KINDS: tuple[Callable[[Drawn], Crowd], ...] = (poured, struck, swept, gripped)
+"""Successive seeds go through these in turn."""
