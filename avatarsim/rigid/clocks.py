@@ -1,7 +1,5 @@
 """Local times of bodies within a frame: advance along a path, roll back to an earlier time (timewarp: Mirtich 2000), sample."""
 
-from math import inf
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -23,7 +21,7 @@ def depart(poses: Poses, velocities: Velocities, memory: Memory, members: Index,
     islands = memory.islands
     for m in range(members.shape[0]):
         b = members[m]
-        islands.begun[b], islands.stops[b] = now, inf
+        islands.begun[b], islands.at_once[b] = now, 0
         put_row(memory.began.position, b, row(poses.position, b))
         put_columns(memory.began.rotation, b, columns(poses.rotation, b))
         put_row(islands.linear, b, row(velocities.linear, b))
@@ -38,7 +36,6 @@ def depart(poses: Poses, velocities: Velocities, memory: Memory, members: Index,
 @kernel
 def arrive(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int, t: float) -> None:
     """Take body b to where its path leads in t seconds, with the velocities that it has then."""
-    t = min(t, memory.islands.stops[b])
     if memory.paths.kind[b] != STILL:
         move_along(
             geometry, memory.began, memory.islands.linear, memory.islands.angular, memory.paths, memory.series, b, t, memory.trial
@@ -54,16 +51,17 @@ def arrive(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Mem
 def go_back(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float) -> None:
     """Roll body b back to ``now``, which lies on its last path; impulses of that path count as spread evenly over its time.
 
-    So does a change of velocity that the fallback step made at once: the energy in between is then at most the mean of both ends.
+    After a substep, whose path has a velocity of its own, the velocity is between those before and after it: the energy too.
     """
     islands = memory.islands
     lasted, t = islands.due[b] - islands.begun[b], max(0.0, now - islands.begun[b])
     share = t / lasted if lasted > 0.0 else 0.0
+    v_end, w_end = row(velocities.linear, b), row(velocities.angular, b)
     arrive(geometry, poses, velocities, memory, b, t)
-    undone = sub(row(islands.linear_before, b), row(islands.linear, b))
-    put_row(velocities.linear, b, along(row(velocities.linear, b), 1.0 - share, undone))
-    undone = sub(row(islands.angular_before, b), row(islands.angular, b))
-    put_row(velocities.angular, b, along(row(velocities.angular, b), 1.0 - share, undone))
+    if islands.at_once[b] == 1:
+        v, w = row(islands.linear_before, b), row(islands.angular_before, b)
+        put_row(velocities.linear, b, along(v, share, sub(v_end, v)))
+        put_row(velocities.angular, b, along(w, share, sub(w_end, w)))
     take_share(islands.received, b, share, memory.received)
     take_share(islands.owed_linear, b, share, memory.owed_linear)
     take_share(islands.owed_angular, b, share, memory.owed_angular)
@@ -90,7 +88,7 @@ def witness(
         if memory.moving[other] == 1 and islands.due[other] > now and paths.kind[other] != STILL:
             move_along(
                 geometry, memory.began, islands.linear, islands.angular, paths, memory.series, other,
-                min(islands.stops[other], max(0.0, now - islands.begun[other])), memory.trial,
+                max(0.0, now - islands.begun[other]), memory.trial,
             )
             put_row(events.position[k], other, row(memory.trial.position, other))
             put_columns(events.rotation[k], other, columns(memory.trial.rotation, other))

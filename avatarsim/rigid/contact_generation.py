@@ -1,7 +1,6 @@
 """Contact generation: narrow phase (GJK and EPA) and contact manifolds (Sutherland and Hodgman 1974) of near pairs.
 
-Each point gets restitution, friction and a key for the warm start; pairs at which conservative advancement stalls get corners
-besides, and contacts of driven bodies the slip that counts.
+Each point gets restitution, friction and a key for the warm start, and contacts of driven bodies the slip that counts.
 """
 
 from math import inf
@@ -11,104 +10,21 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.conservative_advancement import TOUCH
 from avatarsim.collision.edge_edge import lone_edge
-from avatarsim.collision.manifold import MANIFOLD_POINTS, manifold
+from avatarsim.collision.manifold import manifold
 from avatarsim.collision.signed_distance import signed_distance_up_to
 from avatarsim.collision.status import NOT_FINITE
-from avatarsim.collision.support import reach as reach_along
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DRIVEN, FIXED, Dynamics, Velocities
-from avatarsim.model.geometry import POINTS, Geometry, Poses
+from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contact_law import point_velocity, tangential_velocity
-from avatarsim.rigid.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, Contacts, add_contact, axis
+from avatarsim.rigid.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, add_contact, axis
 from avatarsim.rigid.internal_edges import forget, level_seams, note
 from avatarsim.rigid.rolling import is_smooth, note_smooth
 from avatarsim.rigid.state import QUERY_WORK, WORK, Memory
 from avatarsim.spatial.tangent import columns, step_between, turned
-from avatarsim.spatial.vec3 import Vec3, along, dot, neg, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import dot, neg, norm, put_row, row, scale, sub
 
 Index = NDArray[np.int64]
-
-# Extra corner contacts for touching pairs at which conservative advancement stalls although they do not approach. Two edges cross
-# at a small angle and slip: a corner beyond the contact area passes through the separating plane, which turns with one of the
-# bodies, beside the other's face, so no motion is proved free. For some frames such corners count as contacts with that plane;
-# the bodies then move as if the face were a little larger, instead of not at all.
-
-LASTS = 10
-"""Frames for which a pair counts as blocked. Fewer: it stops again and again; more: faces are larger than they are for longer."""
-
-
-@kernel
-def block(blocked: Index, a: int, b: int, frame: int) -> bool:
-    """Record the pair as blocked; False if it was already, or if there is no room. ``blocked`` (room, 3): a, b, last frame."""
-    free = -1
-    for k in range(blocked.shape[0]):
-        if blocked[k, 2] >= frame:
-            if blocked[k, 0] == a and blocked[k, 1] == b:
-                return False
-        elif free < 0:
-            free = k
-    if free < 0:
-        return False
-    blocked[free, 0], blocked[free, 1], blocked[free, 2] = a, b, frame + LASTS
-    return True
-
-
-@kernel
-def is_blocked(blocked: Index, a: int, b: int, frame: int) -> bool:
-    """Whether the pair is recorded as blocked in this frame."""
-    for k in range(blocked.shape[0]):
-        if blocked[k, 2] >= frame and blocked[k, 0] == a and blocked[k, 1] == b:
-            return True
-    return False
-
-
-@kernel
-def slowest_corner(geometry: Geometry, poses: Poses, velocities: Velocities, s: int, f: int, m: Vec3) -> float:
-    """Least velocity [m/s] along m, seen from shape f, of the corners of shape s that touch the plane which f touches with m."""
-    shapes, vertices = geometry.shapes, poses.vertices
-    top, slowest = reach_along(vertices, shapes, f, m) + shapes.radius[f] + shapes.radius[s], inf
-    for i in range(shapes.start[s], shapes.start[s + 1]):
-        p = row(vertices, i)
-        if dot(m, p) - top < TOUCH:
-            slowest = min(slowest, dot(m, corner_velocity(poses, velocities, geometry.body[s], geometry.body[f], p)))
-    return slowest
-
-
-@kernel
-def corner_velocity(poses: Poses, velocities: Velocities, a: int, b: int, p: Vec3) -> Vec3:
-    """Velocity [m/s] of the point of body a at p, seen from the point of body b there."""
-    on_a = point_velocity(row(velocities.linear, a), row(velocities.angular, a), sub(p, row(poses.position, a)))
-    on_b = point_velocity(row(velocities.linear, b), row(velocities.angular, b), sub(p, row(poses.position, b)))
-    return sub(on_a, on_b)
-
-
-@kernel
-def add_corners(
-    geometry: Geometry, poses: Poses, velocities: Velocities, contacts: Contacts, sa: int, sb: int, n: Vec3
-) -> bool:
-    """Add as contacts the corners of that one of two touching shapes that approaches the other's plane less; False without room.
-
-    ``n`` is the normal out of B into A; coefficients and keys of the points are left to the caller.
-    """
-    shapes, vertices = geometry.shapes, poses.vertices
-    if shapes.kind[sa] != POINTS or shapes.kind[sb] != POINTS:
-        return True
-    of_a = slowest_corner(geometry, poses, velocities, sa, sb, n) >= slowest_corner(geometry, poses, velocities, sb, sa, neg(n))
-    s, f, m = (sa, sb, n) if of_a else (sb, sa, neg(n))
-    a, b = geometry.body[sa], geometry.body[sb]
-    top, added = reach_along(vertices, shapes, f, m) + shapes.radius[f] + shapes.radius[s], 0
-    for i in range(shapes.start[s], shapes.start[s + 1]):
-        p = row(vertices, i)
-        gap = dot(m, p) - top
-        if gap < TOUCH and added < MANIFOLD_POINTS:
-            middle = along(p, -shapes.radius[s] - 0.5 * gap, m)
-            if not add_contact(
-                contacts, a, b, NOT_DRIVEN, n, sub(middle, row(poses.position, a)), sub(middle, row(poses.position, b)), gap
-            ):
-                return False
-            added += 1
-    return True
-
 
 # Slip velocity of driven contacts: the user's, or the displayed one where a contact or a limit holds the driven body back.
 
@@ -208,9 +124,6 @@ def find_points(
         if of_a and of_b and contacts.used[0] > before:
             put_row(contacts.edge_a, before, e)
             put_row(contacts.edge_b, before, f)
-    if memory.clogged[0] >= memory.frames[0] and is_blocked(memory.blocked, a, b, memory.frames[0]):
-        if driven == NOT_DRIVEN and not add_corners(geometry, poses, velocities, contacts, sa, sb, raw):
-            has_room = False
     pieces = geometry.body.shape[0]
     for k in range(before, contacts.used[0]):
         contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]

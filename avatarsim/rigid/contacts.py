@@ -74,9 +74,8 @@ ROOM_PER_BODY = 16
 """Room for contact points per simulated body, if that is more: a box in the middle of a wall touches others with 24 corners, each
 of which belongs to two bodies."""
 
-POINTS_OF_PAIR = 2 * MANIFOLD_POINTS
-"""Contact points of two shapes, at most, those of the manifold and as many corners of blocked pairs: numbers of one pair of
-shapes follow each other in `Contacts.key`."""
+POINTS_OF_PAIR = MANIFOLD_POINTS
+"""Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
 
 ROW, MOTION = 104, 8
 """Numbers that a pass of the solver reads: of a contact, thirteen lines of the cache, and of a body."""
@@ -231,7 +230,13 @@ def weigh(contacts: Contacts, masses: Masses) -> None:
 @kernel
 def weigh_after(contacts: Contacts, masses: Masses, t: float) -> None:
     """`weigh` with the arms as they are t seconds later, to first order."""
-    for k in range(contacts.used[0]):
+    weigh_from(contacts, masses, t, 0)
+
+
+@kernel
+def weigh_from(contacts: Contacts, masses: Masses, t: float, first: int) -> None:
+    """`weigh_after` of the contacts from ``first`` on."""
+    for k in range(first, contacts.used[0]):
         a, b = contacts.body[k, 0], contacts.body[k, 1]
         inertia_a, inertia_b = columns(masses.inverse_inertia, a), columns(masses.inverse_inertia, b)
         for i in range(3):
@@ -398,8 +403,7 @@ def slot_of(table: LastForces, key: int, tried: int) -> int:
 def recall_forces(contacts: Contacts, table: LastForces) -> None:
     """Give every point the force [N] that the point of the same key had in the last segment; zero if there was none.
 
-    A point without friction gets the normal force only, since no sweep would remove the rest: a speculative contact
-    (`rigid.budget_fallback`) has none, and may have touched in the last segment.
+    A point without friction gets the normal force only, since no sweep would remove the rest.
     """
     for k in range(contacts.used[0]):
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))

@@ -90,29 +90,6 @@ def balls_meet(memory: Memory, a: int, b: int, begin: float, h: float) -> tuple[
     return SPENT, t
 
 
-@kernel
-def farthest_along(v: float, a: float, h: float) -> float:
-    """Farthest distance [m], at least zero, within h seconds at the initial velocity v [m/s] and acceleration a [m/s^2]."""
-    most = max(0.0, v * h + 0.5 * a * h * h)
-    return max(most, -0.5 * v * v / a) if a < 0.0 < v < -a * h else most
-
-
-@kernel
-def never_meet(memory: Memory, a: int, b: int, h: float) -> bool:
-    """Whether bodies a and b stay apart for h seconds, wherever on their paths either of them is stopped.
-
-    The plane between their bounding balls separates them throughout if it does at the farthest that each of them goes towards it.
-    """
-    (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, 0.0), motion_of(memory, b, 0.0)
-    d = sub(x_a, x_b)
-    apart = norm(d)
-    gap = apart - memory.span[a] - memory.span[b]
-    if not (TOUCH < gap < inf):
-        return False
-    one = farthest_along(-dot(d, v_a) / apart, -dot(d, a_a) / apart, h)
-    return bool(one + farthest_along(dot(d, v_b) / apart, dot(d, a_b) / apart, h) < gap - TOUCH)
-
-
 Index = NDArray[np.int64]
 
 SEARCH_WORK, ROUND_WORK = QUERY_WORK, 25

@@ -24,12 +24,11 @@ class Islands(NamedTuple):
     found (1) how many; order (nb) members of island i at first[i] <= m < first[i + 1]; pairs (room, 2) near pairs, those of
     island i at pair_first[i] <= p < pair_first[i + 1]; label (nb) island of a body, -1 for none; mark (nb) working memory;
     charged (nb) number of the last segment of a body in this frame; spent (nb) segments that its island has spent of its budget;
-    late (nb) 1 for members of an island in which the fallback step stopped a body in the last frame;
     earliest (nb) of the island that a body leads, the number of the near pair that had the first event last;
     begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
-    stops (nb) [s] since then from which it stays where it is, inf if it goes on: see `rigid.budget_fallback`;
     linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
-    linear_before, angular_before (nb, 3): the same velocities, but as they were before a fallback step changed them at once.
+    linear_before, angular_before (nb, 3): the same velocities, but as they were before a substep changed them at once;
+    at_once (nb) flag: a substep did, and the velocity at the end is another than that of the path.
     """
 
     found: IndexLine
@@ -41,11 +40,9 @@ class Islands(NamedTuple):
     mark: IndexLine
     charged: IndexLine
     spent: IndexLine
-    late: IndexLine
     earliest: IndexLine
     begun: Line
     due: Line
-    stops: Line
     linear: Vectors
     angular: Vectors
     received: Vectors
@@ -53,17 +50,22 @@ class Islands(NamedTuple):
     owed_angular: Vectors
     linear_before: Vectors
     angular_before: Vectors
+    at_once: IndexLine
 
 
 def make_islands(bodies: int, room: int) -> Islands:
     """Allocate for so many bodies and near pairs."""
-    n, vectors = bodies, (bodies, 3)
+    def whole(fill: int = 0) -> Index:
+        return np.full(bodies, fill, np.int64)
+
+    def vectors() -> Array:
+        return np.zeros((bodies, 3))
+
     return Islands(
-        np.zeros(1, np.int64), np.zeros(n, np.int64), np.zeros(n + 1, np.int64), np.zeros((room, 2), np.int64),
-        np.zeros(n + 1, np.int64), np.full(n, -1, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n, np.int64),
-        np.zeros(n, np.int64), np.full(n, -1, np.int64), np.zeros(n),
-        np.zeros(n), np.zeros(n), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors), np.zeros(vectors),
-        np.zeros(vectors), np.zeros(vectors),
+        found=np.zeros(1, np.int64), order=whole(), first=np.zeros(bodies + 1, np.int64), pairs=np.zeros((room, 2), np.int64),
+        pair_first=np.zeros(bodies + 1, np.int64), label=whole(-1), mark=whole(), charged=whole(), spent=whole(),
+        earliest=whole(-1), begun=np.zeros(bodies), due=np.zeros(bodies), linear=vectors(), angular=vectors(), received=vectors(),
+        owed_linear=vectors(), owed_angular=vectors(), linear_before=vectors(), angular_before=vectors(), at_once=whole(),
     )
 
 
@@ -170,60 +172,3 @@ def behind(islands: Islands, dt: float, now: float, start: int) -> int:
             if due <= now:
                 break
     return chosen
-
-
-NONE = -1
-"""In place of a pair: there is no other."""
-
-
-# Event queue of the fallback step: tournament tree of near pairs by the time of their event, and a list of pairs per body.
-
-class Soonest(NamedTuple):
-    """tree (2 room): of count pairs, node j holds the one of nodes 2 j and 2 j + 1 that is sooner, and pair p is node count + p;
-    head (nb), after (room, 2): the first pair of a body, and the next one of the body on either side of a pair."""
-
-    tree: IndexLine
-    head: IndexLine
-    after: IndexGrid
-
-
-def make_soonest(bodies: int, room: int) -> Soonest:
-    """Allocate for so many bodies and near pairs."""
-    return Soonest(np.zeros(2 * room, np.int64), np.full(bodies, NONE, np.int64), np.full((room, 2), NONE, np.int64))
-
-
-@kernel
-def sooner(when: Array, p: int, q: int) -> int:
-    """Of pairs p and q the one with the earlier time, or of two at once the one with the lower number."""
-    return p if when[p] < when[q] or (when[p] == when[q] and p < q) else q
-
-
-@kernel
-def build_tree(soonest: Soonest, pairs: Index, when: Array) -> None:
-    """Build tree and lists from pairs (count, 2) and times (count) [s] of their events; a pair at inf is in no body's list."""
-    tree, count = soonest.tree, pairs.shape[0]
-    for p in range(count):
-        tree[count + p] = p
-        for side in range(2):
-            soonest.head[pairs[p, side]] = NONE
-    for j in range(count - 1, 0, -1):
-        tree[j] = sooner(when, tree[2 * j], tree[2 * j + 1])
-    for p in range(count - 1, -1, -1):
-        for side in range(2 if when[p] < inf else 0):
-            soonest.after[p, side] = soonest.head[pairs[p, side]]
-            soonest.head[pairs[p, side]] = p
-
-
-@kernel
-def changed(soonest: Soonest, when: Array, p: int, count: int) -> None:
-    """Update the tree after the time of pair p of ``count`` has changed."""
-    j = (count + p) // 2
-    while j > 0:
-        soonest.tree[j] = sooner(when, soonest.tree[2 * j], soonest.tree[2 * j + 1])
-        j //= 2
-
-
-@kernel
-def next_of(soonest: Soonest, pairs: Index, p: int, b: int) -> int:
-    """The pair of body b after pair p; NONE if that was the last."""
-    return int(soonest.after[p, 0] if pairs[p, 0] == b else soonest.after[p, 1])

@@ -188,12 +188,12 @@ STILLNESS = ROUGH
 @kernel
 def impacts(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
-    now: float, hasty: bool, settles: bool, switches: Switches,
+    now: float, hasty: bool, switches: Switches,
 ) -> int:
     """Resolve all impacts of this instant, ``hasty``: all together and without rebound; returns DONE or OUT_OF_IMPACTS.
 
-    With ``settles`` the approach that is left is ended too, without rebound; else the forces of the segment do that, see
-    `resting.aim_at_once`. Events are recorded with the time at which the surfaces meet, and the poses at the stand-off.
+    The approach that is left is ended too, without rebound. Events are recorded with the time at which the surfaces meet, and the
+    poses at the stand-off.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 0
@@ -227,7 +227,7 @@ def impacts(
         head, fastest = next_approach(contacts, first, last, v, w, memory.newest, memory.older)
     memory.counts[IMPACTS] += resolved
     memory.counts[WORK] += resolved * contacts.used[0] // 2
-    if fastest < -calm and settles:
+    if fastest < -calm:
         # driven bodies yield with their coupled mass here too: else a creeping body of a ton would give a hand its whole momentum
         rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
         few = contacts.used[0] <= MANY and not rough
@@ -285,12 +285,9 @@ def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: in
 
 @kernel
 def segment(
-    dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float, hasty: bool, at_once: bool
+    dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float
 ) -> float:
-    """Solve contact forces and set the paths of the members for at most ``left`` seconds; returns for how long they hold.
-
-    With ``at_once`` held members move on straight paths with the velocities of the end of the segment: `change_at_once`.
-    """
+    """Solve contact forces and set the paths of the members for at most ``left`` seconds; returns for how long they hold."""
     contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
     count = contacts.used[0]
     for m in range(members.shape[0]):
@@ -303,7 +300,7 @@ def segment(
             for i in range(2):
                 b = contacts.body[k, i]
                 spin = turns_with(contacts, memory, velocities, k, i)
-                if moving[b] == 1 and not hasty:
+                if moving[b] == 1:
                     if spin * h > GENTLE_TURN:
                         h = GENTLE_TURN / spin
                     if count < DETERMINED and spin * pull * h * h * h > RISE:
@@ -311,7 +308,7 @@ def segment(
                     rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
                     if rolls * h > STEADY_TURN:
                         h = STEADY_TURN / rolls
-        if count <= MANY and not hasty:
+        if count <= MANY:
             for k in range(count):
                 rises = dot(axis(contacts, k, 0), velocity_at(contacts, k, velocities.linear, velocities.angular))
                 if rises <= PARTING * contacts.pace[0] and rises * h > HOP:
@@ -320,22 +317,17 @@ def segment(
             # equal parts: over a very short remainder a gap of a nanometre to close would be a high velocity
             h = left / ceil(left / h)
         recall_forces(contacts, memory.last)
-        care = care_for(memory, velocities, members, hasty)
-        if at_once:
-            # these forces include the impacts: a contact left approaching would stop its body at once, and all neighbours
-            care = Care(care.tolerance, care.first, HASTY.sweeps, care.attempts)
+        care = care_for(memory, velocities, members, False)
         h, residual = hold(
             contacts, memory.hold, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
             velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction, care,
-            at_once,
         )
         remember_forces(contacts, h, members, memory.last)
         memory.counts[SOLVES] += 1
         memory.counts[UNSOLVED] += 1 if not (residual <= 10.0 * care.tolerance) else 0
         memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
         for k in range(count):
-            # with at_once gravity acts at the start of the segment, so every body in contact must count as held
-            if contacts.impulse[k, 0] > 0.0 or at_once:
+            if contacts.impulse[k, 0] > 0.0:
                 held[contacts.body[k, 0]], held[contacts.body[k, 1]] = 1, 1
     for m in range(members.shape[0]):
         b = members[m]
@@ -354,33 +346,9 @@ def segment(
                 put_row(velocities.linear, b, acceleration)
                 put_row(velocities.angular, b, acceleration)
             else:
-                if not at_once:
-                    acceleration, twist = scale(sub(v_end, v), 1.0 / h), scale(sub(w_end, w), 1.0 / h)
+                acceleration, twist = scale(sub(v_end, v), 1.0 / h), scale(sub(w_end, w), 1.0 / h)
         elif moving[b] == 1:
             acceleration = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
         put_row(paths.linear, b, acceleration)
         put_row(paths.angular, b, twist)
     return h
-
-
-@kernel
-def change_at_once(velocities: Velocities, memory: Memory, members: Index) -> None:
-    """Swap the velocities of held members for those at the end of their segment, or back again if there is to be another one."""
-    for m in range(members.shape[0]):
-        b = members[m]
-        if memory.paths.kind[b] == HELD:
-            v, w = row(velocities.linear, b), row(velocities.angular, b)
-            put_row(velocities.linear, b, row(memory.linear_end, b))
-            put_row(velocities.angular, b, row(memory.angular_end, b))
-            put_row(memory.linear_end, b, v)
-            put_row(memory.angular_end, b, w)
-
-
-@kernel
-def note_change(memory: Memory, members: Index) -> None:
-    """After `change_at_once`: keep the velocities that held members had before, for `clocks.go_back`."""
-    for m in range(members.shape[0]):
-        b = members[m]
-        if memory.paths.kind[b] == HELD:
-            put_row(memory.islands.linear_before, b, row(memory.linear_end, b))
-            put_row(memory.islands.angular_before, b, row(memory.angular_end, b))

@@ -234,21 +234,6 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
 
 
 @kernel
-def aim_at_once(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
-    """Set the bias velocities of all contacts over all of h seconds, on straight paths: so that no gap is closed at their end.
-
-    Half of the bias acceleration is added, less the part in the midpoint arms. A contact that would open at the end would dip
-    midway; it opens at once instead.
-    """
-    for k in range(contacts.used[0]):
-        way = way_to_go(contacts, k, linear)
-        bend = sub(row(contacts.bend, k), known_bend(contacts, k, angular))
-        contacts.target[k] = max(0.0, -0.5 * h * dot(axis(contacts, k, 0), bend)) - max(-LIFT * contacts.pace[0], way / h)
-        contacts.slide[k, 0] = -0.5 * h * dot(axis(contacts, k, 1), bend)
-        contacts.slide[k, 1] = -0.5 * h * dot(axis(contacts, k, 2), bend)
-
-
-@kernel
 def fall(
     members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, masses: Masses, h: float, linear: Array,
     angular: Array, linear_end: Array, angular_end: Array,
@@ -270,7 +255,6 @@ def fall(
 def hold(
     contacts: Contacts, masses: Masses, members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, h: float,
     linear: Array, angular: Array, linear_end: Array, angular_end: Array, before: Array, direction: Array, care: Care,
-    at_once: bool,
 ) -> tuple[float, float]:
     """Solve for contact forces constant over the next h seconds, or over less if a slip ends before.
 
@@ -279,7 +263,6 @@ def hold(
         members: the bodies that the contacts are between, but for fixed and sleeping ones.
         masses: driven bodies must not yield in them.
         linear, angular: velocities at the start, unchanged; linear_end, angular_end: at the end of the segment.
-        at_once: the velocities at the end are to be those of the whole segment, see `aim_at_once`.
 
     Returns:
         (length of the segment [s], residual [m/s]).
@@ -292,10 +275,7 @@ def hold(
         count = contacts.used[0]
         # forces at the lever arms of the midpoint do the work along the curved path to second order
         weigh_after(contacts, masses, 0.5 * h)
-        if at_once:
-            aim_at_once(contacts, h, linear, angular)
-        else:
-            aim(contacts, h, linear, angular)
+        aim(contacts, h, linear, angular)
         fall(members, moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
         for k in range(count):
             for i in range(3):

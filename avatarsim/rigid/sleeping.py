@@ -11,8 +11,8 @@ from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.rigid.clocks import go_back
 from avatarsim.rigid.contact_generation import note_shown
 from avatarsim.rigid.islands import due_of, part
-from avatarsim.rigid.near_pairs import near_pairs, stands, wake_beside
-from avatarsim.rigid.state import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SWEEPS, Memory
+from avatarsim.rigid.near_pairs import keeps_promise, near_pairs, stands, wake_beside
+from avatarsim.rigid.state import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SEGMENTS, SWEEPS, Memory
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
 
@@ -114,3 +114,25 @@ def regroup(
         if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
             go_back(geometry, poses, velocities, memory, b, now)
     return DONE if count <= room else OUT_OF_ROOM
+
+
+@kernel
+def all_keep(poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float) -> bool:
+    """Whether the members stay in their promised boxes for h seconds."""
+    for m in range(members.shape[0]):
+        if not keeps_promise(
+            poses.hulls, poses.position, memory.span, members[m], velocities.linear, velocities.angular, memory.paths, h,
+            memory.margin[0], memory.boxes,
+        ):
+            return False
+    return True
+
+
+@kernel
+def charged_last(memory: Memory, i: int) -> bool:
+    """Whether island i consists only of bodies charged last: those whose contacts are in ``memory.contacts``."""
+    islands = memory.islands
+    for m in range(islands.first[i], islands.first[i + 1]):
+        if islands.charged[islands.order[m]] != memory.counts[SEGMENTS]:
+            return False
+    return True

@@ -22,8 +22,9 @@ from avatarsim.model.dynamics import Dynamics
 from avatarsim.model.geometry import OPEN, Geometry, PairFilter, Poses
 from avatarsim.model.world import World
 from avatarsim.rigid.contacts import ROOM, ROOM_PER_BODY, Contacts, LastForces, Masses, make_contacts, make_last_forces, pace_of
-from avatarsim.rigid.islands import Islands, Soonest, make_islands, make_soonest
+from avatarsim.rigid.islands import Islands, make_islands
 from avatarsim.rigid.near_pairs import DRIVEN_TOUCH, ROOM_TO_TOUCH, margin_for
+from avatarsim.rigid.substep_state import Substeps, make_substeps
 from avatarsim.scene.body import Role
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
@@ -105,9 +106,6 @@ def trail_snapshots(world: World, trail: Array, time: float) -> tuple[Snapshot, 
     return tuple(kept)
 
 
-BLOCKED_ROOM = 64
-"""Most blocked pairs recorded at once."""
-
 PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
 """Near pairs held, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
 each. A pair without room is not checked, so its bodies pass through each other: the status says so."""
@@ -120,25 +118,28 @@ DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range
 proved free; the budget of impacts is; more contacts or pairs than fit; overlap is left that no position of simulated bodies
 removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy is added in the first three."""
 
+AGAIN = -1
+"""Outcome of a step: no body was moved, and the step is to be repeated."""
+
 STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "not finite")
 
 (
-    SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS, ISLANDS, PLASTIC, STOPPED,
-    BLOCKED, WORK,
-) = range(15)
+    SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS, ISLANDS, SUBSTEPS, SHORTENED,
+    WORK,
+) = range(14)
 """Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
 was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position projections, broad phases,
-most contacts of an island, most islands, fallback steps, bodies that these stopped, pairs found blocked, and work in units of
+most contacts of an island, most islands, substeps of crowds, bodies that went less than their way in one, and work in units of
 about a tenth of a microsecond."""
 
 COUNT_NAMES = (
     "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
-    "positions_corrected", "sweep_and_prune", "contacts", "islands", "plastic_steps", "bodies_stopped", "pairs_blocked", "work",
+    "positions_corrected", "sweep_and_prune", "contacts", "islands", "substeps", "ways_shortened", "work",
 )
 
 WORK_CAP = 24000
-"""Work of a frame after which islands end it with the fallback step, and of one stage of a solve: about two milliseconds. Fewer:
-bodies lose time in calm scenes; more: frames of heaps take longer."""
+"""Work of a frame after which islands end it by substeps, and of one stage of a solve: about two milliseconds. Fewer: calm scenes
+lose the order of their impacts; more: frames in which a heap begins to move take longer."""
 
 QUERY_WORK = 8
 """Work of one contact query."""
@@ -189,19 +190,16 @@ class Memory(NamedTuple):
     islands            and their clocks
     joins              (nb) flags: connects islands, since it is moving or driven
     corrected          (nb) [s] since the frame began at which the last position projection was, -1 before it
-    when               (room) [s] time of the first event of each near pair
     all_bodies         (nb) their numbers, from 0 on
-    blocked            (ROOM, 3) pairs found blocked: see `rigid.contact_generation`
-    clogged, frames    (1) the last frame in which a pair counts as blocked; (1) frames so far
     edges              (2, 6) working memory of `collision.edge_edge`
     tail_end           (nb) [s] since the frame began at which the last bounces of a ball end, -1 without: see `rigid.impacts`
     tail_speed         (nb, 3) [m/s] its velocity until then
     newest, older      (nb), (contacts, 2) contacts of a body one after the other: see `rigid.internal_edges`, `rigid.impacts`
     margin             (1) [m] by which boxes of the broad phase are larger: see `rigid.near_pairs`
     touch              (1) [m] gap below which a driven body has contacts
-    soonest            event queue: see `rigid.budget_fallback`
     shown_linear       (nb, 3) [m/s] velocities of the displayed motion of driven bodies
     shown_angular      (nb, 3) [rad/s] the same
+    substeps           state and scratch of certified substeps
     """
 
     received: Vectors
@@ -240,11 +238,7 @@ class Memory(NamedTuple):
     islands: Islands
     joins: IndexLine
     corrected: Line
-    when: Line
     all_bodies: IndexLine
-    blocked: IndexGrid
-    clogged: IndexLine
-    frames: IndexLine
     edges: Grid
     tail_end: Line
     tail_speed: Vectors
@@ -252,19 +246,20 @@ class Memory(NamedTuple):
     older: IndexGrid
     margin: Line
     touch: Line
-    soonest: Soonest
     shown_linear: Vectors
     shown_angular: Vectors
+    substeps: Substeps
 
 WORKING = (
     *(f"memory.contacts.{name}" for name in Contacts._fields if name != "visits"),
     "memory.ball", "memory.round", "memory.paths.round", "memory.paths.inertia", "memory.paths.inverse_inertia",
     "memory.strike.inverse_mass", "memory.hold.inverse_mass", "memory.reach", "memory.span", "memory.wanted", "memory.all_bodies",
     "memory.margin", "memory.touch",
-    "memory.sweep", "memory.pairs", "memory.manifold", "memory.series", "memory.soonest", "memory.newest", "memory.older",
-    "memory.a_rows", "memory.b_rows", "memory.edges", "memory.when", "memory.before", "memory.direction", "memory.boxes",
+    "memory.sweep", "memory.pairs", "memory.manifold", "memory.series", "memory.newest", "memory.older",
+    "memory.a_rows", "memory.b_rows", "memory.edges", "memory.before", "memory.direction", "memory.boxes",
     "memory.counts", "memory.islands.found", "memory.islands.order", "memory.islands.first", "memory.islands.pairs",
     "memory.islands.pair_first", "memory.islands.label", "memory.islands.mark",
+    *(f"memory.substeps.{name}" for name in Substeps._fields if name not in ("crowd", "calm")),
 )
 """Fields that a snapshot leaves out: contact points, which each segment finds anew (but for the work not yet counted), constants,
 and working memory that each frame fills before it reads it. The pairs of a broad phase do not depend on its memory."""
@@ -315,11 +310,11 @@ def make_memory(
         last=make_last_forces(n, touching), counts=np.zeros(len(COUNT_NAMES), np.int64),
         owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
         began=Poses(*(field.copy() for field in poses)), islands=make_islands(n, room), joins=np.zeros(n, np.int64),
-        corrected=np.zeros(n), when=np.zeros(room), all_bodies=np.arange(n, dtype=np.int64),
-        blocked=np.full((BLOCKED_ROOM, 3), -1, np.int64), clogged=np.full(1, -1, np.int64), frames=np.zeros(1, np.int64),
+        corrected=np.zeros(n), all_bodies=np.arange(n, dtype=np.int64),
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
         newest=np.full(n, -1, np.int64), older=np.full((touching, 2), -1, np.int64),
         margin=np.full(1, max(margin_for(span, simulated, driven), ROOM_TO_TOUCH * touch if driven else 0.0)),
         touch=np.full(1, touch),
-        soonest=make_soonest(n, room), shown_linear=np.zeros((n, 3)), shown_angular=np.zeros((n, 3)),
+        shown_linear=np.zeros((n, 3)), shown_angular=np.zeros((n, 3)),
+        substeps=make_substeps(n, poses, room, touching),
     )

@@ -67,7 +67,6 @@ def advance(
     take_up_tails(velocities, memory)
     if begin(geometry, dynamics, poses, velocities, dt, memory, switches.sleeping) == 0:
         return DONE
-    memory.frames[0] += 1
     bodies, islands, paths = memory.moving.shape[0], memory.islands, memory.paths
     status, now, i = regroup(geometry, dynamics, poses, velocities, memory, memory.all_bodies, 0.0, dt), 0.0, 0
     if status == NOT_FINITE:
@@ -137,9 +136,9 @@ class SimulatedLoop:
         """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
         bodies, flag, number = len(self.memory.moving), (0, 1), (-1, MOST)
         return {
-            "moving": flag, "asleep": flag, "held": flag, "owing": flag, "joins": flag, "late": flag, "kind": (STILL, HELD),
+            "moving": flag, "asleep": flag, "held": flag, "owing": flag, "joins": flag, "at_once": flag, "kind": (STILL, HELD),
             "last.body": (0, bodies - 1), "key": number, "turn": number, "latest": number, "turns": number, "visits": (0, MOST),
-            "earliest": number, "charged": number, "spent": (0, MOST), "blocked": number, "clogged": number, "frames": (0, MOST),
+            "earliest": number, "charged": number, "spent": (0, MOST), "crowd": flag, "calm": number,
         }
 
     def go_on(self) -> None:

@@ -13,9 +13,7 @@ from avatarsim.rigid.first_event import (
     ahead_of,
     balls_meet,
     event_of_pair,
-    farthest_along,
     first_event,
-    never_meet,
     out_of_reach,
 )
 from avatarsim.rigid.state import SEARCHES, WORK
@@ -113,37 +111,6 @@ def test_balls_meet_when_the_search_for_any_shapes_finds_it(touching: bool) -> N
         assert t == pytest.approx(when, abs=1e-15 + 4e-9 / max(1e-9, abs(rate)))
         met += outcome != CLEAR
     assert TRIALS // 10 < met < TRIALS
-
-
-@pytest.mark.nojit
-@pytest.mark.boundscheck
-@pytest.mark.parametrize("kind", ["balls", "ball and box", "boxes"])
-def test_who_never_meets_has_no_impact_wherever_one_stops(kind: str) -> None:
-    """One of the two stops at some time on its path; from then on the search finds nothing."""
-    world, rng, apart = world_of(kind), np.random.default_rng(5), 0
-    m = world.memory
-    for _ in range(TRIALS):
-        throw(world, rng, False)
-        if not never_meet(m, 0, 1, H):
-            continue
-        apart += 1
-        stopped, t = int(rng.integers(2)), rng.uniform(0.0, H)
-        if m.paths.kind[stopped] != STILL:
-            v, a = m.islands.linear[stopped], m.paths.linear[stopped]
-            m.trial.position[stopped] = m.began.position[stopped] + t * v + 0.5 * t * t * a
-            m.paths.kind[stopped] = STILL
-            place(world.geometry, m.trial, stopped)
-        assert search(world, t)[0] == CLEAR
-    assert apart > TRIALS // 10
-
-
-@pytest.mark.nojit
-def test_the_farthest_point_of_a_throw_is_that_of_many_looked_at() -> None:
-    rng, times = np.random.default_rng(6), np.linspace(0.0, H, 2001)
-    for _ in range(TRIALS):
-        v, a = rng.normal() * 10.0 ** rng.uniform(-3, 1), rng.normal() * 10.0 ** rng.uniform(-1, 3)
-        looked_at = (v * times + 0.5 * a * times**2).max()
-        assert looked_at <= farthest_along(v, a, H) * (1.0 + 1e-12) <= looked_at + 0.5 * abs(a) * (H / 2000) ** 2 + 1e-15
 
 
 @pytest.mark.nojit

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avatarsim.rigid.state import PLASTIC, SEGMENTS
+from avatarsim.rigid.state import SEGMENTS, SUBSTEPS
 from avatarsim.scene.body import ContactLaw, PairTable, fixed
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Shape
 from tests.rigid.upper_world import G, World, ball, slab, thing
@@ -42,7 +42,7 @@ def run(world: World, seconds: float, rate: float) -> float:
     first = last = world.energy()
     for _ in range(round(seconds * rate)):
         assert world.frame(1.0 / rate) == 0
-        assert world.memory.counts[PLASTIC] == 0
+        assert world.memory.counts[SUBSTEPS] == 0
         energy = world.energy()
         assert energy <= last + 1e-12
         last = energy

@@ -29,7 +29,7 @@ def held(contacts, masses, h: float, linear: np.ndarray, angular: np.ndarray):
     curvature(contacts, v, w)
     memory, care = (np.zeros((4, 3)), np.zeros((4, 3))), Care(SOLVED, 25, SWEEPS, ATTEMPTS)
     inertia = np.stack([np.zeros((3, 3)), INERTIA])
-    length, left = hold(contacts, masses, MEMBERS, MOVING, BRICK, G, inertia, h, v, w, v_end, w_end, *memory, care, False)
+    length, left = hold(contacts, masses, MEMBERS, MOVING, BRICK, G, inertia, h, v, w, v_end, w_end, *memory, care)
     assert left <= 10.0 * SOLVED
     return float(length), v_end, w_end
 

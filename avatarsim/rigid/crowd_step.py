@@ -1,0 +1,318 @@
+"""Step of an island that is a crowd: its substep within the frame, on the clock and in the boxes of its island."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.conservative_advancement import TOUCH
+from avatarsim.collision.manifold import MANIFOLD_POINTS
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.clocks import arrive, depart
+from avatarsim.rigid.contact_generation import BROKEN, find_contacts
+from avatarsim.rigid.contacts import Contacts, remember_forces
+from avatarsim.rigid.deferred_impacts import hand_over, wait
+from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
+from avatarsim.rigid.impacts import until_tail_ends
+from avatarsim.rigid.margin_rows import list_pieces_of
+from avatarsim.rigid.response import CAREFUL_VISITS, impacts
+from avatarsim.rigid.resting import SWEEPS
+from avatarsim.rigid.settling import AGAIN_AFTER, AT_LAST, FRAMES, calm_frames, holds_from_rest, note_calm, stand_still
+from avatarsim.rigid.sleeping import all_keep, regroup
+from avatarsim.rigid.state import (
+    AGAIN,
+    AUDITED,
+    DONE,
+    NOT_FINITE,
+    OUT_OF_ROOM,
+    SUBSTEPS,
+    WORK,
+    Events,
+    Memory,
+    Switches,
+)
+from avatarsim.rigid.substep import (
+    CUTS,
+    FRAME_VISITS,
+    find_free_ways,
+    is_slow,
+    length_of,
+    rebound,
+    relax,
+    set_ways,
+    solve_ways,
+    take_step,
+    tolerance_of,
+    visits_left,
+)
+from avatarsim.spatial.vec3 import dot, put_row, row
+from avatarsim.tolerances import GRAIN
+
+Index = NDArray[np.int64]
+
+FEW = MANIFOLD_POINTS
+"""Contact points up to which an island is no crowd any more: those of one pair of pieces."""
+
+MANY = CAREFUL_VISITS // (2 * SWEEPS)
+"""Contact points for which the exact path has time for all sweeps of a resting solve."""
+
+CROWDED, UNPROVED = -2, -3
+"""Outcomes: there is no room for the pairs of pieces of an island; its ways are not proved."""
+
+REGROUPS = 6
+"""Times that boxes and islands are made anew in a substep. Fewer: substeps are cut short where bodies change their velocities."""
+
+
+@kernel
+def is_crowd(memory: Memory, members: Index) -> bool:
+    """Whether the island of these members advances by substeps."""
+    for m in range(members.shape[0]):
+        if memory.substeps.crowd[members[m]] == 1:
+            return True
+    return False
+
+
+@kernel
+def has_driven(dynamics: Dynamics, members: Index) -> bool:
+    """Whether a member is driven."""
+    for m in range(members.shape[0]):
+        if dynamics.role[members[m]] == DRIVEN:
+            return True
+    return False
+
+
+@kernel
+def put_ways(velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Keep the velocities of the members as those before the step, and put those of their ways in their place."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        put_row(memory.substeps.spare_linear, b, row(velocities.linear, b))
+        put_row(memory.substeps.spare_angular, b, row(velocities.angular, b))
+        if memory.moving[b] == 1:
+            put_row(velocities.linear, b, row(memory.substeps.way, b))
+            put_row(velocities.angular, b, row(memory.substeps.turning, b))
+
+
+@kernel
+def put_back(velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Undo `put_ways`."""
+    for m in range(members.shape[0]):
+        put_row(velocities.linear, members[m], row(memory.substeps.spare_linear, members[m]))
+        put_row(velocities.angular, members[m], row(memory.substeps.spare_angular, members[m]))
+
+
+@kernel
+def try_rest(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index,
+    now: float, h: float, untried: bool,
+) -> bool:
+    """Let the members stand still for the rest of the frame if their contacts hold them, or ``untried`` in any case."""
+    put_ways(velocities, memory, members)
+    held = holds_from_rest(geometry, dynamics, poses, velocities, memory, members, h) or untried
+    # if in vain, the next try goes on from these forces
+    remember_forces(memory.contacts, h, members, memory.last)
+    if not held:
+        put_back(velocities, memory, members)
+        return False
+    stand_still(velocities, memory, members)
+    depart(poses, velocities, memory, members, now)
+    return True
+
+
+@kernel
+def prove_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float,
+    dt: float, h: float, fine: bool, at_last: bool,
+) -> int:
+    """Find ways of the members that stay in their promised boxes and are proved free.
+
+    Where they leave their boxes these are made anew, and the islands. As long as no other body joins, the members go on together,
+    whatever islands they are in now. Returns DONE, or OUT_OF_ROOM, or
+    NOT_FINITE, or AGAIN if another body joins, or CROWDED, or UNPROVED unless ``at_last``.
+    """
+    proved, status = False, DONE
+    for _ in range(REGROUPS):
+        put_ways(velocities, memory, members)
+        kept = all_keep(poses, velocities, memory, members, h)
+        if not kept:
+            status = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
+            if status == NOT_FINITE:
+                return status
+            if not none_joined(memory, members):
+                put_back(velocities, memory, members)
+                return AGAIN
+            proved = False
+        put_back(velocities, memory, members)
+        if kept and proved:
+            break
+        if not kept and not list_pieces_of(geometry, memory, members):
+            return CROWDED
+        if not find_free_ways(geometry, dynamics, poses, velocities, memory, members, h, fine, at_last):
+            return UNPROVED
+        proved = True
+    return status
+
+
+@kernel
+def hold_back(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
+    kinetic: float,
+) -> None:
+    """Shorten the ways of bodies that would rise by more than the ``kinetic`` energy [J] of all of them pays for.
+
+    Errors of a solve that has not converged lift bodies that hardly move. A part of a straight way that was proved is proved.
+    """
+    sub_, risen = memory.substeps, 0.0
+    pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            if sub_.pushed[b] == 0:
+                return
+            risen -= h * dot(pull, row(sub_.way, b)) / memory.hold.inverse_mass[b]
+    if not (risen > kinetic):
+        return
+    for m in range(members.shape[0]):
+        sub_.share[members[m]] *= kinetic / risen
+    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+
+
+@kernel
+def none_joined(memory: Memory, members: Index) -> bool:
+    """Whether the islands of the members consist of members only: then the sizes of those that a member leads add up."""
+    islands, count = memory.islands, 0
+    for m in range(members.shape[0]):
+        i = islands.label[members[m]]
+        if islands.order[islands.first[i]] == members[m]:
+            count += islands.first[i + 1] - islands.first[i]
+    return bool(count == members.shape[0])
+
+
+@kernel
+def crowd_step(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, memory: Memory,
+    events: Events, switches: Switches,
+) -> int:
+    """Take island i through one substep; returns a status or AGAIN."""
+    islands, contacts, status = memory.islands, memory.contacts, DONE
+    size = islands.first[i + 1] - islands.first[i]
+    members = memory.substeps.members[:size]
+    for m in range(size):
+        # islands may be formed anew before the substep ends
+        members[m] = islands.order[islands.first[i] + m]
+    pairs = islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]
+    lead, driven = members[0], has_driven(dynamics, members)
+    now = islands.due[lead]
+    left = dt - now
+    if driven:
+        outcome, _ = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
+        if outcome == BROKEN:
+            return NOT_FINITE
+        if contacts.used[0] > 0:
+            impacts(geometry, dynamics, poses, velocities, memory, events, members, now, True, switches)
+            wait(velocities, memory, members, left)
+    h = min(length_of(dt, left), until_tail_ends(memory, members, now, left))
+    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
+    calm = calm_frames(memory, members) if now == 0.0 and not driven else 0
+    if calm >= FRAMES and ((calm - FRAMES) % AGAIN_AFTER == 0 or calm == AT_LAST):
+        if try_rest(geometry, dynamics, poses, velocities, memory, members, now, h, calm == AT_LAST):
+            for m in range(size):
+                islands.due[members[m]] = dt
+            return DONE
+    slow = pairs.shape[0] <= FEW or is_slow(velocities, memory, members)
+    found, fine = UNPROVED, False
+    for cut in range(CUTS + 1):
+        has_room, fine = solve_ways(geometry, dynamics, poses, velocities, memory, members, h, slow)
+        found = CROWDED
+        if has_room:
+            at_last = cut == CUTS or slow or visits_left(memory) < FRAME_VISITS // 2
+            found = prove_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, fine, at_last)
+        if found != UNPROVED:
+            break
+        h *= 0.5
+    if found == AGAIN or found == NOT_FINITE:
+        return found
+    if found == CROWDED:
+        wait_for_room(poses, velocities, memory, members, now, dt)
+        return OUT_OF_ROOM
+    status = found
+    hold_back(geometry, dynamics, poses, velocities, memory, members, h, kinetic)
+    until = h
+    put_ways(velocities, memory, members)
+    while not all_keep(poses, velocities, memory, members, until):
+        until *= 0.5
+    depart(poses, velocities, memory, members, now)
+    for m in range(size):
+        put_row(islands.linear_before, members[m], row(memory.substeps.spare_linear, members[m]))
+        put_row(islands.angular_before, members[m], row(memory.substeps.spare_angular, members[m]))
+        islands.at_once[members[m]] = 1
+    for m in range(size):
+        arrive(geometry, poses, velocities, memory, members[m], until)
+    relax(memory, h, fine)
+    remember_lasting(memory, h, members)
+    rebound(dynamics, memory, members, h, tolerance_of(memory, h, fine))
+    take_step(velocities, memory, members)
+    hand_over(dynamics, velocities, memory)
+    memory.counts[SUBSTEPS] += 1
+    memory.counts[WORK] += contacts.visits[0]
+    contacts.visits[0] = 0
+    take_gain(dynamics, poses, velocities, memory, members, kinetic + potential)
+    ends = now + until > dt * (1.0 - GRAIN)
+    for m in range(size):
+        b = members[m]
+        islands.due[b] = dt if ends else now + until
+    if ends:
+        note_calm(dynamics, velocities, memory, members)
+    tried = calm_frames(memory, members) >= FRAMES
+    taken = fine and not driven and tried and exact_path_takes(contacts)
+    stays = contacts.used[0] > FEW and not taken
+    for m in range(size):
+        memory.substeps.crowd[members[m]] = 1 if stays else 0
+    return status
+
+
+@kernel
+def exact_path_takes(contacts: Contacts) -> bool:
+    """Whether all rows that carry a force are near enough to be contacts of the exact path, and not too many for its solver."""
+    if contacts.used[0] > MANY:
+        return False
+    for k in range(contacts.used[0]):
+        if contacts.impulse[k, 0] > 0.0 and not (contacts.gap[k] < TOUCH):
+            return False
+    return True
+
+
+@kernel
+def take_gain(
+    dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, energy_before: float
+) -> None:
+    """Take the energy [J] that an island gained, by lifts above all, from the bodies on which contacts acted."""
+    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
+    gain, kinetic = kinetic + potential - energy_before, 0.0
+    for m in range(members.shape[0]):
+        b = members[m]
+        memory.held[b] = memory.moving[b] * memory.substeps.pushed[b]
+        if memory.held[b] == 1:
+            kinetic += kinetic_energy(memory.hold, memory.inertia, b, velocities.linear, velocities.angular)
+    if take_back(gain, kinetic, members, memory.held, velocities.linear, velocities.angular):
+        memory.counts[AUDITED] += 1
+
+
+@kernel
+def wait_for_room(poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, dt: float) -> None:
+    """Let an island whose contacts have no room wait for the next frame."""
+    stand_still(velocities, memory, members)
+    depart(poses, velocities, memory, members, now)
+    for m in range(members.shape[0]):
+        memory.islands.due[members[m]], memory.held[members[m]] = dt, 0
+
+
+@kernel
+def remember_lasting(memory: Memory, h: float, members: Index) -> None:
+    """Keep the forces of the rows that have a key."""
+    contacts = memory.contacts
+    count = contacts.used[0]
+    contacts.used[0] = memory.substeps.lasting[0]
+    remember_forces(contacts, h, members, memory.last)
+    contacts.used[0] = count
+

@@ -1,0 +1,251 @@
+"""Contact rows of a substep: speculative contacts (Catto, Continuous Collision, GDC 2013) with a stand-off, and refused pairs.
+
+Each near pair of pieces gives the points of its manifold that may close within the substep. A row asks that its gap closes no
+further than to the stand-off. A pair whose certificate fails gets rows where it is nearest on its way, the deepest point in any
+case, which ask for the least gap that can be proved and no more: bodies wedged between two others have no room for a stand-off.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.manifold import manifold
+from avatarsim.collision.path import acceleration
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.contact_generation import note_drift
+from avatarsim.rigid.contact_law import point_velocity
+from avatarsim.rigid.contacts import (
+    DRIVEN_A,
+    DRIVEN_B,
+    NOT_DRIVEN,
+    POINTS_OF_PAIR,
+    Contacts,
+    Masses,
+    add_contact,
+    axis,
+    speed_along,
+    weigh_from,
+)
+from avatarsim.rigid.state import Memory
+from avatarsim.rigid.substep_state import KNOWN, UNKNOWN
+from avatarsim.rigid.swept_certificate import Refusal, least_of, query
+from avatarsim.spatial.vec3 import Vec3, dot, norm, put_row, row, scale, sub
+from avatarsim.tolerances import FINE
+
+Index = NDArray[np.int64]
+Array = NDArray[np.float64]
+
+LOWER = 0.5
+UPPER = 2.0 - LOWER
+"""[stand-offs] between which a gap is left as it is: corners of one face, a micrometre apart in height, would otherwise ask for
+velocities that no rigid body can have."""
+
+LIFT = 0.05
+"""Share per substep of a gap's shortfall below LOWER that is opened. Larger: energy of the lift, which is taken from speeds;
+smaller: bodies come as near as can be proved, and more pairs are refused."""
+
+REACH = 4.0
+"""[stand-offs] gap below which a pair gets rows at any speed."""
+
+BAND = 10.0
+"""[stand-offs] by which points of a manifold may be farther apart than its closest. Larger: false normals; smaller: a face that
+falls on another gets its rows one corner after the other."""
+
+@kernel
+def stand_off_of(memory: Memory) -> float:
+    """Gap [m] that bodies of a crowd in motion keep: a tenth of the margin of the broad phase, 50 um unless all are small."""
+    return float(FINE * memory.margin[0])
+
+
+@kernel
+def list_pieces(geometry: Geometry, memory: Memory, pairs: Index) -> bool:
+    """Append the pairs of pieces of near pairs (count, 2) of bodies, with no direction known; False without room for all."""
+    sub_, count = memory.substeps, memory.substeps.found[0]
+    for p in range(pairs.shape[0]):
+        a, b = pairs[p, 0], pairs[p, 1]
+        if memory.moving[a] + memory.moving[b] == 0:
+            continue
+        for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
+            for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
+                if count >= sub_.state.shape[0]:
+                    return False
+                sub_.pieces[count, 0], sub_.pieces[count, 1] = sa, sb
+                sub_.state[count], sub_.refused[count] = UNKNOWN, 1
+                count += 1
+    sub_.found[0] = count
+    return True
+
+
+@kernel
+def list_pieces_of(geometry: Geometry, memory: Memory, members: Index) -> bool:
+    """List the near pairs of pieces of all islands that a member leads; False without room."""
+    islands = memory.islands
+    memory.substeps.found[0] = 0
+    for m in range(members.shape[0]):
+        i = islands.label[members[m]]
+        if islands.order[islands.first[i]] == members[m]:
+            if not list_pieces(geometry, memory, islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]):
+                return False
+    return True
+
+
+@kernel
+def driven_side(dynamics: Dynamics, a: int, b: int) -> int:
+    """Which body of a pair is driven, as `Contacts.driven` has it."""
+    return DRIVEN_A if dynamics.role[a] == DRIVEN else DRIVEN_B if dynamics.role[b] == DRIVEN else NOT_DRIVEN
+
+
+@kernel
+def boxes_within(boxes: Array, i: int, k: int, reach: float) -> bool:
+    """Whether two boxes of pieces come within ``reach`` [m] of each other along every axis."""
+    for x in range(3):
+        if boxes[i, x] - boxes[k, 3 + x] > reach or boxes[k, x] - boxes[i, 3 + x] > reach:
+            return False
+    return True
+
+
+@kernel
+def closing_bound(memory: Memory, a: int, b: int) -> float:
+    """Largest speed [m/s] at which points of bodies a and b may approach by their velocities without contact."""
+    v, w, span = memory.linear_end, memory.angular_end, memory.span
+    return float(norm(sub(row(v, a), row(v, b))) + norm(row(w, a)) * span[a] + norm(row(w, b)) * span[b])
+
+
+@kernel
+def find_rows(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float
+) -> bool:
+    """Fill ``memory.contacts`` with the rows of all listed pairs of pieces for a substep of h seconds; False without room.
+
+    ``memory.linear_end``, ``angular_end``: velocities without contact.
+    """
+    sub_, contacts, has_room = memory.substeps, memory.contacts, True
+    contacts.used[0], d = 0, stand_off_of(memory)
+    pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
+    for q in range(sub_.found[0]):
+        sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
+        a, b = geometry.body[sa], geometry.body[sb]
+        reach = REACH * d + h * (closing_bound(memory, a, b) + 2.0 * h * pull)
+        driven = driven_side(dynamics, a, b)
+        if driven != NOT_DRIVEN:
+            reach = max(reach, memory.touch[0])
+        if not boxes_within(poses.boxes, sa, sb, reach):
+            continue
+        gap, n, on_a, on_b = query(geometry, poses, memory, sa, sb, reach)
+        put_row(sub_.normal, q, n)
+        sub_.gap[q], sub_.state[q] = gap, KNOWN
+        if not (gap < reach):
+            continue
+        first = contacts.used[0]
+        band = min(reach, max(gap, 0.0) + BAND * d)
+        if not add_manifold(geometry, dynamics, poses, velocities, memory, sa, sb, driven, gap, n, on_a, on_b, band):
+            has_room = False
+        for k in range(first, contacts.used[0]):
+            contacts.key[k] = (sa * geometry.body.shape[0] + sb) * POINTS_OF_PAIR + k - first
+    sub_.lasting[0] = contacts.used[0]
+    return has_room
+
+
+@kernel
+def add_manifold(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, sa: int, sb: int, driven: int,
+    gap: float, n: Vec3, on_a: Vec3, on_b: Vec3, band: float,
+) -> bool:
+    """Append a row for every point of the manifold of two pieces whose gap is below ``band`` [m]; False without room."""
+    found, contacts = memory.manifold, memory.contacts
+    a, b = geometry.body[sa], geometry.body[sb]
+    count, n = manifold(poses.vertices, geometry.shapes, sa, sb, n, on_a, on_b, gap, band, found)
+    friction = dynamics.friction[dynamics.material[a], dynamics.material[b]]
+    for i in range(count):
+        k = contacts.used[0]
+        p, q = row(found.on_a, i), row(found.on_b, i)
+        if not add_point(dynamics, poses, memory, a, b, driven, n, p, q, found.gap[i], friction):
+            return False
+        if driven != NOT_DRIVEN:
+            note_drift(velocities, memory, k)
+            slide_with_driven(velocities, contacts, k)
+    return True
+
+
+@kernel
+def slide_with_driven(velocities: Velocities, contacts: Contacts, k: int) -> None:
+    """Let friction of row k go by the velocity along the tangents of its driven body, which stands in the solve."""
+    side = 0 if contacts.driven[k] == DRIVEN_A else 1
+    b, arm = contacts.body[k, side], row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
+    u = point_velocity(row(velocities.linear, b), row(velocities.angular, b), arm)
+    for i in range(2):
+        along_tangent = dot(axis(contacts, k, 1 + i), u)
+        contacts.slide[k, i] = -along_tangent if side == 0 else along_tangent
+
+
+@kernel
+def add_point(
+    dynamics: Dynamics, poses: Poses, memory: Memory, a: int, b: int, driven: int, n: Vec3, on_a: Vec3, on_b: Vec3, gap: float,
+    friction: float,
+) -> bool:
+    """Append one row of bodies a and b; False without room."""
+    contacts, k = memory.contacts, memory.contacts.used[0]
+    if memory.ball[a] + memory.ball[b] == 0:
+        # one point for both bodies keeps angular momentum; on a ball friction is exact at each surface's own
+        on_a = on_b = scale((on_a[0] + on_b[0], on_a[1] + on_b[1], on_a[2] + on_b[2]), 0.5)
+    arm_a, arm_b = sub(on_a, row(poses.position, a)), sub(on_b, row(poses.position, b))
+    if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, gap):
+        return False
+    contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
+    contacts.friction[k] = friction
+    return True
+
+
+@kernel
+def aim_rows(contacts: Contacts, count: int, d: float, h: float, lifts: bool) -> None:
+    """Set the target velocities of rows k < count: a gap closes to UPPER stand-offs d at most, and with ``lifts`` opens slowly
+    below LOWER."""
+    for k in range(count):
+        gap = contacts.gap[k]
+        contacts.target[k] = 0.0
+        if gap > UPPER * d:
+            contacts.target[k] = -(gap - UPPER * d) / h
+        elif gap < LOWER * d and lifts:
+            contacts.target[k] = LIFT * (LOWER * d - gap) / h
+
+
+@kernel
+def add_refused(
+    geometry: Geometry, dynamics: Dynamics, velocities: Velocities, memory: Memory, masses: Masses, q: int, refusal: Refusal,
+    h: float, d: float, error: float,
+) -> bool:
+    """Append rows of refused pair q where it is nearest on its way, for a stand-off d [m]; False without room.
+
+    They ask for the gap that is to be proved and ``error`` [m], what the solver may leave. No more: bodies wedged between two
+    others have no room, and to lift costs energy.
+
+    Velocities that the rows see are those of the way. A corner of a face that is farther away asks for its share of the
+    stand-off, as a row of the start does.
+    """
+    sub_, contacts = memory.substeps, memory.contacts
+    sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
+    a, b, wanted = geometry.body[sa], geometry.body[sb], least_of(sub_.gap[q]) + error
+    driven, first, at_end = driven_side(dynamics, a, b), contacts.used[0], refusal.at >= 1.0
+    poses = memory.trial if at_end else sub_.high
+    has_room = True
+    if at_end:
+        has_room = add_manifold(
+            geometry, dynamics, poses, velocities, memory, sa, sb, driven, refusal.gap, refusal.normal, refusal.on_a,
+            refusal.on_b, REACH * stand_off_of(memory),
+        )
+    has_room = add_point(
+        dynamics, poses, memory, a, b, driven, refusal.normal, refusal.on_a, refusal.on_b, refusal.gap, 0.0
+    ) and has_room
+    after = h * refusal.at
+    weigh_from(contacts, masses, 0.0, first)
+    for k in range(first, contacts.used[0]):
+        contacts.friction[k], contacts.key[k] = 0.0, -1
+        pull = dot(axis(contacts, k, 0), sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
+        gap = contacts.gap[k] - after * (speed_along(contacts, k, 0, sub_.way, sub_.turning) + 0.5 * after * pull)
+        contacts.gap[k] = gap
+        if gap > LOWER * d:
+            contacts.target[k] = -(gap - LOWER * d) / after
+        else:
+            contacts.target[k] = 0.0 if gap > wanted else (wanted - gap) / after
+    return has_room

@@ -1,0 +1,120 @@
+"""Rest of a crowd: its bodies stand still when the contacts can hold all of them from rest.
+
+The test is a solve of the contacts for bodies at rest under gravity: it leaves a velocity where nothing holds them. It is made
+once all have been slow for some frames.
+"""
+
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.path import STILL
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.dynamics import Dynamics, Velocities
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.contacts import recall_forces, weigh_from
+from avatarsim.rigid.margin_rows import LOWER, UPPER, find_rows, list_pieces_of, stand_off_of
+from avatarsim.rigid.solver import FIRST_TRY, solve_contacts
+from avatarsim.rigid.state import SOLVES, Memory
+from avatarsim.rigid.substep import VISITS, apply_kept, fall_free
+from avatarsim.spatial.vec3 import norm, put_row, row
+from avatarsim.tolerances import FINE, ROUGH
+
+Index = NDArray[np.int64]
+
+FRAMES, AGAIN_AFTER = 3, 10
+AT_LAST = FRAMES * AGAIN_AFTER
+"""Frames in which all were slow before rest is tried, after which it is tried again, and after which they stand still untried,
+since half a second of slowness is rest to the eye. Fewer: bodies that are slow for a moment are tried, or stop too soon; more:
+heaps sleep later, and what rests is solved for as long as what moves."""
+
+HELD_SHARE, HELD_VISITS = 5e-4, 5 * VISITS
+"""Share of the pull of gravity that the test may leave to a body that counts as held, and most contact points that each stage of
+its solve visits. Larger share: a body farther from its balance, in radians, stands; smaller, or fewer visits: heaps never sleep,
+for the solver does not come so far."""
+
+HELD_GAP = UPPER + LOWER
+"""[stand-offs] gap up to which a contact holds from rest: substeps leave gaps of 0.5 to 1.5."""
+
+
+@kernel
+def pull_of(dynamics: Dynamics) -> float:
+    """Size of gravity [m/s^2]."""
+    return float(norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])))
+
+
+@kernel
+def slow_speed(dynamics: Dynamics, memory: Memory) -> float:
+    """Speed [m/s] below which a body may come to rest: a tenth of that of a fall through the stand-off."""
+    return FINE * sqrt(2.0 * stand_off_of(memory) * pull_of(dynamics))
+
+
+@kernel
+def note_calm(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index) -> None:
+    """At the end of a frame: count the frames in which each member was slow."""
+    calm, slow = memory.substeps.calm, slow_speed(dynamics, memory)
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            speed = max(norm(row(velocities.linear, b)), norm(row(velocities.angular, b)) * memory.span[b])
+            calm[b] = calm[b] + 1 if speed < slow else 0
+
+
+@kernel
+def calm_frames(memory: Memory, members: Index) -> int:
+    """Frames, at most AT_LAST, for which all members that move have been slow."""
+    least = AT_LAST
+    for m in range(members.shape[0]):
+        if memory.moving[members[m]] == 1:
+            least = min(least, memory.substeps.calm[members[m]])
+    return least
+
+
+@kernel
+def holds_from_rest(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index,
+    h: float,
+) -> bool:
+    """Whether the contacts hold all members at rest for h seconds. Velocities of the members are set to zero, also if not: the
+    caller keeps them."""
+    contacts = memory.contacts
+    for m in range(members.shape[0]):
+        put_row(velocities.linear, members[m], (0.0, 0.0, 0.0))
+        put_row(velocities.angular, members[m], (0.0, 0.0, 0.0))
+    fall_free(dynamics, poses, velocities, memory, members, h)
+    if not list_pieces_of(geometry, memory, members):
+        return False
+    if not find_rows(geometry, dynamics, poses, velocities, memory, h):
+        return False
+    count, d = contacts.used[0], stand_off_of(memory)
+    contacts.standing[0] = 1
+    weigh_from(contacts, memory.hold, 0.0, 0)
+    for k in range(count):
+        contacts.target[k] = -max(0.0, contacts.gap[k] - HELD_GAP * d) / h
+    recall_forces(contacts, memory.last)
+    for k in range(count):
+        for i in range(3):
+            contacts.impulse[k, i] *= h
+    apply_kept(memory, count)
+    solve_contacts(
+        contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end, ROUGH, FIRST_TRY,
+        max(FIRST_TRY, HELD_VISITS // (2 * max(1, count))), memory.before, memory.direction,
+    )
+    memory.counts[SOLVES] += 1
+    worst = 0.0
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            worst = max(worst, norm(row(memory.linear_end, b)), norm(row(memory.angular_end, b)) * memory.span[b])
+    return worst < HELD_SHARE * pull_of(dynamics) * h
+
+
+@kernel
+def stand_still(velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Let the members stand still for the rest of the frame, after which they fall asleep."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            memory.paths.kind[b], memory.held[b] = STILL, 1
+            put_row(memory.paths.linear, b, (0.0, 0.0, 0.0))

@@ -1,0 +1,494 @@
+"""Certified substep of a crowd: an island whose events are too many to be taken one after the other.
+
+Velocities without contact -> contact rows with a stand-off -> one solve for all -> ways of the bodies, each pair of which is
+proved free over the whole substep; pairs that are not become rows, and the solve is repeated -> what is refused still goes less
+of its way -> velocities without the push, with restitution -> next poses.
+"""
+
+from math import ceil, inf, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.path import HELD, STILL
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.dynamics import Dynamics, Velocities
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, speed_along, weigh_from
+from avatarsim.rigid.energy_audit import kinetic_energy
+from avatarsim.rigid.margin_rows import add_refused, aim_rows, find_rows, list_pieces_of, stand_off_of
+from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
+from avatarsim.rigid.state import CONTACTS, GUARDED, SHORTENED, SOLVES, WORK, Memory
+from avatarsim.rigid.swept_certificate import LEAST, certify_pieces, least_of, measure_way, pose_on_way
+from avatarsim.spatial.tangent import columns, turned, turned_back
+from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, scale, solved, sub
+from avatarsim.tolerances import FINE, ROUNDING
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
+
+SUBSTEP = 1.0 / 240.0
+"""Longest substep [s]. Longer: a solve has farther to look, and gravity alone is a larger part of a stand-off; shorter: a frame
+takes more of them, each of which costs as much."""
+
+TOLERANCE, SWEEPS = 0.02, 20
+"""Accuracy of a solve, in stand-offs per substep, and its most double sweeps."""
+
+SLOW, FINER = 0.1, FINE * FINE
+"""[m/s] speed below which an island is solved finer, by this factor: errors of a solve are what makes a tower sway."""
+
+VISITS, SWEEPS_OF_FINE = 48000, 15 * SWEEPS
+"""Most contact points that one solve visits, if that allows more than SWEEPS: few contacts, as of a heavy body on light ones,
+need many sweeps. Double sweeps that it must allow for an island to be solved finer. Fewer: light bodies sink, towers sway; more:
+frames of large slow heaps take longer."""
+
+SHARE_OF_SOLVE = 8
+FRAME_VISITS, LEAST_SWEEPS = SHARE_OF_SOLVE * VISITS, SWEEPS // 4
+"""Visits of contact points of a frame, about twenty milliseconds, of whose rest a solve takes at most one part in SHARE_OF_SOLVE;
+the least double sweeps of a solve, and those for restitution. Fewer: bodies of large heaps lose time; more: frames in which a
+heap lands take longer."""
+
+CUTS = 2
+"""Times that a substep of an island that can be solved finer is halved and solved anew where its ways cannot be proved, before
+ways are shortened instead. Fewer: what is struck loses momentum; more: frames in which that happens take longer."""
+
+ROUNDS = 6
+"""Solves of a substep, each with rows of the pairs refused in the last. Fewer: more bodies lose a part of the substep."""
+
+HOPS = ROUNDS // 2
+"""Contacts from a refused pair over which velocities are solved again; twice as many from the fourth round on."""
+
+NONE_LEFT = 0.25
+"""Least share of its way that a body goes whose pair is refused still, after halves; below it stays where it is."""
+
+@kernel
+def length_of(dt: float, left: float) -> float:
+    """Length [s] of the next substep of a frame of dt seconds of which ``left`` are left."""
+    longest = dt / ceil(dt / SUBSTEP - ROUNDING)
+    return left / max(1, ceil(left / longest - ROUNDING))
+
+
+@kernel
+def tolerance_of(memory: Memory, h: float, fine: bool) -> float:
+    """Accuracy [m/s] of a solve for h seconds, or for half of the usual time if that is longer.
+
+    Finer where bodies of the exact path are nearer than what is to be proved, and no lift parts them: half of their room to dip.
+    """
+    least = TOLERANCE * FINER * stand_off_of(memory)
+    error = least if fine else TOLERANCE * stand_off_of(memory)
+    for k in range(memory.substeps.lasting[0]):
+        gap = memory.contacts.gap[k]
+        if gap < 2.0 * LEAST and not (memory.contacts.target[k] > 0.0):
+            error = min(error, max(0.5 * (gap - least_of(gap)), least))
+    return error / max(h, 0.5 * SUBSTEP)
+
+
+@kernel
+def sweeps_for(count: int) -> int:
+    """Most double sweeps of a solve of so many rows in a slow island, or of one that is repeated."""
+    return int(max(SWEEPS, VISITS // (2 * max(1, count))))
+
+
+@kernel
+def fall_free(
+    dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
+) -> None:
+    """Velocities of the members after h seconds without contact, into ``linear_end``, ``angular_end``.
+
+    Driven bodies stand: their poses change in the lower loop only.
+    """
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 0:
+            put_row(memory.linear_end, b, (0.0, 0.0, 0.0))
+            put_row(memory.angular_end, b, (0.0, 0.0, 0.0))
+            continue
+        pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
+        put_row(memory.linear_end, b, along(row(velocities.linear, b), h, pull))
+        put_row(memory.angular_end, b, row(velocities.angular, b))
+        if memory.round[b] == 0:
+            put_row(memory.angular_end, b, spin_after(dynamics, poses, memory, b, row(velocities.angular, b), h))
+
+
+@kernel
+def spin_after(dynamics: Dynamics, poses: Poses, memory: Memory, b: int, w: Vec3, h: float) -> Vec3:
+    """Angular velocity [rad/s] of body b after h seconds of its gyroscopic torque.
+
+    One Newton step of implicit Euler in body axes, which is stable for any spin (Catto, Numerical Methods, GDC 2015).
+    """
+    frame, inertia = columns(poses.rotation, b), columns(dynamics.inertia, b)
+    x = turned_back(frame, w)
+    momentum = turned(inertia, x)
+    left = scale(cross(x, momentum), h)
+    # columns of I + h (skew(x) I - skew(I x))
+    c0 = add(inertia[0], scale(sub(cross(x, inertia[0]), cross(momentum, (1.0, 0.0, 0.0))), h))
+    c1 = add(inertia[1], scale(sub(cross(x, inertia[1]), cross(momentum, (0.0, 1.0, 0.0))), h))
+    c2 = add(inertia[2], scale(sub(cross(x, inertia[2]), cross(momentum, (0.0, 0.0, 1.0))), h))
+    return turned(frame, sub(x, solved(c0, c1, c2, left)))
+
+
+@kernel
+def is_slow(velocities: Velocities, memory: Memory, members: Index) -> bool:
+    """Whether no point of a member moves faster than SLOW."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            spin = norm(row(velocities.angular, b)) * memory.span[b]
+            if not (norm(row(velocities.linear, b)) + spin < SLOW):
+                return False
+    return True
+
+
+@kernel
+def set_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
+) -> None:
+    """Ways of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
+
+    A body on which contacts act goes straight at its last velocity, any other on its parabola.
+    """
+    sub_, paths = memory.substeps, memory.paths
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 0:
+            paths.kind[b] = STILL
+            put_row(sub_.way, b, (0.0, 0.0, 0.0))
+            put_row(sub_.turning, b, (0.0, 0.0, 0.0))
+            sub_.turn[b], sub_.bulge[b] = 0.0, 0.0
+            continue
+        paths.kind[b], paths.time[b] = HELD, -1.0
+        put_row(paths.angular, b, (0.0, 0.0, 0.0))
+        share, v = sub_.share[b], row(memory.linear_end, b)
+        flies = sub_.pushed[b] == 0 and share == 1.0
+        pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]) if flies else (0.0, 0.0, 0.0)
+        put_row(paths.linear, b, pull)
+        put_row(sub_.way, b, row(velocities.linear, b) if flies else scale(v, share))
+        put_row(sub_.turning, b, scale(row(memory.angular_end, b), share))
+        pose_on_way(geometry, poses, memory, b, h, memory.trial)
+        measure_way(geometry, poses, memory, b, h)
+
+
+@kernel
+def note_pushed(memory: Memory) -> None:
+    """Mark the bodies on which a contact acts."""
+    contacts, pushed = memory.contacts, memory.substeps.pushed
+    for k in range(contacts.used[0]):
+        if contacts.impulse[k, 0] > 0.0:
+            pushed[contacts.body[k, 0]], pushed[contacts.body[k, 1]] = 1, 1
+
+
+@kernel
+def visits_left(memory: Memory) -> int:
+    """Visits that the solves of this frame may still make; below 0 when they are spent."""
+    return int(FRAME_VISITS - memory.counts[WORK] - memory.contacts.visits[0])
+
+
+@kernel
+def solve(memory: Memory, tolerance: float, sweeps: int) -> None:
+    """Solve all rows that are laid out and have a target; ``linear_end`` and ``angular_end`` change."""
+    contacts, count, active = memory.contacts, memory.contacts.used[0], 0
+    for k in range(count):
+        active += 1 if contacts.rows[k, BIAS] != -inf else 0
+    visited = contacts.visits[0]
+    sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, active))))
+    passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
+    # rows that take no part cost next to nothing
+    contacts.visits[0] = visited + (contacts.visits[0] - visited) * active // max(1, count)
+    take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
+    memory.counts[SOLVES] += 1
+
+
+@kernel
+def put_targets(contacts: Contacts, first: int, count: int) -> None:
+    """Bias velocities of rows first <= k < count as `lay_out` has them, after their targets changed."""
+    for k in range(first, count):
+        contacts.rows[k, BIAS] = contacts.target[k] * contacts.effective_mass[k, 0]
+
+
+@kernel
+def apply_kept(memory: Memory, count: int) -> None:
+    """Add the impulses that rows hold to the velocities."""
+    contacts = memory.contacts
+    for k in range(count):
+        if contacts.impulse[k, 0] != 0.0:
+            p = row(contacts.impulse, k)
+            push_all(contacts, memory.hold, k, p, memory.linear_end, memory.angular_end)
+
+
+@kernel
+def spread_from_refused(memory: Memory, hops: int) -> None:
+    """Mark as ``near`` the bodies within so many contacts of a refused pair, whose own are marked 1; rows of no marked body take
+    no part in the next solve."""
+    contacts, near = memory.contacts, memory.substeps.near
+    for hop in range(1, hops + 1):
+        for k in range(contacts.used[0]):
+            a, b = contacts.body[k, 0], contacts.body[k, 1]
+            if memory.moving[a] == 1 and memory.moving[b] == 1:
+                if 0 < near[a] <= hop and near[b] == 0:
+                    near[b] = hop + 1
+                elif 0 < near[b] <= hop and near[a] == 0:
+                    near[a] = hop + 1
+    for k in range(contacts.used[0]):
+        a, b = contacts.body[k, 0], contacts.body[k, 1]
+        takes_part = near[a] * memory.moving[a] + near[b] * memory.moving[b] > 0
+        contacts.rows[k, BIAS] = contacts.target[k] * contacts.effective_mass[k, 0] if takes_part else -inf
+        if takes_part:
+            memory.substeps.changed[a], memory.substeps.changed[b] = 1, 1
+
+
+@kernel
+def certify_all(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float, d: float, error: float
+) -> tuple[int, bool]:
+    """Certify every near pair of pieces whose bodies changed, or that was refused; returns (refused, room for their rows).
+
+    Refused pairs are marked, and their bodies ``near``; with an ``error`` [m] > 0 they get rows: see `add_refused`.
+    """
+    sub_, refused, has_room = memory.substeps, 0, True
+    first = memory.contacts.used[0]
+    for q in range(sub_.found[0]):
+        a, b = geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]]
+        if sub_.changed[a] + sub_.changed[b] + sub_.refused[q] == 0:
+            continue
+        refusal = certify_pieces(geometry, poses, memory, q, h)
+        sub_.refused[q] = 0 if refusal.holds else 1
+        if refusal.holds:
+            continue
+        refused += 1
+        sub_.near[a], sub_.near[b] = 1, 1
+        if error > 0.0:
+            has_room = (
+                add_refused(geometry, dynamics, velocities, memory, memory.hold, q, refusal, h, d, error) and has_room
+            )
+    if error > 0.0 and refused > 0:
+        lay_out(memory.contacts, memory.hold, first, memory.contacts.used[0], memory.linear_end, memory.angular_end)
+    return refused, has_room
+
+
+@kernel
+def find_free_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
+    fine: bool, at_last: bool,
+) -> bool:
+    """Ways of the members that are proved free: rows for refused pairs and another solve; ``at_last`` shorter ways.
+
+    Returns whether they are found.
+    """
+    sub_, refused, tolerance = memory.substeps, 0, tolerance_of(memory, h, fine)
+    d = stand_off_of(memory)
+    error = 2.0 * tolerance * h
+    for m in range(members.shape[0]):
+        sub_.changed[members[m]] = 1
+    for turn in range(ROUNDS):
+        for m in range(members.shape[0]):
+            sub_.near[members[m]] = 0
+        refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, d, error if turn < ROUNDS - 1 else 0.0)
+        if refused == 0:
+            return True
+        if turn == ROUNDS - 1:
+            break
+        for m in range(members.shape[0]):
+            sub_.changed[members[m]] = 0
+        spread_from_refused(memory, HOPS if turn < ROUNDS // 2 else 2 * HOPS)
+        count = memory.contacts.used[0]
+        solve(memory, 0.25 * tolerance, sweeps_for(count) if fine else SWEEPS * (1 + turn))
+        note_pushed(memory)
+        set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+    if at_last:
+        shorten_ways(geometry, dynamics, poses, velocities, memory, members, h)
+    return at_last
+
+
+@kernel
+def shorten_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
+) -> None:
+    """Let the bodies of refused pairs go less of their way, and those that would now run into them, until all are proved."""
+    sub_ = memory.substeps
+    for _ in range(4 * members.shape[0]):
+        shortened = 0
+        for m in range(members.shape[0]):
+            b = members[m]
+            sub_.changed[b] = 0
+            if sub_.near[b] == 1 and memory.moving[b] == 1 and sub_.share[b] > 0.0:
+                sub_.share[b] = 0.5 * sub_.share[b] if 0.5 * sub_.share[b] >= NONE_LEFT else 0.0
+                sub_.changed[b] = 1
+                shortened += 1
+            sub_.near[b] = 0
+        if shortened == 0:
+            return
+        memory.counts[SHORTENED] += shortened
+        set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+        refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
+        if refused == 0:
+            return
+    for m in range(members.shape[0]):
+        sub_.share[members[m]] = 0.0
+    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+
+
+@kernel
+def relax(memory: Memory, h: float, fine: bool) -> None:
+    """Solve again without lifts and without what refused pairs asked for: velocities lose the push that ways had."""
+    contacts, count = memory.contacts, memory.contacts.used[0]
+    aim_rows(contacts, count, stand_off_of(memory), h, False)
+    put_targets(contacts, 0, count)
+    solve(memory, tolerance_of(memory, h, fine), SWEEPS)
+
+
+@kernel
+def rebound(dynamics: Dynamics, memory: Memory, members: Index, h: float, tolerance: float) -> None:
+    """Newton's restitution (eq. 8) of all points that were hit, together; its impulses are scaled by one factor so that the
+    kinetic energy of the members is at most what it was before all contacts acted.
+
+    Between velocities that approach nowhere lie only such, so the scaled ones are sound too. A point counts as hit above what
+    gravity adds in two substeps.
+    """
+    contacts, sub_, any_hit = memory.contacts, memory.substeps, False
+    slow = 2.0 * h * norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
+    for k in range(sub_.lasting[0]):
+        if contacts.restitution[k] > 0.0 and sub_.approach[k] < -slow and contacts.impulse[k, 0] > 0.0:
+            contacts.target[k] = -contacts.restitution[k] * sub_.approach[k]
+            any_hit = True
+    if not any_hit:
+        return
+    keep_spare(memory, members)
+    put_targets(contacts, 0, contacts.used[0])
+    solve(memory, tolerance, LEAST_SWEEPS)
+    for m in range(members.shape[0]):
+        b = members[m]
+        put_row(sub_.change_linear, b, sub(row(memory.linear_end, b), row(sub_.spare_linear, b)))
+        put_row(sub_.change_angular, b, sub(row(memory.angular_end, b), row(sub_.spare_angular, b)))
+    allowed, before = sub_.kinetic[0], kinetic_of(memory, members, sub_.spare_linear, sub_.spare_angular)
+    after = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
+    change = kinetic_of(memory, members, sub_.change_linear, sub_.change_angular)
+    if after <= allowed or not (change > 0.0):
+        return
+    # energy along the line between both: before + mixed s + change s^2
+    mixed, room = after - before - change, max(0.0, allowed - before)
+    kept = (sqrt(mixed * mixed + 4.0 * change * room) - mixed) / (2.0 * change)
+    kept = min(1.0, max(0.0, kept))
+    memory.counts[GUARDED] += 1
+    for m in range(members.shape[0]):
+        b = members[m]
+        put_row(memory.linear_end, b, along(row(sub_.spare_linear, b), kept, row(sub_.change_linear, b)))
+        put_row(memory.angular_end, b, along(row(sub_.spare_angular, b), kept, row(sub_.change_angular, b)))
+
+
+@kernel
+def kinetic_of(memory: Memory, members: Index, linear: Array, angular: Array) -> float:
+    """Kinetic energy [J] of the members that move; ``memory.inertia`` is in world axes."""
+    total = 0.0
+    for m in range(members.shape[0]):
+        if memory.moving[members[m]] == 1:
+            total += kinetic_energy(memory.hold, memory.inertia, members[m], linear, angular)
+    return total
+
+
+@kernel
+def take_step(velocities: Velocities, memory: Memory, members: Index) -> None:
+    """Velocities of the members at the end of the substep: the relaxed ones, of a shortened way its share."""
+    sub_ = memory.substeps
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            put_row(velocities.linear, b, scale(row(memory.linear_end, b), sub_.share[b]))
+            put_row(velocities.angular, b, scale(row(memory.angular_end, b), sub_.share[b]))
+        put_row(sub_.way, b, (0.0, 0.0, 0.0))
+        put_row(sub_.turning, b, (0.0, 0.0, 0.0))
+        sub_.turn[b], sub_.bulge[b] = 0.0, 0.0
+
+
+@kernel
+def gained(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, h: float) -> float:
+    """Energy [J] that the members gain in h seconds at the solved velocities."""
+    found = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
+    found -= kinetic_of(memory, members, velocities.linear, velocities.angular)
+    pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1:
+            found -= h * dot(pull, row(memory.linear_end, b)) / memory.hold.inverse_mass[b]
+    return found
+
+
+@kernel
+def lift_within_energy(
+    dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, h: float, d: float, tolerance: float, sweeps: int
+) -> None:
+    """If gaps open at the cost of more energy than contacts dissipate: solve without lifts, and lift by the share that is paid.
+
+    Between velocities with lifts and without lie those of smaller ones.
+    """
+    sub_, contacts, count = memory.substeps, memory.contacts, memory.contacts.used[0]
+    with_lifts = gained(dynamics, velocities, memory, members, h)
+    if not (with_lifts > 0.0):
+        return
+    keep_spare(memory, members)
+    aim_rows(contacts, count, d, h, False)
+    put_targets(contacts, 0, count)
+    solve(memory, tolerance, sweeps)
+    without = gained(dynamics, velocities, memory, members, h)
+    if without > 0.0:
+        # not converged
+        solve_contacts(
+            contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end, tolerance, SWEEPS, sweeps, memory.before,
+            memory.direction,
+        )
+        without = gained(dynamics, velocities, memory, members, h)
+    share = -without / (with_lifts - without) if without < 0.0 else 0.0
+    for m in range(members.shape[0]):
+        b = members[m]
+        v, w = row(memory.linear_end, b), row(memory.angular_end, b)
+        put_row(memory.linear_end, b, along(v, share, sub(row(sub_.spare_linear, b), v)))
+        put_row(memory.angular_end, b, along(w, share, sub(row(sub_.spare_angular, b), w)))
+    lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
+
+
+@kernel
+def keep_spare(memory: Memory, members: Index) -> None:
+    """Keep the solved velocities of the members."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        put_row(memory.substeps.spare_linear, b, row(memory.linear_end, b))
+        put_row(memory.substeps.spare_angular, b, row(memory.angular_end, b))
+
+
+@kernel
+def solve_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index,
+    h: float, slow: bool,
+) -> tuple[bool, bool]:
+    """First solve of a substep of h seconds, and the ways that follow; returns whether there was room for all contacts, and
+    whether it was solved finer."""
+    sub_, contacts = memory.substeps, memory.contacts
+    fall_free(dynamics, poses, velocities, memory, members, h)
+    sub_.kinetic[0] = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
+    contacts.standing[0] = 1
+    has_room = list_pieces_of(geometry, memory, members)
+    has_room = has_room and find_rows(geometry, dynamics, poses, velocities, memory, h)
+    if not has_room:
+        contacts.used[0] = 0
+        return False, False
+    count, d = contacts.used[0], stand_off_of(memory)
+    fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE
+    sweeps = sweeps_for(count) if fine else SWEEPS
+    weigh_from(contacts, memory.hold, 0.0, 0)
+    for k in range(count):
+        sub_.approach[k] = speed_along(contacts, k, 0, memory.linear_end, memory.angular_end)
+    aim_rows(contacts, count, d, h, True)
+    tolerance = tolerance_of(memory, h, fine)
+    recall_forces(contacts, memory.last)
+    for k in range(count):
+        for i in range(3):
+            contacts.impulse[k, i] *= h
+    apply_kept(memory, count)
+    lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
+    solve(memory, tolerance, sweeps)
+    lift_within_energy(dynamics, velocities, memory, members, h, d, tolerance, sweeps)
+    memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
+    for m in range(members.shape[0]):
+        sub_.share[members[m]], sub_.pushed[members[m]] = 1.0, 0
+    note_pushed(memory)
+    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+    return True, fine
