@@ -127,8 +127,10 @@ def prove_ways(
     """Find ways of the members that stay in their promised boxes and are proved free.
 
     Where they leave their boxes these are made anew, and the islands. As long as no other body joins, the members go on together,
-    whatever islands they are in now. Returns DONE, or OUT_OF_ROOM, or
-    NOT_FINITE, or AGAIN if another body joins, or CROWDED, or UNPROVED unless ``at_last``.
+    whatever islands they are in now.
+
+    Returns:
+        DONE, OUT_OF_ROOM or NOT_FINITE; AGAIN if another body joins, CROWDED, or UNPROVED unless ``at_last``.
     """
     proved, status = False, DONE
     for _ in range(REGROUPS):
@@ -189,28 +191,80 @@ def none_joined(memory: Memory, members: Index) -> bool:
 
 
 @kernel
+def strike_driven(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
+    pairs: Index, now: float, left: float, switches: Switches,
+) -> bool:
+    """Resolve the impacts on driven members, all together; False if a pose is not finite."""
+    outcome, _ = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
+    if outcome == BROKEN:
+        return False
+    if memory.contacts.used[0] > 0:
+        impacts(geometry, dynamics, poses, velocities, memory, events, members, now, True, switches)
+        wait(velocities, memory, members, left)
+    return True
+
+
+@kernel
+def find_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float,
+    dt: float, h: float, slow: bool,
+) -> tuple[int, float, bool]:
+    """Solve and prove a substep of h seconds, or of halves of it if its ways cannot be proved.
+
+    Returns (a status, or AGAIN or CROWDED; length of the substep [s]; whether it was solved finer).
+    """
+    found, fine = UNPROVED, False
+    for cut in range(CUTS + 1):
+        has_room, fine = solve_ways(geometry, dynamics, poses, velocities, memory, members, h, slow)
+        if not has_room:
+            return CROWDED, h, fine
+        at_last = cut == CUTS or slow or visits_left(memory) < FRAME_VISITS // 2
+        found = prove_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, fine, at_last)
+        if found != UNPROVED:
+            break
+        h *= 0.5
+    return found, h, fine
+
+
+@kernel
+def go_ways(
+    geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, h: float
+) -> float:
+    """Take the members along their ways for h seconds, or as long as they stay in their promised boxes; returns how long."""
+    islands, until = memory.islands, h
+    put_ways(velocities, memory, members)
+    while not all_keep(poses, velocities, memory, members, until):
+        until *= 0.5
+    depart(poses, velocities, memory, members, now)
+    for m in range(members.shape[0]):
+        b = members[m]
+        put_row(islands.linear_before, b, row(memory.substeps.spare_linear, b))
+        put_row(islands.angular_before, b, row(memory.substeps.spare_angular, b))
+        islands.at_once[b] = 1
+        arrive(geometry, poses, velocities, memory, b, until)
+    return until
+
+
+@kernel
 def crowd_step(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, memory: Memory,
     events: Events, switches: Switches,
 ) -> int:
     """Take island i through one substep; returns a status or AGAIN."""
-    islands, contacts, status = memory.islands, memory.contacts, DONE
+    islands, contacts = memory.islands, memory.contacts
     size = islands.first[i + 1] - islands.first[i]
     members = memory.substeps.members[:size]
     for m in range(size):
         # islands may be formed anew before the substep ends
         members[m] = islands.order[islands.first[i] + m]
     pairs = islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]
-    lead, driven = members[0], has_driven(dynamics, members)
-    now = islands.due[lead]
+    driven, now = has_driven(dynamics, members), islands.due[members[0]]
     left = dt - now
-    if driven:
-        outcome, _ = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
-        if outcome == BROKEN:
-            return NOT_FINITE
-        if contacts.used[0] > 0:
-            impacts(geometry, dynamics, poses, velocities, memory, events, members, now, True, switches)
-            wait(velocities, memory, members, left)
+    if driven and not strike_driven(
+        geometry, dynamics, poses, velocities, memory, events, members, pairs, now, left, switches
+    ):
+        return NOT_FINITE
     h = min(length_of(dt, left), until_tail_ends(memory, members, now, left))
     kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
     calm = calm_frames(memory, members) if now == 0.0 and not driven else 0
@@ -220,34 +274,14 @@ def crowd_step(
                 islands.due[members[m]] = dt
             return DONE
     slow = pairs.shape[0] <= FEW or is_slow(velocities, memory, members)
-    found, fine = UNPROVED, False
-    for cut in range(CUTS + 1):
-        has_room, fine = solve_ways(geometry, dynamics, poses, velocities, memory, members, h, slow)
-        found = CROWDED
-        if has_room:
-            at_last = cut == CUTS or slow or visits_left(memory) < FRAME_VISITS // 2
-            found = prove_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, fine, at_last)
-        if found != UNPROVED:
-            break
-        h *= 0.5
-    if found == AGAIN or found == NOT_FINITE:
-        return found
-    if found == CROWDED:
+    status, h, fine = find_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, slow)
+    if status == AGAIN or status == NOT_FINITE:
+        return status
+    if status == CROWDED:
         wait_for_room(poses, velocities, memory, members, now, dt)
         return OUT_OF_ROOM
-    status = found
     hold_back(geometry, dynamics, poses, velocities, memory, members, h, kinetic)
-    until = h
-    put_ways(velocities, memory, members)
-    while not all_keep(poses, velocities, memory, members, until):
-        until *= 0.5
-    depart(poses, velocities, memory, members, now)
-    for m in range(size):
-        put_row(islands.linear_before, members[m], row(memory.substeps.spare_linear, members[m]))
-        put_row(islands.angular_before, members[m], row(memory.substeps.spare_angular, members[m]))
-        islands.at_once[members[m]] = 1
-    for m in range(size):
-        arrive(geometry, poses, velocities, memory, members[m], until)
+    until = go_ways(geometry, poses, velocities, memory, members, now, h)
     relax(memory, h, fine)
     remember_lasting(memory, h, members)
     rebound(dynamics, memory, members, h, tolerance_of(memory, h, fine))
@@ -259,15 +293,13 @@ def crowd_step(
     take_gain(dynamics, poses, velocities, memory, members, kinetic + potential)
     ends = now + until > dt * (1.0 - GRAIN)
     for m in range(size):
-        b = members[m]
-        islands.due[b] = dt if ends else now + until
+        islands.due[members[m]] = dt if ends else now + until
     if ends:
         note_calm(dynamics, velocities, memory, members)
     tried = calm_frames(memory, members) >= FRAMES
     taken = fine and not driven and tried and exact_path_takes(contacts)
-    stays = contacts.used[0] > FEW and not taken
     for m in range(size):
-        memory.substeps.crowd[members[m]] = 1 if stays else 0
+        memory.substeps.crowd[members[m]] = 1 if contacts.used[0] > FEW and not taken else 0
     return status
 
 
