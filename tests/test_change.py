@@ -130,7 +130,7 @@ def test_a_stack_that_slept_wakes_and_falls_when_what_held_it_is_gone() -> None:
 
 
 def test_a_stack_at_rest_that_dips_goes_on_through_a_change() -> None:
-    scene = get("stack_ten").build()
+    scene = get("heavy_on_light").build()
     engine, names = loaded(scene), [body.name for body in scene.bodies]
     # resting bodies may be deeper in each other than a start may, by fractions of what is judged
     while not overlapping_pairs(engine._running().world):
