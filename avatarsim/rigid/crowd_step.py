@@ -65,7 +65,7 @@ REGROUPS = 6
 
 @kernel
 def is_crowd(memory: Memory, members: Index) -> bool:
-    """Whether the island of these members advances by substeps."""
+    """Return whether the island of these members advances by substeps."""
     for m in range(members.shape[0]):
         if memory.substeps.crowd[members[m]] == 1:
             return True
@@ -74,7 +74,7 @@ def is_crowd(memory: Memory, members: Index) -> bool:
 
 @kernel
 def has_driven(dynamics: Dynamics, members: Index) -> bool:
-    """Whether a member is driven."""
+    """Return whether a member is driven."""
     for m in range(members.shape[0]):
         if dynamics.role[members[m]] == DRIVEN:
             return True
@@ -114,7 +114,7 @@ def try_rest(
     if not held:
         put_back(velocities, memory, members)
         return False
-    stand_still(velocities, memory, members)
+    stand_still(memory, members)
     depart(poses, velocities, memory, members, now)
     return True
 
@@ -181,7 +181,7 @@ def hold_back(
 
 @kernel
 def none_joined(memory: Memory, members: Index) -> bool:
-    """Whether the islands of the members consist of members only: then the sizes of those that a member leads add up."""
+    """Return whether the islands of the members consist of members only: then the sizes of those that a member leads add up."""
     islands, count = memory.islands, 0
     for m in range(members.shape[0]):
         i = islands.label[members[m]]
@@ -305,7 +305,7 @@ def crowd_step(
 
 @kernel
 def exact_path_takes(contacts: Contacts) -> bool:
-    """Whether all rows that carry a force are near enough to be contacts of the exact path, and not too many for its solver."""
+    """Return whether the rows that carry a force are near enough and few enough for the exact path."""
     if contacts.used[0] > MANY:
         return False
     for k in range(contacts.used[0]):
@@ -333,7 +333,7 @@ def take_gain(
 @kernel
 def wait_for_room(poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, dt: float) -> None:
     """Let an island whose contacts have no room wait for the next frame."""
-    stand_still(velocities, memory, members)
+    stand_still(memory, members)
     depart(poses, velocities, memory, members, now)
     for m in range(members.shape[0]):
         memory.islands.due[members[m]], memory.held[members[m]] = dt, 0

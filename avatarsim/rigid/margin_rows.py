@@ -13,7 +13,7 @@ from avatarsim.collision.path import acceleration
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.rigid.contact_generation import note_drift
+from avatarsim.rigid.contact_generation import boxes_apart, note_drift
 from avatarsim.rigid.contact_law import point_velocity
 from avatarsim.rigid.contacts import (
     DRIVEN_A,
@@ -92,17 +92,8 @@ def list_pieces_of(geometry: Geometry, memory: Memory, members: Index) -> bool:
 
 @kernel
 def driven_side(dynamics: Dynamics, a: int, b: int) -> int:
-    """Which body of a pair is driven, as `Contacts.driven` has it."""
+    """Return the driven body of a pair, as coded in `Contacts.driven`."""
     return DRIVEN_A if dynamics.role[a] == DRIVEN else DRIVEN_B if dynamics.role[b] == DRIVEN else NOT_DRIVEN
-
-
-@kernel
-def boxes_within(boxes: Array, i: int, k: int, reach: float) -> bool:
-    """Whether two boxes of pieces come within ``reach`` [m] of each other along every axis."""
-    for x in range(3):
-        if boxes[i, x] - boxes[k, 3 + x] > reach or boxes[k, x] - boxes[i, 3 + x] > reach:
-            return False
-    return True
 
 
 @kernel
@@ -130,7 +121,7 @@ def find_rows(
         driven = driven_side(dynamics, a, b)
         if driven != NOT_DRIVEN:
             reach = max(reach, memory.touch[0])
-        if not boxes_within(poses.boxes, sa, sb, reach):
+        if boxes_apart(poses.boxes, sa, sb, reach):
             continue
         gap, n, on_a, on_b = query(geometry, poses, memory, sa, sb, reach)
         put_row(sub_.normal, q, n)

@@ -76,8 +76,7 @@ def holds_from_rest(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index,
     h: float,
 ) -> bool:
-    """Whether the contacts hold all members at rest for h seconds. Velocities of the members are set to zero, also if not: the
-    caller keeps them."""
+    """Return whether the contacts hold all members at rest for h seconds. Sets their velocities to zero in any case."""
     contacts = memory.contacts
     for m in range(members.shape[0]):
         put_row(velocities.linear, members[m], (0.0, 0.0, 0.0))
@@ -111,7 +110,7 @@ def holds_from_rest(
 
 
 @kernel
-def stand_still(velocities: Velocities, memory: Memory, members: Index) -> None:
+def stand_still(memory: Memory, members: Index) -> None:
     """Let the members stand still for the rest of the frame, after which they fall asleep."""
     for m in range(members.shape[0]):
         b = members[m]

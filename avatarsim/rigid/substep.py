@@ -107,11 +107,11 @@ def fall_free(
         put_row(memory.linear_end, b, along(row(velocities.linear, b), h, pull))
         put_row(memory.angular_end, b, row(velocities.angular, b))
         if memory.round[b] == 0:
-            put_row(memory.angular_end, b, spin_after(dynamics, poses, memory, b, row(velocities.angular, b), h))
+            put_row(memory.angular_end, b, spin_after(dynamics, poses, b, row(velocities.angular, b), h))
 
 
 @kernel
-def spin_after(dynamics: Dynamics, poses: Poses, memory: Memory, b: int, w: Vec3, h: float) -> Vec3:
+def spin_after(dynamics: Dynamics, poses: Poses, b: int, w: Vec3, h: float) -> Vec3:
     """Angular velocity [rad/s] of body b after h seconds of its gyroscopic torque.
 
     One Newton step of implicit Euler in body axes, which is stable for any spin (Catto, Numerical Methods, GDC 2015).
@@ -129,7 +129,7 @@ def spin_after(dynamics: Dynamics, poses: Poses, memory: Memory, b: int, w: Vec3
 
 @kernel
 def is_slow(velocities: Velocities, memory: Memory, members: Index) -> bool:
-    """Whether no point of a member moves faster than SLOW."""
+    """Return whether no point of a member moves faster than SLOW."""
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1:

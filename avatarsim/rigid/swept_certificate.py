@@ -83,7 +83,7 @@ def measure_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: flo
 
 @kernel
 def boxes_stay_apart(start: Poses, end: Poses, i: int, k: int, room: float) -> bool:
-    """Whether one axis of the world separates the boxes of two pieces by more than ``room`` [m] at both ends."""
+    """Return whether one axis of the world separates the boxes of two pieces by more than ``room`` [m] at both ends."""
     a, b = start.boxes, end.boxes
     for x in range(3):
         if a[i, x] - a[k, 3 + x] > room and b[i, x] - b[k, 3 + x] > room:
@@ -124,8 +124,10 @@ def bulge_of_carried(memory: Memory, start: Poses, end: Poses, carrier: int, oth
 def separates(
     geometry: Geometry, start: Poses, end: Poses, memory: Memory, sa: int, sb: int, n: Vec3, h: float, share: float, least: float
 ) -> bool:
-    """Whether direction n, given at ``start``, keeps the pieces at least ``least`` [m] apart from start to end, a share of the
-    substep of h seconds: fixed in the world, or carried by the body of either."""
+    """Return whether direction n, given at ``start``, keeps the pieces at least ``least`` [m] apart from start to end.
+
+    Both ends are a share of the substep of h seconds apart. The direction is fixed in the world, or carried by either body.
+    """
     sub_, a, b = memory.substeps, geometry.body[sa], geometry.body[sb]
     before = gap_along(start.vertices, geometry.shapes, sa, sb, n)
     if not (before >= least):
