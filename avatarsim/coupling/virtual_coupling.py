@@ -22,7 +22,7 @@ from avatarsim.model.dynamics import FIXED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.model.skeleton import FREE, Posture, Skeleton, carry, displace
 from avatarsim.settings import CouplingSettings
-from avatarsim.spatial.tangent import Columns, columns, rotation_vector, turned
+from avatarsim.spatial.tangent import columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, add, along, dot, norm, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED, NOTHING
 
@@ -92,17 +92,6 @@ def limited(v: Vec3, most: float) -> Vec3:
     """v, shortened to at most `most`."""
     length = norm(v)
     return v if length <= most else scale(v, most / length)
-
-
-@kernel
-def turn_of(before: Columns, now: Columns) -> Vec3:
-    """Rotation vector, in world axes, that takes one orientation to another: log(now before^T)."""
-    inverse = (
-        (before[0][0], before[1][0], before[2][0]),
-        (before[0][1], before[1][1], before[2][1]),
-        (before[0][2], before[1][2], before[2][2]),
-    )
-    return rotation_vector((turned(now, inverse[0]), turned(now, inverse[1]), turned(now, inverse[2])))
 
 
 @kernel
@@ -182,11 +171,16 @@ def place_displaced(geo: Geometry, skel: Skeleton, offset: Array, poses_out: Pos
 @kernel
 def turned_over(springs_out: Springs) -> tuple[Poses, Poses]:
     """Where the tracker had the links in the last frame, and room for where it has them in this one."""
-    s = springs_out
-    s.turn[0] = 1 - s.turn[0]
-    if s.turn[0] == 1:
-        return s.one, s.other
-    return s.other, s.one
+    springs_out.turn[0] = 1 - springs_out.turn[0]
+    return tracked(springs_out)
+
+
+@kernel
+def tracked(springs: Springs) -> tuple[Poses, Poses]:
+    """Where the tracker had the links in the last frame, and where it has them in this one."""
+    if springs.turn[0] == 1:
+        return springs.one, springs.other
+    return springs.other, springs.one
 
 
 @kernel

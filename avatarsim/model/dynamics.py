@@ -7,10 +7,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.model.geometry import OPEN
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
+from avatarsim.spatial.vec3 import Vec3
 
 Array = NDArray[np.float64]
 
@@ -18,8 +20,64 @@ FIXED, SIMULATED, DRIVEN = int(Role.FIXED.value), int(Role.SIMULATED.value), int
 """Values of `Role`, as kernels read them."""
 
 
+class Drive(NamedTuple):
+    """Driven bodies that loose bodies lean on, as rigid hands that push, pinch or carry: the upper loop moves them. nb bodies.
+
+    may_couple        (nb) flag: the body is all of an avatar, so that the upper loop can move it
+    coupled           (nb) flag: it does so in this frame
+    loaded            (nb) flag: loose bodies pressed on it in the last frame
+    unloaded          (nb) [s] time since they did
+    position, turn    (nb, 3), (nb, 3, 3) where the tracker has the body at the end of the frame [m]
+    linear, angular   (nb, 3) mean velocity of the tracker in this frame [m/s], [rad/s]
+    gained, gained_turn   (nb, 3) by how much these are more than in the last frame
+    ramp, ramp_turn   (nb, 3) acceleration of the tracker within the frame [m/s^2], [rad/s^2]
+    user, user_turn   (nb, 3) velocity of the tracker in this substep
+    lag, lag_turn     (nb, 3) velocity of the body against the tracker [m/s], [rad/s]
+    mass, stiffness, damping   (nb) m [kg], K [N/m], R [N s/m] of eq. 6
+    largest_force     (nb) [N] of the spring
+    """
+
+    may_couple: IndexLine
+    coupled: IndexLine
+    loaded: IndexLine
+    unloaded: Line
+    position: Vectors
+    turn: Matrices
+    linear: Vectors
+    angular: Vectors
+    gained: Vectors
+    gained_turn: Vectors
+    ramp: Vectors
+    ramp_turn: Vectors
+    user: Vectors
+    user_turn: Vectors
+    lag: Vectors
+    lag_turn: Vectors
+    mass: Line
+    stiffness: Line
+    damping: Line
+    largest_force: Line
+
+
+def make_drive(bodies: int, inverse_mass: Array) -> Drive:
+    """Allocate for so many bodies, none of which couples yet."""
+    def flags() -> NDArray[np.int64]:
+        return np.zeros(bodies, np.int64)
+
+    def vectors() -> Array:
+        return np.zeros((bodies, 3))
+
+    return Drive(
+        may_couple=flags(), coupled=flags(), loaded=flags(), unloaded=np.zeros(bodies), position=vectors(),
+        turn=np.tile(np.eye(3), (bodies, 1, 1)), linear=vectors(), angular=vectors(), gained=vectors(), gained_turn=vectors(),
+        ramp=vectors(), ramp_turn=vectors(), user=vectors(), user_turn=vectors(), lag=vectors(), lag_turn=vectors(),
+        mass=np.divide(1.0, inverse_mass, out=np.zeros(bodies), where=inverse_mass > 0.0), stiffness=np.zeros(bodies),
+        damping=np.zeros(bodies), largest_force=np.full(bodies, np.inf),
+    )
+
+
 class Dynamics(NamedTuple):
-    """Constants of the dynamics.
+    """Constants of the dynamics, and the driven bodies that the upper loop moves.
 
     role              (nb) int64, values of `Role`
     inverse_mass      (nb) [1/kg]; 0 for fixed bodies, the inverse coupled mass for driven ones
@@ -28,6 +86,7 @@ class Dynamics(NamedTuple):
     material          (nb) int64, number of the material of a body among the nm of the scene
     restitution, friction   (nm, nm) of pairs of materials; zero where no two bodies of theirs can meet
     gravity           (3) [m/s^2]
+    drive             see there
     """
 
     role: IndexLine
@@ -38,6 +97,7 @@ class Dynamics(NamedTuple):
     restitution: Grid
     friction: Grid
     gravity: Line
+    drive: Drive
 
 
 class Velocities(NamedTuple):
@@ -71,7 +131,16 @@ def dynamics(scene: Scene) -> Dynamics:
         restitution[i, k] = restitution[k, i] = pair.restitution if scene.effects.restitution else 0.0
         friction[i, k] = friction[k, i] = pair.friction if scene.effects.friction else 0.0
     role = np.array([r.value for r in scene.roles], dtype=np.int64)
-    return Dynamics(role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity))
+    drive = make_drive(n, inverse_mass)
+    return Dynamics(role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity), drive)
+
+
+@kernel
+def pull_on(dynamics: Dynamics, b: int) -> Vec3:
+    """Gravity [m/s^2] as it acts on body b: users carry their hands themselves."""
+    if dynamics.role[b] == DRIVEN:
+        return (0.0, 0.0, 0.0)
+    return (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
 
 
 def meeting_materials(scene: Scene) -> list[tuple[str, str]]:

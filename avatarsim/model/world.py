@@ -18,7 +18,7 @@ from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index, IndexLine
 from avatarsim.model.conversion import read_sample, write_sample, write_shown
-from avatarsim.model.dynamics import Dynamics, Velocities, dynamics, velocities
+from avatarsim.model.dynamics import Drive, Dynamics, Velocities, dynamics, velocities
 from avatarsim.model.geometry import Geometry, Poses, geometry, poses
 from avatarsim.model.skeleton import Posture, Skeleton, hinge_dofs, skeleton
 from avatarsim.scene.body import Role
@@ -63,8 +63,11 @@ class World:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ()
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
-    KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture")
-    WORKING: ClassVar[tuple[str, ...]] = ()
+    KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture", "drive")
+    WORKING: ClassVar[tuple[str, ...]] = (
+        "drive.may_couple", "drive.mass", "drive.stiffness", "drive.damping", "drive.largest_force", "drive.position",
+        "drive.turn", "drive.ramp", "drive.ramp_turn", "drive.user", "drive.user_turn",
+    )
 
     scene: Scene
     words: NDArray[np.int64]
@@ -77,9 +80,14 @@ class World:
     centres: Array
     hinges: NDArray[np.int64]
 
+    @property
+    def drive(self) -> Drive:
+        """Driven bodies that the upper loop moves."""
+        return self.dynamics.drive
+
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Nothing: what changes in a world are real numbers."""
-        return {}
+        """Flags."""
+        return {"drive.coupled": (0, 1), "drive.loaded": (0, 1)}
 
 
 def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample) -> Posture:

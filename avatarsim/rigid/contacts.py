@@ -70,9 +70,9 @@ Index = NDArray[np.int64]
 ROOM = 2048
 """Least room for contact points. A wall of 100 boxes has about 1000; too many are told by a status, never dropped silently."""
 
-ROOM_PER_BODY = 16
+ROOM_PER_BODY = 24
 """Room for contact points per simulated body, if that is more: a box in the middle of a wall touches others with 24 corners, each
-of which belongs to two bodies."""
+of which belongs to two bodies; one among others on a pallet with 16, and as many edges that nearly touch."""
 
 POINTS_OF_PAIR = MANIFOLD_POINTS
 """Contact points of two shapes, at most: numbers of one pair of shapes follow each other in `Contacts.key`."""
@@ -184,6 +184,12 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Con
 
 
 @kernel
+def is_full(contacts: Contacts) -> bool:
+    """Return whether there is no room for another contact."""
+    return bool(contacts.used[0] >= contacts.gap.shape[0])
+
+
+@kernel
 def axis(contacts: Contacts, k: int, i: int) -> Vec3:
     """Normal (i = 0) or tangent (1, 2) of contact k."""
     return (contacts.frame[k, i, 0], contacts.frame[k, i, 1], contacts.frame[k, i, 2])
@@ -193,7 +199,7 @@ def axis(contacts: Contacts, k: int, i: int) -> Vec3:
 def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a: Vec3, arm_b: Vec3, gap: float) -> bool:
     """Append a point with given normal and arms, all else zero; False if there is no room."""
     k = contacts.used[0]
-    if k >= contacts.gap.shape[0]:
+    if is_full(contacts):
         return False
     contacts.used[0] = k + 1
     contacts.body[k, 0] = a

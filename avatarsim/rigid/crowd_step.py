@@ -6,18 +6,19 @@ from numpy.typing import NDArray
 from avatarsim.collision.conservative_advancement import TOUCH
 from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities
+from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, find_contacts
-from avatarsim.rigid.contacts import Contacts, remember_forces
+from avatarsim.rigid.contacts import Contacts, is_full, remember_forces
 from avatarsim.rigid.deferred_impacts import hand_over, wait
+from avatarsim.rigid.driven import aim_all, note_lag, note_load, stands_still
 from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
 from avatarsim.rigid.impacts import until_tail_ends
-from avatarsim.rigid.margin_rows import list_pieces_of
+from avatarsim.rigid.near_pieces import list_pieces_of
 from avatarsim.rigid.response import CAREFUL_VISITS, impacts
 from avatarsim.rigid.resting import SWEEPS
-from avatarsim.rigid.settling import AGAIN_AFTER, AT_LAST, FRAMES, calm_frames, holds_from_rest, note_calm, stand_still
+from avatarsim.rigid.settling import CALM, calm_frames, frames_in, holds_from_rest, note_calm, rest_is_due, stand_still
 from avatarsim.rigid.sleeping import all_keep, regroup
 from avatarsim.rigid.state import (
     AGAIN,
@@ -34,17 +35,19 @@ from avatarsim.rigid.state import (
 from avatarsim.rigid.substep import (
     CUTS,
     FRAME_VISITS,
+    ROUNDS,
     find_free_ways,
     is_slow,
+    leave_shares,
     length_of,
     rebound,
     relax,
-    set_ways,
     solve_ways,
     take_step,
     tolerance_of,
     visits_left,
 )
+from avatarsim.rigid.ways import certify_all, keep_ways, lower_rises, recall_ways, scale_velocities, scale_ways
 from avatarsim.spatial.vec3 import dot, put_row, row
 from avatarsim.tolerances import GRAIN
 
@@ -59,26 +62,27 @@ MANY = CAREFUL_VISITS // (2 * SWEEPS)
 CROWDED, UNPROVED = -2, -3
 """Outcomes: there is no room for the pairs of pieces of an island; its ways are not proved."""
 
-REGROUPS = 6
+REGROUPS = ROUNDS
 """Times that boxes and islands are made anew in a substep. Fewer: substeps are cut short where bodies change their velocities."""
 
 
 @kernel
-def is_crowd(memory: Memory, members: Index) -> bool:
-    """Return whether the island of these members advances by substeps."""
+def is_crowd(dynamics: Dynamics, memory: Memory, members: Index) -> bool:
+    """Return whether the island of these members advances by substeps: a crowd, or what a coupled driven body touches."""
     for m in range(members.shape[0]):
-        if memory.substeps.crowd[members[m]] == 1:
+        if memory.substeps.crowd[members[m]] == 1 or dynamics.drive.coupled[members[m]] == 1:
             return True
     return False
 
 
 @kernel
-def has_driven(dynamics: Dynamics, members: Index) -> bool:
-    """Return whether a member is driven."""
+def has_driven(dynamics: Dynamics, members: Index) -> tuple[bool, bool]:
+    """Return whether a member is driven, and whether one is that stands still."""
+    any_, still = False, False
     for m in range(members.shape[0]):
-        if dynamics.role[members[m]] == DRIVEN:
-            return True
-    return False
+        any_ = any_ or dynamics.role[members[m]] == DRIVEN
+        still = still or stands_still(dynamics, members[m])
+    return any_, still
 
 
 @kernel
@@ -147,7 +151,7 @@ def prove_ways(
         put_back(velocities, memory, members)
         if kept and proved:
             break
-        if not kept and not list_pieces_of(geometry, memory, members):
+        if not kept and not list_pieces_of(geometry, poses, memory, members):
             return CROWDED
         if not find_free_ways(geometry, dynamics, poses, velocities, memory, members, h, fine, at_last):
             return UNPROVED
@@ -156,27 +160,56 @@ def prove_ways(
 
 
 @kernel
-def hold_back(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
-    kinetic: float,
-) -> None:
-    """Shorten the ways of bodies that would rise by more than the ``kinetic`` energy [J] of all of them pays for.
-
-    Errors of a solve that has not converged lift bodies that hardly move. A part of a straight way that was proved is proved.
-    """
-    sub_, risen = memory.substeps, 0.0
-    pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
+def rises_of(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> tuple[float, float]:
+    """Potential energy [J] that bodies on which contacts act gain on their ways of h seconds, and what others lose (below 0)."""
+    sub_, rises, falls = memory.substeps, 0.0, 0.0
     for m in range(members.shape[0]):
         b = members[m]
-        if memory.moving[b] == 1:
-            if sub_.pushed[b] == 0:
-                return
-            risen -= h * dot(pull, row(sub_.way, b)) / memory.hold.inverse_mass[b]
-    if not (risen > kinetic):
-        return
+        if memory.moving[b] == 1 and sub_.pushed[b] == 1:
+            risen = -h * dot(pull_on(dynamics, b), row(sub_.way, b)) / memory.hold.inverse_mass[b]
+            rises, falls = rises + max(0.0, risen), falls + min(0.0, risen)
+    return rises, falls
+
+
+@kernel
+def pay_for_rise(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
+    slow: bool,
+) -> None:
+    """Hold back the bodies that rise if the energy of the members would grow, and they are slow or have less to give.
+
+    Errors of a solve that has not converged lift bodies that hardly move. `take_gain` takes the energy of a lift from velocities.
+    Where that would stop what begins to move, or is more than they have, the rise gives way.
+    """
+    kinetic, gain = 0.0, 0.0
     for m in range(members.shape[0]):
-        sub_.share[members[m]] *= kinetic / risen
-    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+        b = members[m]
+        if memory.moving[b] == 1 and memory.substeps.pushed[b] == 1:
+            kinetic += kinetic_energy(memory.hold, memory.inertia, b, velocities.linear, velocities.angular)
+            gain += kinetic_energy(memory.hold, memory.inertia, b, memory.linear_end, memory.angular_end)
+    rises, falls = rises_of(dynamics, memory, members, h)
+    gain += rises + falls - kinetic
+    if not (gain > 0.0 and rises > 0.0) or not (slow or rises + falls > kinetic):
+        return
+    keep_ways(memory, members)
+    lower_rises(geometry, dynamics, poses, memory, members, h, max(0.0, 1.0 - gain / rises))
+    for attempt in range(ROUNDS):
+        for m in range(members.shape[0]):
+            memory.substeps.near[members[m]] = 0
+        refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
+        if refused == 0:
+            break
+        recall_ways(geometry, poses, memory, members, h, attempt < ROUNDS - 1)
+    rises, falls = rises_of(dynamics, memory, members, h)
+    if rises + falls > kinetic:
+        part = kinetic / (rises + falls)
+        keep_ways(memory, members)
+        scale_ways(geometry, poses, memory, members, h, part)
+        refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
+        if refused > 0:
+            recall_ways(geometry, poses, memory, members, h, False)
+        else:
+            scale_velocities(memory, members, part)
 
 
 @kernel
@@ -216,6 +249,7 @@ def find_ways(
     """
     found, fine = UNPROVED, False
     for cut in range(CUTS + 1):
+        aim_all(dynamics, poses, velocities, memory, members, now, dt, h)
         has_room, fine = solve_ways(geometry, dynamics, poses, velocities, memory, members, h, slow)
         if not has_room:
             return CROWDED, h, fine
@@ -259,20 +293,18 @@ def crowd_step(
         # islands may be formed anew before the substep ends
         members[m] = islands.order[islands.first[i] + m]
     pairs = islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]
-    driven, now = has_driven(dynamics, members), islands.due[members[0]]
+    (driven, still), now = has_driven(dynamics, members), islands.due[members[0]]
     left = dt - now
-    if driven and not strike_driven(
+    if still and now == 0.0 and not strike_driven(
         geometry, dynamics, poses, velocities, memory, events, members, pairs, now, left, switches
     ):
         return NOT_FINITE
     h = min(length_of(dt, left), until_tail_ends(memory, members, now, left))
-    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
-    calm = calm_frames(memory, members) if now == 0.0 and not driven else 0
-    if calm >= FRAMES and ((calm - FRAMES) % AGAIN_AFTER == 0 or calm == AT_LAST):
-        if try_rest(geometry, dynamics, poses, velocities, memory, members, now, h, calm == AT_LAST):
-            for m in range(size):
-                islands.due[members[m]] = dt
-            return DONE
+    due, untried = rest_is_due(memory, members, dt) if now == 0.0 and not driven else (False, False)
+    if due and try_rest(geometry, dynamics, poses, velocities, memory, members, now, h, untried):
+        for m in range(size):
+            islands.due[members[m]] = dt
+        return DONE
     slow = pairs.shape[0] <= FEW or is_slow(velocities, memory, members)
     status, h, fine = find_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, slow)
     if status == AGAIN or status == NOT_FINITE:
@@ -280,23 +312,30 @@ def crowd_step(
     if status == CROWDED:
         wait_for_room(poses, velocities, memory, members, now, dt)
         return OUT_OF_ROOM
-    hold_back(geometry, dynamics, poses, velocities, memory, members, h, kinetic)
-    until = go_ways(geometry, poses, velocities, memory, members, now, h)
+    if is_full(contacts):
+        status = OUT_OF_ROOM
+    kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
     relax(memory, h, fine)
     remember_lasting(memory, h, members)
     rebound(dynamics, memory, members, h, tolerance_of(memory, h, fine))
+    leave_shares(memory, members)
+    pay_for_rise(geometry, dynamics, poses, velocities, memory, members, h, slow)
+    until = go_ways(geometry, poses, velocities, memory, members, now, h)
     take_step(velocities, memory, members)
+    note_load(dynamics, memory)
     hand_over(dynamics, velocities, memory)
     memory.counts[SUBSTEPS] += 1
     memory.counts[WORK] += contacts.visits[0]
     contacts.visits[0] = 0
     take_gain(dynamics, poses, velocities, memory, members, kinetic + potential)
+    note_lag(dynamics, velocities, members)
     ends = now + until > dt * (1.0 - GRAIN)
     for m in range(size):
         islands.due[members[m]] = dt if ends else now + until
     if ends:
         note_calm(dynamics, velocities, memory, members)
-    tried = calm_frames(memory, members) >= FRAMES
+    first = frames_in(CALM, dt)
+    tried = calm_frames(memory, members, first) == first
     taken = fine and not driven and tried and exact_path_takes(contacts)
     for m in range(size):
         memory.substeps.crowd[members[m]] = 1 if contacts.used[0] > FEW and not taken else 0

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.path import STILL
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import Dynamics, Velocities
+from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive
 from avatarsim.rigid.contacts import Masses, to_world
 from avatarsim.rigid.state import AUDITED, Memory
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import dot, put_row, row
+from avatarsim.spatial.vec3 import Vec3, dot, put_row, row
 from avatarsim.tolerances import GRAINS, PROOF
 
 Array = NDArray[np.float64]
@@ -35,14 +35,15 @@ def kinetic_energy(masses: Masses, inertia: Array, b: int, linear: Array, angula
 
 
 @kernel
-def potential_energy(masses: Masses, b: int, gravity: Array, position: Array) -> float:
+def potential_energy(masses: Masses, b: int, pull: Vec3, position: Array) -> float:
     """-m g . x [J] of body b."""
-    return float(-dot((gravity[0], gravity[1], gravity[2]), row(position, b)) / masses.inverse_mass[b])
+    return float(-dot(pull, row(position, b)) / masses.inverse_mass[b])
 
 
 @kernel
 def held_energy(
-    masses: Masses, inertia: Array, members: Index, held: Index, gravity: Array, position: Array, linear: Array, angular: Array
+    masses: Masses, inertia: Array, members: Index, held: Index, dynamics: Dynamics, position: Array, linear: Array,
+    angular: Array,
 ) -> tuple[float, float]:
     """(kinetic, potential) energy [J] of all members with ``held`` 1: those that contact forces act on."""
     kinetic, potential = 0.0, 0.0
@@ -50,7 +51,7 @@ def held_energy(
         b = members[m]
         if held[b] == 1:
             kinetic += kinetic_energy(masses, inertia, b, linear, angular)
-            potential += potential_energy(masses, b, gravity, position)
+            potential += potential_energy(masses, b, pull_on(dynamics, b), position)
     return kinetic, potential
 
 
@@ -81,10 +82,11 @@ def energy_of(
         b = members[m]
         if of_all:
             memory.held[b] = memory.moving[b]
-        if memory.held[b] == 1:
+        # coupled driven bodies have theirs from `driven.aim`
+        if memory.held[b] == 1 and dynamics.role[b] != DRIVEN:
             to_world(dynamics.inertia, poses.rotation, b, memory.inertia)
     return held_energy(
-        memory.hold, memory.inertia, members, memory.held, dynamics.gravity, poses.position, velocities.linear, velocities.angular
+        memory.hold, memory.inertia, members, memory.held, dynamics, poses.position, velocities.linear, velocities.angular
     )
 
 

@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.conservative_advancement import DIP
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import Dynamics, Velocities
+from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, NO_ROOM, find_contacts
 from avatarsim.rigid.contacts import to_world
 from avatarsim.rigid.crowd_step import crowd_step, is_crowd
 from avatarsim.rigid.deferred_impacts import go_on, hand_over, wait
+from avatarsim.rigid.driven import note_load
 from avatarsim.rigid.energy_audit import audit, energy_of, stay
 from avatarsim.rigid.first_event import first_event
 from avatarsim.rigid.impacts import end_tails, until_tail_ends
@@ -56,7 +57,7 @@ def weigh_bodies(dynamics: Dynamics, poses: Poses, memory: Memory, members: Inde
     """Inertia in world axes of the members that move."""
     for m in range(members.shape[0]):
         b = members[m]
-        if memory.moving[b] == 1:
+        if memory.moving[b] == 1 and dynamics.role[b] == SIMULATED:
             to_world(dynamics.inertia, poses.rotation, b, memory.inertia)
             to_world(dynamics.inverse_inertia, poses.rotation, b, memory.hold.inverse_inertia)
 
@@ -82,7 +83,7 @@ def step(
     go_on(velocities, memory, members)
     end_tails(geometry, poses, velocities, memory, events, members, now, switches.record)
     weigh_bodies(dynamics, poses, memory, members)
-    if is_crowd(memory, members):
+    if is_crowd(dynamics, memory, members):
         return crowd_step(geometry, dynamics, poses, velocities, dt, i, memory, events, switches)
     outcome, worst = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
     if worst < DEEPEST and memory.corrected[lead] != now:
@@ -136,6 +137,7 @@ def step(
         spend(memory, members, STALL_COSTS)
     memory.counts[WORK] += contacts.visits[0]
     contacts.visits[0] = 0
+    note_load(dynamics, memory)
     last_for(memory, t / h)
     hand_over(dynamics, velocities, memory)
     if not audit(dynamics, poses, velocities, memory, members, False, kinetic + potential):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from avatarsim.collision.manifold import manifold
 from avatarsim.collision.path import acceleration
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities
+from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contact_generation import boxes_apart, note_drift
 from avatarsim.rigid.contact_law import point_velocity
@@ -27,8 +27,9 @@ from avatarsim.rigid.contacts import (
     speed_along,
     weigh_from,
 )
+from avatarsim.rigid.driven import stands_still
 from avatarsim.rigid.state import Memory
-from avatarsim.rigid.substep_state import KNOWN, UNKNOWN
+from avatarsim.rigid.substep_state import KNOWN
 from avatarsim.rigid.swept_certificate import Refusal, least_of, query
 from avatarsim.spatial.vec3 import Vec3, dot, norm, put_row, row, scale, sub
 from avatarsim.tolerances import FINE
@@ -59,41 +60,17 @@ def stand_off_of(memory: Memory) -> float:
 
 
 @kernel
-def list_pieces(geometry: Geometry, memory: Memory, pairs: Index) -> bool:
-    """Append the pairs of pieces of near pairs (count, 2) of bodies, with no direction known; False without room for all."""
-    sub_, count = memory.substeps, memory.substeps.found[0]
-    for p in range(pairs.shape[0]):
-        a, b = pairs[p, 0], pairs[p, 1]
-        if memory.moving[a] + memory.moving[b] == 0:
-            continue
-        for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
-            for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
-                if count >= sub_.state.shape[0]:
-                    return False
-                sub_.pieces[count, 0], sub_.pieces[count, 1] = sa, sb
-                sub_.state[count], sub_.refused[count] = UNKNOWN, 1
-                count += 1
-    sub_.found[0] = count
-    return True
-
-
-@kernel
-def list_pieces_of(geometry: Geometry, memory: Memory, members: Index) -> bool:
-    """List the near pairs of pieces of all islands that a member leads; False without room."""
-    islands = memory.islands
-    memory.substeps.found[0] = 0
-    for m in range(members.shape[0]):
-        i = islands.label[members[m]]
-        if islands.order[islands.first[i]] == members[m]:
-            if not list_pieces(geometry, memory, islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]):
-                return False
-    return True
-
-
-@kernel
 def driven_side(dynamics: Dynamics, a: int, b: int) -> int:
-    """Return the driven body of a pair, as coded in `Contacts.driven`."""
-    return DRIVEN_A if dynamics.role[a] == DRIVEN else DRIVEN_B if dynamics.role[b] == DRIVEN else NOT_DRIVEN
+    """Return the driven body of a pair that stands still, as coded in `Contacts.driven`."""
+    return DRIVEN_A if stands_still(dynamics, a) else DRIVEN_B if stands_still(dynamics, b) else NOT_DRIVEN
+
+
+@kernel
+def friction_of(dynamics: Dynamics, a: int, b: int) -> float:
+    """Return the friction of a pair: none between driven bodies and what does not move, along which they slide."""
+    if dynamics.role[a] != SIMULATED and dynamics.role[b] != SIMULATED:
+        return 0.0
+    return float(dynamics.friction[dynamics.material[a], dynamics.material[b]])
 
 
 @kernel
@@ -106,12 +83,14 @@ def closing_bound(memory: Memory, a: int, b: int) -> float:
 @kernel
 def find_rows(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float
-) -> bool:
-    """Fill ``memory.contacts`` with the rows of all listed pairs of pieces for a substep of h seconds; False without room.
+) -> None:
+    """Fill ``memory.contacts`` with the rows of all listed pairs of pieces for a substep of h seconds, as far as there is room.
+
+    Pairs whose rows have no room are refused by their certificate, if they come too near.
 
     ``memory.linear_end``, ``angular_end``: velocities without contact.
     """
-    sub_, contacts, has_room = memory.substeps, memory.contacts, True
+    sub_, contacts = memory.substeps, memory.contacts
     contacts.used[0], d = 0, stand_off_of(memory)
     pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
     for q in range(sub_.found[0]):
@@ -130,12 +109,10 @@ def find_rows(
             continue
         first = contacts.used[0]
         band = min(reach, max(gap, 0.0) + BAND * d)
-        if not add_manifold(geometry, dynamics, poses, velocities, memory, sa, sb, driven, gap, n, on_a, on_b, band):
-            has_room = False
+        add_manifold(geometry, dynamics, poses, velocities, memory, sa, sb, driven, gap, n, on_a, on_b, band)
         for k in range(first, contacts.used[0]):
             contacts.key[k] = (sa * geometry.body.shape[0] + sb) * POINTS_OF_PAIR + k - first
     sub_.lasting[0] = contacts.used[0]
-    return has_room
 
 
 @kernel
@@ -147,7 +124,7 @@ def add_manifold(
     found, contacts = memory.manifold, memory.contacts
     a, b = geometry.body[sa], geometry.body[sb]
     count, n = manifold(poses.vertices, geometry.shapes, sa, sb, n, on_a, on_b, gap, band, found)
-    friction = dynamics.friction[dynamics.material[a], dynamics.material[b]]
+    friction = friction_of(dynamics, a, b)
     for i in range(count):
         k = contacts.used[0]
         p, q = row(found.on_a, i), row(found.on_b, i)

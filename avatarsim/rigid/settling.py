@@ -4,7 +4,7 @@ The test is a solve of the contacts for bodies at rest under gravity: it leaves 
 once all have been slow for some frames.
 """
 
-from math import sqrt
+from math import ceil, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,21 +13,22 @@ from avatarsim.collision.path import STILL
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.rigid.contacts import recall_forces, weigh_from
-from avatarsim.rigid.margin_rows import LOWER, UPPER, find_rows, list_pieces_of, stand_off_of
+from avatarsim.rigid.contacts import is_full, recall_forces, weigh_from
+from avatarsim.rigid.margin_rows import LOWER, UPPER, find_rows, stand_off_of
+from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import FIRST_TRY, solve_contacts
 from avatarsim.rigid.state import SOLVES, Memory
 from avatarsim.rigid.substep import VISITS, apply_kept, fall_free
 from avatarsim.spatial.vec3 import norm, put_row, row
-from avatarsim.tolerances import FINE, ROUGH
+from avatarsim.tolerances import FINE, ROUGH, ROUNDING
 
 Index = NDArray[np.int64]
 
-FRAMES, AGAIN_AFTER = 3, 10
-AT_LAST = FRAMES * AGAIN_AFTER
-"""Frames in which all were slow before rest is tried, after which it is tried again, and after which they stand still untried,
-since half a second of slowness is rest to the eye. Fewer: bodies that are slow for a moment are tried, or stop too soon; more:
-heaps sleep later, and what rests is solved for as long as what moves."""
+AT_LAST = 0.5
+CALM, AGAIN_AFTER = AT_LAST / 10.0, AT_LAST / 3.0
+"""Times [s] for which all were slow after which all stand untried, before rest is tried, and after which it is tried again,
+since half a second of slowness is rest to the eye. Shorter: bodies that are slow for a moment are tried, or stop too soon;
+longer: heaps sleep later, and what rests is solved for as long as what moves."""
 
 HELD_SHARE, HELD_VISITS = 5e-4, 5 * VISITS
 """Share of the pull of gravity that the test may leave to a body that counts as held, and most contact points that each stage of
@@ -62,13 +63,27 @@ def note_calm(dynamics: Dynamics, velocities: Velocities, memory: Memory, member
 
 
 @kernel
-def calm_frames(memory: Memory, members: Index) -> int:
-    """Frames, at most AT_LAST, for which all members that move have been slow."""
-    least = AT_LAST
+def frames_in(time: float, dt: float) -> int:
+    """Number of frames of dt seconds that last for ``time`` [s] or longer."""
+    return max(1, int(ceil(time / dt - ROUNDING)))
+
+
+@kernel
+def calm_frames(memory: Memory, members: Index, most: int) -> int:
+    """Frames, at most so many, for which all members that move have been slow."""
+    least = most
     for m in range(members.shape[0]):
         if memory.moving[members[m]] == 1:
             least = min(least, memory.substeps.calm[members[m]])
     return least
+
+
+@kernel
+def rest_is_due(memory: Memory, members: Index, dt: float) -> tuple[bool, bool]:
+    """Return whether rest is to be tried at the start of a frame of dt seconds, and whether the members stand untried."""
+    first, again, last = frames_in(CALM, dt), frames_in(AGAIN_AFTER, dt), frames_in(AT_LAST, dt)
+    calm = calm_frames(memory, members, last)
+    return calm == last or (calm >= first and (calm - first) % again == 0), calm == last
 
 
 @kernel
@@ -82,9 +97,11 @@ def holds_from_rest(
         put_row(velocities.linear, members[m], (0.0, 0.0, 0.0))
         put_row(velocities.angular, members[m], (0.0, 0.0, 0.0))
     fall_free(dynamics, poses, velocities, memory, members, h)
-    if not list_pieces_of(geometry, memory, members):
+    may_go(dynamics, memory, members, h)
+    if not list_pieces_of(geometry, poses, memory, members):
         return False
-    if not find_rows(geometry, dynamics, poses, velocities, memory, h):
+    find_rows(geometry, dynamics, poses, velocities, memory, h)
+    if is_full(memory.contacts):
         return False
     count, d = contacts.used[0], stand_off_of(memory)
     contacts.standing[0] = 1

@@ -10,6 +10,7 @@ from avatarsim.model.dynamics import DRIVEN, SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.rigid.clocks import go_back
 from avatarsim.rigid.contact_generation import note_shown
+from avatarsim.rigid.driven import stands_still
 from avatarsim.rigid.islands import due_of, part
 from avatarsim.rigid.near_pairs import keeps_promise, near_pairs, stands, wake_beside
 from avatarsim.rigid.state import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SEGMENTS, SWEEPS, Memory
@@ -36,12 +37,16 @@ def begin(
         if role == SIMULATED and not (sleeping and asleep[b] == 1):
             asleep[b], moving[b] = 0, 1
         else:
-            moving[b] = 0
+            moving[b] = dynamics.drive.coupled[b]
         # a body that fell asleep in the last frame is reset once more, now at rest
         if moved or moving[b] == 1 or role == DRIVEN:
             make_ready(velocities, memory, b)
     for b in range(bodies):
-        if dynamics.role[b] == DRIVEN:
+        if stands_still(dynamics, b):
+            memory.hold.inverse_mass[b] = 0.0
+            for i in range(3):
+                for k in range(3):
+                    memory.hold.inverse_inertia[b, i, k] = 0.0
             notice_driven(geometry, poses, velocities, dt, memory, b)
     for b in range(bodies):
         awake += moving[b]

@@ -178,7 +178,7 @@ class Memory(NamedTuple):
     angular_end        (nb, 3) [rad/s] the same
     before, direction  (contacts, 3) [N s] impulses before a sweep of the solver, and its direction of descent
     boxes              (nb, 6) [m] around the motion of bodies to the end of the frame: low x, y, z, high x, y, z
-    wanted             pairs of bodies that may meet, those of driven ones left out
+    wanted             pairs of bodies that may meet, those left out of driven ones that the lower loop alone moves
     sweep, pairs       working memory of the broad phase; (room, 2) near pairs
     a_rows, b_rows     (vertices, 6) of two pieces, what bounds the motion of each vertex: see `collision.motion_bounds`
     last               forces of the last segment
@@ -304,7 +304,7 @@ def make_memory(
         contacts=make_contacts(touching, pace_of(dynamics.gravity), n), manifold=make_manifold(), scratch=make_scratch(),
         linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),
-        wanted=geometry.wanted._replace(family=np.where(simulated, OPEN, 0)),
+        wanted=geometry.wanted._replace(family=np.where(simulated | (dynamics.drive.may_couple == 1), OPEN, 0)),
         sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
         pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
         last=make_last_forces(n, touching), counts=np.zeros(len(COUNT_NAMES), np.int64),

@@ -10,16 +10,18 @@ from math import ceil, inf, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collision.path import HELD, STILL
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import Dynamics, Velocities
+from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, speed_along, weigh_from
+from avatarsim.rigid.driven import strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
-from avatarsim.rigid.margin_rows import add_refused, aim_rows, find_rows, list_pieces_of, stand_off_of
+from avatarsim.rigid.margin_rows import aim_rows, find_rows, stand_off_of
+from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
-from avatarsim.rigid.state import CONTACTS, GUARDED, SHORTENED, SOLVES, WORK, Memory
-from avatarsim.rigid.swept_certificate import LEAST, certify_pieces, least_of, measure_way, pose_on_way
+from avatarsim.rigid.state import CONTACTS, GUARDED, SOLVES, WORK, Memory
+from avatarsim.rigid.swept_certificate import LEAST, least_of
+from avatarsim.rigid.ways import certify_all, set_ways, shared, shorten_ways, weigh_groups
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, scale, solved, sub
 from avatarsim.tolerances import FINE, ROUNDING
@@ -32,7 +34,7 @@ SUBSTEP = 1.0 / 240.0
 takes more of them, each of which costs as much."""
 
 TOLERANCE, SWEEPS = 0.02, 20
-"""Accuracy of a solve, in stand-offs per substep, and its most double sweeps."""
+"""Accuracy of the solve of a longest substep, in stand-offs, and its most double sweeps."""
 
 SLOW, FINER = 0.1, FINE * FINE
 """[m/s] speed below which an island is solved finer, by this factor: errors of a solve are what makes a tower sway."""
@@ -58,8 +60,6 @@ ROUNDS = 6
 HOPS = ROUNDS // 2
 """Contacts from a refused pair over which velocities are solved again; twice as many from the fourth round on."""
 
-NONE_LEFT = 0.25
-"""Least share of its way that a body goes whose pair is refused still, after halves; below it stays where it is."""
 
 @kernel
 def length_of(dt: float, left: float) -> float:
@@ -70,17 +70,18 @@ def length_of(dt: float, left: float) -> float:
 
 @kernel
 def tolerance_of(memory: Memory, h: float, fine: bool) -> float:
-    """Accuracy [m/s] of a solve for h seconds, or for half of the usual time if that is longer.
+    """Accuracy [m/s] of a solve for h seconds: the same part of what gravity adds in h, however short.
 
     Finer where bodies of the exact path are nearer than what is to be proved, and no lift parts them: half of their room to dip.
     """
     least = TOLERANCE * FINER * stand_off_of(memory)
     error = least if fine else TOLERANCE * stand_off_of(memory)
+    error *= (h / SUBSTEP) ** 2
     for k in range(memory.substeps.lasting[0]):
         gap = memory.contacts.gap[k]
         if gap < 2.0 * LEAST and not (memory.contacts.target[k] > 0.0):
             error = min(error, max(0.5 * (gap - least_of(gap)), least))
-    return error / max(h, 0.5 * SUBSTEP)
+    return error / h
 
 
 @kernel
@@ -95,7 +96,7 @@ def fall_free(
 ) -> None:
     """Velocities of the members after h seconds without contact, into ``linear_end``, ``angular_end``.
 
-    Driven bodies stand: their poses change in the lower loop only.
+    Driven bodies have what `driven.aim` gave them, or stand.
     """
     for m in range(members.shape[0]):
         b = members[m]
@@ -103,8 +104,7 @@ def fall_free(
             put_row(memory.linear_end, b, (0.0, 0.0, 0.0))
             put_row(memory.angular_end, b, (0.0, 0.0, 0.0))
             continue
-        pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
-        put_row(memory.linear_end, b, along(row(velocities.linear, b), h, pull))
+        put_row(memory.linear_end, b, along(row(velocities.linear, b), h, pull_on(dynamics, b)))
         put_row(memory.angular_end, b, row(velocities.angular, b))
         if memory.round[b] == 0:
             put_row(memory.angular_end, b, spin_after(dynamics, poses, b, row(velocities.angular, b), h))
@@ -137,35 +137,6 @@ def is_slow(velocities: Velocities, memory: Memory, members: Index) -> bool:
             if not (norm(row(velocities.linear, b)) + spin < SLOW):
                 return False
     return True
-
-
-@kernel
-def set_ways(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
-) -> None:
-    """Ways of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
-
-    A body on which contacts act goes straight at its last velocity, any other on its parabola.
-    """
-    sub_, paths = memory.substeps, memory.paths
-    for m in range(members.shape[0]):
-        b = members[m]
-        if memory.moving[b] == 0:
-            paths.kind[b] = STILL
-            put_row(sub_.way, b, (0.0, 0.0, 0.0))
-            put_row(sub_.turning, b, (0.0, 0.0, 0.0))
-            sub_.turn[b], sub_.bulge[b] = 0.0, 0.0
-            continue
-        paths.kind[b], paths.time[b] = HELD, -1.0
-        put_row(paths.angular, b, (0.0, 0.0, 0.0))
-        share, v = sub_.share[b], row(memory.linear_end, b)
-        flies = sub_.pushed[b] == 0 and share == 1.0
-        pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]) if flies else (0.0, 0.0, 0.0)
-        put_row(paths.linear, b, pull)
-        put_row(sub_.way, b, row(velocities.linear, b) if flies else scale(v, share))
-        put_row(sub_.turning, b, scale(row(memory.angular_end, b), share))
-        pose_on_way(geometry, poses, memory, b, h, memory.trial)
-        measure_way(geometry, poses, memory, b, h)
 
 
 @kernel
@@ -237,35 +208,6 @@ def spread_from_refused(memory: Memory, hops: int) -> None:
 
 
 @kernel
-def certify_all(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float, d: float, error: float
-) -> tuple[int, bool]:
-    """Certify every near pair of pieces whose bodies changed, or that was refused; returns (refused, room for their rows).
-
-    Refused pairs are marked, and their bodies ``near``; with an ``error`` [m] > 0 they get rows: see `add_refused`.
-    """
-    sub_, refused, has_room = memory.substeps, 0, True
-    first = memory.contacts.used[0]
-    for q in range(sub_.found[0]):
-        a, b = geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]]
-        if sub_.changed[a] + sub_.changed[b] + sub_.refused[q] == 0:
-            continue
-        refusal = certify_pieces(geometry, poses, memory, q, h)
-        sub_.refused[q] = 0 if refusal.holds else 1
-        if refusal.holds:
-            continue
-        refused += 1
-        sub_.near[a], sub_.near[b] = 1, 1
-        if error > 0.0:
-            has_room = (
-                add_refused(geometry, dynamics, velocities, memory, memory.hold, q, refusal, h, d, error) and has_room
-            )
-    if error > 0.0 and refused > 0:
-        lay_out(memory.contacts, memory.hold, first, memory.contacts.used[0], memory.linear_end, memory.angular_end)
-    return refused, has_room
-
-
-@kernel
 def find_free_ways(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
     fine: bool, at_last: bool,
@@ -283,9 +225,9 @@ def find_free_ways(
         for m in range(members.shape[0]):
             sub_.near[members[m]] = 0
         refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, d, error if turn < ROUNDS - 1 else 0.0)
-        if refused == 0:
+        if refused == 0 and sub_.lacking[0] == 0:
             return True
-        if turn == ROUNDS - 1:
+        if turn == ROUNDS - 1 or sub_.lacking[0] == 1:
             break
         for m in range(members.shape[0]):
             sub_.changed[members[m]] = 0
@@ -300,40 +242,12 @@ def find_free_ways(
 
 
 @kernel
-def shorten_ways(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
-) -> None:
-    """Let the bodies of refused pairs go less of their way, and those that would now run into them, until all are proved."""
-    sub_ = memory.substeps
-    for _ in range(4 * members.shape[0]):
-        shortened = 0
-        for m in range(members.shape[0]):
-            b = members[m]
-            sub_.changed[b] = 0
-            if sub_.near[b] == 1 and memory.moving[b] == 1 and sub_.share[b] > 0.0:
-                sub_.share[b] = 0.5 * sub_.share[b] if 0.5 * sub_.share[b] >= NONE_LEFT else 0.0
-                sub_.changed[b] = 1
-                shortened += 1
-            sub_.near[b] = 0
-        if shortened == 0:
-            return
-        memory.counts[SHORTENED] += shortened
-        set_ways(geometry, dynamics, poses, velocities, memory, members, h)
-        refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
-        if refused == 0:
-            return
-    for m in range(members.shape[0]):
-        sub_.share[members[m]] = 0.0
-    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
-
-
-@kernel
 def relax(memory: Memory, h: float, fine: bool) -> None:
     """Solve again without lifts and without what refused pairs asked for: velocities lose the push that ways had."""
     contacts, count = memory.contacts, memory.contacts.used[0]
     aim_rows(contacts, count, stand_off_of(memory), h, False)
     put_targets(contacts, 0, count)
-    solve(memory, tolerance_of(memory, h, fine), SWEEPS)
+    solve(memory, tolerance_of(memory, h, fine), sweeps_for(count) if fine else SWEEPS)
 
 
 @kernel
@@ -386,14 +300,25 @@ def kinetic_of(memory: Memory, members: Index, linear: Array, angular: Array) ->
 
 
 @kernel
+def leave_shares(memory: Memory, members: Index) -> None:
+    """Of the relaxed velocities leave what is left of the ways."""
+    weigh_groups(memory, members)
+    for m in range(members.shape[0]):
+        b = members[m]
+        v, w = shared(memory, b)
+        put_row(memory.linear_end, b, v)
+        put_row(memory.angular_end, b, w)
+
+
+@kernel
 def take_step(velocities: Velocities, memory: Memory, members: Index) -> None:
-    """Velocities of the members at the end of the substep: the relaxed ones, of a shortened way its share."""
+    """Velocities of the members at the end of the substep."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1:
-            put_row(velocities.linear, b, scale(row(memory.linear_end, b), sub_.share[b]))
-            put_row(velocities.angular, b, scale(row(memory.angular_end, b), sub_.share[b]))
+            put_row(velocities.linear, b, row(memory.linear_end, b))
+            put_row(velocities.angular, b, row(memory.angular_end, b))
         put_row(sub_.way, b, (0.0, 0.0, 0.0))
         put_row(sub_.turning, b, (0.0, 0.0, 0.0))
         sub_.turn[b], sub_.bulge[b] = 0.0, 0.0
@@ -404,11 +329,10 @@ def gained(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: 
     """Energy [J] that the members gain in h seconds at the solved velocities."""
     found = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
     found -= kinetic_of(memory, members, velocities.linear, velocities.angular)
-    pull = (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1:
-            found -= h * dot(pull, row(memory.linear_end, b)) / memory.hold.inverse_mass[b]
+            found -= h * dot(pull_on(dynamics, b), row(memory.linear_end, b)) / memory.hold.inverse_mass[b]
     return found
 
 
@@ -425,6 +349,8 @@ def lift_within_energy(
     if not (with_lifts > 0.0):
         return
     keep_spare(memory, members)
+    for k in range(count):
+        put_row(sub_.spare_impulse, k, row(contacts.impulse, k))
     aim_rows(contacts, count, d, h, False)
     put_targets(contacts, 0, count)
     solve(memory, tolerance, sweeps)
@@ -442,6 +368,9 @@ def lift_within_energy(
         v, w = row(memory.linear_end, b), row(memory.angular_end, b)
         put_row(memory.linear_end, b, along(v, share, sub(row(sub_.spare_linear, b), v)))
         put_row(memory.angular_end, b, along(w, share, sub(row(sub_.spare_angular, b), w)))
+    for k in range(count):
+        p = row(contacts.impulse, k)
+        put_row(contacts.impulse, k, along(p, share, sub(row(sub_.spare_impulse, k), p)))
     lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
 
 
@@ -464,18 +393,19 @@ def solve_ways(
     sub_, contacts = memory.substeps, memory.contacts
     fall_free(dynamics, poses, velocities, memory, members, h)
     sub_.kinetic[0] = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
-    contacts.standing[0] = 1
-    has_room = list_pieces_of(geometry, memory, members)
-    has_room = has_room and find_rows(geometry, dynamics, poses, velocities, memory, h)
-    if not has_room:
+    contacts.standing[0], sub_.lacking[0] = 1, 0
+    may_go(dynamics, memory, members, h)
+    if not list_pieces_of(geometry, poses, memory, members):
         contacts.used[0] = 0
         return False, False
+    find_rows(geometry, dynamics, poses, velocities, memory, h)
     count, d = contacts.used[0], stand_off_of(memory)
     fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE
     sweeps = sweeps_for(count) if fine else SWEEPS
     weigh_from(contacts, memory.hold, 0.0, 0)
+    strikes_with(dynamics, memory, members)
     for k in range(count):
-        sub_.approach[k] = speed_along(contacts, k, 0, memory.linear_end, memory.angular_end)
+        sub_.approach[k] = speed_along(contacts, k, 0, sub_.spare_linear, sub_.spare_angular)
     aim_rows(contacts, count, d, h, True)
     tolerance = tolerance_of(memory, h, fine)
     recall_forces(contacts, memory.last)
@@ -488,7 +418,9 @@ def solve_ways(
     lift_within_energy(dynamics, velocities, memory, members, h, d, tolerance, sweeps)
     memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
     for m in range(members.shape[0]):
-        sub_.share[members[m]], sub_.pushed[members[m]] = 1.0, 0
+        b = members[m]
+        sub_.share[b], sub_.group[b], sub_.pushed[b] = 1.0, b, 0
+        put_row(sub_.wall, b, (0.0, 0.0, 0.0))
     note_pushed(memory)
     set_ways(geometry, dynamics, poses, velocities, memory, members, h)
     return True, fine

@@ -10,6 +10,9 @@ from avatarsim.model.geometry import Poses
 UNKNOWN, KNOWN = 0, 1
 """State of a near pair of pieces: no direction known yet, or a direction and gap at the start of the substep."""
 
+STANDS = -1
+"""Group of bodies that cannot go on, since one that does not move is in their way."""
+
 PIECES_ROOM, PIECES_PER_PAIR = 65536, 2
 """Room for near pairs of pieces, or so many per near pair of bodies if that is more. An island whose pairs have no room waits
 for the next frame, and the status says so."""
@@ -21,16 +24,21 @@ class Substeps(NamedTuple):
     members         (nb) bodies of the island that takes the substep
     crowd           (nb) flag: the island of the body advances by substeps
     calm            (nb) frames for which the body has been slow
-    share           (nb) part of the substep that the body goes
+    share           (nb) part of its motion relative to its group that the body goes
+    group           (nb) leader of the bodies that go together, since their pairs are refused, or STANDS
+    mean            (nb, 3) [m/s] velocity of the centre of mass of the group that the body leads; mass (nb) [kg] of that group
     way, turning    (nb, 3) velocities at the start of the way in this substep [m/s], [rad/s]
     turn            (nb) [rad] angle turned in this substep
     bulge           (nb) [m] how far core points leave the chord of their way
     changed, near   (nb) flags: velocity changed since the last certificate; within reach of a refused pair
     pushed          (nb) flag: a contact acts on the body
+    room, wider     (nb) [m] how far points of the body may go for the pairs of pieces that are listed; the same made wider
+    lacking         (1) flag: pairs of pieces that may meet have no room in the list
     found           (1) number of near pairs of pieces
     pieces          (room, 2) pieces; state (room) UNKNOWN or KNOWN; refused (room) flag
     normal, gap     (room, 3) direction out of B into A at the start, (room) gap there [m]
     approach        (cap) [m/s] velocity along the normal before the solve
+    spare_impulse   (cap, 3) [N s] of the rows, solved with lifts
     kinetic         (1) [J] kinetic energy of the island before the solve
     lasting         (1) rows that have a key and are remembered; rows of refused pairs follow
     low, high       poses on the way, for bisection
@@ -41,6 +49,10 @@ class Substeps(NamedTuple):
     crowd: IndexLine
     calm: IndexLine
     share: Line
+    group: IndexLine
+    mean: Vectors
+    mass: Line
+    wall: Vectors
     way: Vectors
     turning: Vectors
     turn: Line
@@ -48,6 +60,9 @@ class Substeps(NamedTuple):
     changed: IndexLine
     near: IndexLine
     pushed: IndexLine
+    room: Line
+    wider: Line
+    lacking: IndexLine
     found: IndexLine
     pieces: IndexGrid
     state: IndexLine
@@ -55,6 +70,7 @@ class Substeps(NamedTuple):
     normal: Vectors
     gap: Line
     approach: Line
+    spare_impulse: Vectors
     kinetic: Line
     lasting: IndexLine
     low: Poses
@@ -72,10 +88,12 @@ def make_substeps(bodies: int, poses: Poses, room: int, cap: int) -> Substeps:
     whole, vectors = np.zeros(n, np.int64), np.zeros((n, 3))
     low, high = (Poses(*(field.copy() for field in poses)) for _ in range(2))
     return Substeps(
-        members=whole.copy(), crowd=whole.copy(), calm=whole.copy(), share=np.ones(n), way=vectors.copy(), turning=vectors.copy(),
+        members=whole.copy(), crowd=whole.copy(), calm=whole.copy(), share=np.ones(n), group=np.arange(n, dtype=np.int64),
+        mean=vectors.copy(), mass=np.zeros(n), wall=vectors.copy(), way=vectors.copy(), turning=vectors.copy(),
         turn=np.zeros(n), bulge=np.zeros(n), changed=whole.copy(), near=whole.copy(), pushed=whole.copy(),
-        found=np.zeros(1, np.int64), pieces=np.zeros((many, 2), np.int64), state=np.zeros(many, np.int64),
-        refused=np.zeros(many, np.int64), normal=np.zeros((many, 3)), gap=np.zeros(many), approach=np.zeros(cap),
+        room=np.zeros(n), wider=np.zeros(n), lacking=np.zeros(1, np.int64), found=np.zeros(1, np.int64),
+        pieces=np.zeros((many, 2), np.int64), state=np.zeros(many, np.int64), refused=np.zeros(many, np.int64),
+        normal=np.zeros((many, 3)), gap=np.zeros(many), approach=np.zeros(cap), spare_impulse=np.zeros((cap, 3)),
         kinetic=np.zeros(1), lasting=np.zeros(1, np.int64), low=low, high=high,
         spare_linear=vectors.copy(), spare_angular=vectors.copy(), change_linear=vectors.copy(), change_angular=vectors.copy(),
     )

@@ -111,3 +111,14 @@ def rotation_vector(m: Columns) -> Vec3:
 def step_between(start: Columns, end: Columns) -> Vec3:
     """w with start exp(w) = end: the rotation vector of start^T end, in the axes of `start`."""
     return rotation_vector((turned_back(start, end[0]), turned_back(start, end[1]), turned_back(start, end[2])))
+
+
+@kernel
+def turn_of(before: Columns, now: Columns) -> Vec3:
+    """Rotation vector, in world axes, that takes one orientation to another: log(now before^T)."""
+    inverse = (
+        (before[0][0], before[1][0], before[2][0]),
+        (before[0][1], before[1][1], before[2][1]),
+        (before[0][2], before[1][2], before[2][2]),
+    )
+    return rotation_vector((turned(now, inverse[0]), turned(now, inverse[1]), turned(now, inverse[2])))

@@ -1,0 +1,118 @@
+"""Driven bodies that loose bodies lean on, within the solve of all contacts: eq. 6 in the tracker's frame, by implicit Euler.
+
+The lag u of a driven body behind its tracker obeys m u'' = -K u - R u' + f. Over h seconds, with the tracker's velocity v_t, this
+makes it a body of mass m + h R + h^2 K that without contact would have the velocity v_t + (m u' - h K u) / (m + h R + h^2 K).
+So a hand without contact has no lag, one at rest presses with K u exactly, and no K makes it unstable. Turns obey the same law
+with m, R and K times the square of the body's size.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.path import spun
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.dynamics import DRIVEN, SIMULATED, Drive, Dynamics, Velocities
+from avatarsim.model.geometry import Poses
+from avatarsim.rigid.contacts import impulse_of
+from avatarsim.rigid.state import Memory
+from avatarsim.spatial.tangent import columns, turn_of
+from avatarsim.spatial.vec3 import Vec3, add, along, norm, put_row, row, scale, sub
+
+Index = NDArray[np.int64]
+
+
+@kernel
+def lag_of(drive: Drive, poses: Poses, b: int, now: float, dt: float) -> tuple[Vec3, Vec3]:
+    """How far body b is from where the tracker has it ``now`` seconds into a frame of dt seconds [m], [rad]."""
+    left = dt - now
+    way = along(scale(row(drive.linear, b), left), 0.5 * left * now, row(drive.ramp, b))
+    turn = along(scale(row(drive.angular, b), left), 0.5 * left * now, row(drive.ramp_turn, b))
+    tracked = spun(columns(drive.turn, b), turn, -1.0)
+    return sub(row(poses.position, b), sub(row(drive.position, b), way)), turn_of(tracked, columns(poses.rotation, b))
+
+
+@kernel
+def aim(drive: Drive, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float, dt: float, h: float) -> None:
+    """Give coupled body b the mass and the velocity that it would have without contact after a substep.
+
+    The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. Where K u is above the largest force, this
+    force takes the place of the spring.
+    """
+    middle = now + 0.5 * (h - dt)
+    put_row(drive.user, b, along(row(drive.linear, b), middle, row(drive.ramp, b)))
+    put_row(drive.user_turn, b, along(row(drive.angular, b), middle, row(drive.ramp_turn, b)))
+    u, turn = lag_of(drive, poses, b, now, dt)
+    m, k, r, size = drive.mass[b], drive.stiffness[b], drive.damping[b], memory.span[b]
+    straight, rest = k * norm(u), 1.0
+    implicit = h * h * k
+    if straight > drive.largest_force[b]:
+        rest, implicit = drive.largest_force[b] / straight, 0.0
+    mass = m + h * r * rest + implicit
+    v = along(scale(row(drive.lag, b), m / mass), -h * k * rest / mass, u)
+    put_row(velocities.linear, b, add(v, row(drive.user, b)))
+    mass_turning = m + h * r + h * h * k
+    w = along(scale(row(drive.lag_turn, b), m / mass_turning), -h * k / mass_turning, turn)
+    put_row(velocities.angular, b, add(w, row(drive.user_turn, b)))
+    memory.hold.inverse_mass[b] = 1.0 / mass
+    for i in range(3):
+        for j in range(3):
+            memory.inertia[b, i, j] = size * size * mass_turning if i == j else 0.0
+            memory.hold.inverse_inertia[b, i, j] = 1.0 / (size * size * mass_turning) if i == j else 0.0
+
+
+@kernel
+def aim_all(
+    dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, dt: float, h: float
+) -> None:
+    """`aim` the members that are coupled."""
+    for m in range(members.shape[0]):
+        if dynamics.drive.coupled[members[m]] == 1:
+            aim(dynamics.drive, poses, velocities, memory, members[m], now, dt, h)
+
+
+@kernel
+def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
+    """Fill ``spare_linear``, ``spare_angular`` with the velocities that restitution goes by.
+
+    Of coupled members without the pull of the spring: a hand that presses would else bounce off in every substep.
+    """
+    drive, sub_ = dynamics.drive, memory.substeps
+    for m in range(members.shape[0]):
+        b = members[m]
+        v, w = row(memory.linear_end, b), row(memory.angular_end, b)
+        if drive.coupled[b] == 1:
+            v, w = add(row(drive.user, b), row(drive.lag, b)), add(row(drive.user_turn, b), row(drive.lag_turn, b))
+        put_row(sub_.spare_linear, b, v)
+        put_row(sub_.spare_angular, b, w)
+
+
+@kernel
+def note_lag(dynamics: Dynamics, velocities: Velocities, members: Index) -> None:
+    """Keep the velocities of coupled members against their trackers."""
+    drive = dynamics.drive
+    for m in range(members.shape[0]):
+        b = members[m]
+        if drive.coupled[b] == 1:
+            put_row(drive.lag, b, sub(row(velocities.linear, b), row(drive.user, b)))
+            put_row(drive.lag_turn, b, sub(row(velocities.angular, b), row(drive.user_turn, b)))
+
+
+@kernel
+def note_load(dynamics: Dynamics, memory: Memory) -> None:
+    """Mark the driven bodies on which a loose body presses by the contacts that were solved last."""
+    contacts, role = memory.contacts, dynamics.role
+    for k in range(contacts.used[0]):
+        if contacts.impulse[k, 0] > 0.0:
+            for side in range(2):
+                b = contacts.body[k, side]
+                if role[b] == DRIVEN and role[contacts.body[k, 1 - side]] == SIMULATED:
+                    dynamics.drive.loaded[b] = 1
+                    if dynamics.drive.coupled[b] == 1:
+                        j = impulse_of(contacts, k)
+                        put_row(memory.received, b, along(row(memory.received, b), 1.0 if side == 0 else -1.0, j))
+
+
+@kernel
+def stands_still(dynamics: Dynamics, b: int) -> bool:
+    """Return whether body b is driven, and not moved by the upper loop."""
+    return bool(dynamics.role[b] == DRIVEN and dynamics.drive.coupled[b] == 0)

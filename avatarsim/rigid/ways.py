@@ -1,0 +1,295 @@
+"""Ways of the bodies of a crowd within a substep: set from velocities, proved free, and made shorter where they are not."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.collision.path import HELD, STILL
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
+from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.margin_rows import add_refused
+from avatarsim.rigid.near_pieces import FARTHER, list_more
+from avatarsim.rigid.solver import lay_out
+from avatarsim.rigid.state import SHORTENED, Memory
+from avatarsim.rigid.substep_state import STANDS, Substeps
+from avatarsim.rigid.swept_certificate import certify_pieces, measure_way, pose_on_way
+from avatarsim.spatial.vec3 import Vec3, along, dot, norm, put_row, row, scale, sub
+
+Index = NDArray[np.int64]
+
+NONE_LEFT = 0.25
+"""Least share of its way that a body goes whose pair is refused still, after halves; below it stays where it is."""
+
+
+@kernel
+def set_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
+) -> None:
+    """Ways of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
+
+    A body on which contacts act goes straight at its last velocity, any other on its parabola. Where one goes farther than
+    thought the pairs of pieces that may now meet are listed; ``lacking`` says where there is no room for them.
+    """
+    sub_, paths, wider = memory.substeps, memory.paths, False
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 0:
+            paths.kind[b] = STILL
+            put_row(sub_.way, b, (0.0, 0.0, 0.0))
+            put_row(sub_.turning, b, (0.0, 0.0, 0.0))
+            sub_.turn[b], sub_.bulge[b], sub_.wider[b] = 0.0, 0.0, 0.0
+            continue
+        paths.kind[b], paths.time[b] = HELD, -1.0
+        put_row(paths.angular, b, (0.0, 0.0, 0.0))
+        v, w = shared(memory, b)
+        flies = sub_.pushed[b] == 0 and sub_.share[b] == 1.0
+        pull = pull_on(dynamics, b) if flies else (0.0, 0.0, 0.0)
+        put_row(paths.linear, b, pull)
+        go_on_way(geometry, poses, memory, b, h, row(velocities.linear, b) if flies else v, w)
+        farthest = h * (norm(row(sub_.way, b)) + 0.5 * h * norm(pull)) + sub_.turn[b] * memory.span[b]
+        sub_.wider[b] = sub_.room[b]
+        if farthest > sub_.room[b]:
+            sub_.wider[b], wider = FARTHER * farthest, True
+    if wider:
+        if not list_more(geometry, poses, memory, members, sub_.room, sub_.wider):
+            sub_.lacking[0] = 1
+        for m in range(members.shape[0]):
+            sub_.room[members[m]] = sub_.wider[members[m]]
+
+
+@kernel
+def shared(memory: Memory, b: int) -> tuple[Vec3, Vec3]:
+    """Velocities of body b [m/s], [rad/s] of which its share is left: the rest is that of its group."""
+    sub_, v, w = memory.substeps, row(memory.linear_end, b), row(memory.angular_end, b)
+    if sub_.share[b] == 1.0:
+        return v, w
+    leader = leader_of(sub_, b)
+    mean = (0.0, 0.0, 0.0) if leader == STANDS else row(sub_.mean, leader)
+    return along(mean, sub_.share[b], sub(v, mean)), scale(w, sub_.share[b])
+
+
+@kernel
+def leader_of(sub_: Substeps, b: int) -> int:
+    """Return the body that leads the group of body b, or STANDS."""
+    while b != STANDS and sub_.group[b] != b:
+        b = sub_.group[b]
+    return b
+
+
+@kernel
+def certify_all(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float, d: float, error: float
+) -> tuple[int, bool]:
+    """Certify every near pair of pieces whose bodies changed, or that was refused; returns (refused, room for their rows).
+
+    Refused pairs are marked, and their bodies ``near``; with an ``error`` [m] > 0 they get rows: see `add_refused`.
+    """
+    sub_, refused, has_room = memory.substeps, 0, True
+    first = memory.contacts.used[0]
+    for q in range(sub_.found[0]):
+        a, b = geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]]
+        if sub_.changed[a] + sub_.changed[b] + sub_.refused[q] == 0:
+            continue
+        refusal = certify_pieces(geometry, poses, memory, q, h)
+        sub_.refused[q] = 0 if refusal.holds else 1
+        if refusal.holds:
+            continue
+        refused += 1
+        sub_.near[a], sub_.near[b] = 1, 1
+        if error > 0.0:
+            has_room = (
+                add_refused(geometry, dynamics, velocities, memory, memory.hold, q, refusal, h, d, error) and has_room
+            )
+    if error > 0.0 and refused > 0:
+        lay_out(memory.contacts, memory.hold, first, memory.contacts.used[0], memory.linear_end, memory.angular_end)
+    return refused, has_room
+
+
+@kernel
+def shorten_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
+) -> None:
+    """Let the bodies of refused pairs go together more and more, and those that would now run into them, until all are proved.
+
+    The bodies of each refused pair join one group. The one that keeps more of its own motion relative to the group's centre of
+    mass halves it, down to none. So the momentum of a group stays, unless that does not free a body from one that is fixed or
+    driven: then the group stands.
+    """
+    sub_ = memory.substeps
+    for _ in range(4 * members.shape[0]):
+        for m in range(members.shape[0]):
+            sub_.changed[members[m]] = 0
+        shortened = join_refused(geometry, memory)
+        if shortened == 0:
+            break
+        memory.counts[SHORTENED] += shortened
+        weigh_groups(memory, members)
+        for m in range(members.shape[0]):
+            b = members[m]
+            sub_.changed[b] = 1 if sub_.share[b] < 1.0 else 0
+        set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+        refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
+        if refused == 0 and sub_.lacking[0] == 0:
+            return
+    stand(geometry, dynamics, poses, velocities, memory, members, h)
+
+
+@kernel
+def stand(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
+) -> None:
+    """Let all members stand."""
+    for m in range(members.shape[0]):
+        memory.substeps.share[members[m]], memory.substeps.group[members[m]] = 0.0, STANDS
+    set_ways(geometry, dynamics, poses, velocities, memory, members, h)
+
+
+@kernel
+def join_refused(geometry: Geometry, memory: Memory) -> int:
+    """Join the groups of refused pairs and halve the larger share of each; returns how many bodies changed.
+
+    ``changed`` marks the bodies whose share was halved in this turn.
+    """
+    sub_, changed = memory.substeps, 0
+    for q in range(sub_.found[0]):
+        if sub_.refused[q] == 0:
+            continue
+        a, b = geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]]
+        share_a = sub_.share[a] if memory.moving[a] == 1 else 0.0
+        share_b = sub_.share[b] if memory.moving[b] == 1 else 0.0
+        if memory.moving[a] + memory.moving[b] == 2:
+            changed += join(memory, a, b)
+        else:
+            changed += put_wall(memory, q, a, b)
+        for side in range(2):
+            body, own, others = (a, share_a, share_b) if side == 0 else (b, share_b, share_a)
+            if memory.moving[body] == 0 or own < others or sub_.changed[body] == 1:
+                continue
+            if own > 0.0:
+                sub_.share[body] = 0.5 * own if 0.5 * own >= NONE_LEFT else 0.0
+            elif memory.moving[a] + memory.moving[b] == 1 and join(memory, a, b) == 1:
+                sub_.share[body] = 0.5
+            else:
+                continue
+            sub_.changed[body] = 1
+            changed += 1
+    return changed
+
+
+@kernel
+def join(memory: Memory, a: int, b: int) -> int:
+    """Join the groups of bodies a and b, which stand if either does not move; returns 1 if that changed them."""
+    sub_ = memory.substeps
+    one = leader_of(sub_, a) if memory.moving[a] == 1 else STANDS
+    other = leader_of(sub_, b) if memory.moving[b] == 1 else STANDS
+    if one == other:
+        return 0
+    least, most = min(one, other), max(one, other)
+    sub_.group[most] = least
+    if least != STANDS and not any_of(row(sub_.wall, least)):
+        put_row(sub_.wall, least, row(sub_.wall, most))
+    return 1
+
+
+@kernel
+def put_wall(memory: Memory, q: int, a: int, b: int) -> int:
+    """Let the group of the body of refused pair q that moves slide along the other; returns 1 unless it does so along another."""
+    sub_ = memory.substeps
+    leader = leader_of(sub_, a if memory.moving[a] == 1 else b)
+    if leader == STANDS or any_of(row(sub_.wall, leader)):
+        return 0
+    put_row(sub_.wall, leader, scale(row(sub_.normal, q), 1.0 if memory.moving[a] == 1 else -1.0))
+    return 1
+
+
+@kernel
+def any_of(n: Vec3) -> bool:
+    """Return whether a vector is not zero."""
+    return dot(n, n) > 0.0
+
+
+@kernel
+def weigh_groups(memory: Memory, members: Index) -> None:
+    """Fill ``mean`` and ``mass`` of each group."""
+    sub_ = memory.substeps
+    for m in range(members.shape[0]):
+        b = members[m]
+        sub_.mass[b] = 0.0
+        put_row(sub_.mean, b, (0.0, 0.0, 0.0))
+    for m in range(members.shape[0]):
+        b = members[m]
+        i = leader_of(sub_, b)
+        if i != STANDS and memory.moving[b] == 1:
+            mass = 1.0 / memory.hold.inverse_mass[b]
+            sub_.mass[i] += mass
+            put_row(sub_.mean, i, along(row(sub_.mean, i), mass, row(memory.linear_end, b)))
+    for m in range(members.shape[0]):
+        b = members[m]
+        if sub_.mass[b] > 0.0:
+            mean, wall = scale(row(sub_.mean, b), 1.0 / sub_.mass[b]), row(sub_.wall, b)
+            put_row(sub_.mean, b, along(mean, -min(0.0, dot(mean, wall)), wall))
+
+
+@kernel
+def keep_ways(memory: Memory, members: Index) -> None:
+    """Keep the ways of the members in ``change_linear``, ``change_angular``."""
+    sub_ = memory.substeps
+    for m in range(members.shape[0]):
+        put_row(sub_.change_linear, members[m], row(sub_.way, members[m]))
+        put_row(sub_.change_angular, members[m], row(sub_.turning, members[m]))
+
+
+@kernel
+def recall_ways(geometry: Geometry, poses: Poses, memory: Memory, members: Index, h: float, of_near: bool) -> None:
+    """Undo what happened to the ways since `keep_ways`, of all members or of those that are ``near``; they count as changed."""
+    sub_ = memory.substeps
+    for m in range(members.shape[0]):
+        b = members[m]
+        sub_.changed[b] = memory.moving[b] * (sub_.near[b] if of_near else 1)
+        if sub_.changed[b] == 1:
+            go_on_way(geometry, poses, memory, b, h, row(sub_.change_linear, b), row(sub_.change_angular, b))
+
+
+@kernel
+def lower_rises(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, part: float
+) -> None:
+    """Let the bodies that contacts lift go only a part of their way against gravity; they count as changed."""
+    sub_ = memory.substeps
+    for m in range(members.shape[0]):
+        b = members[m]
+        v, pull = row(sub_.way, b), pull_on(dynamics, b)
+        fall = dot(pull, v)
+        sub_.changed[b] = memory.moving[b] * sub_.pushed[b] if fall < 0.0 else 0
+        if sub_.changed[b] == 1:
+            go_on_way(geometry, poses, memory, b, h, along(v, -(1.0 - part) * fall / dot(pull, pull), pull), row(sub_.turning, b))
+
+
+@kernel
+def scale_ways(geometry: Geometry, poses: Poses, memory: Memory, members: Index, h: float, part: float) -> None:
+    """Let the bodies on which contacts act go a part of their way; they count as changed."""
+    sub_ = memory.substeps
+    for m in range(members.shape[0]):
+        b = members[m]
+        sub_.changed[b] = memory.moving[b] * sub_.pushed[b]
+        if sub_.changed[b] == 1:
+            go_on_way(geometry, poses, memory, b, h, scale(row(sub_.way, b), part), scale(row(sub_.turning, b), part))
+
+
+@kernel
+def go_on_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float, v: Vec3, w: Vec3) -> None:
+    """Give body b these velocities [m/s], [rad/s] on its way of h seconds."""
+    put_row(memory.substeps.way, b, v)
+    put_row(memory.substeps.turning, b, w)
+    pose_on_way(geometry, poses, memory, b, h, memory.trial)
+    measure_way(geometry, poses, memory, b, h)
+
+
+@kernel
+def scale_velocities(memory: Memory, members: Index, part: float) -> None:
+    """Leave a part of the solved velocities of the bodies on which contacts act."""
+    for m in range(members.shape[0]):
+        b = members[m]
+        if memory.moving[b] == 1 and memory.substeps.pushed[b] == 1:
+            put_row(memory.linear_end, b, scale(row(memory.linear_end, b), part))
+            put_row(memory.angular_end, b, scale(row(memory.angular_end, b), part))

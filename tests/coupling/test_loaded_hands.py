@@ -1,0 +1,118 @@
+"""Rigid hands under load: what lies on them lowers them by m g / K, what they press feels K times the lag, and no K shakes."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from avatarsim.coupling.spring import coupled
+from avatarsim.engine import Settings
+from avatarsim.model.dynamics import make_drive, velocities
+from avatarsim.rigid.driven import aim, note_lag
+from avatarsim.scene.avatar import rigid_avatar
+from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece
+from avatarsim.scene.tracker import TrackerSample
+from avatarsim.settings import CouplingSettings
+from avatarsim.simulator import AvatarsimEngine
+from tests.rigid.upper_world import G, World, hand
+
+DT = 1.0 / 60.0
+PALM = (Piece(Box((0.2, 0.2, 0.02))),)
+HELD = 0.3
+"""Mass [kg] of what is held."""
+
+
+def table(restitution: float) -> PairTable:
+    """One contact law for all."""
+    return PairTable({("m", "m"): ContactLaw(restitution, 0.6)})
+
+
+def box(name: str, z: float, mass: float = HELD) -> Body:
+    """A cube of 8 cm whose lower face is at z."""
+    pieces = (Piece(Box((0.08, 0.08, 0.08))),)
+    return simulated(name, pieces, "m", solid(pieces, mass), (0.0, 0.0, z + 0.04))
+
+
+def carry(
+    bodies: list[Body], place: Callable[[float], tuple[float, float, float]], seconds: float, restitution: float = 0.0,
+    **options: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Run a palm of 0.5 kg whose origin is at ``place`` of the time; returns positions (frames, nb, 3) and where its user was."""
+    avatar = rigid_avatar("palm", PALM, solid(PALM, 0.5), "m")
+
+    def sample(time: float) -> TrackerSample:
+        return TrackerSample(time, np.array([place(time)]), np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
+
+    scene = Scene("carry", tuple(bodies), (avatar,), materials=table(restitution), start=sample(0.0))
+    engine, shown, users = AvatarsimEngine(), [], []
+    engine.load(scene, Settings(options=options), DT)
+    for k in range(round(seconds / DT)):
+        user = sample((k + 1) * DT)
+        shown.append(engine.advance(user, DT).shown.positions.copy())
+        users.append(user.positions[0])
+    return np.array(shown), np.array(users)
+
+
+@pytest.mark.parametrize("restitution", [0.0, 0.5])
+@pytest.mark.parametrize("spring", [300.0, 1000.0, 1e6])
+def test_what_lies_on_a_hand_lowers_it_by_its_weight_over_the_spring(spring: float, restitution: float) -> None:
+    shown, users = carry([box("box", 0.011)], lambda time: (0.0, 0.0, 0.0), 3.0, restitution, spring=spring)
+    sag = users[-60:, 2] - shown[-60:, 1, 2]
+    assert sag == pytest.approx(HELD * G / spring, rel=1e-3, abs=1e-7)
+
+
+def test_a_hand_that_is_led_up_and_down_carries_what_lies_on_it() -> None:
+    shown, users = carry([box("box", 0.011)], lambda time: (0.1 * np.sin(3.0 * time), 0.0, 0.1 * np.sin(5.0 * time)), 3.0)
+    apart = (shown[:, 0] - shown[:, 1])[30:]
+    assert np.ptp(apart, axis=0) == pytest.approx(0.0, abs=1e-4)
+    # by m g / K and what accelerates the box, at most m a / K
+    most = HELD * (G + 0.1 * 5.0**2) / CouplingSettings().spring
+    assert abs(users - shown[:, 1])[30:].max() < 1.2 * most
+
+
+def test_a_hand_that_holds_a_box_to_the_ceiling_lets_it_fall_when_it_goes() -> None:
+    ceiling = fixed("ceiling", (Piece(Box((1.0, 1.0, 0.1))),), "m", (0.0, 0.0, 0.25))
+    shown, _ = carry([box("box", 0.011), ceiling], lambda time: (0.0, 0.0, min(0.3 * time, 0.15) if time < 2.0 else -0.5), 2.4)
+    pressed = shown[100:118, 0, 2]
+    assert pressed == pytest.approx(0.16, abs=2e-4)
+    assert np.ptp(pressed) < 1e-6
+    assert shown[-1, 0, 2] < pressed[0] - 0.1
+
+
+def test_where_nothing_leans_on_it_a_hand_is_at_its_user() -> None:
+    shown, users = carry([box("box", -0.5)], lambda time: (0.2 * np.sin(9.0 * time), 0.0, 0.1 * time), 1.0)
+    assert shown[:, 1] == pytest.approx(users, abs=1e-9)
+
+
+def aimed(spring: float, damping: float, lag: float, rate: float, steps: int, seconds: float, force: float = np.inf) -> float:
+    """Lag [m] of a body of 2 kg after so many implicit steps without contact."""
+    world = World([], avatars=[hand()])
+    drive = make_drive(1, np.array([0.5]))
+    drive.stiffness[:], drive.damping[:], drive.largest_force[:] = spring, damping, force
+    drive.coupled[:] = 1
+    drive.lag[0, 0], world.poses.position[0] = rate, (lag, 0.0, 0.0)
+    masses, speed = world.dynamics._replace(drive=drive), velocities(world.scene)
+    for _ in range(steps):
+        aim(drive, world.poses, speed, world.memory, 0, 0.0, seconds / steps, seconds / steps)
+        world.poses.position[0] += seconds / steps * speed.linear[0]
+        note_lag(masses, speed, np.array([0]))
+    return float(world.poses.position[0, 0])
+
+
+def test_implicit_steps_tend_to_equation_6() -> None:
+    exact = coupled(2.0, 1000.0, 40.0, (0.01, 0.0, 0.0), (0.3, 0.0, 0.0), 0.1)[0][0]
+    errors = [abs(aimed(1000.0, 40.0, 0.01, 0.3, steps, 0.1) - exact) for steps in (100, 1000, 10000)]
+    assert errors[2] < 1e-6
+    assert errors[1] == pytest.approx(errors[0] / 10.0, rel=0.1)
+
+
+@pytest.mark.parametrize("spring", [1.0, 1e3, 1e6, 1e9])
+def test_no_spring_makes_a_hand_unstable(spring: float) -> None:
+    assert abs(aimed(spring, 0.0, 0.01, 0.0, 100, 1.0)) <= 0.0101
+
+
+def test_the_spring_pulls_no_harder_than_the_largest_force() -> None:
+    """2 kg pulled by 10 N without damping: half of 5 m/s^2 over 0.1 s."""
+    assert aimed(1e6, 0.0, 1.0, 0.0, 1000, 0.1, 10.0) == pytest.approx(1.0 - 0.5 * 5.0 * 0.01, rel=1e-3)
