@@ -103,7 +103,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     elif springs.mass.shape[0] > 0:
         strike(skeleton, tracker, dt, w.velocities, springs)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
-    keep_still(skeleton, w.dynamics, state.budget)
+    keep_still(skeleton, avatars, w.dynamics, state)
     if dt > 0.0:
         drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
     aim_along_paths(geometry, skeleton, avatars, settings, dt, posture, poses, plan, state, working)
@@ -164,7 +164,7 @@ class IkLoop:
             else no_springs(world.poses, coupling)
         )
         if coupled:
-            allow(world.drive, world.skeleton, coupling.spring, coupling.damping)
+            allow(world.drive, world.skeleton, coupling, settings)
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )

@@ -326,6 +326,12 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
         carry_springs(old, new, one, other, both)
 
 
+CARRIED_OF_DRIVE = (
+    "coupled", "loaded", "unloaded", "linear", "angular", "gained", "gained_turn", "lag", "lag_turn",
+)
+"""Fields of `Drive` that links keep, so that a hand goes on holding."""
+
+
 def carry_springs(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
     """Offsets of the coupling, and where the tracker had the links in the last frame: their velocities are counted from there."""
     if not (len(one.springs.mass) and len(other.springs.mass)):
@@ -338,3 +344,5 @@ def carry_springs(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Sh
     for into, of in ((other.springs.one, one.springs.one), (other.springs.other, one.springs.other)):
         taken(into.position, of.position, links)
         taken(into.rotation, of.rotation, links)
+    for name in CARRIED_OF_DRIVE:
+        taken(getattr(new.world.drive, name), getattr(old.world.drive, name), links)

@@ -1,27 +1,33 @@
-"""Rigid avatars that loose bodies lean on: the lower loop leaves them to the upper one, and takes them up again afterwards."""
+"""Avatars that loose bodies lean on: the lower loop leaves them to the upper one, and takes them up again afterwards."""
 
 from math import log
 
-from avatarsim.coupling.virtual_coupling import TOP_SPEED, TOP_SPIN, limited
+import numpy as np
+
+from avatarsim.coupling.virtual_coupling import TOP_SPEED, TOP_SPIN
 from avatarsim.ik.kinematics import place_avatar
 from avatarsim.ik.sqp_step import copy_poses, forget_forces
-from avatarsim.ik.state import Avatars, Budget, Contacts, IkScratch, IkState
+from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
 from avatarsim.ik.target import copy_posture
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED, Drive, Dynamics, Velocities
 from avatarsim.model.geometry import Array, Geometry, Poses
-from avatarsim.model.skeleton import FREE, Posture, Skeleton
+from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
+from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, turn_of
-from avatarsim.spatial.vec3 import Vec3, add, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, limited, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED
 
 
-def allow(drive: Drive, skel: Skeleton, spring: float, damping: float) -> None:
-    """Let the upper loop move rigid avatars under load, with these constants of eq. 6."""
-    for link in range(len(skel.kind)):
-        alone = skel.kind[link] == FREE and not (skel.parent == link).any()
-        drive.may_couple[skel.first + link] = int(alone)
-    drive.stiffness[:], drive.damping[:] = spring, damping
+def allow(drive: Drive, skel: Skeleton, coupling: CouplingSettings, posture: PostureSettings) -> None:
+    """Let the upper loop move avatars under load whose joints are hinges, by eq. 6, and no faster to their users than else."""
+    leader = drive.tied[skel.first :]
+    for root in np.unique(leader):
+        links = np.flatnonzero(leader == root)
+        drive.may_couple[skel.first + links] = int(not (skel.kind[links] == BALL).any())
+        drive.linked[skel.first + links] = int(len(links) > 1 or skel.kind[links[0]] != FREE)
+    drive.stiffness[:], drive.damping[:] = coupling.spring, coupling.damping
+    drive.fastest[:], drive.fastest_turn[:] = posture.catch_up_move, posture.catch_up_turn
 
 
 @kernel
@@ -54,6 +60,15 @@ def accelerate(v: Vec3, b: int, dt: float, velocity_out: Array, gained_out: Arra
 
 
 @kernel
+def load(drive: Drive, avatars: Avatars, link: int, first: int) -> None:
+    """A link is loaded if any link of its avatar is."""
+    avatar = avatars.avatar[link]
+    for other in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        if drive.loaded[first + other] == 1:
+            drive.loaded[first + link] = 1
+
+
+@kernel
 def leave(
     skel: Skeleton, avatars: Avatars, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float, rate: Array,
     target_out: Posture, velocities_out: Velocities,
@@ -74,26 +89,37 @@ def leave(
         put_columns(drive.turn, b, columns(now.rotation, b))
         accelerate(limited(scale(way, 1.0 / dt), TOP_SPEED), b, dt, drive.linear, drive.gained, drive.ramp)
         accelerate(limited(scale(turn, 1.0 / dt), TOP_SPIN), b, dt, drive.angular, drive.gained_turn, drive.ramp_turn)
+        load(drive, avatars, link, skel.first)
         if drive.coupled[b] == 0 and drive.loaded[b] == 1:
             drive.coupled[b] = 1
             put_row(drive.lag, b, row(rate, link))
             put_row(drive.lag_turn, b, (0.0, 0.0, 0.0))
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt
-        drive.loaded[b] = 0
-        if drive.unloaded[b] > time_to_catch_up(drive, b):
+        if drive.unloaded[b] > time_to_catch_up(drive, drive.tied[b]):
             drive.coupled[b] = 0
         if drive.coupled[b] == 1:
-            copy_posture(skel, avatars, avatars.avatar[link], posture, target_out)
+            if drive.tied[b] == b:
+                avatar = avatars.avatar[link]
+                copy_posture(skel, avatars, avatar, target_out, drive.linkage.user)
+                copy_posture(skel, avatars, avatar, posture, target_out)
+                copy_posture(skel, avatars, avatar, posture, drive.linkage.posture)
             put_row(velocities_out.linear, b, add(row(drive.linear, b), row(drive.lag, b)))
             put_row(velocities_out.angular, b, add(row(drive.angular, b), row(drive.lag_turn, b)))
+    for link in range(skel.kind.shape[0]):
+        drive.loaded[skel.first + link] = 0
 
 
 @kernel
-def keep_still(skel: Skeleton, dynamics: Dynamics, budget_out: Budget) -> None:
-    """Leave no motion to coupled avatars in the lower loop."""
+def keep_still(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: IkState) -> None:
+    """Leave no motion to coupled avatars in the lower loop, which goes on from their users when it takes them up again."""
+    drive = dynamics.drive
     for link in range(skel.kind.shape[0]):
-        if dynamics.drive.coupled[skel.first + link] == 1:
-            budget_out.move[link], budget_out.turn[link] = 0.0, 0.0
+        b = skel.first + link
+        if drive.coupled[b] == 1:
+            state_out.budget.move[link], state_out.budget.turn[link] = 0.0, 0.0
+            if drive.tied[b] == b:
+                copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.before)
+                copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.own)
 
 
 @kernel
@@ -111,11 +137,14 @@ def take_up(
         if drive.coupled[b] == 0:
             continue
         found = True
-        put_row(posture_out.root, link, row(poses.position, b))
-        put_columns(posture_out.turn, link, columns(poses.rotation, b))
+        if skel.kind[link] == FREE:
+            put_row(posture_out.root, link, row(poses.position, b))
+            put_columns(posture_out.turn, link, columns(poses.rotation, b))
+            put_row(offset_out, link, sub(row(poses.position, b), row(drive.position, b)))
+            put_row(rate_out, link, row(drive.lag, b))
+        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+            posture_out.angle[j] = drive.linkage.posture.angle[j]
         copy_posture(skel, avatars, avatar, posture_out, target_out)
-        put_row(offset_out, link, sub(row(poses.position, b), row(drive.position, b)))
-        put_row(rate_out, link, row(drive.lag, b))
         place_avatar(geo, skel, avatars, avatar, poses)
         copy_poses(geo, skel, avatars, avatar, poses, scratch_out.trial)
         forget_forces(avatars, avatar, state_out)

@@ -23,7 +23,7 @@ from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.model.skeleton import FREE, Posture, Skeleton, carry, displace
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.tangent import columns, turn_of
-from avatarsim.spatial.vec3 import Vec3, add, along, dot, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import add, along, dot, limited, norm, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED, NOTHING
 
 ROUNDS = ceil(log(JUDGED, 0.25))
@@ -85,13 +85,6 @@ class Springs(NamedTuple):
     one: Poses
     other: Poses
     turn: IndexLine
-
-
-@kernel
-def limited(v: Vec3, most: float) -> Vec3:
-    """v, shortened to at most `most`."""
-    length = norm(v)
-    return v if length <= most else scale(v, most / length)
 
 
 @kernel

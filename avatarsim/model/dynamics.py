@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
-from avatarsim.model.geometry import OPEN
+from avatarsim.model.geometry import OPEN, Poses
+from avatarsim.model.skeleton import Posture, Skeleton, skeleton
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial.vec3 import Vec3
@@ -20,10 +21,60 @@ FIXED, SIMULATED, DRIVEN = int(Role.FIXED.value), int(Role.SIMULATED.value), int
 """Values of `Role`, as kernels read them."""
 
 
-class Drive(NamedTuple):
-    """Driven bodies that loose bodies lean on, as rigid hands that push, pinch or carry: the upper loop moves them. nb bodies.
+class Linkage(NamedTuple):
+    """Joints of the avatars that the upper loop moves, of nl links and nd degrees of freedom.
 
-    may_couple        (nb) flag: the body is all of an avatar, so that the upper loop can move it
+    skeleton          of all avatars
+    posture, user     of these avatars, as they are shown; of their trackers
+    angle_before      (nd) its angles before the last substep [rad]
+    rate              (nd) how it changes: tangent velocity [rad/s], [m/s]; step (nd) in this substep
+    still             (nd) zeros
+    axes, axes_ahead  (nd, 3) of the degrees, world axes, at the start of the substep and at its end
+    ahead             where links are at the end of the substep
+    matrix, factor    (nd, nd) mass matrix of the substep; its Cholesky factor without the degrees that are at a limit
+    held              (nd) flag: at its limit
+    momentum          (nd) working memory
+    """
+
+    skeleton: Skeleton
+    posture: Posture
+    user: Posture
+    angle_before: Line
+    rate: Line
+    step: Line
+    still: Line
+    axes: Vectors
+    axes_ahead: Vectors
+    ahead: Poses
+    matrix: Grid
+    factor: Grid
+    held: IndexLine
+    momentum: Line
+
+
+def make_linkage(scene: Scene) -> Linkage:
+    """Allocate for the avatars of a scene."""
+    skel = skeleton(scene)
+    links, degrees, bodies = len(skel.kind), int(skel.first_dof[-1]), len(scene.names)
+
+    def line() -> Array:
+        return np.zeros(degrees)
+
+    posture, user = (Posture(np.zeros((links, 3)), np.zeros((links, 3, 3)), line()) for _ in range(2))
+    ahead = Poses(np.zeros((bodies, 3)), np.zeros((bodies, 3, 3)), np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
+    return Linkage(
+        skel, posture, user, line(), line(), line(), line(), np.zeros((degrees, 3)), np.zeros((degrees, 3)), ahead,
+        np.zeros((degrees, degrees)), np.zeros((degrees, degrees)), np.zeros(degrees, np.int64), line(),
+    )
+
+
+class Drive(NamedTuple):
+    """Driven bodies that loose bodies lean on, as hands that push, pinch or carry: the upper loop moves them. nb bodies.
+
+    linkage           their joints
+    tied              (nb) body that leads the avatar of a body, itself for what is no link
+    linked            (nb) flag: the body has joints
+    may_couple        (nb) flag: the upper loop can move the body
     coupled           (nb) flag: it does so in this frame
     loaded            (nb) flag: loose bodies pressed on it in the last frame
     unloaded          (nb) [s] time since they did
@@ -35,8 +86,12 @@ class Drive(NamedTuple):
     lag, lag_turn     (nb, 3) velocity of the body against the tracker [m/s], [rad/s]
     mass, stiffness, damping   (nb) m [kg], K [N/m], R [N s/m] of eq. 6
     largest_force     (nb) [N] of the spring
+    fastest, fastest_turn   (nb) [m/s], [rad/s] at which a lag is made up
     """
 
+    linkage: Linkage
+    tied: IndexLine
+    linked: IndexLine
     may_couple: IndexLine
     coupled: IndexLine
     loaded: IndexLine
@@ -57,10 +112,18 @@ class Drive(NamedTuple):
     stiffness: Line
     damping: Line
     largest_force: Line
+    fastest: Line
+    fastest_turn: Line
 
 
-def make_drive(bodies: int, inverse_mass: Array) -> Drive:
-    """Allocate for so many bodies, none of which couples yet."""
+def make_drive(scene: Scene, inverse_mass: Array) -> Drive:
+    """Allocate for the bodies of a scene, none of which couples yet."""
+    linkage, bodies = make_linkage(scene), len(scene.names)
+    tied, first = np.arange(bodies, dtype=np.int64), linkage.skeleton.first
+    for link, parent in enumerate(linkage.skeleton.parent.tolist()):
+        if parent >= 0:
+            tied[first + link] = tied[first + parent]
+
     def flags() -> NDArray[np.int64]:
         return np.zeros(bodies, np.int64)
 
@@ -68,11 +131,13 @@ def make_drive(bodies: int, inverse_mass: Array) -> Drive:
         return np.zeros((bodies, 3))
 
     return Drive(
-        may_couple=flags(), coupled=flags(), loaded=flags(), unloaded=np.zeros(bodies), position=vectors(),
-        turn=np.tile(np.eye(3), (bodies, 1, 1)), linear=vectors(), angular=vectors(), gained=vectors(), gained_turn=vectors(),
-        ramp=vectors(), ramp_turn=vectors(), user=vectors(), user_turn=vectors(), lag=vectors(), lag_turn=vectors(),
+        linkage=linkage, tied=tied, linked=flags(), may_couple=flags(), coupled=flags(), loaded=flags(),
+        unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), linear=vectors(),
+        angular=vectors(), gained=vectors(), gained_turn=vectors(), ramp=vectors(), ramp_turn=vectors(), user=vectors(),
+        user_turn=vectors(), lag=vectors(), lag_turn=vectors(),
         mass=np.divide(1.0, inverse_mass, out=np.zeros(bodies), where=inverse_mass > 0.0), stiffness=np.zeros(bodies),
-        damping=np.zeros(bodies), largest_force=np.full(bodies, np.inf),
+        damping=np.zeros(bodies), largest_force=np.full(bodies, np.inf), fastest=np.full(bodies, np.inf),
+        fastest_turn=np.full(bodies, np.inf),
     )
 
 
@@ -131,7 +196,7 @@ def dynamics(scene: Scene) -> Dynamics:
         restitution[i, k] = restitution[k, i] = pair.restitution if scene.effects.restitution else 0.0
         friction[i, k] = friction[k, i] = pair.friction if scene.effects.friction else 0.0
     role = np.array([r.value for r in scene.roles], dtype=np.int64)
-    drive = make_drive(n, inverse_mass)
+    drive = make_drive(scene, inverse_mass)
     return Dynamics(role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity), drive)
 
 

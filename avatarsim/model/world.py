@@ -65,8 +65,10 @@ class World:
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
     KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture", "drive")
     WORKING: ClassVar[tuple[str, ...]] = (
-        "drive.may_couple", "drive.mass", "drive.stiffness", "drive.damping", "drive.largest_force", "drive.position",
-        "drive.turn", "drive.ramp", "drive.ramp_turn", "drive.user", "drive.user_turn",
+        *(f"drive.{name}" for name in (
+            "linkage", "tied", "linked", "may_couple", "mass", "stiffness", "damping", "largest_force", "position", "turn",
+            "ramp", "ramp_turn", "user", "user_turn", "fastest", "fastest_turn",
+        )),
     )
 
     scene: Scene

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.path import STILL, move_along
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import Velocities
+from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.rigid.state import Events, Memory, record
 from avatarsim.spatial.tangent import columns, put_columns
@@ -48,7 +48,9 @@ def arrive(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Mem
 
 
 @kernel
-def go_back(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float) -> None:
+def go_back(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float
+) -> None:
     """Roll body b back to ``now``, which lies on its last path; impulses of that path count as spread evenly over its time.
 
     After a substep, whose path has a velocity of its own, the velocity is between those before and after it: the energy too.
@@ -66,6 +68,12 @@ def go_back(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Me
     take_share(islands.owed_linear, b, share, memory.owed_linear)
     take_share(islands.owed_angular, b, share, memory.owed_angular)
     islands.due[b] = now
+    linkage = dynamics.drive.linkage
+    if dynamics.drive.linked[b] == 1:
+        link = b - linkage.skeleton.first
+        for j in range(linkage.skeleton.first_dof[link], linkage.skeleton.first_dof[link + 1]):
+            before = linkage.angle_before[j]
+            linkage.posture.angle[j] = before + share * (linkage.posture.angle[j] - before)
 
 
 @kernel

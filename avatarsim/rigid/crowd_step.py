@@ -11,10 +11,11 @@ from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, find_contacts
 from avatarsim.rigid.contacts import Contacts, is_full, remember_forces
-from avatarsim.rigid.deferred_impacts import hand_over, wait
+from avatarsim.rigid.deferred_impacts import hand_over
 from avatarsim.rigid.driven import aim_all, note_lag, note_load, stands_still
 from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
 from avatarsim.rigid.impacts import until_tail_ends
+from avatarsim.rigid.linkages import bend
 from avatarsim.rigid.near_pieces import list_pieces_of
 from avatarsim.rigid.response import CAREFUL_VISITS, impacts
 from avatarsim.rigid.resting import SWEEPS
@@ -204,12 +205,12 @@ def pay_for_rise(
     if rises + falls > kinetic:
         part = kinetic / (rises + falls)
         keep_ways(memory, members)
-        scale_ways(geometry, poses, memory, members, h, part)
+        scale_ways(geometry, dynamics, poses, memory, members, h, part)
         refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
         if refused > 0:
             recall_ways(geometry, poses, memory, members, h, False)
         else:
-            scale_velocities(memory, members, part)
+            scale_velocities(dynamics, memory, members, part)
 
 
 @kernel
@@ -226,7 +227,7 @@ def none_joined(memory: Memory, members: Index) -> bool:
 @kernel
 def strike_driven(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
-    pairs: Index, now: float, left: float, switches: Switches,
+    pairs: Index, now: float, switches: Switches,
 ) -> bool:
     """Resolve the impacts on driven members, all together; False if a pose is not finite."""
     outcome, _ = find_contacts(geometry, dynamics, poses, velocities, pairs, memory)
@@ -234,7 +235,6 @@ def strike_driven(
         return False
     if memory.contacts.used[0] > 0:
         impacts(geometry, dynamics, poses, velocities, memory, events, members, now, True, switches)
-        wait(velocities, memory, members, left)
     return True
 
 
@@ -296,7 +296,7 @@ def crowd_step(
     (driven, still), now = has_driven(dynamics, members), islands.due[members[0]]
     left = dt - now
     if still and now == 0.0 and not strike_driven(
-        geometry, dynamics, poses, velocities, memory, events, members, pairs, now, left, switches
+        geometry, dynamics, poses, velocities, memory, events, members, pairs, now, switches
     ):
         return NOT_FINITE
     h = min(length_of(dt, left), until_tail_ends(memory, members, now, left))
@@ -315,15 +315,16 @@ def crowd_step(
     if is_full(contacts):
         status = OUT_OF_ROOM
     kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
-    relax(memory, h, fine)
+    relax(dynamics, poses, memory, members, h, fine)
     remember_lasting(memory, h, members)
-    rebound(dynamics, memory, members, h, tolerance_of(memory, h, fine))
-    leave_shares(memory, members)
+    rebound(dynamics, poses, memory, members, h, tolerance_of(memory, h, fine))
+    leave_shares(dynamics, memory, members)
     pay_for_rise(geometry, dynamics, poses, velocities, memory, members, h, slow)
     until = go_ways(geometry, poses, velocities, memory, members, now, h)
+    bend(dynamics, members, until / h)
     take_step(velocities, memory, members)
     note_load(dynamics, memory)
-    hand_over(dynamics, velocities, memory)
+    hand_over(dynamics, velocities, memory, False)
     memory.counts[SUBSTEPS] += 1
     memory.counts[WORK] += contacts.visits[0]
     contacts.visits[0] = 0

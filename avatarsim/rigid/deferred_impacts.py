@@ -96,8 +96,11 @@ def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, firs
 
 
 @kernel
-def hand_over(dynamics: Dynamics, velocities: Velocities, memory: Memory) -> None:
-    """Add the contact forces of a segment to the impulses of driven bodies; what these cannot take is owed to the others."""
+def hand_over(dynamics: Dynamics, velocities: Velocities, memory: Memory, owes: bool) -> None:
+    """Add the contact forces of a segment to the impulses of driven bodies; what these cannot take is owed to the others.
+
+    Unless ``owes`` it is lost: in a crowd it may be the force of another driven body, which goes on.
+    """
     contacts = memory.contacts
     count, first = contacts.used[0], 0
     contacts.standing[0] = 0
@@ -112,7 +115,7 @@ def hand_over(dynamics: Dynamics, velocities: Velocities, memory: Memory) -> Non
                 side = 0 if contacts.driven[k] == DRIVEN_A else 1
                 b, sign = contacts.body[k, side], 1.0 if side == 0 else -1.0
                 put_row(memory.received, b, along(row(memory.received, b), sign * share, j))
-                if share < 1.0:
+                if owes and share < 1.0:
                     push(contacts, memory.hold, k, scale(j, share - 1.0), memory.owed_linear, memory.owed_angular)
                     memory.owing[0] = 1
         first = last

@@ -13,10 +13,10 @@ from avatarsim.collision.path import spun
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DRIVEN, SIMULATED, Drive, Dynamics, Velocities
 from avatarsim.model.geometry import Poses
-from avatarsim.rigid.contacts import impulse_of
+from avatarsim.rigid.contacts import axis, impulse_of
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turn_of
-from avatarsim.spatial.vec3 import Vec3, add, along, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, limited, norm, put_row, row, scale, sub
 
 Index = NDArray[np.int64]
 
@@ -36,7 +36,7 @@ def aim(drive: Drive, poses: Poses, velocities: Velocities, memory: Memory, b: i
     """Give coupled body b the mass and the velocity that it would have without contact after a substep.
 
     The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. Where K u is above the largest force, this
-    force takes the place of the spring.
+    force takes the place of the spring. No lag is made up faster than `Drive.fastest`: a tracker that jumps throws nothing away.
     """
     middle = now + 0.5 * (h - dt)
     put_row(drive.user, b, along(row(drive.linear, b), middle, row(drive.ramp, b)))
@@ -49,10 +49,10 @@ def aim(drive: Drive, poses: Poses, velocities: Velocities, memory: Memory, b: i
         rest, implicit = drive.largest_force[b] / straight, 0.0
     mass = m + h * r * rest + implicit
     v = along(scale(row(drive.lag, b), m / mass), -h * k * rest / mass, u)
-    put_row(velocities.linear, b, add(v, row(drive.user, b)))
+    put_row(velocities.linear, b, add(limited(v, drive.fastest[b]), row(drive.user, b)))
     mass_turning = m + h * r + h * h * k
     w = along(scale(row(drive.lag_turn, b), m / mass_turning), -h * k / mass_turning, turn)
-    put_row(velocities.angular, b, add(w, row(drive.user_turn, b)))
+    put_row(velocities.angular, b, add(limited(w, drive.fastest_turn[b]), row(drive.user_turn, b)))
     memory.hold.inverse_mass[b] = 1.0 / mass
     for i in range(3):
         for j in range(3):
@@ -84,6 +84,21 @@ def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
             v, w = add(row(drive.user, b), row(drive.lag, b)), add(row(drive.user_turn, b), row(drive.lag_turn, b))
         put_row(sub_.spare_linear, b, v)
         put_row(sub_.spare_angular, b, w)
+
+
+@kernel
+def follow_arcs(memory: Memory, h: float) -> None:
+    """Let friction carry points along the arcs on which both bodies turn, to second order in h.
+
+    Bodies go straight within a substep, and turn about their centres. Without this what lies on a turntable spirals outwards.
+    ``spare_angular``: angular velocities at the start.
+    """
+    contacts, spin = memory.contacts, memory.substeps.spare_angular
+    for k in range(contacts.used[0]):
+        w_a, w_b = row(spin, contacts.body[k, 0]), row(spin, contacts.body[k, 1])
+        apart = sub(cross(w_a, cross(w_a, row(contacts.arm_a, k))), cross(w_b, cross(w_b, row(contacts.arm_b, k))))
+        for i in range(2):
+            contacts.slide[k, i] -= 0.5 * h * dot(axis(contacts, k, 1 + i), apart)
 
 
 @kernel

@@ -139,7 +139,7 @@ def step(
     contacts.visits[0] = 0
     note_load(dynamics, memory)
     last_for(memory, t / h)
-    hand_over(dynamics, velocities, memory)
+    hand_over(dynamics, velocities, memory, True)
     if not audit(dynamics, poses, velocities, memory, members, False, kinetic + potential):
         stay(geometry, poses, velocities, memory, members)
     return status

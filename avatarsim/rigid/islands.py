@@ -79,11 +79,12 @@ def root_of(parent: Index, b: int) -> int:
 
 
 @kernel
-def part(islands: Islands, near: Index, count: int, moving: Index, joins: Index) -> None:
+def part(islands: Islands, near: Index, count: int, moving: Index, joins: Index, tied: Index) -> None:
     """Form the islands anew from ``count`` near pairs (count, 2).
 
     Args:
-        moving: (nb) 1 for bodies that move. joins: (nb) 1 for bodies that connect others: moving or driven.
+        moving: (nb) 1 for bodies that move. joins: (nb) 1 for bodies that connect others: moving or driven. tied: (nb) body that
+            a body moves with, itself without any.
     """
     parent, label, first, order = islands.mark, islands.label, islands.first, islands.order
     bodies = parent.shape[0]
@@ -95,6 +96,10 @@ def part(islands: Islands, near: Index, count: int, moving: Index, joins: Index)
         if joins[a] == 1 and joins[b] == 1 and moving[a] + moving[b] > 0:
             i, k = root_of(parent, a), root_of(parent, b)
             # the lower number represents the group, so islands are numbered in the order of their first bodies
+            parent[max(i, k)] = min(i, k)
+    for b in range(bodies):
+        if tied[b] != b and moving[b] + moving[tied[b]] == 2:
+            i, k = root_of(parent, b), root_of(parent, tied[b])
             parent[max(i, k)] = min(i, k)
     found = 0
     for b in range(bodies):

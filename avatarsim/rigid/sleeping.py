@@ -112,12 +112,12 @@ def regroup(
             # woken just now
             islands.begun[b], islands.due[b] = now, now
         memory.joins[b] = 1 if memory.moving[b] == 1 or dynamics.role[b] == DRIVEN else 0
-    part(islands, memory.pairs, min(count, room), memory.moving, memory.joins)
+    part(islands, memory.pairs, min(count, room), memory.moving, memory.joins, dynamics.drive.tied)
     memory.counts[ISLANDS] = max(memory.counts[ISLANDS], islands.found[0])
     # at the start of a frame too: an island already at the end of the frame may be joined by bodies at its start
     for b in range(memory.moving.shape[0]):
         if islands.label[b] >= 0 and islands.due[b] > now and due_of(islands, islands.label[b]) <= now:
-            go_back(geometry, poses, velocities, memory, b, now)
+            go_back(geometry, dynamics, poses, velocities, memory, b, now)
     return DONE if count <= room else OUT_OF_ROOM
 
 

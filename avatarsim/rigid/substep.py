@@ -14,8 +14,9 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, speed_along, weigh_from
-from avatarsim.rigid.driven import strikes_with
+from avatarsim.rigid.driven import follow_arcs, strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
+from avatarsim.rigid.linkages import bind, has_linkage, show_bound, weigh_linkages
 from avatarsim.rigid.margin_rows import aim_rows, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
@@ -155,18 +156,38 @@ def visits_left(memory: Memory) -> int:
 
 
 @kernel
-def solve(memory: Memory, tolerance: float, sweeps: int) -> None:
+def solve(
+    dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float, sweeps: int
+) -> None:
     """Solve all rows that are laid out and have a target; ``linear_end`` and ``angular_end`` change."""
     contacts, count, active = memory.contacts, memory.contacts.used[0], 0
     for k in range(count):
         active += 1 if contacts.rows[k, BIAS] != -inf else 0
     visited = contacts.visits[0]
     sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, active))))
-    passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
+    if has_linkage(dynamics, members):
+        solve_with_joints(dynamics, poses, memory, members, h, tolerance, sweeps_for(count))
+    else:
+        passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
+        take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
     # rows that take no part cost next to nothing
     contacts.visits[0] = visited + (contacts.visits[0] - visited) * active // max(1, count)
-    take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
     memory.counts[SOLVES] += 1
+
+
+@kernel
+def solve_with_joints(
+    dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float, sweeps: int
+) -> None:
+    """Sweep over the contacts and bind links by their joints in turn."""
+    contacts, count = memory.contacts, memory.contacts.used[0]
+    for _ in range(sweeps):
+        worst, _ = passes(contacts, 0, count, tolerance, 1, True, memory.before, memory.direction)
+        take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
+        moved = bind(dynamics, poses, memory, members, h)
+        show_bound(dynamics.drive, contacts, memory, members)
+        if worst <= tolerance and moved <= tolerance:
+            break
 
 
 @kernel
@@ -233,7 +254,8 @@ def find_free_ways(
             sub_.changed[members[m]] = 0
         spread_from_refused(memory, HOPS if turn < ROUNDS // 2 else 2 * HOPS)
         count = memory.contacts.used[0]
-        solve(memory, 0.25 * tolerance, sweeps_for(count) if fine else SWEEPS * (1 + turn))
+        sweeps = sweeps_for(count) if fine else SWEEPS * (1 + turn)
+        solve(dynamics, poses, memory, members, h, 0.25 * tolerance, sweeps)
         note_pushed(memory)
         set_ways(geometry, dynamics, poses, velocities, memory, members, h)
     if at_last:
@@ -242,16 +264,16 @@ def find_free_ways(
 
 
 @kernel
-def relax(memory: Memory, h: float, fine: bool) -> None:
+def relax(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, fine: bool) -> None:
     """Solve again without lifts and without what refused pairs asked for: velocities lose the push that ways had."""
     contacts, count = memory.contacts, memory.contacts.used[0]
     aim_rows(contacts, count, stand_off_of(memory), h, False)
     put_targets(contacts, 0, count)
-    solve(memory, tolerance_of(memory, h, fine), sweeps_for(count) if fine else SWEEPS)
+    solve(dynamics, poses, memory, members, h, tolerance_of(memory, h, fine), sweeps_for(count) if fine else SWEEPS)
 
 
 @kernel
-def rebound(dynamics: Dynamics, memory: Memory, members: Index, h: float, tolerance: float) -> None:
+def rebound(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float) -> None:
     """Newton's restitution (eq. 8) of all points that were hit, together; its impulses are scaled by one factor so that the
     kinetic energy of the members is at most what it was before all contacts acted.
 
@@ -268,7 +290,7 @@ def rebound(dynamics: Dynamics, memory: Memory, members: Index, h: float, tolera
         return
     keep_spare(memory, members)
     put_targets(contacts, 0, contacts.used[0])
-    solve(memory, tolerance, LEAST_SWEEPS)
+    solve(dynamics, poses, memory, members, h, tolerance, LEAST_SWEEPS)
     for m in range(members.shape[0]):
         b = members[m]
         put_row(sub_.change_linear, b, sub(row(memory.linear_end, b), row(sub_.spare_linear, b)))
@@ -300,12 +322,12 @@ def kinetic_of(memory: Memory, members: Index, linear: Array, angular: Array) ->
 
 
 @kernel
-def leave_shares(memory: Memory, members: Index) -> None:
+def leave_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
     """Of the relaxed velocities leave what is left of the ways."""
     weigh_groups(memory, members)
     for m in range(members.shape[0]):
         b = members[m]
-        v, w = shared(memory, b)
+        v, w = shared(dynamics, memory, b)
         put_row(memory.linear_end, b, v)
         put_row(memory.angular_end, b, w)
 
@@ -338,7 +360,8 @@ def gained(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: 
 
 @kernel
 def lift_within_energy(
-    dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, h: float, d: float, tolerance: float, sweeps: int
+    dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float, d: float,
+    tolerance: float, sweeps: int,
 ) -> None:
     """If gaps open at the cost of more energy than contacts dissipate: solve without lifts, and lift by the share that is paid.
 
@@ -353,9 +376,9 @@ def lift_within_energy(
         put_row(sub_.spare_impulse, k, row(contacts.impulse, k))
     aim_rows(contacts, count, d, h, False)
     put_targets(contacts, 0, count)
-    solve(memory, tolerance, sweeps)
+    solve(dynamics, poses, memory, members, h, tolerance, sweeps)
     without = gained(dynamics, velocities, memory, members, h)
-    if without > 0.0:
+    if without > 0.0 and not has_linkage(dynamics, members):
         # not converged
         solve_contacts(
             contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end, tolerance, SWEEPS, sweeps, memory.before,
@@ -392,6 +415,8 @@ def solve_ways(
     whether it was solved finer."""
     sub_, contacts = memory.substeps, memory.contacts
     fall_free(dynamics, poses, velocities, memory, members, h)
+    weigh_linkages(dynamics, poses, memory, members)
+    bind(dynamics, poses, memory, members, h)
     sub_.kinetic[0] = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
     contacts.standing[0], sub_.lacking[0] = 1, 0
     may_go(dynamics, memory, members, h)
@@ -406,6 +431,7 @@ def solve_ways(
     strikes_with(dynamics, memory, members)
     for k in range(count):
         sub_.approach[k] = speed_along(contacts, k, 0, sub_.spare_linear, sub_.spare_angular)
+    follow_arcs(memory, h)
     aim_rows(contacts, count, d, h, True)
     tolerance = tolerance_of(memory, h, fine)
     recall_forces(contacts, memory.last)
@@ -414,8 +440,8 @@ def solve_ways(
             contacts.impulse[k, i] *= h
     apply_kept(memory, count)
     lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
-    solve(memory, tolerance, sweeps)
-    lift_within_energy(dynamics, velocities, memory, members, h, d, tolerance, sweeps)
+    solve(dynamics, poses, memory, members, h, tolerance, sweeps)
+    lift_within_energy(dynamics, poses, velocities, memory, members, h, d, tolerance, sweeps)
     memory.counts[CONTACTS] = max(memory.counts[CONTACTS], count)
     for m in range(members.shape[0]):
         b = members[m]

@@ -5,14 +5,16 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.path import HELD, STILL
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
+from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.linkages import even_shares, is_linked, leads_linkage, look_ahead
 from avatarsim.rigid.margin_rows import add_refused
 from avatarsim.rigid.near_pieces import FARTHER, list_more
 from avatarsim.rigid.solver import lay_out
 from avatarsim.rigid.state import SHORTENED, Memory
 from avatarsim.rigid.substep_state import STANDS, Substeps
 from avatarsim.rigid.swept_certificate import certify_pieces, measure_way, pose_on_way
+from avatarsim.spatial.tangent import columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, along, dot, norm, put_row, row, scale, sub
 
 Index = NDArray[np.int64]
@@ -41,8 +43,12 @@ def set_ways(
             continue
         paths.kind[b], paths.time[b] = HELD, -1.0
         put_row(paths.angular, b, (0.0, 0.0, 0.0))
-        v, w = shared(memory, b)
-        flies = sub_.pushed[b] == 0 and sub_.share[b] == 1.0
+        if leads_linkage(dynamics.drive, b):
+            look_ahead(dynamics.drive, memory, b, h)
+        v, w = shared(dynamics, memory, b)
+        if is_linked(dynamics.drive, b):
+            v, w = way_ahead(dynamics, poses, b, h)
+        flies = sub_.pushed[b] == 0 and sub_.share[b] == 1.0 and not is_linked(dynamics.drive, b)
         pull = pull_on(dynamics, b) if flies else (0.0, 0.0, 0.0)
         put_row(paths.linear, b, pull)
         go_on_way(geometry, poses, memory, b, h, row(velocities.linear, b) if flies else v, w)
@@ -58,12 +64,20 @@ def set_ways(
 
 
 @kernel
-def shared(memory: Memory, b: int) -> tuple[Vec3, Vec3]:
+def way_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3, Vec3]:
+    """Velocities [m/s], [rad/s] that take link b straight to where its joints have it h seconds later."""
+    ahead = dynamics.drive.linkage.ahead
+    way = sub(row(ahead.position, b), row(poses.position, b))
+    return scale(way, 1.0 / h), scale(turn_of(columns(poses.rotation, b), columns(ahead.rotation, b)), 1.0 / h)
+
+
+@kernel
+def shared(dynamics: Dynamics, memory: Memory, b: int) -> tuple[Vec3, Vec3]:
     """Velocities of body b [m/s], [rad/s] of which its share is left: the rest is that of its group."""
     sub_, v, w = memory.substeps, row(memory.linear_end, b), row(memory.angular_end, b)
     if sub_.share[b] == 1.0:
         return v, w
-    leader = leader_of(sub_, b)
+    leader = STANDS if is_linked(dynamics.drive, b) else leader_of(sub_, b)
     mean = (0.0, 0.0, 0.0) if leader == STANDS else row(sub_.mean, leader)
     return along(mean, sub_.share[b], sub(v, mean)), scale(w, sub_.share[b])
 
@@ -119,7 +133,8 @@ def shorten_ways(
     for _ in range(4 * members.shape[0]):
         for m in range(members.shape[0]):
             sub_.changed[members[m]] = 0
-        shortened = join_refused(geometry, memory)
+        shortened = join_refused(geometry, dynamics, memory)
+        even_shares(dynamics, memory, members)
         if shortened == 0:
             break
         memory.counts[SHORTENED] += shortened
@@ -145,7 +160,7 @@ def stand(
 
 
 @kernel
-def join_refused(geometry: Geometry, memory: Memory) -> int:
+def join_refused(geometry: Geometry, dynamics: Dynamics, memory: Memory) -> int:
     """Join the groups of refused pairs and halve the larger share of each; returns how many bodies changed.
 
     ``changed`` marks the bodies whose share was halved in this turn.
@@ -157,9 +172,10 @@ def join_refused(geometry: Geometry, memory: Memory) -> int:
         a, b = geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]]
         share_a = sub_.share[a] if memory.moving[a] == 1 else 0.0
         share_b = sub_.share[b] if memory.moving[b] == 1 else 0.0
-        if memory.moving[a] + memory.moving[b] == 2:
+        bound = is_linked(dynamics.drive, a) or is_linked(dynamics.drive, b)
+        if memory.moving[a] + memory.moving[b] == 2 and not bound:
             changed += join(memory, a, b)
-        else:
+        elif not bound:
             changed += put_wall(memory, q, a, b)
         for side in range(2):
             body, own, others = (a, share_a, share_b) if side == 0 else (b, share_b, share_a)
@@ -266,12 +282,14 @@ def lower_rises(
 
 
 @kernel
-def scale_ways(geometry: Geometry, poses: Poses, memory: Memory, members: Index, h: float, part: float) -> None:
-    """Let the bodies on which contacts act go a part of their way; they count as changed."""
+def scale_ways(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, part: float
+) -> None:
+    """Let the loose bodies on which contacts act go a part of their way; they count as changed."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
-        sub_.changed[b] = memory.moving[b] * sub_.pushed[b]
+        sub_.changed[b] = memory.moving[b] * sub_.pushed[b] if dynamics.role[b] == SIMULATED else 0
         if sub_.changed[b] == 1:
             go_on_way(geometry, poses, memory, b, h, scale(row(sub_.way, b), part), scale(row(sub_.turning, b), part))
 
@@ -286,10 +304,10 @@ def go_on_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float
 
 
 @kernel
-def scale_velocities(memory: Memory, members: Index, part: float) -> None:
-    """Leave a part of the solved velocities of the bodies on which contacts act."""
+def scale_velocities(dynamics: Dynamics, memory: Memory, members: Index, part: float) -> None:
+    """Leave a part of the solved velocities of the loose bodies on which contacts act."""
     for m in range(members.shape[0]):
         b = members[m]
-        if memory.moving[b] == 1 and memory.substeps.pushed[b] == 1:
+        if memory.moving[b] * memory.substeps.pushed[b] == 1 and dynamics.role[b] == SIMULATED:
             put_row(memory.linear_end, b, scale(row(memory.linear_end, b), part))
             put_row(memory.angular_end, b, scale(row(memory.angular_end, b), part))

@@ -108,3 +108,10 @@ def solved(a: Vec3, b: Vec3, c: Vec3, v: Vec3) -> Vec3:
     bc, ca, ab = cross(b, c), cross(c, a), cross(a, b)
     whole = dot(a, bc)
     return (dot(v, bc) / whole, dot(v, ca) / whole, dot(v, ab) / whole)
+
+
+@kernel
+def limited(v: Vec3, most: float) -> Vec3:
+    """v, shortened to at most `most`."""
+    length = norm(v)
+    return v if length <= most else scale(v, most / length)

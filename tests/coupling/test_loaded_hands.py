@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from avatarsim.coupling.spring import coupled
+from avatarsim.coupling.virtual_coupling import TOP_SPEED
 from avatarsim.engine import Settings
 from avatarsim.model.dynamics import make_drive, velocities
 from avatarsim.rigid.driven import aim, note_lag
@@ -14,8 +15,9 @@ from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, 
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.settings import CouplingSettings
+from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial import rotation
 from tests.rigid.upper_world import G, World, hand
 
 DT = 1.0 / 60.0
@@ -89,7 +91,7 @@ def test_where_nothing_leans_on_it_a_hand_is_at_its_user() -> None:
 def aimed(spring: float, damping: float, lag: float, rate: float, steps: int, seconds: float, force: float = np.inf) -> float:
     """Lag [m] of a body of 2 kg after so many implicit steps without contact."""
     world = World([], avatars=[hand()])
-    drive = make_drive(1, np.array([0.5]))
+    drive = make_drive(world.scene, np.array([0.5]))
     drive.stiffness[:], drive.damping[:], drive.largest_force[:] = spring, damping, force
     drive.coupled[:] = 1
     drive.lag[0, 0], world.poses.position[0] = rate, (lag, 0.0, 0.0)
@@ -116,3 +118,60 @@ def test_no_spring_makes_a_hand_unstable(spring: float) -> None:
 def test_the_spring_pulls_no_harder_than_the_largest_force() -> None:
     """2 kg pulled by 10 N without damping: half of 5 m/s^2 over 0.1 s."""
     assert aimed(1e6, 0.0, 1.0, 0.0, 1000, 0.1, 10.0) == pytest.approx(1.0 - 0.5 * 5.0 * 0.01, rel=1e-3)
+
+
+def test_what_lies_on_a_turning_hand_stays_where_it_lies() -> None:
+    """3 rad/s at 8 cm asks for a friction of 0.07 of 0.6; straight steps would let it drift 20 mm outwards in 10 s."""
+    avatar = rigid_avatar("palm", (Piece(Box((0.3, 0.3, 0.02))),), solid(PALM, 0.5), "m")
+    shape = (Piece(Box((0.05, 0.05, 0.05))),)
+    load = simulated("box", shape, "m", solid(shape, HELD), (0.08, 0.0, 0.0361))
+
+    def sample(time: float) -> TrackerSample:
+        angle = 0.75 * time**2 if time < 2.0 else 3.0 * time - 3.0
+        turn = rotation.from_axis_angle((0.0, 0.0, 1.0), angle)
+        return TrackerSample(time, np.zeros((1, 3)), turn[None], np.zeros(0))
+
+    engine, places = AvatarsimEngine(), []
+    engine.load(Scene("turn", (load,), (avatar,), materials=table(0.0), start=sample(0.0)), Settings(), DT)
+    for k in range(600):
+        shown = engine.advance(sample((k + 1) * DT), DT).shown
+        places.append(rotation.to_matrix(shown.orientations[1]).T @ (shown.positions[0] - shown.positions[1]))
+    assert np.ptp(places[30:], axis=0) == pytest.approx(0.0, abs=3e-4)
+
+
+def test_a_tracker_that_jumps_throws_nothing_faster_than_a_hand_may_go() -> None:
+    most = TOP_SPEED + PostureSettings().catch_up_move
+    shown, _ = carry([box("box", 0.011)], lambda time: (0.0, 0.0, 0.0 if time < 1.0 else 1e3), 1.5)
+    speeds = np.linalg.norm(np.diff(shown[:, 0], axis=0), axis=1) / DT
+    assert speeds.max() < 1.05 * most
+
+
+def test_a_hand_goes_on_carrying_when_another_body_comes() -> None:
+    avatar = rigid_avatar("palm", PALM, solid(PALM, 0.5), "m")
+    sample = TrackerSample(0.0, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
+    scene = Scene("carry", (box("box", 0.011),), (avatar,), materials=table(0.0), start=sample)
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(), DT)
+    for _ in range(120):
+        before = engine.advance(sample, DT).shown.positions
+    engine.change(Scene("carry", (box("box", 0.011), box("far", 3.0)), (avatar,), materials=table(0.0), start=sample))
+    after = engine.advance(sample, DT).shown.positions
+    assert after[0] == pytest.approx(before[0], abs=1e-6)
+    assert after[2] == pytest.approx(before[1], abs=1e-6)
+
+
+@pytest.mark.parametrize("tilt", [0.2, 0.25])
+def test_a_pinch_with_crooked_pads_launches_nothing(tilt: float) -> None:
+    pad = (Piece(Box((0.02, 0.06, 0.06))),)
+    pads = tuple(rigid_avatar(name, pad, solid(pad, mass), "m") for name, mass in (("right", 2.1), ("left", 0.2)))
+    floor = fixed("floor", (Piece(Box((2.0, 2.0, 0.1))),), "m", (0.0, 0.0, -0.05))
+
+    def sample(time: float) -> TrackerSample:
+        x = max(0.3 - 0.85 * time, 0.03)
+        turns = [rotation.from_axis_angle((0.0, 0.0, 1.0), angle) for angle in (tilt, -0.9 * tilt)]
+        return TrackerSample(time, np.array([(x, 0.02, 0.05), (-x, 0.02, 0.05)]), np.array(turns), np.zeros(0))
+
+    engine = AvatarsimEngine()
+    engine.load(Scene("pinch", (floor, box("box", 2e-7)), pads, materials=table(0.0), start=sample(0.0)), Settings(), DT)
+    for k in range(90):
+        assert np.linalg.norm(engine.advance(sample((k + 1) * DT), DT).shown.velocities, axis=1).max() < 10.0

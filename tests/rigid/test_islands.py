@@ -13,7 +13,7 @@ def test_fixed_bodies_hold_nobody_together_and_driven_ones_do() -> None:
     islands = make_islands(7, 10)
     moving = np.array([0, 1, 1, 1, 1, 0, 1])
     joins = np.array([0, 1, 1, 1, 1, 1, 1])
-    part(islands, pairs, len(pairs), moving, joins)
+    part(islands, pairs, len(pairs), moving, joins, np.arange(len(moving)))
     assert islands.found[0] == 3
     first, at = islands.first, islands.pair_first
     members = [islands.order[first[i] : first[i + 1]].tolist() for i in range(3)]
@@ -26,7 +26,7 @@ def test_fixed_bodies_hold_nobody_together_and_driven_ones_do() -> None:
 def test_who_is_behind_goes_first() -> None:
     """Of islands at 0.2, 0.1 and 0.3 s it is the second; once all are at the end it is none."""
     islands = make_islands(3, 1)
-    part(islands, np.zeros((0, 2), np.int64), 0, np.ones(3, np.int64), np.ones(3, np.int64))
+    part(islands, np.zeros((0, 2), np.int64), 0, np.ones(3, np.int64), np.ones(3, np.int64), np.arange(3))
     islands.due[:] = (0.2, 0.1, 0.3)
     assert behind(islands, 1.0, 0.0, 2) == 1
     islands.due[:] = 1.0
