@@ -48,6 +48,7 @@ Avatars
 -------
     rigid_avatar    a driven body without joints
     Avatar          a tree of links, driven by a tracker
+    Drive           the spring that ties an avatar to its user, if it is not that of the options
     Link            a rigid part of an avatar: its joint, pieces and mass
     Free            the joint of a root that goes where its user goes
     Rigid           no motion against the parent
@@ -106,7 +107,7 @@ if TYPE_CHECKING:
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
     from avatarsim.pose_queries import Contact
-    from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
+    from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
     from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
     from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
     from avatarsim.scene.motion import Motion
@@ -116,11 +117,11 @@ if TYPE_CHECKING:
     from avatarsim.simulator import AvatarsimEngine
 
 __all__ = [
-    "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw", "ConvexHull",
-    "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model", "Motion", "PairTable",
-    "Piece", "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps", "SwingTwist", "TrackerSample",
-    "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed", "load_avatar", "load_motion", "load_room",
-    "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw",
+    "ConvexHull", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model",
+    "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps",
+    "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed",
+    "load_avatar", "load_motion", "load_room", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -133,7 +134,7 @@ _MODULES = {
     "cleaning": ("Shield", "audit", "clean"),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
-    "scene.avatar": ("Avatar", "Link", "rigid_avatar"),
+    "scene.avatar": ("Avatar", "Drive", "Link", "rigid_avatar"),
     "scene.body": ("Body", "ContactLaw", "Mass", "PairTable", "fixed", "simulated", "solid"),
     "scene.motion": ("Motion",),
     "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),

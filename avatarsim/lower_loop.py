@@ -100,7 +100,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
         pull(geometry, skeleton, w.dynamics, poses, state.contacts, dt, tracker, w.velocities, springs)
         before, now = tracked(springs)
         leave(skeleton, avatars, w.dynamics, before, now, posture, dt, springs.rate, tracker, w.velocities)
-    elif springs.mass.shape[0] > 0:
+    elif springs.inverse_weight.shape[0] > 0:
         strike(skeleton, tracker, dt, w.velocities, springs)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
     keep_still(skeleton, avatars, w.dynamics, state)
@@ -148,7 +148,7 @@ class IkLoop:
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
     KEPT: ClassVar[tuple[str, ...]] = ("springs", "state", "plan")
-    WORKING: ClassVar[tuple[str, ...]] = ("springs.mass", "springs.still")
+    WORKING: ClassVar[tuple[str, ...]] = ("springs.still",)
 
     def __init__(
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
@@ -161,10 +161,10 @@ class IkLoop:
             make_springs(
                 world.geometry, world.skeleton, world.dynamics, world.posture, world.poses, coupling
             ) if world.scene.effects.dynamics
-            else no_springs(world.poses, coupling)
+            else no_springs(world.poses)
         )
         if coupled:
-            allow(world.drive, world.skeleton, coupling, settings)
+            allow(world.drive, world.skeleton, settings)
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )

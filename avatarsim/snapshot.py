@@ -334,7 +334,7 @@ CARRIED_OF_DRIVE = (
 
 def carry_springs(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
     """Offsets of the coupling, and where the tracker had the links in the last frame: their velocities are counted from there."""
-    if not (len(one.springs.mass) and len(other.springs.mass)):
+    if not (len(one.springs.inverse_weight) and len(other.springs.inverse_weight)):
         # a scene in which nothing can be struck has no springs
         return
     for name in ("offset", "rate", "pressed"):

@@ -10,28 +10,27 @@ from avatarsim.ik.sqp_step import copy_poses, forget_forces
 from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
 from avatarsim.ik.target import copy_posture
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import SIMULATED, Drive, Dynamics, Velocities
+from avatarsim.model.dynamics import SIMULATED, DriveState, Dynamics, Velocities
 from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
-from avatarsim.settings import CouplingSettings, PostureSettings
+from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, add, limited, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED
 
 
-def allow(drive: Drive, skel: Skeleton, coupling: CouplingSettings, posture: PostureSettings) -> None:
-    """Let the upper loop move avatars under load whose joints are hinges, by eq. 6, and no faster to their users than else."""
+def allow(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
+    """Let the upper loop move avatars under load whose joints are hinges, no faster to their users than else."""
     leader = drive.tied[skel.first :]
     for root in np.unique(leader):
         links = np.flatnonzero(leader == root)
         drive.may_couple[skel.first + links] = int(not (skel.kind[links] == BALL).any())
         drive.linked[skel.first + links] = int(len(links) > 1 or skel.kind[links[0]] != FREE)
-    drive.stiffness[:], drive.damping[:] = coupling.spring, coupling.damping
     drive.fastest[:], drive.fastest_turn[:] = posture.catch_up_move, posture.catch_up_turn
 
 
 @kernel
-def time_to_catch_up(drive: Drive, b: int) -> float:
+def time_to_catch_up(drive: DriveState, b: int) -> float:
     """Time [s] in which eq. 6 leaves JUDGED of a lag: it decays with R / 2m, or with K / R if damped above critically."""
     m, r, k = drive.mass[b], drive.damping[b], drive.stiffness[b]
     return -log(JUDGED) / min(0.5 * r / m, k / r) if r > 0.0 else 0.0
@@ -60,7 +59,7 @@ def accelerate(v: Vec3, b: int, dt: float, velocity_out: Array, gained_out: Arra
 
 
 @kernel
-def load(drive: Drive, avatars: Avatars, link: int, first: int) -> None:
+def load(drive: DriveState, avatars: Avatars, link: int, first: int) -> None:
     """A link is loaded if any link of its avatar is."""
     avatar = avatars.avatar[link]
     for other in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):

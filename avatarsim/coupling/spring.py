@@ -12,10 +12,9 @@ from math import cos, exp, sin, sqrt
 from avatarsim.coupling.reaction import middle
 from avatarsim.ik.state import Contacts
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import SIMULATED, Array, Dynamics
+from avatarsim.model.dynamics import SIMULATED, Dynamics
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.model.skeleton import FREE, Skeleton
-from avatarsim.settings import CouplingSettings
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, dot, put_row, row, scale, sub
 
 NEARLY_CRITICAL = 1e-3
@@ -74,8 +73,8 @@ def lag(skel: Skeleton, shown: Poses, tracked: Poses, offset: Rows, link: int) -
 
 @kernel
 def press(
-    geo: Geometry, skel: Skeleton, dynamics: Dynamics, contacts: Contacts, shown: Poses, offset: Rows, mass: Array,
-    settings: CouplingSettings, dt: float, tracked_out: Poses, pressed_out: Rows,
+    geo: Geometry, skel: Skeleton, dynamics: Dynamics, contacts: Contacts, shown: Poses, offset: Rows, dt: float,
+    tracked_out: Poses, pressed_out: Rows,
 ) -> None:
     """Velocities pressed (nl, 3) [m/s] that links gain in dt against the simulated bodies that held them last.
 
@@ -90,7 +89,10 @@ def press(
         place(geo, tracked_out, skel.first + link)
         held = dot(lag(skel, shown, tracked_out, offset, link), n)
         if held > 0.0:
-            _, gained = coupled(mass[link], settings.spring, settings.damping, scale(n, held), (0.0, 0.0, 0.0), dt)
+            drive, own = dynamics.drive, skel.first + link
+            _, gained = coupled(
+                drive.mass[own], drive.stiffness[own], drive.damping[own], scale(n, held), (0.0, 0.0, 0.0), dt
+            )
             before = row(pressed_out, link)
             if dot(gained, gained) > dot(before, before):
                 put_row(pressed_out, link, gained)

@@ -18,7 +18,7 @@ from avatarsim.coupling.spring import coupled, press
 from avatarsim.ik.state import Contacts
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import IndexLine, Line, Vectors
-from avatarsim.model.dynamics import FIXED, Dynamics, Velocities
+from avatarsim.model.dynamics import FIXED, DriveState, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.model.skeleton import FREE, Posture, Skeleton, carry, displace
 from avatarsim.settings import CouplingSettings
@@ -66,18 +66,16 @@ TOP_SPIN = 60.0
 class Springs(NamedTuple):
     """The springs of all links of a world.
 
-    settings of eq. 6; offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press`
-    added [m/s]; mass (nl) [kg]; inverse_weight (nd) of a degree where joints share an offset; still (nd) no step; axes
+    offset, rate (nl, 3) against the tracker [m], [m/s]; pressed (nl, 3) the part of the rate that `press`
+    added [m/s]; inverse_weight (nd) of a degree where joints share an offset; still (nd) no step; axes
     (nd, 3) of the degrees at the tracker's posture, world axes; way (nd) the step by which its joints yield [rad], or its roots
     [m]; one, other: where the tracker has the links in this frame and in the last, taking turns by turn (1), with boxes only of
     links with an offset.
     """
 
-    settings: CouplingSettings
     offset: Vectors
     rate: Vectors
     pressed: Vectors
-    mass: Line
     inverse_weight: Line
     still: Line
     axes: Vectors
@@ -103,14 +101,15 @@ def tracked_velocities(skel: Skeleton, before: Poses, now: Poses, rate: Array, d
 
 @kernel
 def relax(
-    skel: Skeleton, mass: Array, settings: CouplingSettings, dt: float, offset_out: Array, rate_out: Array, root_out: Array
+    skel: Skeleton, drive: DriveState, dt: float, offset_out: Array, rate_out: Array, root_out: Array
 ) -> None:
     """Eq. 6 over dt for the offset of every link; that of a free root then displaces its target."""
     for link in range(skel.kind.shape[0]):
         x, v = row(offset_out, link), row(rate_out, link)
         if norm(x) == 0.0 and norm(v) == 0.0:
             continue
-        x, v = coupled(mass[link], settings.spring, settings.damping, x, v, dt)
+        b = skel.first + link
+        x, v = coupled(drive.mass[b], drive.stiffness[b], drive.damping[b], x, v, dt)
         # below what shows, so that a coupling at rest costs nothing
         if norm(x) < NOTHING and norm(v) < NOTHING:
             x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -198,8 +197,8 @@ def pull(
     before, now = turned_over(s)
     carry(skel, target_out, s.still, now, s.axes)
     # with the offsets of the last frame, which the shown poses belong to
-    press(geo, skel, dynamics, contacts, shown, s.offset, s.mass, s.settings, dt, before, s.pressed)
-    relax(skel, s.mass, s.settings, dt, s.offset, s.rate, target_out.root)
+    press(geo, skel, dynamics, contacts, shown, s.offset, dt, before, s.pressed)
+    relax(skel, dynamics.drive, dt, s.offset, s.rate, target_out.root)
     for link in range(skel.kind.shape[0]):
         put_row(s.rate, link, add(row(s.rate, link), row(s.pressed, link)))
     place_displaced(geo, skel, s.offset, now)
@@ -213,20 +212,22 @@ def pull(
 def make_springs(
     geo: Geometry, skel: Skeleton, dynamics: Dynamics, posture: Posture, poses: Poses, settings: CouplingSettings
 ) -> Springs:
-    """Springs at rest, for driven bodies that stand at `posture` and `poses`."""
+    """Springs at rest, for driven bodies that stand at `posture` and `poses`; the settings are of those without a drive."""
+    drive = dynamics.drive
+    for constants, value in ((drive.stiffness, settings.spring), (drive.damping, settings.damping)):
+        constants[np.isnan(constants)] = value
     links, degrees = len(skel.kind), int(skel.first_dof[-1])
     still, axes = np.zeros(degrees), np.zeros((degrees, 3))
     one, other = (Poses(*(array.copy() for array in poses)) for _ in range(2))
     carry(skel, posture, still, one, axes)
     return Springs(
-        settings, np.zeros((links, 3)), np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / dynamics.inverse_mass[skel.first :],
-        1.0 / joint_weights(geo, skel, one, axes), still, np.zeros((degrees, 3)), np.zeros(degrees), one, other,
-        np.zeros(1, dtype=np.int64),
+        np.zeros((links, 3)), np.zeros((links, 3)), np.zeros((links, 3)), 1.0 / joint_weights(geo, skel, one, axes), still,
+        np.zeros((degrees, 3)), np.zeros(degrees), one, other, np.zeros(1, dtype=np.int64),
     )
 
 
-def no_springs(poses: Poses, settings: CouplingSettings) -> Springs:
+def no_springs(poses: Poses) -> Springs:
     """For a scene in which nothing can be struck: empty arrays."""
     none, rows = np.zeros(0), np.zeros((0, 3))
     nowhere = Poses(*(array[:0].copy() for array in poses))
-    return Springs(settings, rows, rows, rows, none, none, none, rows, none, nowhere, nowhere, np.zeros(1, dtype=np.int64))
+    return Springs(rows, rows, rows, none, none, rows, none, nowhere, nowhere, np.zeros(1, dtype=np.int64))

@@ -68,7 +68,7 @@ def make_linkage(scene: Scene) -> Linkage:
     )
 
 
-class Drive(NamedTuple):
+class DriveState(NamedTuple):
     """Driven bodies that loose bodies lean on, as hands that push, pinch or carry: the upper loop moves them. nb bodies.
 
     linkage           their joints
@@ -84,7 +84,7 @@ class Drive(NamedTuple):
     ramp, ramp_turn   (nb, 3) acceleration of the tracker within the frame [m/s^2], [rad/s^2]
     user, user_turn   (nb, 3) velocity of the tracker in this substep
     lag, lag_turn     (nb, 3) velocity of the body against the tracker [m/s], [rad/s]
-    mass, stiffness, damping   (nb) m [kg], K [N/m], R [N s/m] of eq. 6
+    mass, stiffness, damping   (nb) m [kg], K [N/m], R [N s/m] of eq. 6; nan until the engine's options say them
     largest_force     (nb) [N] of the spring
     fastest, fastest_turn   (nb) [m/s], [rad/s] at which a lag is made up
     """
@@ -116,8 +116,14 @@ class Drive(NamedTuple):
     fastest_turn: Line
 
 
-def make_drive(scene: Scene, inverse_mass: Array) -> Drive:
+def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
     """Allocate for the bodies of a scene, none of which couples yet."""
+    law = np.tile([np.nan, np.nan, np.inf], (len(scene.names), 1))
+    b = len(scene.bodies)
+    for avatar in scene.avatars:
+        if avatar.drive is not None:
+            law[b : b + len(avatar.links)] = avatar.drive.stiffness, avatar.drive.damping, avatar.drive.largest_force
+        b += len(avatar.links)
     linkage, bodies = make_linkage(scene), len(scene.names)
     tied, first = np.arange(bodies, dtype=np.int64), linkage.skeleton.first
     for link, parent in enumerate(linkage.skeleton.parent.tolist()):
@@ -130,13 +136,13 @@ def make_drive(scene: Scene, inverse_mass: Array) -> Drive:
     def vectors() -> Array:
         return np.zeros((bodies, 3))
 
-    return Drive(
+    return DriveState(
         linkage=linkage, tied=tied, linked=flags(), may_couple=flags(), coupled=flags(), loaded=flags(),
         unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), linear=vectors(),
         angular=vectors(), gained=vectors(), gained_turn=vectors(), ramp=vectors(), ramp_turn=vectors(), user=vectors(),
         user_turn=vectors(), lag=vectors(), lag_turn=vectors(),
-        mass=np.divide(1.0, inverse_mass, out=np.zeros(bodies), where=inverse_mass > 0.0), stiffness=np.zeros(bodies),
-        damping=np.zeros(bodies), largest_force=np.full(bodies, np.inf), fastest=np.full(bodies, np.inf),
+        mass=np.divide(1.0, inverse_mass, out=np.zeros(bodies), where=inverse_mass > 0.0), stiffness=law[:, 0].copy(),
+        damping=law[:, 1].copy(), largest_force=law[:, 2].copy(), fastest=np.full(bodies, np.inf),
         fastest_turn=np.full(bodies, np.inf),
     )
 
@@ -162,7 +168,7 @@ class Dynamics(NamedTuple):
     restitution: Grid
     friction: Grid
     gravity: Line
-    drive: Drive
+    drive: DriveState
 
 
 class Velocities(NamedTuple):

@@ -18,7 +18,7 @@ from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Index, IndexLine
 from avatarsim.model.conversion import read_sample, write_sample, write_shown
-from avatarsim.model.dynamics import Drive, Dynamics, Velocities, dynamics, velocities
+from avatarsim.model.dynamics import DriveState, Dynamics, Velocities, dynamics, velocities
 from avatarsim.model.geometry import Geometry, Poses, geometry, poses
 from avatarsim.model.skeleton import Posture, Skeleton, hinge_dofs, skeleton
 from avatarsim.scene.body import Role
@@ -83,7 +83,7 @@ class World:
     hinges: NDArray[np.int64]
 
     @property
-    def drive(self) -> Drive:
+    def drive(self) -> DriveState:
         """Driven bodies that the upper loop moves."""
         return self.dynamics.drive
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.path import spun
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import DRIVEN, SIMULATED, Drive, Dynamics, Velocities
+from avatarsim.model.dynamics import DRIVEN, SIMULATED, DriveState, Dynamics, Velocities
 from avatarsim.model.geometry import Poses
 from avatarsim.rigid.contacts import axis, impulse_of
 from avatarsim.rigid.state import Memory
@@ -22,7 +22,7 @@ Index = NDArray[np.int64]
 
 
 @kernel
-def lag_of(drive: Drive, poses: Poses, b: int, now: float, dt: float) -> tuple[Vec3, Vec3]:
+def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tuple[Vec3, Vec3]:
     """How far body b is from where the tracker has it ``now`` seconds into a frame of dt seconds [m], [rad]."""
     left = dt - now
     way = along(scale(row(drive.linear, b), left), 0.5 * left * now, row(drive.ramp, b))
@@ -32,11 +32,11 @@ def lag_of(drive: Drive, poses: Poses, b: int, now: float, dt: float) -> tuple[V
 
 
 @kernel
-def aim(drive: Drive, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float, dt: float, h: float) -> None:
+def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float, dt: float, h: float) -> None:
     """Give coupled body b the mass and the velocity that it would have without contact after a substep.
 
     The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. Where K u is above the largest force, this
-    force takes the place of the spring. No lag is made up faster than `Drive.fastest`: a tracker that jumps throws nothing away.
+    force takes the place of the spring. No lag is made up faster than ``fastest``: a tracker that jumps throws nothing away.
     """
     middle = now + 0.5 * (h - dt)
     put_row(drive.user, b, along(row(drive.linear, b), middle, row(drive.ramp, b)))

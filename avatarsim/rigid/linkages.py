@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import Drive, Dynamics, Linkage
+from avatarsim.model.dynamics import DriveState, Dynamics, Linkage
 from avatarsim.model.geometry import Poses
 from avatarsim.model.skeleton import FREE, HINGES, carry_links
 from avatarsim.rigid.contacts import Contacts
@@ -27,19 +27,19 @@ Array = NDArray[np.float64]
 
 
 @kernel
-def is_linked(drive: Drive, b: int) -> bool:
+def is_linked(drive: DriveState, b: int) -> bool:
     """Return whether the upper loop moves body b with others to which joints bind it."""
     return bool(drive.coupled[b] == 1 and drive.linked[b] == 1)
 
 
 @kernel
-def leads_linkage(drive: Drive, b: int) -> bool:
+def leads_linkage(drive: DriveState, b: int) -> bool:
     """Return whether body b is the first link of a linkage."""
     return bool(is_linked(drive, b) and drive.tied[b] == b)
 
 
 @kernel
-def links_of(drive: Drive, b: int) -> tuple[int, int]:
+def links_of(drive: DriveState, b: int) -> tuple[int, int]:
     """First link of the avatar that body b leads, and the one after its last."""
     first = drive.linkage.skeleton.first
     end = b - first + 1
@@ -232,7 +232,7 @@ def bind_one(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: in
 
 
 @kernel
-def show_bound(drive: Drive, contacts: Contacts, memory: Memory, members: Index) -> None:
+def show_bound(drive: DriveState, contacts: Contacts, memory: Memory, members: Index) -> None:
     """Let the solver see the velocities of links that `bind` changed."""
     for m in range(members.shape[0]):
         if is_linked(drive, members[m]):
@@ -241,7 +241,7 @@ def show_bound(drive: Drive, contacts: Contacts, memory: Memory, members: Index)
 
 
 @kernel
-def look_ahead(drive: Drive, memory: Memory, b: int, h: float) -> None:
+def look_ahead(drive: DriveState, memory: Memory, b: int, h: float) -> None:
     """Put `Linkage.ahead` where the linkage that body b leads is after its share of h seconds, within its limits."""
     linkage, skel = drive.linkage, drive.linkage.skeleton
     first, end = links_of(drive, b)
@@ -257,7 +257,7 @@ def look_ahead(drive: Drive, memory: Memory, b: int, h: float) -> None:
 
 
 @kernel
-def share_of_linkage(drive: Drive, memory: Memory, b: int) -> float:
+def share_of_linkage(drive: DriveState, memory: Memory, b: int) -> float:
     """Least share of the links of the avatar that body b leads."""
     first, end = links_of(drive, b)
     least = 1.0

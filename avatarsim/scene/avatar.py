@@ -59,9 +59,31 @@ class Link:
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
 
 
+SOFTEST, STIFFEST = 1e-3, 1e9
+"""Range of the constants of a drive [N/m], [N s/m] and [N]: with less a hand does not follow, with more only rounding is left."""
+
 PLAUSIBLE_SIZE = (0.01, 20.0)
 """Span [m] of an avatar, unless its author says otherwise: from a fingertip to a giant. Millimetres or centimetres taken for
 metres fall outside, and would otherwise run without complaint and be wrong."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """How an avatar is tied to its user: the spring of eq. 6.
+
+    `stiffness` K [N/m]: softer, and a load lowers a hand farther. `damping` R [N s/m]: less, and it swings about its user.
+    `largest_force` [N]: what the spring pulls with at most; a hand that should crush nothing has less. Raises InvalidScene for
+    values that are not above 0; a damping may be 0.
+    """
+
+    stiffness: float = 1000.0
+    damping: float = 40.0
+    largest_force: float = math.inf
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "stiffness", within("stiffness of a drive [N/m]", self.stiffness, SOFTEST, STIFFEST))
+        object.__setattr__(self, "damping", within("damping of a drive [N s/m]", self.damping, 0.0, STIFFEST))
+        object.__setattr__(self, "largest_force", within("largest force of a drive [N]", self.largest_force, SOFTEST, math.inf))
 
 
 @dataclass(frozen=True)
@@ -70,7 +92,8 @@ class Avatar:
 
     `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap
     because they do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body
-    feels in an impact; by default the link's own mass. `size_range` [m] is what its `span` must be in: a human of
+    feels in an impact; by default the link's own mass. `drive` ties it to its user; by default by the engine's options `spring`
+    and `damping`. `size_range` [m] is what its `span` must be in: a human of
     1.7 km was meant in millimetres. Raises InvalidScene for links that are no tree, names that are no links, and other sizes.
     """
 
@@ -80,6 +103,7 @@ class Avatar:
     ignore: tuple[tuple[str, str], ...] = ()
     coupled_mass: float | None = None
     size_range: tuple[float, float] = PLAUSIBLE_SIZE
+    drive: Drive | None = None
 
     def __post_init__(self) -> None:
         named("an avatar", self.name)
@@ -103,6 +127,8 @@ class Avatar:
                 raise InvalidScene(f"link named in chains or ignore of {self.name}", name, f"one of {sorted(known)}")
         if self.coupled_mass is not None:
             positive(f"coupled mass of {self.name}", self.coupled_mass)
+        if self.drive is not None:
+            instance(f"drive of {self.name}", self.drive, Drive, "Drive(stiffness, damping, largest_force) or None")
         least, most = pair(f"size_range of avatar {self.name}", self.size_range)
         low, high = (within(f"size_range of avatar {self.name} [m]", size, 0.0, math.inf) for size in (least, most))
         object.__setattr__(self, "size_range", (low, high))

@@ -114,7 +114,7 @@ def test_every_link_returns_by_eq_6_with_its_own_mass() -> None:
     springs.rate[:] = (-0.5, 1.0, 0.0)
     for _ in range(10):
         root[:] = 0.0
-        relax(w.skeleton, springs.mass, settings, DT, springs.offset, springs.rate, root)
+        relax(w.skeleton, w.drive, DT, springs.offset, springs.rate, root)
     for link, mass in enumerate((5.0, 0.02)):
         x, v = coupled(mass, settings.spring, settings.damping, (0.01, 0.0, 0.02), (-0.5, 1.0, 0.0), 10.0 * DT)
         np.testing.assert_allclose(springs.offset[link], x, rtol=1e-9, atol=1e-15)

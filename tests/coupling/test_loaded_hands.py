@@ -1,6 +1,7 @@
 """Rigid hands under load: what lies on them lowers them by m g / K, what they press feels K times the lag, and no K shakes."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,9 +9,10 @@ import pytest
 from avatarsim.coupling.spring import coupled
 from avatarsim.coupling.virtual_coupling import TOP_SPEED
 from avatarsim.engine import Settings
+from avatarsim.errors import InvalidScene
 from avatarsim.model.dynamics import make_drive, velocities
 from avatarsim.rigid.driven import aim, note_lag
-from avatarsim.scene.avatar import rigid_avatar
+from avatarsim.scene.avatar import Drive, rigid_avatar
 from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
@@ -39,10 +41,10 @@ def box(name: str, z: float, mass: float = HELD) -> Body:
 
 def carry(
     bodies: list[Body], place: Callable[[float], tuple[float, float, float]], seconds: float, restitution: float = 0.0,
-    **options: float,
+    drive: Drive | None = None, **options: float,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Run a palm of 0.5 kg whose origin is at ``place`` of the time; returns positions (frames, nb, 3) and where its user was."""
-    avatar = rigid_avatar("palm", PALM, solid(PALM, 0.5), "m")
+    avatar = replace(rigid_avatar("palm", PALM, solid(PALM, 0.5), "m"), drive=drive)
 
     def sample(time: float) -> TrackerSample:
         return TrackerSample(time, np.array([place(time)]), np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
@@ -63,6 +65,26 @@ def test_what_lies_on_a_hand_lowers_it_by_its_weight_over_the_spring(spring: flo
     shown, users = carry([box("box", 0.011)], lambda time: (0.0, 0.0, 0.0), 3.0, restitution, spring=spring)
     sag = users[-60:, 2] - shown[-60:, 1, 2]
     assert sag == pytest.approx(HELD * G / spring, rel=1e-3, abs=1e-7)
+
+
+def test_an_avatar_has_its_own_drive() -> None:
+    drive = Drive(stiffness=300.0, damping=20.0)
+    shown, users = carry([box("box", 0.011)], lambda time: (0.0, 0.0, 0.0), 3.0, drive=drive, spring=5000.0)
+    assert users[-1, 2] - shown[-1, 1, 2] == pytest.approx(HELD * G / 300.0, rel=1e-3)
+
+
+def test_a_hand_lifts_no_more_than_its_largest_force() -> None:
+    """2 N do not carry 3 N; the box stays on the table whatever the user does."""
+    floor = fixed("floor", (Piece(Box((1.0, 1.0, 0.1))),), "m", (0.0, 0.0, -0.2))
+    for force, lifts in ((2.0, False), (4.0, True)):
+        shown, _ = carry([box("box", 0.011), floor], lambda time: (0.0, 0.0, 0.0), 2.0, drive=Drive(largest_force=force))
+        assert (shown[-1, 0, 2] > 0.0) == lifts
+
+
+@pytest.mark.parametrize("wrong", [{"stiffness": 0.0}, {"damping": -1.0}, {"largest_force": 0.0}, {"stiffness": float("nan")}])
+def test_a_drive_that_cannot_be_is_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(InvalidScene, match="drive"):
+        Drive(**wrong)
 
 
 def test_a_hand_that_is_led_up_and_down_carries_what_lies_on_it() -> None:

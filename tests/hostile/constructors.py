@@ -23,7 +23,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Options, Shield, clean
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
-from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
+from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
 from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, Role, fixed, simulated, solid, volume
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.joint import Ball, Hinge, Hinges, ReachCone, SwingTwist
@@ -152,7 +152,8 @@ def body_doors() -> list[SearchStrategy[Asked]]:
     return [
         v.asked(Link, name=v.names, **link, material=v.materials, anchor=v.vectors, orientation=v.quaternions),
         v.asked(Avatar, name=v.names, links=v.avatars.map(lambda avatar: avatar.links), chains=st.just(()), ignore=st.just(()),
-                coupled_mass=st.none() | v.lengths, size_range=st.just((0.01, 20.0))),
+                coupled_mass=st.none() | v.lengths, size_range=st.just((0.01, 20.0)), drive=st.none()),
+        v.asked(Drive, stiffness=v.lengths, damping=v.lengths, largest_force=v.lengths),
         v.asked(rigid_avatar, name=v.names, pieces=v.piece_tuples, mass=v.masses),
         v.asked(Body, name=v.names, role=st.sampled_from(Role), material=v.materials, **placed, **moving),
         v.asked(fixed, name=v.names, material=v.materials, **placed),
