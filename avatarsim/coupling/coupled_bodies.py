@@ -101,7 +101,7 @@ def leave(
                 avatar = avatars.avatar[link]
                 copy_posture(skel, avatars, avatar, target_out, drive.linkage.user)
                 copy_posture(skel, avatars, avatar, posture, target_out)
-                copy_posture(skel, avatars, avatar, posture, drive.linkage.posture)
+                copy_posture(skel, avatars, avatar, posture, drive.linkage.joints)
             put_row(velocities_out.linear, b, add(row(drive.linear, b), row(drive.lag, b)))
             put_row(velocities_out.angular, b, add(row(drive.angular, b), row(drive.lag_turn, b)))
     for link in range(skel.kind.shape[0]):
@@ -142,7 +142,7 @@ def take_up(
             put_row(offset_out, link, sub(row(poses.position, b), row(drive.position, b)))
             put_row(rate_out, link, row(drive.lag, b))
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-            posture_out.angle[j] = drive.linkage.posture.angle[j]
+            posture_out.angle[j] = drive.linkage.joints.angle[j]
         copy_posture(skel, avatars, avatar, posture_out, target_out)
         place_avatar(geo, skel, avatars, avatar, poses)
         copy_poses(geo, skel, avatars, avatar, poses, scratch_out.trial)

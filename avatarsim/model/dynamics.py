@@ -25,7 +25,7 @@ class Linkage(NamedTuple):
     """Joints of the avatars that the upper loop moves, of nl links and nd degrees of freedom.
 
     skeleton          of all avatars
-    posture, user     of these avatars, as they are shown; of their trackers
+    joints, user      posture of these avatars where the upper loop has them; of their trackers
     angle_before      (nd) its angles before the last substep [rad]
     rate              (nd) how it changes: tangent velocity [rad/s], [m/s]; step (nd) in this substep
     still             (nd) zeros
@@ -37,7 +37,7 @@ class Linkage(NamedTuple):
     """
 
     skeleton: Skeleton
-    posture: Posture
+    joints: Posture
     user: Posture
     angle_before: Line
     rate: Line
@@ -60,10 +60,10 @@ def make_linkage(scene: Scene) -> Linkage:
     def line() -> Array:
         return np.zeros(degrees)
 
-    posture, user = (Posture(np.zeros((links, 3)), np.zeros((links, 3, 3)), line()) for _ in range(2))
+    joints, user = (Posture(np.zeros((links, 3)), np.zeros((links, 3, 3)), line()) for _ in range(2))
     ahead = Poses(np.zeros((bodies, 3)), np.zeros((bodies, 3, 3)), np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
     return Linkage(
-        skel, posture, user, line(), line(), line(), line(), np.zeros((degrees, 3)), np.zeros((degrees, 3)), ahead,
+        skel, joints, user, line(), line(), line(), line(), np.zeros((degrees, 3)), np.zeros((degrees, 3)), ahead,
         np.zeros((degrees, degrees)), np.zeros((degrees, degrees)), np.zeros(degrees, np.int64), line(),
     )
 

@@ -73,7 +73,7 @@ def go_back(
         link = b - linkage.skeleton.first
         for j in range(linkage.skeleton.first_dof[link], linkage.skeleton.first_dof[link + 1]):
             before = linkage.angle_before[j]
-            linkage.posture.angle[j] = before + share * (linkage.posture.angle[j] - before)
+            linkage.joints.angle[j] = before + share * (linkage.joints.angle[j] - before)
 
 
 @kernel

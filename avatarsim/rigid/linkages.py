@@ -77,9 +77,9 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
             continue
         first, end = links_of(drive, b)
         skel = linkage.skeleton
-        put_row(linkage.posture.root, first, row(poses.position, b))
-        put_columns(linkage.posture.turn, first, columns(poses.rotation, b))
-        carry_links(skel, first, end, linkage.posture, linkage.still, linkage.ahead, linkage.axes)
+        put_row(linkage.joints.root, first, row(poses.position, b))
+        put_columns(linkage.joints.turn, first, columns(poses.rotation, b))
+        carry_links(skel, first, end, linkage.joints, linkage.still, linkage.ahead, linkage.axes)
         low, high = skel.first_dof[first], skel.first_dof[end]
         for i in range(low, high):
             linkage.held[i] = 0
@@ -165,7 +165,7 @@ def hold_at_limits(linkage: Linkage, first: int, end: int, h: float) -> bool:
         if skel.kind[link] != HINGES:
             continue
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-            angle = linkage.posture.angle[j]
+            angle = linkage.joints.angle[j]
             least, most = min(0.0, skel.limits[j, 0] - angle) / h, max(0.0, skel.limits[j, 1] - angle) / h
             if linkage.held[j] == 0:
                 if linkage.rate[j] < least or linkage.rate[j] > most:
@@ -250,10 +250,10 @@ def look_ahead(drive: DriveState, memory: Memory, b: int, h: float) -> None:
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
             linkage.step[j] = share * h * linkage.rate[j]
             if skel.kind[link] == HINGES:
-                angle = linkage.posture.angle[j]
+                angle = linkage.joints.angle[j]
                 low, high = min(angle, skel.limits[j, 0]) - angle, max(angle, skel.limits[j, 1]) - angle
                 linkage.step[j] = min(max(linkage.step[j], low), high)
-    carry_links(skel, first, end, linkage.posture, linkage.step, linkage.ahead, linkage.axes_ahead)
+    carry_links(skel, first, end, linkage.joints, linkage.step, linkage.ahead, linkage.axes_ahead)
 
 
 @kernel
@@ -286,5 +286,5 @@ def bend(dynamics: Dynamics, members: Index, part: float) -> None:
         if leads_linkage(drive, members[m]):
             first, end = links_of(drive, members[m])
             for j in range(linkage.skeleton.first_dof[first], linkage.skeleton.first_dof[end]):
-                linkage.angle_before[j] = linkage.posture.angle[j]
-                linkage.posture.angle[j] += part * linkage.step[j]
+                linkage.angle_before[j] = linkage.joints.angle[j]
+                linkage.joints.angle[j] += part * linkage.step[j]

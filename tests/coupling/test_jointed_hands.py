@@ -142,7 +142,7 @@ def test_joints_leave_the_nearest_velocities_that_they_allow() -> None:
     geometry, skel, poses = world.geometry, world.skeleton, world.poses
     memory, drive = make_memory(geometry, world.dynamics, poses), world.drive
     drive.coupled[1:], drive.linked[1:], drive.stiffness[:], drive.damping[:] = 1, 1, 1000.0, 40.0
-    drive.linkage.posture.angle[:] = world.posture.angle
+    drive.linkage.joints.angle[:] = world.posture.angle
     for b in range(1, len(drive.coupled)):
         aim(drive, poses, world.velocities, memory, b, 0.0, DT, DT)
     members = np.arange(len(drive.coupled))
