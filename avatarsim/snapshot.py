@@ -327,7 +327,8 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
 
 
 CARRIED_OF_DRIVE = (
-    "coupled", "loaded", "unloaded", "linear", "angular", "gained", "gained_turn", "lag", "lag_turn",
+    "coupled", "loaded", "unloaded", "position", "turn", "paused", "spread", "linear", "angular", "gained", "gained_turn", "lag",
+    "lag_turn",
 )
 """Fields of `Drive` that links keep, so that a hand goes on holding."""
 

@@ -4,6 +4,7 @@ from math import log
 
 import numpy as np
 
+from avatarsim.collision.path import spun
 from avatarsim.coupling.virtual_coupling import TOP_SPEED, TOP_SPIN
 from avatarsim.ik.kinematics import place_avatar
 from avatarsim.ik.sqp_step import copy_poses, forget_forces
@@ -15,8 +16,12 @@ from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, turn_of
-from avatarsim.spatial.vec3 import Vec3, add, limited, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, along, dot, limited, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED
+
+LONGEST_PAUSE = 0.1
+"""[s] for which a tracker may stand between two samples: of 10 Hz. Longer: the first frame after a rest is late; shorter: steps
+of slow trackers shake off what is held."""
 
 
 def allow(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
@@ -68,6 +73,30 @@ def load(drive: DriveState, avatars: Avatars, link: int, first: int) -> None:
 
 
 @kernel
+def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> tuple[Vec3, Vec3]:
+    """Take over where the tracker has body b at the end of a frame of dt seconds; returns its way [m] and its turn [rad].
+
+    A tracker that is slower than the frames stands, and then goes far at once, for which friction holds nothing. Under load its
+    step is spread over as many frames as it has stood.
+    """
+    x, r = row(before.position, b), columns(before.rotation, b)
+    step, turn = sub(row(now.position, b), x), turn_of(r, columns(now.rotation, b))
+    if dot(step, step) + dot(turn, turn) == 0.0:
+        drive.paused[b] = min(drive.paused[b] + 1, int(LONGEST_PAUSE / dt))
+    else:
+        drive.spread[b], drive.paused[b] = drive.paused[b], 0
+    share = 1.0
+    if drive.coupled[b] == 1:
+        x, r = row(drive.position, b), columns(drive.turn, b)
+        step, turn = sub(row(now.position, b), x), turn_of(r, columns(now.rotation, b))
+        share = 1.0 / (1.0 + drive.spread[b])
+    drive.spread[b] = max(0, drive.spread[b] - 1)
+    put_row(drive.position, b, along(x, share, step))
+    put_columns(drive.turn, b, spun(r, turn, share) if share < 1.0 else columns(now.rotation, b))
+    return scale(step, share), scale(turn, share)
+
+
+@kernel
 def leave(
     skel: Skeleton, avatars: Avatars, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float, rate: Array,
     target_out: Posture, velocities_out: Velocities,
@@ -82,10 +111,7 @@ def leave(
         b = skel.first + link
         if drive.may_couple[b] == 0:
             continue
-        way = sub(row(now.position, b), row(before.position, b))
-        turn = turn_of(columns(before.rotation, b), columns(now.rotation, b))
-        put_row(drive.position, b, row(now.position, b))
-        put_columns(drive.turn, b, columns(now.rotation, b))
+        way, turn = follow(drive, before, now, b, dt)
         accelerate(limited(scale(way, 1.0 / dt), TOP_SPEED), b, dt, drive.linear, drive.gained, drive.ramp)
         accelerate(limited(scale(turn, 1.0 / dt), TOP_SPIN), b, dt, drive.angular, drive.gained_turn, drive.ramp_turn)
         load(drive, avatars, link, skel.first)

@@ -79,6 +79,7 @@ class DriveState(NamedTuple):
     loaded            (nb) flag: loose bodies pressed on it in the last frame
     unloaded          (nb) [s] time since they did
     position, turn    (nb, 3), (nb, 3, 3) where the tracker has the body at the end of the frame [m]
+    paused, spread    (nb) frames for which its tracker has stood, and over which its last step is still to be spread
     linear, angular   (nb, 3) mean velocity of the tracker in this frame [m/s], [rad/s]
     gained, gained_turn   (nb, 3) by how much these are more than in the last frame
     ramp, ramp_turn   (nb, 3) acceleration of the tracker within the frame [m/s^2], [rad/s^2]
@@ -98,6 +99,8 @@ class DriveState(NamedTuple):
     unloaded: Line
     position: Vectors
     turn: Matrices
+    paused: IndexLine
+    spread: IndexLine
     linear: Vectors
     angular: Vectors
     gained: Vectors
@@ -138,9 +141,9 @@ def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
 
     return DriveState(
         linkage=linkage, tied=tied, linked=flags(), may_couple=flags(), coupled=flags(), loaded=flags(),
-        unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), linear=vectors(),
-        angular=vectors(), gained=vectors(), gained_turn=vectors(), ramp=vectors(), ramp_turn=vectors(), user=vectors(),
-        user_turn=vectors(), lag=vectors(), lag_turn=vectors(),
+        unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), paused=flags(), spread=flags(),
+        linear=vectors(), angular=vectors(), gained=vectors(), gained_turn=vectors(), ramp=vectors(), ramp_turn=vectors(),
+        user=vectors(), user_turn=vectors(), lag=vectors(), lag_turn=vectors(),
         mass=np.divide(1.0, inverse_mass, out=np.zeros(bodies), where=inverse_mass > 0.0), stiffness=law[:, 0].copy(),
         damping=law[:, 1].copy(), largest_force=law[:, 2].copy(), fastest=np.full(bodies, np.inf),
         fastest_turn=np.full(bodies, np.inf),

@@ -182,6 +182,20 @@ def test_a_hand_goes_on_carrying_when_another_body_comes() -> None:
     assert after[2] == pytest.approx(before[1], abs=1e-6)
 
 
+@pytest.mark.parametrize(("hold", "slips"), [(2, 2e-3), (3, 5e-3)])
+def test_a_tracker_slower_than_the_frames_carries_too(hold: int, slips: float) -> None:
+    """Its samples are held for so many frames, and each step is up to 22 mm long; at once, the box would be left behind."""
+    def place(time: float) -> tuple[float, float, float]:
+        held = hold * DT * int((time + 1e-9) / (hold * DT))
+        share = float(np.clip((held - 0.5) / 1.0, 0.0, 1.0))
+        return 0.3 * share * share * (3.0 - 2.0 * share), 0.0, 0.3 * share * share * (3.0 - 2.0 * share)
+
+    shown, users = carry([box("box", 0.011)], place, 2.5)
+    apart = shown[:, 0] - shown[:, 1]
+    assert np.ptp(apart[20:], axis=0) == pytest.approx(0.0, abs=slips)
+    assert shown[-1, 1, 2] == pytest.approx(users[-1, 2] - HELD * G / 1000.0, abs=1e-5)
+
+
 @pytest.mark.parametrize("tilt", [0.2, 0.25])
 def test_a_pinch_with_crooked_pads_launches_nothing(tilt: float) -> None:
     pad = (Piece(Box((0.02, 0.06, 0.06))),)
