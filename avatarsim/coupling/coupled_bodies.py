@@ -73,11 +73,25 @@ def load(drive: DriveState, avatars: Avatars, link: int, first: int) -> None:
 
 
 @kernel
+def couple(drive: DriveState, before: Poses, now: Poses, b: int, dt: float, rate: Vec3) -> None:
+    """Begin to leave body b to the upper loop, where its tracker was before the frame; rate [m/s] against the tracker."""
+    drive.coupled[b], drive.paused[b], drive.spread[b] = 1, 0, 0
+    put_row(drive.lag, b, rate)
+    put_row(drive.position, b, row(before.position, b))
+    put_columns(drive.turn, b, columns(before.rotation, b))
+    turn = turn_of(columns(before.rotation, b), columns(now.rotation, b))
+    put_row(drive.linear, b, scale(sub(row(now.position, b), row(before.position, b)), 1.0 / dt))
+    put_row(drive.angular, b, scale(turn, 1.0 / dt))
+    for rest in (drive.lag_turn, drive.gained, drive.gained_turn):
+        put_row(rest, b, (0.0, 0.0, 0.0))
+
+
+@kernel
 def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> tuple[Vec3, Vec3]:
     """Take over where the tracker has body b at the end of a frame of dt seconds; returns its way [m] and its turn [rad].
 
-    A tracker that is slower than the frames stands, and then goes far at once, for which friction holds nothing. Under load its
-    step is spread over as many frames as it has stood.
+    A tracker that is slower than the frames stands, and then goes far at once, for which friction holds nothing. So its step is
+    spread over as many frames as it has stood.
     """
     x, r = row(before.position, b), columns(before.rotation, b)
     step, turn = sub(row(now.position, b), x), turn_of(r, columns(now.rotation, b))
@@ -85,11 +99,9 @@ def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> t
         drive.paused[b] = min(drive.paused[b] + 1, int(LONGEST_PAUSE / dt))
     else:
         drive.spread[b], drive.paused[b] = drive.paused[b], 0
-    share = 1.0
-    if drive.coupled[b] == 1:
-        x, r = row(drive.position, b), columns(drive.turn, b)
-        step, turn = sub(row(now.position, b), x), turn_of(r, columns(now.rotation, b))
-        share = 1.0 / (1.0 + drive.spread[b])
+    x, r = row(drive.position, b), columns(drive.turn, b)
+    step, turn = sub(row(now.position, b), x), turn_of(r, columns(now.rotation, b))
+    share = 1.0 / (1.0 + drive.spread[b])
     drive.spread[b] = max(0, drive.spread[b] - 1)
     put_row(drive.position, b, along(x, share, step))
     put_columns(drive.turn, b, spun(r, turn, share) if share < 1.0 else columns(now.rotation, b))
@@ -111,14 +123,14 @@ def leave(
         b = skel.first + link
         if drive.may_couple[b] == 0:
             continue
+        load(drive, avatars, link, skel.first)
+        if drive.coupled[b] + drive.loaded[b] == 0:
+            continue
+        if drive.coupled[b] == 0:
+            couple(drive, before, now, b, dt, row(rate, link))
         way, turn = follow(drive, before, now, b, dt)
         accelerate(limited(scale(way, 1.0 / dt), TOP_SPEED), b, dt, drive.linear, drive.gained, drive.ramp)
         accelerate(limited(scale(turn, 1.0 / dt), TOP_SPIN), b, dt, drive.angular, drive.gained_turn, drive.ramp_turn)
-        load(drive, avatars, link, skel.first)
-        if drive.coupled[b] == 0 and drive.loaded[b] == 1:
-            drive.coupled[b] = 1
-            put_row(drive.lag, b, row(rate, link))
-            put_row(drive.lag_turn, b, (0.0, 0.0, 0.0))
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt
         if drive.unloaded[b] > time_to_catch_up(drive, drive.tied[b]):
             drive.coupled[b] = 0

@@ -17,6 +17,7 @@ from avatarsim.rigid.contacts import axis, impulse_of
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, limited, norm, put_row, row, scale, sub
+from avatarsim.tolerances import SMALL
 
 Index = NDArray[np.int64]
 
@@ -42,7 +43,8 @@ def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory,
     put_row(drive.user, b, along(row(drive.linear, b), middle, row(drive.ramp, b)))
     put_row(drive.user_turn, b, along(row(drive.angular, b), middle, row(drive.ramp_turn, b)))
     u, turn = lag_of(drive, poses, b, now, dt)
-    m, k, r, size = drive.mass[b], drive.stiffness[b], drive.damping[b], memory.span[b]
+    # a link without pieces has no size
+    m, k, r, size = drive.mass[b], drive.stiffness[b], drive.damping[b], max(memory.span[b], SMALL)
     straight, rest = k * norm(u), 1.0
     implicit = h * h * k
     if straight > drive.largest_force[b]:
