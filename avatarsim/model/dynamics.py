@@ -31,7 +31,8 @@ class Linkage(NamedTuple):
     still             (nd) zeros
     axes, axes_ahead  (nd, 3) of the degrees, world axes, at the start of the substep and at its end
     ahead             where links are at the end of the substep
-    matrix, factor    (nd, nd) mass matrix of the substep; its Cholesky factor without the degrees that are at a limit
+    matrix, factor    (nd, most of an avatar) mass matrices of the avatars, columns from the first degree of each on; their
+                      Cholesky factors without the degrees that are at a limit
     held              (nd) flag: at its limit
     momentum          (nd) working memory
     """
@@ -56,6 +57,8 @@ def make_linkage(scene: Scene) -> Linkage:
     """Allocate for the avatars of a scene."""
     skel = skeleton(scene)
     links, degrees, bodies = len(skel.kind), int(skel.first_dof[-1]), len(scene.names)
+    roots = np.append(np.flatnonzero(skel.parent < 0), links)
+    widest = int(np.diff(skel.first_dof[roots]).max(initial=0))
 
     def line() -> Array:
         return np.zeros(degrees)
@@ -64,7 +67,7 @@ def make_linkage(scene: Scene) -> Linkage:
     ahead = Poses(np.zeros((bodies, 3)), np.zeros((bodies, 3, 3)), np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
     return Linkage(
         skel, joints, user, line(), line(), line(), line(), np.zeros((degrees, 3)), np.zeros((degrees, 3)), ahead,
-        np.zeros((degrees, degrees)), np.zeros((degrees, degrees)), np.zeros(degrees, np.int64), line(),
+        np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(),
     )
 
 

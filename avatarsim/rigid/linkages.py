@@ -84,15 +84,15 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
         for i in range(low, high):
             linkage.held[i] = 0
             for j in range(low, high):
-                linkage.matrix[i, j] = 0.0
+                linkage.matrix[i, j - low] = 0.0
         for link in range(first, end):
-            add_link(linkage, poses, memory, link)
+            add_link(linkage, poses, memory, link, low)
         decompose(linkage, low, high)
 
 
 @kernel
-def add_link(linkage: Linkage, poses: Poses, memory: Memory, link: int) -> None:
-    """Add the mass and the inertia of a link to the matrix of its avatar."""
+def add_link(linkage: Linkage, poses: Poses, memory: Memory, link: int, low: int) -> None:
+    """Add the mass and the inertia of a link to the matrix of its avatar, whose first degree is ``low``."""
     skel = linkage.skeleton
     body = skel.first + link
     mass, inertia = 1.0 / memory.hold.inverse_mass[body], memory.inertia[body, 0, 0]
@@ -105,9 +105,9 @@ def add_link(linkage: Linkage, poses: Poses, memory: Memory, link: int) -> None:
                 for j in range(skel.first_dof[other], min(i + 1, skel.first_dof[other + 1])):
                     v_too, w_too = motion_of(linkage, poses, other, j, link)
                     value = mass * dot(v, v_too) + inertia * dot(w, w_too)
-                    linkage.matrix[i, j] += value
+                    linkage.matrix[i, j - low] += value
                     if i != j:
-                        linkage.matrix[j, i] += value
+                        linkage.matrix[j, i - low] += value
                 other = skel.parent[other]
         one = skel.parent[one]
 
@@ -119,15 +119,15 @@ def decompose(linkage: Linkage, low: int, high: int) -> None:
     for i in range(low, high):
         for j in range(low, i + 1):
             if linkage.held[i] + linkage.held[j] > 0:
-                factor[i, j] = 1.0 if i == j else 0.0
+                factor[i, j - low] = 1.0 if i == j else 0.0
                 continue
-            total = linkage.matrix[i, j]
-            for k in range(low, j):
+            total = linkage.matrix[i, j - low]
+            for k in range(j - low):
                 total -= factor[i, k] * factor[j, k]
             if i == j:
-                factor[i, i] = sqrt(max(total, 0.0))
+                factor[i, i - low] = sqrt(max(total, 0.0))
             else:
-                factor[i, j] = total / factor[j, j] if factor[j, j] > 0.0 else 0.0
+                factor[i, j - low] = total / factor[j, j - low] if factor[j, j - low] > 0.0 else 0.0
 
 
 @kernel
@@ -140,19 +140,19 @@ def rates_for(linkage: Linkage, low: int, high: int) -> None:
         total = linkage.momentum[i]
         for k in range(low, high):
             if linkage.held[k] == 1:
-                total -= linkage.matrix[i, k] * rate[k]
+                total -= linkage.matrix[i, k - low] * rate[k]
         for k in range(low, i):
             if linkage.held[k] == 0:
-                total -= factor[i, k] * rate[k]
-        rate[i] = total / factor[i, i] if factor[i, i] > 0.0 else 0.0
+                total -= factor[i, k - low] * rate[k]
+        rate[i] = total / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
     for i in range(high - 1, low - 1, -1):
         if linkage.held[i] == 1:
             continue
         total = rate[i]
         for k in range(i + 1, high):
             if linkage.held[k] == 0:
-                total -= factor[k, i] * rate[k]
-        rate[i] = total / factor[i, i] if factor[i, i] > 0.0 else 0.0
+                total -= factor[k, i - low] * rate[k]
+        rate[i] = total / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
 
 
 @kernel
@@ -174,7 +174,7 @@ def hold_at_limits(linkage: Linkage, first: int, end: int, h: float) -> bool:
                 continue
             pull = linkage.momentum[j]
             for k in range(low, high):
-                pull -= linkage.matrix[j, k] * linkage.rate[k]
+                pull -= linkage.matrix[j, k - low] * linkage.rate[k]
             if (linkage.rate[j] >= most and pull < 0.0) or (linkage.rate[j] <= least and pull > 0.0):
                 linkage.held[j], changed = 0, True
     return changed
