@@ -16,7 +16,7 @@ from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, speed_along, weigh_from
 from avatarsim.rigid.driven import follow_arcs, strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
-from avatarsim.rigid.linkages import bind, has_linkage, show_bound, weigh_linkages
+from avatarsim.rigid.linkages import bind, has_linkage, is_linked, show_bound, weigh_linkages
 from avatarsim.rigid.margin_rows import aim_rows, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
@@ -251,7 +251,8 @@ def find_free_ways(
         if turn == ROUNDS - 1 or sub_.lacking[0] == 1:
             break
         for m in range(members.shape[0]):
-            sub_.changed[members[m]] = 0
+            # joints carry on what a contact does to one link
+            sub_.changed[members[m]] = 1 if is_linked(dynamics.drive, members[m]) else 0
         spread_from_refused(memory, HOPS if turn < ROUNDS // 2 else 2 * HOPS)
         count = memory.contacts.used[0]
         sweeps = sweeps_for(count) if fine else SWEEPS * (1 + turn)
