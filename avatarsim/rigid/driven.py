@@ -89,14 +89,16 @@ def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 
 @kernel
-def follow_arcs(memory: Memory, h: float) -> None:
-    """Let friction carry points along the arcs on which both bodies turn, to second order in h.
+def follow_arcs(dynamics: Dynamics, memory: Memory, h: float) -> None:
+    """Let friction of driven bodies carry points along the arcs on which both turn, to second order in h.
 
     Bodies go straight within a substep, and turn about their centres. Without this what lies on a turntable spirals outwards.
     ``spare_angular``: angular velocities at the start.
     """
     contacts, spin = memory.contacts, memory.substeps.spare_angular
     for k in range(contacts.used[0]):
+        if dynamics.role[contacts.body[k, 0]] != DRIVEN and dynamics.role[contacts.body[k, 1]] != DRIVEN:
+            continue
         w_a, w_b = row(spin, contacts.body[k, 0]), row(spin, contacts.body[k, 1])
         apart = sub(cross(w_a, cross(w_a, row(contacts.arm_a, k))), cross(w_b, cross(w_b, row(contacts.arm_b, k))))
         for i in range(2):

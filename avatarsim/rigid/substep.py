@@ -432,7 +432,7 @@ def solve_ways(
     strikes_with(dynamics, memory, members)
     for k in range(count):
         sub_.approach[k] = speed_along(contacts, k, 0, sub_.spare_linear, sub_.spare_angular)
-    follow_arcs(memory, h)
+    follow_arcs(dynamics, memory, h)
     aim_rows(contacts, count, d, h, True)
     tolerance = tolerance_of(memory, h, fine)
     recall_forces(contacts, memory.last)
