@@ -9,7 +9,7 @@ from typing import ClassVar, NamedTuple
 import numpy as np
 
 from avatarsim.counters import Tally
-from avatarsim.coupling.coupled_bodies import allow, keep_still, leave, note_blocked, take_up
+from avatarsim.coupling.coupled_bodies import enable_coupling, exclude_coupled, freeze_coupled, note_blocked, return_coupled
 from avatarsim.coupling.virtual_coupling import Springs, give, make_springs, no_springs, pull, strike, tracked
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
@@ -89,7 +89,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
     if answers:
         if own.coupled:
             give(skeleton, received, w.dynamics.inverse_mass, springs.pressed, springs.rate)
-            take_up(
+            return_coupled(
                 geometry, skeleton, avatars, w.dynamics, poses, springs.offset, springs.rate, posture, tracker, state, working
             )
         if not moving.any() or state.contacts.used[0] == 0:
@@ -99,11 +99,11 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
         note_blocked(geometry, w.dynamics, state.contacts)
         pull(geometry, skeleton, w.dynamics, poses, state.contacts, dt, tracker, w.velocities, springs)
         before, now = tracked(springs)
-        leave(skeleton, avatars, w.dynamics, before, now, posture, dt, springs.rate, tracker, w.velocities)
+        exclude_coupled(skeleton, avatars, w.dynamics, before, now, posture, dt, springs.rate, tracker, w.velocities)
     elif springs.inverse_weight.shape[0] > 0:
         strike(skeleton, tracker, dt, w.velocities, springs)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
-    keep_still(skeleton, avatars, w.dynamics, state)
+    freeze_coupled(skeleton, avatars, w.dynamics, state)
     if dt > 0.0:
         drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
     aim_along_paths(geometry, skeleton, avatars, settings, dt, posture, poses, plan, state, working)
@@ -164,7 +164,7 @@ class IkLoop:
             else no_springs(world.poses)
         )
         if coupled:
-            allow(world.drive, world.skeleton, settings)
+            enable_coupling(world.drive, world.skeleton, settings)
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )

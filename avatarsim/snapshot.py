@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import AvatarsimError, InvalidSnapshot
 from avatarsim.frame import Frames
 from avatarsim.lower_loop import IkLoop
+from avatarsim.model.dynamics import DriveState
 from avatarsim.model.geometry import place
 from avatarsim.model.skeleton import Posture
 from avatarsim.model.world import World
@@ -326,13 +327,6 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
         carry_springs(old, new, one, other, both)
 
 
-CARRIED_OF_DRIVE = (
-    "coupled", "loaded", "unloaded", "position", "turn", "paused", "spread", "linear", "angular", "gained", "gained_turn", "lag",
-    "lag_turn",
-)
-"""Fields of `Drive` that links keep, so that a hand goes on holding."""
-
-
 def carry_springs(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
     """Offsets of the coupling, and where the tracker had the links in the last frame: their velocities are counted from there."""
     if not (len(one.springs.inverse_weight) and len(other.springs.inverse_weight)):
@@ -345,5 +339,6 @@ def carry_springs(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Sh
     for into, of in ((other.springs.one, one.springs.one), (other.springs.other, one.springs.other)):
         taken(into.position, of.position, links)
         taken(into.rotation, of.rotation, links)
-    for name in CARRIED_OF_DRIVE:
-        taken(getattr(new.world.drive, name), getattr(old.world.drive, name), links)
+    for name in DriveState._fields:
+        if f"drive.{name}" not in World.WORKING:
+            taken(getattr(new.world.drive, name), getattr(old.world.drive, name), links)

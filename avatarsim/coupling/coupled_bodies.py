@@ -1,4 +1,4 @@
-"""Avatars that loose bodies lean on: the lower loop leaves them to the upper one, and takes them up again afterwards."""
+"""Coupled avatars: transfer of avatars under load from the lower loop to the upper loop, and back."""
 
 from math import log
 
@@ -20,12 +20,12 @@ from avatarsim.spatial.vec3 import Vec3, add, along, dot, limited, put_row, row,
 from avatarsim.tolerances import JUDGED
 
 LONGEST_PAUSE = 0.1
-"""[s] for which a tracker may stand between two samples: of 10 Hz. Longer: the first frame after a rest is late; shorter: steps
-of slow trackers shake off what is held."""
+"""Longest interval [s] between two samples of a tracker, 10 Hz. Longer: the first frame after a rest is late; shorter: steps of
+slow trackers make a grip slip."""
 
 
-def allow(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
-    """Let the upper loop move avatars under load whose joints are hinges, no faster to their users than else."""
+def enable_coupling(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
+    """Mark the avatars without ball joints as movable by the upper loop, and set the limits of their catch-up velocity."""
     leader = drive.tied[skel.first :]
     for root in np.unique(leader):
         links = np.flatnonzero(leader == root)
@@ -36,14 +36,14 @@ def allow(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
 
 @kernel
 def time_to_catch_up(drive: DriveState, b: int) -> float:
-    """Time [s] in which eq. 6 leaves JUDGED of a lag: it decays with R / 2m, or with K / R if damped above critically."""
+    """Time [s] after which equation 6 has reduced a lag to JUDGED of itself: rate R / 2m, or K / R if overdamped."""
     m, r, k = drive.mass[b], drive.damping[b], drive.stiffness[b]
     return -log(JUDGED) / min(0.5 * r / m, k / r) if r > 0.0 else 0.0
 
 
 @kernel
 def note_blocked(geo: Geometry, dynamics: Dynamics, contacts: Contacts) -> None:
-    """Mark the driven bodies that loose ones held back in the lower loop."""
+    """Mark driven bodies that a loose body blocked in the lower loop."""
     for k in range(contacts.used[0]):
         a, b = geo.body[contacts.pair[k, 0]], geo.body[contacts.pair[k, 1]]
         if dynamics.role[b] == SIMULATED:
@@ -52,10 +52,10 @@ def note_blocked(geo: Geometry, dynamics: Dynamics, contacts: Contacts) -> None:
 
 @kernel
 def accelerate(v: Vec3, b: int, dt: float, velocity_out: Array, gained_out: Array, ramp_out: Array) -> None:
-    """Take over the mean velocity v of a frame, and how it changes within: as from the last frame to this, if it has before.
+    """Store the mean velocity v of a frame and its slope within the frame.
 
-    The slope of a piecewise linear reconstruction with the minmod limiter (van Leer 1979): a velocity in steps would ask in the
-    first substep of a frame for the friction of all of them, and without the limiter a hand that stops would swing.
+    Piecewise linear reconstruction with the minmod limiter (van Leer 1979). A piecewise constant velocity concentrates the
+    friction of a frame in its first substep; without the limiter a hand overshoots when it stops.
     """
     for i in range(3):
         gained, before = v[i] - velocity_out[b, i], gained_out[b, i]
@@ -65,7 +65,7 @@ def accelerate(v: Vec3, b: int, dt: float, velocity_out: Array, gained_out: Arra
 
 @kernel
 def load(drive: DriveState, avatars: Avatars, link: int, first: int) -> None:
-    """A link is loaded if any link of its avatar is."""
+    """Mark a link as loaded if any link of its avatar is."""
     avatar = avatars.avatar[link]
     for other in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         if drive.loaded[first + other] == 1:
@@ -74,7 +74,7 @@ def load(drive: DriveState, avatars: Avatars, link: int, first: int) -> None:
 
 @kernel
 def couple(drive: DriveState, before: Poses, now: Poses, b: int, dt: float, rate: Vec3) -> None:
-    """Begin to leave body b to the upper loop, where its tracker was before the frame; rate [m/s] against the tracker."""
+    """Couple body b, with its tracker at the start of the frame and its velocity ``rate`` [m/s] relative to it."""
     drive.coupled[b], drive.paused[b], drive.spread[b] = 1, 0, 0
     put_row(drive.lag, b, rate)
     put_row(drive.position, b, row(before.position, b))
@@ -88,10 +88,10 @@ def couple(drive: DriveState, before: Poses, now: Poses, b: int, dt: float, rate
 
 @kernel
 def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> tuple[Vec3, Vec3]:
-    """Take over where the tracker has body b at the end of a frame of dt seconds; returns its way [m] and its turn [rad].
+    """Compute the tracked pose of body b at the end of a frame of dt seconds; return its translation [m] and rotation [rad].
 
-    A tracker that is slower than the frames stands, and then goes far at once, for which friction holds nothing. So its step is
-    spread over as many frames as it has stood.
+    A tracker with a lower rate than the frames repeats its samples. Its next step is interpolated over as many frames as it
+    repeated one.
     """
     x, r = row(before.position, b), columns(before.rotation, b)
     step, turn = sub(row(now.position, b), x), turn_of(r, columns(now.rotation, b))
@@ -109,14 +109,15 @@ def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> t
 
 
 @kernel
-def leave(
+def exclude_coupled(
     skel: Skeleton, avatars: Avatars, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float, rate: Array,
     target_out: Posture, velocities_out: Velocities,
 ) -> None:
-    """Leave avatars under load where they are, and tell the upper loop where their trackers go in dt seconds.
+    """Exclude coupled avatars from the lower loop, and compute the motion of their trackers in dt seconds.
 
-    before, now: where the tracker has the links at the start and at the end of the frame; rate (nl, 3): velocity of links against
-    it [m/s].
+    Args:
+        before, now: tracked poses of the links at the start and at the end of the frame.
+        rate: (nl, 3) velocity of the links relative to the tracker [m/s].
     """
     drive = dynamics.drive
     for link in range(skel.kind.shape[0]):
@@ -147,8 +148,8 @@ def leave(
 
 
 @kernel
-def keep_still(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: IkState) -> None:
-    """Leave no motion to coupled avatars in the lower loop, which goes on from their users when it takes them up again."""
+def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: IkState) -> None:
+    """Set the motion budget of coupled avatars to zero, and their last target to the tracked posture."""
     drive = dynamics.drive
     for link in range(skel.kind.shape[0]):
         b = skel.first + link
@@ -160,13 +161,13 @@ def keep_still(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: 
 
 
 @kernel
-def take_up(
+def return_coupled(
     geo: Geometry, skel: Skeleton, avatars: Avatars, dynamics: Dynamics, poses: Poses, offset_out: Array, rate_out: Array,
     posture_out: Posture, target_out: Posture, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """After the upper loop: coupled avatars are where it has moved them, and stay there for the rest of the frame.
+    """Copy the poses of coupled avatars from the upper loop into the posture and the target of the lower loop.
 
-    Their offsets and rates (nl, 3) against the tracker are kept, so that eq. 6 goes on from there once they are let go.
+    Updates offset_out and rate_out (nl, 3), the initial conditions of equation 6 when an avatar is released.
     """
     drive, found = dynamics.drive, False
     for link in range(skel.kind.shape[0]):

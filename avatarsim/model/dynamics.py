@@ -72,7 +72,7 @@ def make_linkage(scene: Scene) -> Linkage:
 
 
 class DriveState(NamedTuple):
-    """Driven bodies that loose bodies lean on, as hands that push, pinch or carry: the upper loop moves them. nb bodies.
+    """State of the virtual coupling of driven bodies that the upper loop moves while they are under load. nb bodies.
 
     linkage           their joints
     tied              (nb) body that leads the avatar of a body, itself for what is no link
@@ -214,7 +214,7 @@ def dynamics(scene: Scene) -> Dynamics:
 
 @kernel
 def pull_on(dynamics: Dynamics, b: int) -> Vec3:
-    """Gravity [m/s^2] as it acts on body b: users carry their hands themselves."""
+    """Gravity [m/s^2] on body b: zero for driven bodies."""
     if dynamics.role[b] == DRIVEN:
         return (0.0, 0.0, 0.0)
     return (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])

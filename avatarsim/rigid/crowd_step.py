@@ -12,7 +12,7 @@ from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, find_contacts
 from avatarsim.rigid.contacts import Contacts, is_full, remember_forces
 from avatarsim.rigid.deferred_impacts import hand_over
-from avatarsim.rigid.driven import aim_all, note_lag, note_load, stands_still
+from avatarsim.rigid.driven import aim_all, is_kinematic, note_lag, note_load
 from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
 from avatarsim.rigid.impacts import until_tail_ends
 from avatarsim.rigid.linkages import bend
@@ -78,11 +78,11 @@ def is_crowd(dynamics: Dynamics, memory: Memory, members: Index) -> bool:
 
 @kernel
 def has_driven(dynamics: Dynamics, members: Index) -> tuple[bool, bool]:
-    """Return whether a member is driven, and whether one is that stands still."""
+    """Return (whether a member is driven, whether a driven member keeps its pose)."""
     any_, still = False, False
     for m in range(members.shape[0]):
         any_ = any_ or dynamics.role[members[m]] == DRIVEN
-        still = still or stands_still(dynamics, members[m])
+        still = still or is_kinematic(dynamics, members[m])
     return any_, still
 
 
@@ -162,7 +162,7 @@ def prove_ways(
 
 @kernel
 def rises_of(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> tuple[float, float]:
-    """Potential energy [J] that bodies on which contacts act gain on their ways of h seconds, and what others lose (below 0)."""
+    """Potential energy [J] that bodies with contacts gain in h seconds: (sum of gains, sum of losses below 0)."""
     sub_, rises, falls = memory.substeps, 0.0, 0.0
     for m in range(members.shape[0]):
         b = members[m]
@@ -177,10 +177,10 @@ def pay_for_rise(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
     slow: bool,
 ) -> None:
-    """Hold back the bodies that rise if the energy of the members would grow, and they are slow or have less to give.
+    """Reduce upward motion so that the energy of the members does not grow.
 
-    Errors of a solve that has not converged lift bodies that hardly move. `take_gain` takes the energy of a lift from velocities.
-    Where that would stop what begins to move, or is more than they have, the rise gives way.
+    Errors of an unconverged solve lift bodies. `take_gain` takes that energy from the velocities of fast members. In a slow
+    island, or if the kinetic energy is too small, the upward motion is reduced instead: a body that starts to tip must not stop.
     """
     kinetic, gain = 0.0, 0.0
     for m in range(members.shape[0]):

@@ -1,4 +1,4 @@
-"""Driven bodies that loose bodies lean on, within the solve of all contacts: eq. 6 in the tracker's frame, by implicit Euler.
+"""Driven bodies under load in the solve of all contacts: equation 6 in the tracker's frame, by implicit Euler.
 
 The lag u of a driven body behind its tracker obeys m u'' = -K u - R u' + f. Over h seconds, with the tracker's velocity v_t, this
 makes it a body of mass m + h R + h^2 K that without contact would have the velocity v_t + (m u' - h K u) / (m + h R + h^2 K).
@@ -24,7 +24,7 @@ Index = NDArray[np.int64]
 
 @kernel
 def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tuple[Vec3, Vec3]:
-    """How far body b is from where the tracker has it ``now`` seconds into a frame of dt seconds [m], [rad]."""
+    """Lag [m], [rad] of body b behind its tracker, ``now`` seconds into a frame of dt seconds."""
     left = dt - now
     way = along(scale(row(drive.linear, b), left), 0.5 * left * now, row(drive.ramp, b))
     turn = along(scale(row(drive.angular, b), left), 0.5 * left * now, row(drive.ramp_turn, b))
@@ -34,10 +34,10 @@ def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tu
 
 @kernel
 def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float, dt: float, h: float) -> None:
-    """Give coupled body b the mass and the velocity that it would have without contact after a substep.
+    """Set the effective mass of coupled body b and its velocity at the end of a substep without contact.
 
-    The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. Where K u is above the largest force, this
-    force takes the place of the spring. No lag is made up faster than ``fastest``: a tracker that jumps throws nothing away.
+    The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. A spring force K u above the largest force
+    is replaced by that force. The rate of the lag is limited to ``fastest``, so that a jump of the tracker throws nothing.
     """
     middle = now + 0.5 * (h - dt)
     put_row(drive.user, b, along(row(drive.linear, b), middle, row(drive.ramp, b)))
@@ -74,9 +74,9 @@ def aim_all(
 
 @kernel
 def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
-    """Fill ``spare_linear``, ``spare_angular`` with the velocities that restitution goes by.
+    """Compute ``spare_linear``, ``spare_angular``: the approach velocities for restitution.
 
-    Of coupled members without the pull of the spring: a hand that presses would else bounce off in every substep.
+    The spring of a coupled body does not count: a pressing hand would otherwise bounce in every substep.
     """
     drive, sub_ = dynamics.drive, memory.substeps
     for m in range(members.shape[0]):
@@ -90,10 +90,10 @@ def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 @kernel
 def follow_arcs(dynamics: Dynamics, memory: Memory, h: float) -> None:
-    """Let friction of driven bodies carry points along the arcs on which both turn, to second order in h.
+    """Set the friction targets at driven bodies so that contact points follow their arcs to second order in h.
 
-    Bodies go straight within a substep, and turn about their centres. Without this what lies on a turntable spirals outwards.
-    ``spare_angular``: angular velocities at the start.
+    Bodies move straight within a substep and rotate about their centres. Without the centripetal term a load on a turntable
+    drifts outwards. ``spare_angular``: angular velocities at the start.
     """
     contacts, spin = memory.contacts, memory.substeps.spare_angular
     for k in range(contacts.used[0]):
@@ -107,7 +107,7 @@ def follow_arcs(dynamics: Dynamics, memory: Memory, h: float) -> None:
 
 @kernel
 def note_lag(dynamics: Dynamics, velocities: Velocities, members: Index) -> None:
-    """Keep the velocities of coupled members against their trackers."""
+    """Store the velocities of coupled members relative to their trackers."""
     drive = dynamics.drive
     for m in range(members.shape[0]):
         b = members[m]
@@ -118,7 +118,7 @@ def note_lag(dynamics: Dynamics, velocities: Velocities, members: Index) -> None
 
 @kernel
 def note_load(dynamics: Dynamics, memory: Memory) -> None:
-    """Mark the driven bodies on which a loose body presses by the contacts that were solved last."""
+    """Mark driven bodies with a contact force of a loose body in the last solve, and sum the impulses on coupled ones."""
     contacts, role = memory.contacts, dynamics.role
     for k in range(contacts.used[0]):
         if contacts.impulse[k, 0] > 0.0:
@@ -132,6 +132,6 @@ def note_load(dynamics: Dynamics, memory: Memory) -> None:
 
 
 @kernel
-def stands_still(dynamics: Dynamics, b: int) -> bool:
-    """Return whether body b is driven, and not moved by the upper loop."""
+def is_kinematic(dynamics: Dynamics, b: int) -> bool:
+    """Return whether body b is driven and keeps its pose in the upper loop."""
     return bool(dynamics.role[b] == DRIVEN and dynamics.drive.coupled[b] == 0)

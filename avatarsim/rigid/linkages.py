@@ -1,10 +1,10 @@
 """Avatars with joints in the solve of all contacts.
 
-Their links are bodies of the solve, each with the mass and the pull of `driven.aim`. What joints allow is one block of
-constraints, solved exactly after each sweep over the contacts: velocities of the links become the nearest ones, in the metric of
-their masses, that a velocity of the joints gives (block Gauss-Seidel; the mass matrix is that of Featherstone 2008, chapter 6).
+Each link is a body of the solve with the mass and the free velocity of `driven.aim`. All joints of an avatar are one block of
+constraints, solved exactly after each sweep over the contacts: the velocities of its links are projected onto those that rates of
+its joints give, in the metric of their masses (block Gauss-Seidel; mass matrix: Featherstone 2008, chapter 6).
 
-In a substep each link goes straight, and turns evenly, to where forward kinematics has it at the end.
+In a substep each link moves at constant velocities to its pose by forward kinematics at the end.
 """
 
 from math import sqrt
@@ -28,19 +28,19 @@ Array = NDArray[np.float64]
 
 @kernel
 def is_linked(drive: DriveState, b: int) -> bool:
-    """Return whether the upper loop moves body b with others to which joints bind it."""
+    """Return whether body b is a link with joints that the upper loop moves."""
     return bool(drive.coupled[b] == 1 and drive.linked[b] == 1)
 
 
 @kernel
 def leads_linkage(drive: DriveState, b: int) -> bool:
-    """Return whether body b is the first link of a linkage."""
+    """Return whether body b is the root link of such an avatar."""
     return bool(is_linked(drive, b) and drive.tied[b] == b)
 
 
 @kernel
 def links_of(drive: DriveState, b: int) -> tuple[int, int]:
-    """First link of the avatar that body b leads, and the one after its last."""
+    """First link of the avatar with root body b, and the end of its range of links."""
     first = drive.linkage.skeleton.first
     end = b - first + 1
     while end < drive.linkage.skeleton.kind.shape[0] and drive.tied[first + end] == b:
@@ -50,7 +50,7 @@ def links_of(drive: DriveState, b: int) -> tuple[int, int]:
 
 @kernel
 def has_linkage(dynamics: Dynamics, members: Index) -> bool:
-    """Return whether a member leads a linkage."""
+    """Return whether a member is the root of a linkage."""
     for m in range(members.shape[0]):
         if leads_linkage(dynamics.drive, members[m]):
             return True
@@ -59,7 +59,7 @@ def has_linkage(dynamics: Dynamics, members: Index) -> bool:
 
 @kernel
 def motion_of(linkage: Linkage, poses: Poses, owner: int, j: int, link: int) -> tuple[Vec3, Vec3]:
-    """How the origin of a link moves, and how it turns, with degree j of an owner that carries it: a column of the Jacobian."""
+    """Column of the Jacobian: linear and angular velocity of a link per rate of degree j of its ancestor ``owner``."""
     skel, axis = linkage.skeleton, row(linkage.axes, j)
     if skel.kind[owner] == FREE and j < skel.first_dof[owner] + 3:
         return axis, (0.0, 0.0, 0.0)
@@ -114,7 +114,7 @@ def add_link(linkage: Linkage, poses: Poses, memory: Memory, link: int, low: int
 
 @kernel
 def decompose(linkage: Linkage, low: int, high: int) -> None:
-    """Cholesky factor of the mass matrix of degrees low .. high; those held at a limit are left out."""
+    """Cholesky factor of the mass matrix of degrees low .. high without the degrees at a limit."""
     factor = linkage.factor
     for i in range(low, high):
         for j in range(low, i + 1):
@@ -132,7 +132,7 @@ def decompose(linkage: Linkage, low: int, high: int) -> None:
 
 @kernel
 def rates_for(linkage: Linkage, low: int, high: int) -> None:
-    """Rates of degrees low .. high from ``momentum``, those held at a limit keep theirs."""
+    """Solve for the rates of degrees low .. high from ``momentum``; the rates of degrees at a limit are fixed."""
     rate, factor = linkage.rate, linkage.factor
     for i in range(low, high):
         if linkage.held[i] == 1:
@@ -157,8 +157,7 @@ def rates_for(linkage: Linkage, low: int, high: int) -> None:
 
 @kernel
 def hold_at_limits(linkage: Linkage, first: int, end: int, h: float) -> bool:
-    """Hold hinges of links first .. end that would leave their limits within h seconds at them, and let go those that are pulled
-    back from them; returns whether any changed."""
+    """Update the active set of joint limits of links first .. end for a step of h seconds; return whether it changed."""
     skel, changed = linkage.skeleton, False
     low, high = skel.first_dof[first], skel.first_dof[end]
     for link in range(first, end):
@@ -182,9 +181,12 @@ def hold_at_limits(linkage: Linkage, first: int, end: int, h: float) -> bool:
 
 @kernel
 def bind(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float) -> float:
-    """Give the links among the members the nearest velocities that their joints and limits allow for h seconds.
+    """Project the velocities of links onto those that joints and limits allow for h seconds, in the metric of their masses.
 
-    ``linear_end`` and ``angular_end`` change. Returns the largest change of a velocity [m/s], of a turn by the size of the link.
+    Updates ``linear_end`` and ``angular_end``.
+
+    Returns:
+        Largest change of a velocity [m/s]; of an angular velocity, times the size of the link.
     """
     drive, worst = dynamics.drive, 0.0
     for m in range(members.shape[0]):
@@ -233,7 +235,7 @@ def bind_one(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: in
 
 @kernel
 def show_bound(drive: DriveState, contacts: Contacts, memory: Memory, members: Index) -> None:
-    """Let the solver see the velocities of links that `bind` changed."""
+    """Copy the velocities of links into the solver's array."""
     for m in range(members.shape[0]):
         if is_linked(drive, members[m]):
             put_three(contacts.motion, members[m], 0, row(memory.linear_end, members[m]))
@@ -242,10 +244,10 @@ def show_bound(drive: DriveState, contacts: Contacts, memory: Memory, members: I
 
 @kernel
 def look_ahead(drive: DriveState, memory: Memory, b: int, h: float) -> None:
-    """Put `Linkage.ahead` where the linkage that body b leads is after its share of h seconds, within its limits."""
+    """Compute `Linkage.ahead` by forward kinematics: the avatar with root body b after its share of h seconds, within limits."""
     linkage, skel = drive.linkage, drive.linkage.skeleton
     first, end = links_of(drive, b)
-    share = share_of_linkage(drive, memory, b)
+    share = memory.substeps.share[b]
     for link in range(first, end):
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
             linkage.step[j] = share * h * linkage.rate[j]
@@ -257,30 +259,22 @@ def look_ahead(drive: DriveState, memory: Memory, b: int, h: float) -> None:
 
 
 @kernel
-def share_of_linkage(drive: DriveState, memory: Memory, b: int) -> float:
-    """Least share of the links of the avatar that body b leads."""
-    first, end = links_of(drive, b)
-    least = 1.0
-    for link in range(first, end):
-        least = min(least, memory.substeps.share[drive.linkage.skeleton.first + link])
-    return least
-
-
-@kernel
 def even_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
-    """All links of a linkage go the least share of any."""
-    drive = dynamics.drive
+    """Set the share of all links of an avatar to the smallest of them."""
+    share = memory.substeps.share
     for m in range(members.shape[0]):
-        if leads_linkage(drive, members[m]):
-            first, end = links_of(drive, members[m])
-            least = share_of_linkage(drive, memory, members[m])
+        if leads_linkage(dynamics.drive, members[m]):
+            first, end = links_of(dynamics.drive, members[m])
+            body, smallest = dynamics.drive.linkage.skeleton.first, 1.0
             for link in range(first, end):
-                memory.substeps.share[drive.linkage.skeleton.first + link] = least
+                smallest = min(smallest, share[body + link])
+            for link in range(first, end):
+                share[body + link] = smallest
 
 
 @kernel
 def bend(dynamics: Dynamics, members: Index, part: float) -> None:
-    """Bend the joints of the linkages among the members by a part of the step of this substep."""
+    """Add a part of this substep's step to the joint angles of the linkages among the members."""
     drive, linkage = dynamics.drive, dynamics.drive.linkage
     for m in range(members.shape[0]):
         if leads_linkage(drive, members[m]):

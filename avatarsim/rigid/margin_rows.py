@@ -27,7 +27,7 @@ from avatarsim.rigid.contacts import (
     speed_along,
     weigh_from,
 )
-from avatarsim.rigid.driven import stands_still
+from avatarsim.rigid.driven import is_kinematic
 from avatarsim.rigid.state import Memory
 from avatarsim.rigid.substep_state import KNOWN
 from avatarsim.rigid.swept_certificate import Refusal, least_of, query
@@ -61,8 +61,8 @@ def stand_off_of(memory: Memory) -> float:
 
 @kernel
 def driven_side(dynamics: Dynamics, a: int, b: int) -> int:
-    """Return the driven body of a pair that stands still, as coded in `Contacts.driven`."""
-    return DRIVEN_A if stands_still(dynamics, a) else DRIVEN_B if stands_still(dynamics, b) else NOT_DRIVEN
+    """Return the kinematic body of a pair as a code of `Contacts.driven`."""
+    return DRIVEN_A if is_kinematic(dynamics, a) else DRIVEN_B if is_kinematic(dynamics, b) else NOT_DRIVEN
 
 
 @kernel

@@ -1,6 +1,6 @@
-"""Pairs of pieces that may meet within a substep: of near bodies, those whose boxes are nearer than both bodies may go.
+"""Pairs of pieces that may meet within a substep: pieces of near bodies whose boxes are closer than the motion of both bodies.
 
-How far a body may go is a guess from its velocity. Where contacts send it farther, the list is made wider.
+The motion is estimated from the velocity. If contacts make a body move farther, the list is extended.
 """
 
 import numpy as np
@@ -10,6 +10,7 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contact_generation import boxes_apart
+from avatarsim.rigid.near_pairs import boxes_near
 from avatarsim.rigid.state import Memory
 from avatarsim.rigid.substep_state import UNKNOWN
 from avatarsim.spatial.vec3 import norm, row
@@ -18,13 +19,13 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 FARTHER = 2.0
-"""How many times as far as by its velocity without contact a body is thought to go. Smaller: lists are made wider more often;
-larger: they are longer."""
+"""Safety factor of the estimated motion of a body, from its velocity without contact. Smaller: lists are extended more often;
+larger: lists are longer."""
 
 
 @kernel
 def may_go(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> None:
-    """Set how far points of the members may go in h seconds, by their velocities without contact, and begin a new list."""
+    """Estimate the motion [m] of the members in h seconds from their velocities without contact, and clear the list."""
     pull, found = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])), memory.substeps.found
     for m in range(members.shape[0]):
         b = members[m]
@@ -36,19 +37,14 @@ def may_go(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> None
 
 
 @kernel
-def beyond(boxes: Array, piece: int, hulls: Array, b: int, margin: float) -> bool:
-    """Return whether the box of a piece is more than ``margin`` [m] away from that around body b."""
-    for x in range(3):
-        if boxes[piece, x] > hulls[b, 3 + x] + margin or hulls[b, x] > boxes[piece, 3 + x] + margin:
-            return True
-    return False
-
-
-@kernel
 def list_pieces(geometry: Geometry, poses: Poses, memory: Memory, pairs: Index, before: Array, now: Array) -> bool:
-    """Append the pairs of pieces of near pairs (count, 2) of bodies that are within reach ``now`` but were not ``before``.
+    """Append pairs of pieces of near pairs (count, 2) of bodies that are within reach ``now`` and were not ``before``.
 
-    before, now: (nb) [m] how far bodies may go. No direction is known for the new ones. Returns whether there was room for all.
+    Args:
+        before, now: (nb) [m] motion of the bodies.
+
+    Returns:
+        Whether there was room for all.
     """
     sub_, boxes, count = memory.substeps, poses.boxes, memory.substeps.found[0]
     for p in range(pairs.shape[0]):
@@ -57,7 +53,7 @@ def list_pieces(geometry: Geometry, poses: Poses, memory: Memory, pairs: Index, 
         if memory.moving[a] + memory.moving[b] == 0 or not (reach > old):
             continue
         for sa in range(geometry.first_shape[a], geometry.first_shape[a + 1]):
-            if beyond(boxes, sa, poses.hulls, b, reach):
+            if not boxes_near(boxes, poses.hulls, sa, b, reach):
                 continue
             for sb in range(geometry.first_shape[b], geometry.first_shape[b + 1]):
                 if boxes_apart(boxes, sa, sb, reach) or not (old < 0.0 or boxes_apart(boxes, sa, sb, old)):

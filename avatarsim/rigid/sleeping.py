@@ -10,7 +10,7 @@ from avatarsim.model.dynamics import DRIVEN, SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.rigid.clocks import go_back
 from avatarsim.rigid.contact_generation import note_shown
-from avatarsim.rigid.driven import stands_still
+from avatarsim.rigid.driven import is_kinematic
 from avatarsim.rigid.islands import due_of, part
 from avatarsim.rigid.near_pairs import keeps_promise, near_pairs, stands, wake_beside
 from avatarsim.rigid.state import DONE, ISLANDS, NOT_FINITE, OUT_OF_ROOM, SEGMENTS, SWEEPS, Memory
@@ -42,7 +42,7 @@ def begin(
         if moved or moving[b] == 1 or role == DRIVEN:
             make_ready(velocities, memory, b)
     for b in range(bodies):
-        if stands_still(dynamics, b):
+        if is_kinematic(dynamics, b):
             memory.hold.inverse_mass[b] = 0.0
             for i in range(3):
                 for k in range(3):

@@ -10,8 +10,8 @@ from avatarsim.model.geometry import Poses
 UNKNOWN, KNOWN = 0, 1
 """State of a near pair of pieces: no direction known yet, or a direction and gap at the start of the substep."""
 
-STANDS = -1
-"""Group of bodies that cannot go on, since one that does not move is in their way."""
+FIXED_GROUP = -1
+"""Group index of bodies that are stopped by a body that does not move."""
 
 PIECES_ROOM, PIECES_PER_PAIR = 65536, 2
 """Room for near pairs of pieces, or so many per near pair of bodies if that is more. An island whose pairs have no room waits
@@ -24,15 +24,15 @@ class Substeps(NamedTuple):
     members         (nb) bodies of the island that takes the substep
     crowd           (nb) flag: the island of the body advances by substeps
     calm            (nb) frames for which the body has been slow
-    share           (nb) part of its motion relative to its group that the body goes
-    group           (nb) leader of the bodies that go together, since their pairs are refused, or STANDS
-    mean            (nb, 3) [m/s] velocity of the centre of mass of the group that the body leads; mass (nb) [kg] of that group
+    share           (nb) share of its own motion that the body keeps; the rest is the mean of its group
+    group           (nb) union-find parent in a group of refused bodies, or FIXED_GROUP
+    mean            (nb, 3) [m/s] weighted mean velocity of the group that the body represents; mass (nb) [kg] its weight
     way, turning    (nb, 3) velocities at the start of the way in this substep [m/s], [rad/s]
     turn            (nb) [rad] angle turned in this substep
     bulge           (nb) [m] how far core points leave the chord of their way
     changed, near   (nb) flags: velocity changed since the last certificate; within reach of a refused pair
     pushed          (nb) flag: a contact acts on the body
-    room, wider     (nb) [m] how far points of the body may go for the pairs of pieces that are listed; the same made wider
+    room, wider     (nb) [m] motion of the body that the list of pairs of pieces covers, now and after an extension
     lacking         (1) flag: pairs of pieces that may meet have no room in the list
     found           (1) number of near pairs of pieces
     pieces          (room, 2) pieces; state (room) UNKNOWN or KNOWN; refused (room) flag

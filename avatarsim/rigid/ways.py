@@ -1,4 +1,4 @@
-"""Ways of the bodies of a crowd within a substep: set from velocities, proved free, and made shorter where they are not."""
+"""Motion of the bodies of a crowd within a substep: computed from velocities, certified, and reduced where it is refused."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ from avatarsim.rigid.margin_rows import add_refused
 from avatarsim.rigid.near_pieces import FARTHER, list_more
 from avatarsim.rigid.solver import lay_out
 from avatarsim.rigid.state import SHORTENED, Memory
-from avatarsim.rigid.substep_state import STANDS, Substeps
+from avatarsim.rigid.substep_state import FIXED_GROUP, Substeps
 from avatarsim.rigid.swept_certificate import certify_pieces, measure_way, pose_on_way
 from avatarsim.spatial.tangent import columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, along, dot, norm, put_row, row, scale, sub
@@ -29,8 +29,8 @@ def set_ways(
 ) -> None:
     """Ways of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
 
-    A body on which contacts act goes straight at its last velocity, any other on its parabola. Where one goes farther than
-    thought the pairs of pieces that may now meet are listed; ``lacking`` says where there is no room for them.
+    A body with contacts moves straight at its end velocity, any other on its parabola. For a body that moves farther than
+    estimated, more pairs of pieces are listed; ``lacking`` says where there is no room for them.
     """
     sub_, paths, wider = memory.substeps, memory.paths, False
     for m in range(members.shape[0]):
@@ -65,7 +65,7 @@ def set_ways(
 
 @kernel
 def way_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3, Vec3]:
-    """Velocities [m/s], [rad/s] that take link b straight to where its joints have it h seconds later."""
+    """Constant velocities [m/s], [rad/s] from the pose of link b to that of forward kinematics h seconds later."""
     ahead = dynamics.drive.linkage.ahead
     way = sub(row(ahead.position, b), row(poses.position, b))
     return scale(way, 1.0 / h), scale(turn_of(columns(poses.rotation, b), columns(ahead.rotation, b)), 1.0 / h)
@@ -73,19 +73,19 @@ def way_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3,
 
 @kernel
 def shared(dynamics: Dynamics, memory: Memory, b: int) -> tuple[Vec3, Vec3]:
-    """Velocities of body b [m/s], [rad/s] of which its share is left: the rest is that of its group."""
+    """Velocities of body b [m/s], [rad/s]: its share of its own, and the mean of its group for the rest."""
     sub_, v, w = memory.substeps, row(memory.linear_end, b), row(memory.angular_end, b)
     if sub_.share[b] == 1.0:
         return v, w
-    leader = STANDS if is_linked(dynamics.drive, b) else leader_of(sub_, b)
-    mean = (0.0, 0.0, 0.0) if leader == STANDS else row(sub_.mean, leader)
+    leader = FIXED_GROUP if is_linked(dynamics.drive, b) else leader_of(sub_, b)
+    mean = (0.0, 0.0, 0.0) if leader == FIXED_GROUP else row(sub_.mean, leader)
     return along(mean, sub_.share[b], sub(v, mean)), scale(w, sub_.share[b])
 
 
 @kernel
 def leader_of(sub_: Substeps, b: int) -> int:
-    """Return the body that leads the group of body b, or STANDS."""
-    while b != STANDS and sub_.group[b] != b:
+    """Return the representative of the group of body b, or FIXED_GROUP."""
+    while b != FIXED_GROUP and sub_.group[b] != b:
         b = sub_.group[b]
     return b
 
@@ -123,11 +123,11 @@ def certify_all(
 def shorten_ways(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
 ) -> None:
-    """Let the bodies of refused pairs go together more and more, and those that would now run into them, until all are proved.
+    """Reduce the relative motion of refused pairs until every pair is proved free.
 
-    The bodies of each refused pair join one group. The one that keeps more of its own motion relative to the group's centre of
-    mass halves it, down to none. So the momentum of a group stays, unless that does not free a body from one that is fixed or
-    driven: then the group stands.
+    The bodies of a refused pair join one group. The body with the larger share of its own motion halves it, down to zero, and
+    moves with the weighted mean velocity of its group for the rest, so the momentum of a group is conserved. Against a body that
+    does not move, a group slides along its surface, and stops if that is refused too.
     """
     sub_ = memory.substeps
     for _ in range(4 * members.shape[0]):
@@ -146,16 +146,16 @@ def shorten_ways(
         refused, _ = certify_all(geometry, dynamics, poses, velocities, memory, h, 0.0, 0.0)
         if refused == 0 and sub_.lacking[0] == 0:
             return
-    stand(geometry, dynamics, poses, velocities, memory, members, h)
+    halt(geometry, dynamics, poses, velocities, memory, members, h)
 
 
 @kernel
-def stand(
+def halt(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
 ) -> None:
-    """Let all members stand."""
+    """Set the motion of all members in this substep to zero."""
     for m in range(members.shape[0]):
-        memory.substeps.share[members[m]], memory.substeps.group[members[m]] = 0.0, STANDS
+        memory.substeps.share[members[m]], memory.substeps.group[members[m]] = 0.0, FIXED_GROUP
     set_ways(geometry, dynamics, poses, velocities, memory, members, h)
 
 
@@ -194,25 +194,25 @@ def join_refused(geometry: Geometry, dynamics: Dynamics, memory: Memory) -> int:
 
 @kernel
 def join(memory: Memory, a: int, b: int) -> int:
-    """Join the groups of bodies a and b, which stand if either does not move; returns 1 if that changed them."""
+    """Merge the groups of bodies a and b, into the fixed group if one does not move; return 1 if they were separate."""
     sub_ = memory.substeps
-    one = leader_of(sub_, a) if memory.moving[a] == 1 else STANDS
-    other = leader_of(sub_, b) if memory.moving[b] == 1 else STANDS
+    one = leader_of(sub_, a) if memory.moving[a] == 1 else FIXED_GROUP
+    other = leader_of(sub_, b) if memory.moving[b] == 1 else FIXED_GROUP
     if one == other:
         return 0
     least, most = min(one, other), max(one, other)
     sub_.group[most] = least
-    if least != STANDS and not any_of(row(sub_.wall, least)):
+    if least != FIXED_GROUP and not any_of(row(sub_.wall, least)):
         put_row(sub_.wall, least, row(sub_.wall, most))
     return 1
 
 
 @kernel
 def put_wall(memory: Memory, q: int, a: int, b: int) -> int:
-    """Let the group of the body of refused pair q that moves slide along the other; returns 1 unless it does so along another."""
+    """Restrict the group of the moving body of refused pair q to slide along the other; return 0 if it has a restriction."""
     sub_ = memory.substeps
     leader = leader_of(sub_, a if memory.moving[a] == 1 else b)
-    if leader == STANDS or any_of(row(sub_.wall, leader)):
+    if leader == FIXED_GROUP or any_of(row(sub_.wall, leader)):
         return 0
     put_row(sub_.wall, leader, scale(row(sub_.normal, q), 1.0 if memory.moving[a] == 1 else -1.0))
     return 1
@@ -226,7 +226,7 @@ def any_of(n: Vec3) -> bool:
 
 @kernel
 def weigh_groups(memory: Memory, members: Index) -> None:
-    """Fill ``mean`` and ``mass`` of each group."""
+    """Compute ``mean`` and ``mass`` of each group. Bodies are weighted by the motion that they lose, which conserves momentum."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
@@ -235,8 +235,8 @@ def weigh_groups(memory: Memory, members: Index) -> None:
     for m in range(members.shape[0]):
         b = members[m]
         i = leader_of(sub_, b)
-        if i != STANDS and memory.moving[b] == 1:
-            mass = 1.0 / memory.hold.inverse_mass[b]
+        if i != FIXED_GROUP and memory.moving[b] == 1:
+            mass = (1.0 - sub_.share[b]) / memory.hold.inverse_mass[b]
             sub_.mass[i] += mass
             put_row(sub_.mean, i, along(row(sub_.mean, i), mass, row(memory.linear_end, b)))
     for m in range(members.shape[0]):
@@ -248,7 +248,7 @@ def weigh_groups(memory: Memory, members: Index) -> None:
 
 @kernel
 def keep_ways(memory: Memory, members: Index) -> None:
-    """Keep the ways of the members in ``change_linear``, ``change_angular``."""
+    """Store the motion of the members in ``change_linear``, ``change_angular``."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         put_row(sub_.change_linear, members[m], row(sub_.way, members[m]))
@@ -257,7 +257,7 @@ def keep_ways(memory: Memory, members: Index) -> None:
 
 @kernel
 def recall_ways(geometry: Geometry, poses: Poses, memory: Memory, members: Index, h: float, of_near: bool) -> None:
-    """Undo what happened to the ways since `keep_ways`, of all members or of those that are ``near``; they count as changed."""
+    """Restore the motion stored by `keep_ways`, of all members or of those marked ``near``, and mark them as changed."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
@@ -270,7 +270,7 @@ def recall_ways(geometry: Geometry, poses: Poses, memory: Memory, members: Index
 def lower_rises(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, part: float
 ) -> None:
-    """Let the bodies that contacts lift go only a part of their way against gravity; they count as changed."""
+    """Scale the motion against gravity of bodies that contacts lift, and mark them as changed."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
@@ -285,7 +285,7 @@ def lower_rises(
 def scale_ways(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, part: float
 ) -> None:
-    """Let the loose bodies on which contacts act go a part of their way; they count as changed."""
+    """Scale the motion of loose bodies with contacts, and mark them as changed."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
@@ -296,7 +296,7 @@ def scale_ways(
 
 @kernel
 def go_on_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float, v: Vec3, w: Vec3) -> None:
-    """Give body b these velocities [m/s], [rad/s] on its way of h seconds."""
+    """Set the velocities [m/s], [rad/s] of body b for h seconds, and compute its pose at the end."""
     put_row(memory.substeps.way, b, v)
     put_row(memory.substeps.turning, b, w)
     pose_on_way(geometry, poses, memory, b, h, memory.trial)
@@ -305,7 +305,7 @@ def go_on_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, h: float
 
 @kernel
 def scale_velocities(dynamics: Dynamics, memory: Memory, members: Index, part: float) -> None:
-    """Leave a part of the solved velocities of the loose bodies on which contacts act."""
+    """Scale the solved velocities of loose bodies with contacts."""
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] * memory.substeps.pushed[b] == 1 and dynamics.role[b] == SIMULATED:

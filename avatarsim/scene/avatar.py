@@ -24,6 +24,7 @@ from avatarsim.scene.checks import (
 )
 from avatarsim.scene.joint import Ball, Free, Hinges, Joint, Rigid
 from avatarsim.scene.shape import Piece, reach
+from avatarsim.settings import CouplingSettings
 from avatarsim.spatial import rotation
 
 
@@ -60,7 +61,7 @@ class Link:
 
 
 SOFTEST, STIFFEST = 1e-3, 1e9
-"""Range of the constants of a drive [N/m], [N s/m] and [N]: with less a hand does not follow, with more only rounding is left."""
+"""Valid range of stiffness [N/m], damping [N s/m] and force [N] of a drive."""
 
 PLAUSIBLE_SIZE = (0.01, 20.0)
 """Span [m] of an avatar, unless its author says otherwise: from a fingertip to a giant. Millimetres or centimetres taken for
@@ -69,15 +70,15 @@ metres fall outside, and would otherwise run without complaint and be wrong."""
 
 @dataclass(frozen=True)
 class Drive:
-    """How an avatar is tied to its user: the spring of eq. 6.
+    """Virtual coupling of an avatar, equation 6: a spring and a damper between each link and its tracked pose.
 
-    `stiffness` K [N/m]: softer, and a load lowers a hand farther. `damping` R [N s/m]: less, and it swings about its user.
-    `largest_force` [N]: what the spring pulls with at most; a hand that should crush nothing has less. Raises InvalidScene for
-    values that are not above 0; a damping may be 0.
+    `stiffness` is K [N/m]; with a smaller value a load lowers a hand farther. `damping` is R [N s/m]; with a smaller value a
+    hand oscillates after a collision. `largest_force` [N] limits the spring force. Raises InvalidScene if the stiffness or the
+    force is not positive, or if the damping is negative.
     """
 
-    stiffness: float = 1000.0
-    damping: float = 40.0
+    stiffness: float = CouplingSettings().spring
+    damping: float = CouplingSettings().damping
     largest_force: float = math.inf
 
     def __post_init__(self) -> None:
@@ -90,11 +91,11 @@ class Drive:
 class Avatar:
     """A tree of links, parents before children, driven by a tracker.
 
-    `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap
-    because they do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body
-    feels in an impact; by default the link's own mass. `drive` ties it to its user; by default by the engine's options `spring`
-    and `damping`. `size_range` [m] is what its `span` must be in: a human of
-    1.7 km was meant in millimetres. Raises InvalidScene for links that are no tree, names that are no links, and other sizes.
+    `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap because they
+    do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body feels in an impact; by
+    default the link's own mass. `drive` replaces the engine's options `spring` and `damping` for this avatar. `size_range`
+    [m] is what its `span` must be in: a human of 1.7 km was meant in millimetres. Raises InvalidScene for links that are no
+    tree, names that are no links, and other sizes.
     """
 
     name: str

@@ -67,7 +67,7 @@ LISTED = {
         "rigid/rolling.py": "CORNER EDGE FACE",
         "rigid/solver.py": "LANES RESPONSE RESPONSE_PARTS JACOBIAN_SIZE",
         "rigid/state.py": "APPROACH IMPACT AGAIN",
-        "rigid/substep_state.py": "UNKNOWN KNOWN STANDS",
+        "rigid/substep_state.py": "UNKNOWN KNOWN FIXED_GROUP",
         "rigid/swept_certificate.py": "SAGITTA NOWHERE",
         "rigid/step.py": "MOST",
         "settings.py": "around couple",
