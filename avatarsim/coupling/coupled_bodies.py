@@ -29,7 +29,7 @@ def enable_coupling(drive: DriveState, skel: Skeleton, posture: PostureSettings)
     leader = drive.tied[skel.first :]
     for root in np.unique(leader):
         links = np.flatnonzero(leader == root)
-        drive.may_couple[skel.first + links] = int(not (skel.kind[links] == BALL).any())
+        drive.may_couple[skel.first + links] = 1
         drive.linked[skel.first + links] = int(len(links) > 1 or skel.kind[links[0]] != FREE)
     drive.fastest[:], drive.fastest_turn[:] = posture.catch_up_move, posture.catch_up_turn
 
@@ -180,6 +180,8 @@ def return_coupled(
             put_columns(posture_out.turn, link, columns(poses.rotation, b))
             put_row(offset_out, link, sub(row(poses.position, b), row(drive.position, b)))
             put_row(rate_out, link, row(drive.lag, b))
+        elif skel.kind[link] == BALL:
+            put_columns(posture_out.turn, link, columns(drive.linkage.joints.turn, link))
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
             posture_out.angle[j] = drive.linkage.joints.angle[j]
         copy_posture(skel, avatars, avatar, posture_out, target_out)

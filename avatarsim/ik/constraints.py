@@ -15,6 +15,7 @@ from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.joint_limits import (
+    FLAT,
     SURELY,
     cone_excess,
     has_cone,
@@ -267,7 +268,7 @@ def add_limit_rows(
         # rate of twist of a swung limb: the turn's part along the middle of limb and centre
         centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
         limb = turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
-        rate = turned_back(turn, scale(add(centre, limb), 1.0 / max(1e-3, 1.0 + dot(centre, limb))))
+        rate = turned_back(turn, scale(add(centre, limb), 1.0 / max(FLAT, 1.0 + dot(centre, limb))))
         if twist < low:
             add_turn_row(avatar, d, rate, low - twist + INSIDE, scratch_out)
         else:

@@ -26,23 +26,26 @@ class Linkage(NamedTuple):
 
     skeleton          of all avatars
     joints, user      posture of these avatars where the upper loop has them; of their trackers
-    angle_before      (nd) its angles before the last substep [rad]
     rate              (nd) how it changes: tangent velocity [rad/s], [m/s]; step (nd) in this substep
+    bounds            (nd, 2) least and largest rate in this substep
     still             (nd) zeros
     axes, axes_ahead  (nd, 3) of the degrees, world axes, at the start of the substep and at its end
     ahead             where links are at the end of the substep
     matrix, factor    (nd, most of an avatar) mass matrices of the avatars, columns from the first degree of each on; their
                       Cholesky factors without the degrees that are at a limit
     held              (nd) flag: at its limit
-    momentum          (nd) working memory
+    free_momentum, momentum   (nd) of each degree without contact, and with it
+    pushed, gained    (nd) momentum and rate of each degree by one impulse
+    force, torque (nl, 3) working memory: of each link with all that it carries
+    mass, moment, inertia   (nl), (nl, 3), (nl, 3, 3) of each link with all that it carries, about its joint
     """
 
     skeleton: Skeleton
     joints: Posture
     user: Posture
-    angle_before: Line
     rate: Line
     step: Line
+    bounds: Grid
     still: Line
     axes: Vectors
     axes_ahead: Vectors
@@ -50,7 +53,15 @@ class Linkage(NamedTuple):
     matrix: Grid
     factor: Grid
     held: IndexLine
+    free_momentum: Line
     momentum: Line
+    pushed: Line
+    gained: Line
+    force: Vectors
+    torque: Vectors
+    mass: Line
+    moment: Vectors
+    inertia: Matrices
 
 
 def make_linkage(scene: Scene) -> Linkage:
@@ -66,8 +77,9 @@ def make_linkage(scene: Scene) -> Linkage:
     joints, user = (Posture(np.zeros((links, 3)), np.zeros((links, 3, 3)), line()) for _ in range(2))
     ahead = Poses(np.zeros((bodies, 3)), np.zeros((bodies, 3, 3)), np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
     return Linkage(
-        skel, joints, user, line(), line(), line(), line(), np.zeros((degrees, 3)), np.zeros((degrees, 3)), ahead,
-        np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(),
+        skel, joints, user, line(), line(), np.zeros((degrees, 2)), line(), np.zeros((degrees, 3)), np.zeros((degrees, 3)), ahead,
+        np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(), line(), line(), line(),
+        np.zeros((links, 3)), np.zeros((links, 3)), np.zeros(links), np.zeros((links, 3)), np.zeros((links, 3, 3)),
     )
 
 

@@ -190,6 +190,10 @@ LEFT_ALONE = 2.0 * INWARD
 """[rad] a target so far inside its limits stays as it is, without computing its angles."""
 
 
+FLAT = 1e-3
+"""Least of 1 + cosine of the swing by which a twist is divided: beyond 177 degrees a twist has no gradient."""
+
+
 @kernel
 def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
     """Swing [rad], twist [rad] and the unit axis about which the limb swings back to the centre (parent's axes)."""
@@ -314,6 +318,42 @@ def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
     x, y, z = about(back, swing, x), about(back, swing, y), about(back, swing, z)
     x, y, z = about(centre, clipped - twist, x), about(centre, clipped - twist, y), about(centre, clipped - twist, z)
     return about(again, -out, x), about(again, -out, y), about(again, -out, z)
+
+
+@kernel
+def room_of_ball(skel: Skeleton, link: int, turn: Columns) -> tuple[float, Vec3, Vec3, float, float]:
+    """Linearise the limits of a ball at a rotation.
+
+    Returns:
+        Room [rad] to the nearest edge of cone and polygon, 0 beyond it; the unit axis about which a turn leads away from it;
+        the gradient of the twist; the least and the largest change of the twist [rad]. Axes of the parent.
+    """
+    swing, twist, away = swing_and_twist(skel, link, turn)
+    limb, centre = limb_of(skel, link, turn), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    most = atan2(skel.cone[link, 7], skel.cone[link, 6])
+    room = most - swing
+    if has_reach(skel, link):
+        if room <= 0.0 or not is_in_reach(skel, link, limb):
+            allowed = nearest_in_reach(skel, link, limb, most)
+            room, away = 0.0, direction_of(cross(limb, allowed), away)
+        else:
+            for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+                start, end, inward = edge(skel, link, k)
+                nearest = nearest_on_edge(start, end, inward, limb)
+                if angle_between(nearest, limb) < room:
+                    room, away = angle_between(nearest, limb), direction_of(cross(nearest, limb), away)
+    along_twist = scale(add(centre, limb), 1.0 / max(FLAT, 1.0 + dot(centre, limb)))
+    return (
+        max(0.0, room - INWARD), away, along_twist, min(0.0, skel.cone[link, 8] + INWARD - twist),
+        max(0.0, skel.cone[link, 9] - INWARD - twist),
+    )
+
+
+@kernel
+def direction_of(v: Vec3, otherwise: Vec3) -> Vec3:
+    """Unit vector along v, or another one if v is zero."""
+    size = norm(v)
+    return scale(v, 1.0 / size) if size > ROUNDING else otherwise
 
 
 @kernel

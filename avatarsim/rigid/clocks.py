@@ -7,6 +7,7 @@ from avatarsim.collision.path import STILL, move_along
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
+from avatarsim.rigid.linkages import unbend
 from avatarsim.rigid.state import Events, Memory, record
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import add, along, put_row, row, sub
@@ -70,10 +71,7 @@ def go_back(
     islands.due[b] = now
     linkage = dynamics.drive.linkage
     if dynamics.drive.linked[b] == 1:
-        link = b - linkage.skeleton.first
-        for j in range(linkage.skeleton.first_dof[link], linkage.skeleton.first_dof[link + 1]):
-            before = linkage.angle_before[j]
-            linkage.joints.angle[j] = before + share * (linkage.joints.angle[j] - before)
+        unbend(linkage, b - linkage.skeleton.first, share)
 
 
 @kernel

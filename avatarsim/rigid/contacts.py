@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.manifold import MANIFOLD_POINTS
 from avatarsim.jit.kernel import kernel
-from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
+from avatarsim.jit.layout import Grid, IndexGrid, IndexLine, Line, Matrices, Stack, Vectors
 from avatarsim.rigid.contact_law import point_velocity, relative_velocity
 from avatarsim.spatial.tangent import Columns, columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, cross, dot, perpendicular, put_row, row, scale, sub
@@ -86,9 +86,36 @@ EARTH = 9.8
 NOT_DRIVEN, DRIVEN_A, DRIVEN_B = 0, 1, 2
 """Driven body of a contact: its path is given, and it does not move while simulated bodies do."""
 
+NOT_LINKED, AS_A = -1, -2
+"""Instead of a block of responses: the body has no joints; it is a link of the avatar of A, whose block has both."""
+
+LINKED_ROOM = 512
+"""Room for contacts of links that respond with all of their avatar; further ones push on their own link alone."""
+
 SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER, TWO_BALLS = 0, 1, 2, 4, 8
 """Flags of smoothness at a contact: neither surface, A's, B's, and that the normal is that of a third body's face, which does not
 turn. Or, alone, that both bodies are balls."""
+
+
+class Responses(NamedTuple):
+    """Velocities of the links of avatars per impulse at a contact.
+
+    used (1) blocks in use; first, count (blocks) body index of the root link of the avatar, and number of its links;
+    linear, angular (blocks, links, 3, 3) rows: velocities of each link per unit impulse along each axis of the contact.
+    """
+
+    used: IndexLine
+    first: IndexLine
+    count: IndexLine
+    linear: Stack
+    angular: Stack
+
+
+def make_responses(links: int) -> Responses:
+    """Allocate for avatars of at most so many links; nothing without any."""
+    room = LINKED_ROOM if links > 0 else 0
+    index, velocity = np.zeros(room, np.int64), np.zeros((room, links, 3, 3))
+    return Responses(np.zeros(1, np.int64), index, index.copy(), velocity, velocity.copy())
 
 
 class Contacts(NamedTuple):
@@ -115,7 +142,8 @@ class Contacts(NamedTuple):
     turns (cap, 2) how fast the contact changes as either body turns [rad/s];
     pace (1): factor on speeds that count as slow, see `pace_of`;
     approach (cap) velocity along the normal [m/s] when the queue of impacts last looked;
-    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `rigid.solver`.
+    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `rigid.solver`;
+    linked (cap, 2) block of ``responses`` of A and of B, or one of the above.
     """
 
     used: IndexLine
@@ -155,6 +183,8 @@ class Contacts(NamedTuple):
     approach: Line
     rows: Grid
     motion: Grid
+    linked: IndexGrid
+    responses: Responses
 
 
 def pace_of(gravity: Array) -> float:
@@ -164,8 +194,8 @@ def pace_of(gravity: Array) -> float:
     return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
 
 
-def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Contacts:
-    """Allocate room for ``cap`` contact points of so many ``bodies``."""
+def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM, links: int = 0) -> Contacts:
+    """Allocate room for ``cap`` contact points of so many ``bodies``, and of avatars with joints of so many ``links`` each."""
     return Contacts(
         used=np.zeros(1, np.int64), body=np.zeros((cap, 2), np.int64), key=np.zeros(cap, np.int64),
         driven=np.zeros(cap, np.int64), face=np.zeros(cap, np.int64),
@@ -180,6 +210,7 @@ def make_contacts(cap: int = ROOM, pace: float = 1.0, bodies: int = ROOM) -> Con
         radii_a=np.zeros((cap, 3, 3)), radii_b=np.zeros((cap, 3, 3)), turns=np.zeros((cap, 2)),
         effective_mass=np.zeros((cap, 2)), cross_response=np.zeros((cap, 2)),
         pace=np.full(1, pace), approach=np.zeros(cap), rows=np.zeros((cap, ROW)), motion=np.zeros((bodies, MOTION)),
+        linked=np.full((cap, 2), NOT_LINKED), responses=make_responses(links),
     )
 
 
@@ -221,7 +252,7 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
     put_row(contacts.edge_b, k, (0.0, 0.0, 0.0))
     contacts.target[k] = 0.0
     for i in range(2):
-        contacts.slide[k, i], contacts.drift[k, i] = 0.0, 0.0
+        contacts.slide[k, i], contacts.drift[k, i], contacts.linked[k, i] = 0.0, 0.0, NOT_LINKED
     put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     return True
 

@@ -7,7 +7,7 @@ its joints give, in the metric of their masses (block Gauss-Seidel; mass matrix:
 In a substep each link moves at constant velocities to its pose by forward kinematics at the end.
 """
 
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DriveState, Dynamics, Linkage
 from avatarsim.model.geometry import Poses
-from avatarsim.model.skeleton import FREE, HINGES, carry_links
-from avatarsim.rigid.contacts import Contacts
+from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, room_of_ball, surely_inside
+from avatarsim.model.skeleton import BALL, FREE, HINGES, Skeleton, carry_links
+from avatarsim.rigid.contacts import Contacts, impulse_of
 from avatarsim.rigid.solver import LANES, put_three
 from avatarsim.rigid.state import Memory
-from avatarsim.spatial.tangent import columns, put_columns
-from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row, sub
+from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened, turned, turned_back
+from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, put_row, row, scale, sub
 
 Index = NDArray[np.int64]
 Array = NDArray[np.float64]
@@ -58,18 +59,8 @@ def has_linkage(dynamics: Dynamics, members: Index) -> bool:
 
 
 @kernel
-def motion_of(linkage: Linkage, poses: Poses, owner: int, j: int, link: int) -> tuple[Vec3, Vec3]:
-    """Column of the Jacobian: linear and angular velocity of a link per rate of degree j of its ancestor ``owner``."""
-    skel, axis = linkage.skeleton, row(linkage.axes, j)
-    if skel.kind[owner] == FREE and j < skel.first_dof[owner] + 3:
-        return axis, (0.0, 0.0, 0.0)
-    arm = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + owner))
-    return cross(axis, arm), axis
-
-
-@kernel
-def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index) -> None:
-    """Axes and mass matrices of the linkages among the members, where they are now."""
+def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float) -> None:
+    """Axes, limits and mass matrices of the linkages among the members, where they are now, for a step of h seconds."""
     drive, linkage = dynamics.drive, dynamics.drive.linkage
     for m in range(members.shape[0]):
         b = members[m]
@@ -80,36 +71,103 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
         put_row(linkage.joints.root, first, row(poses.position, b))
         put_columns(linkage.joints.turn, first, columns(poses.rotation, b))
         carry_links(skel, first, end, linkage.joints, linkage.still, linkage.ahead, linkage.axes)
-        low, high = skel.first_dof[first], skel.first_dof[end]
-        for i in range(low, high):
+        bound_degrees(linkage, first, end, h)
+        for i in range(skel.first_dof[first], skel.first_dof[end]):
             linkage.held[i] = 0
-            for j in range(low, high):
-                linkage.matrix[i, j - low] = 0.0
-        for link in range(first, end):
-            add_link(linkage, poses, memory, link, low)
-        decompose(linkage, low, high)
+        add_masses(linkage, poses, memory, first, end)
+        sum_momenta(linkage, poses, memory, first, end)
+        fill_matrix(linkage, poses, first, end)
+        decompose(linkage, skel.first_dof[first], skel.first_dof[end])
 
 
 @kernel
-def add_link(linkage: Linkage, poses: Poses, memory: Memory, link: int, low: int) -> None:
-    """Add the mass and the inertia of a link to the matrix of its avatar, whose first degree is ``low``."""
+def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
+    """Least and largest rate of the degrees of links first .. end over h seconds.
+
+    The axes of a ball with limits become dual to the gradients of its swing and of its twist, so that each limit bounds one rate.
+    """
+    skel, bounds = linkage.skeleton, linkage.bounds
+    for link in range(first, end):
+        d, stop = skel.first_dof[link], skel.first_dof[link + 1]
+        for j in range(d, stop):
+            bounds[j, 0], bounds[j, 1] = -inf, inf
+            if skel.kind[link] == HINGES:
+                angle = linkage.joints.angle[j]
+                bounds[j, 0] = min(0.0, skel.limits[j, 0] - angle) / h
+                bounds[j, 1] = max(0.0, skel.limits[j, 1] - angle) / h
+        if skel.kind[link] != BALL or not has_cone(skel, link):
+            continue
+        turn = columns(linkage.joints.turn, link)
+        room, inward, along_twist, low, high = room_of_ball(skel, link, turn)
+        bounds[d, 0], bounds[d + 1, 0], bounds[d + 1, 1] = -room / h, low / h, high / h
+        frame, third = columns(linkage.ahead.rotation, skel.first + link), cross(inward, along_twist)
+        size = dot(third, third)
+        duals = cross(along_twist, third), cross(third, inward), third
+        for i in range(3):
+            put_row(linkage.axes, d + i, turned(frame, turned_back(turn, scale(duals[i], 1.0 / size))))
+
+
+@kernel
+def add_masses(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: int) -> None:
+    """Mass, first moment and inertia of each link with all that it carries, about its joint (composite bodies)."""
     skel = linkage.skeleton
-    body = skel.first + link
-    mass, inertia = 1.0 / memory.hold.inverse_mass[body], memory.inertia[body, 0, 0]
-    one = link
-    while one >= 0:
-        for i in range(skel.first_dof[one], skel.first_dof[one + 1]):
-            v, w = motion_of(linkage, poses, one, i, link)
-            other = one
-            while other >= 0:
-                for j in range(skel.first_dof[other], min(i + 1, skel.first_dof[other + 1])):
-                    v_too, w_too = motion_of(linkage, poses, other, j, link)
-                    value = mass * dot(v, v_too) + inertia * dot(w, w_too)
-                    linkage.matrix[i, j - low] += value
-                    if i != j:
-                        linkage.matrix[j, i - low] += value
-                other = skel.parent[other]
-        one = skel.parent[one]
+    for link in range(first, end):
+        body = skel.first + link
+        linkage.mass[link] = 1.0 / memory.hold.inverse_mass[body]
+        put_row(linkage.moment, link, (0.0, 0.0, 0.0))
+        for i in range(3):
+            for j in range(3):
+                linkage.inertia[link, i, j] = memory.inertia[body, i, j]
+    for link in range(end - 1, first, -1):
+        parent = skel.parent[link]
+        r = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + parent))
+        mass, c = linkage.mass[link], row(linkage.moment, link)
+        spread = 2.0 * dot(r, c) + mass * dot(r, r)
+        for i in range(3):
+            for j in range(3):
+                shift = (spread if i == j else 0.0) - r[i] * c[j] - c[i] * r[j] - mass * r[i] * r[j]
+                linkage.inertia[parent, i, j] += linkage.inertia[link, i, j] + shift
+        linkage.mass[parent] += mass
+        put_row(linkage.moment, parent, add(row(linkage.moment, parent), along(c, mass, r)))
+
+
+@kernel
+def fill_matrix(linkage: Linkage, poses: Poses, first: int, end: int) -> None:
+    """Mass matrix of the avatar of links first .. end by composite bodies (Featherstone 2008, section 6.2)."""
+    skel = linkage.skeleton
+    low, high = skel.first_dof[first], skel.first_dof[end]
+    for i in range(low, high):
+        for j in range(low, high):
+            linkage.matrix[i, j - low] = 0.0
+    for link in range(first, end):
+        for i in range(skel.first_dof[link], skel.first_dof[link + 1]):
+            axis, c = row(linkage.axes, i), row(linkage.moment, link)
+            if moves_straight(skel, link, i):
+                force, torque = scale(axis, linkage.mass[link]), cross(c, axis)
+            else:
+                force, torque = cross(axis, c), turned(columns(linkage.inertia, link), axis)
+            one = link
+            while one >= 0:
+                for j in range(skel.first_dof[one], skel.first_dof[one + 1]):
+                    value = dot(row(linkage.axes, j), force if moves_straight(skel, one, j) else torque)
+                    linkage.matrix[i, j - low] = value
+                    linkage.matrix[j, i - low] = value
+                torque, one = at_parent(skel, poses, one, force, torque), skel.parent[one]
+
+
+@kernel
+def moves_straight(skel: Skeleton, link: int, j: int) -> bool:
+    """Return whether degree j of a link is a translation."""
+    return bool(skel.kind[link] == FREE and j < skel.first_dof[link] + 3)
+
+
+@kernel
+def at_parent(skel: Skeleton, poses: Poses, link: int, force: Vec3, torque: Vec3) -> Vec3:
+    """Torque about the joint of a link's parent of a force and torque at its own; unchanged for a root."""
+    if skel.parent[link] < 0:
+        return torque
+    arm = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + skel.parent[link]))
+    return add(torque, cross(arm, force))
 
 
 @kernel
@@ -131,13 +189,13 @@ def decompose(linkage: Linkage, low: int, high: int) -> None:
 
 
 @kernel
-def rates_for(linkage: Linkage, low: int, high: int) -> None:
-    """Solve for the rates of degrees low .. high from ``momentum``; the rates of degrees at a limit are fixed."""
-    rate, factor = linkage.rate, linkage.factor
+def rates_for(linkage: Linkage, low: int, high: int, momentum: Array, rate: Array) -> None:
+    """Solve for the ``rate`` of degrees low .. high that have a ``momentum``; the rates of degrees at a limit are fixed."""
+    factor = linkage.factor
     for i in range(low, high):
         if linkage.held[i] == 1:
             continue
-        total = linkage.momentum[i]
+        total = momentum[i]
         for k in range(low, high):
             if linkage.held[k] == 1:
                 total -= linkage.matrix[i, k - low] * rate[k]
@@ -156,85 +214,119 @@ def rates_for(linkage: Linkage, low: int, high: int) -> None:
 
 
 @kernel
-def hold_at_limits(linkage: Linkage, first: int, end: int, h: float) -> bool:
-    """Update the active set of joint limits of links first .. end for a step of h seconds; return whether it changed."""
-    skel, changed = linkage.skeleton, False
-    low, high = skel.first_dof[first], skel.first_dof[end]
-    for link in range(first, end):
-        if skel.kind[link] != HINGES:
+def hold_at_limits(linkage: Linkage, low: int, high: int) -> bool:
+    """Update the active set of the limits of degrees low .. high; return whether it changed."""
+    changed = False
+    for j in range(low, high):
+        least, most = linkage.bounds[j, 0], linkage.bounds[j, 1]
+        if linkage.held[j] == 0:
+            if linkage.rate[j] < least or linkage.rate[j] > most:
+                linkage.held[j], linkage.rate[j] = 1, least if linkage.rate[j] < least else most
+                changed = True
             continue
-        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-            angle = linkage.joints.angle[j]
-            least, most = min(0.0, skel.limits[j, 0] - angle) / h, max(0.0, skel.limits[j, 1] - angle) / h
-            if linkage.held[j] == 0:
-                if linkage.rate[j] < least or linkage.rate[j] > most:
-                    linkage.held[j], linkage.rate[j] = 1, least if linkage.rate[j] < least else most
-                    changed = True
-                continue
-            pull = linkage.momentum[j]
-            for k in range(low, high):
-                pull -= linkage.matrix[j, k - low] * linkage.rate[k]
-            if (linkage.rate[j] >= most and pull < 0.0) or (linkage.rate[j] <= least and pull > 0.0):
-                linkage.held[j], changed = 0, True
+        pull = linkage.momentum[j]
+        for k in range(low, high):
+            pull -= linkage.matrix[j, k - low] * linkage.rate[k]
+        if (linkage.rate[j] >= most and pull < 0.0) or (linkage.rate[j] <= least and pull > 0.0):
+            linkage.held[j], changed = 0, True
     return changed
 
 
 @kernel
-def bind(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float) -> float:
-    """Project the velocities of links onto those that joints and limits allow for h seconds, in the metric of their masses.
+def move_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index) -> bool:
+    """Velocities of links from their momenta without contact, the impulses at contacts, joints and limits.
 
-    Updates ``linear_end`` and ``angular_end``.
-
-    Returns:
-        Largest change of a velocity [m/s]; of an angular velocity, times the size of the link.
+    Updates ``linear_end`` and ``angular_end``. Returns whether other degrees are at a limit than before.
     """
-    drive, worst = dynamics.drive, 0.0
+    drive, any_ = dynamics.drive, False
     for m in range(members.shape[0]):
         if leads_linkage(drive, members[m]):
             first, end = links_of(drive, members[m])
-            worst = max(worst, bind_one(drive.linkage, poses, memory, first, end, h))
-    return worst
+            linkage = drive.linkage
+            low, high = linkage.skeleton.first_dof[first], linkage.skeleton.first_dof[end]
+            changed = False
+            for j in range(low, high):
+                linkage.momentum[j] = linkage.free_momentum[j]
+            add_impulses(linkage, poses, memory.contacts, first, end)
+            rates_for(linkage, low, high, linkage.momentum, linkage.rate)
+            for _ in range(high - low):
+                if not hold_at_limits(linkage, low, high):
+                    break
+                changed = True
+                decompose(linkage, low, high)
+                rates_for(linkage, low, high, linkage.momentum, linkage.rate)
+            velocities_of(linkage, poses, first, end, linkage.rate, linkage.force, linkage.torque)
+            for link in range(first, end):
+                put_row(memory.linear_end, linkage.skeleton.first + link, row(linkage.force, link))
+                put_row(memory.angular_end, linkage.skeleton.first + link, row(linkage.torque, link))
+            any_ = any_ or changed
+    return any_
 
 
 @kernel
-def bind_one(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: int, h: float) -> float:
-    """`bind` links first .. end of one avatar."""
+def sum_momenta(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: int) -> None:
+    """Momentum without contact of each degree of links first .. end, from the velocities of links, leaves first."""
     skel = linkage.skeleton
-    low, high = skel.first_dof[first], skel.first_dof[end]
-    for i in range(low, high):
-        linkage.momentum[i] = 0.0
-    for link in range(first, end):
-        b, one = skel.first + link, link
-        mass, inertia = 1.0 / memory.hold.inverse_mass[b], memory.inertia[b, 0, 0]
-        while one >= 0:
-            for i in range(skel.first_dof[one], skel.first_dof[one + 1]):
-                v, w = motion_of(linkage, poses, one, i, link)
-                linkage.momentum[i] += mass * dot(v, row(memory.linear_end, b)) + inertia * dot(w, row(memory.angular_end, b))
-            one = skel.parent[one]
-    rates_for(linkage, low, high)
-    for _ in range(high - low):
-        if not hold_at_limits(linkage, first, end, h):
-            break
-        decompose(linkage, low, high)
-        rates_for(linkage, low, high)
-    worst = 0.0
     for link in range(first, end):
         b = skel.first + link
-        v, w, one = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), link
-        while one >= 0:
-            for i in range(skel.first_dof[one], skel.first_dof[one + 1]):
-                x, y = motion_of(linkage, poses, one, i, link)
-                v, w = along(v, linkage.rate[i], x), along(w, linkage.rate[i], y)
-            one = skel.parent[one]
-        moved = norm(sub(v, row(memory.linear_end, b))) + memory.span[b] * norm(sub(w, row(memory.angular_end, b)))
-        worst = max(worst, moved)
-        put_row(memory.linear_end, b, v)
-        put_row(memory.angular_end, b, w)
-    return worst
+        put_row(linkage.force, link, scale(row(memory.linear_end, b), 1.0 / memory.hold.inverse_mass[b]))
+        put_row(linkage.torque, link, scale(row(memory.angular_end, b), memory.inertia[b, 0, 0]))
+    for link in range(end - 1, first - 1, -1):
+        force, torque, parent = row(linkage.force, link), row(linkage.torque, link), skel.parent[link]
+        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+            linkage.free_momentum[j] = dot(row(linkage.axes, j), force if moves_straight(skel, link, j) else torque)
+        if parent >= 0:
+            torque = at_parent(skel, poses, link, force, torque)
+            put_row(linkage.force, parent, add(row(linkage.force, parent), force))
+            put_row(linkage.torque, parent, add(row(linkage.torque, parent), torque))
 
 
 @kernel
-def show_bound(drive: DriveState, contacts: Contacts, memory: Memory, members: Index) -> None:
+def add_force(linkage: Linkage, poses: Poses, link: int, force: Vec3, torque: Vec3, momentum_out: Array) -> None:
+    """Add J^T of a force, or impulse, and a torque about the joint of a link to the degrees that move it."""
+    skel = linkage.skeleton
+    while link >= 0:
+        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+            momentum_out[j] += dot(row(linkage.axes, j), force if moves_straight(skel, link, j) else torque)
+        torque, link = at_parent(skel, poses, link, force, torque), skel.parent[link]
+
+
+@kernel
+def add_impulses(linkage: Linkage, poses: Poses, contacts: Contacts, first: int, end: int) -> None:
+    """Add the impulses at the contacts of links first .. end to the momenta of their degrees."""
+    low, high = linkage.skeleton.first + first, linkage.skeleton.first + end
+    for k in range(contacts.used[0]):
+        for side in range(2):
+            b = contacts.body[k, side]
+            if low <= b < high and contacts.impulse[k, 0] > 0.0:
+                j = impulse_of(contacts, k) if side == 0 else scale(impulse_of(contacts, k), -1.0)
+                arm = row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
+                add_force(linkage, poses, b - linkage.skeleton.first, j, cross(arm, j), linkage.momentum)
+
+
+@kernel
+def velocities_of(
+    linkage: Linkage, poses: Poses, first: int, end: int, rate: Array, linear_out: Array, angular_out: Array
+) -> None:
+    """Velocities of links first .. end (nl, 3) by the rates of their joints (nd), root first."""
+    skel = linkage.skeleton
+    for link in range(first, end):
+        parent, v, w = skel.parent[link], (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+        if parent >= 0:
+            arm = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + parent))
+            w = row(angular_out, parent)
+            v = add(row(linear_out, parent), cross(w, arm))
+        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+            if moves_straight(skel, link, j):
+                v = along(v, rate[j], row(linkage.axes, j))
+            else:
+                w = along(w, rate[j], row(linkage.axes, j))
+        put_row(linear_out, link, v)
+        put_row(angular_out, link, w)
+
+
+@kernel
+def show_linkages(drive: DriveState, contacts: Contacts, memory: Memory, members: Index) -> None:
     """Copy the velocities of links into the solver's array."""
     for m in range(members.shape[0]):
         if is_linked(drive, members[m]):
@@ -243,19 +335,38 @@ def show_bound(drive: DriveState, contacts: Contacts, memory: Memory, members: I
 
 
 @kernel
-def look_ahead(drive: DriveState, memory: Memory, b: int, h: float) -> None:
+def look_ahead(drive: DriveState, poses: Poses, memory: Memory, b: int, h: float) -> None:
     """Compute `Linkage.ahead` by forward kinematics: the avatar with root body b after its share of h seconds, within limits."""
     linkage, skel = drive.linkage, drive.linkage.skeleton
     first, end = links_of(drive, b)
     share = memory.substeps.share[b]
     for link in range(first, end):
-        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+        d, kind = skel.first_dof[link], skel.kind[link]
+        for j in range(d, skel.first_dof[link + 1]):
             linkage.step[j] = share * h * linkage.rate[j]
-            if skel.kind[link] == HINGES:
+            if kind == HINGES:
                 angle = linkage.joints.angle[j]
                 low, high = min(angle, skel.limits[j, 0]) - angle, max(angle, skel.limits[j, 1]) - angle
                 linkage.step[j] = min(max(linkage.step[j], low), high)
+        if kind == BALL:
+            turn_ball(linkage, poses, link, d)
     carry_links(skel, first, end, linkage.joints, linkage.step, linkage.ahead, linkage.axes_ahead)
+
+
+@kernel
+def turn_ball(linkage: Linkage, poses: Poses, link: int, d: int) -> None:
+    """Convert the step of a ball, along its axes of this substep, to the axes of its link, and keep it within its limits."""
+    skel, turn = linkage.skeleton, columns(linkage.joints.turn, link)
+    whole = (0.0, 0.0, 0.0)
+    for i in range(3):
+        whole = along(whole, linkage.step[d + i], row(linkage.axes, d + i))
+    step = turned_back(columns(poses.rotation, skel.first + link), whole)
+    if has_cone(skel, link):
+        end = stepped(turn, step)
+        if not surely_inside(skel, link, end, LEFT_ALONE):
+            step = step_between(turn, inside_cone(skel, link, end))
+    for i in range(3):
+        linkage.step[d + i] = step[i]
 
 
 @kernel
@@ -274,11 +385,37 @@ def even_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 @kernel
 def bend(dynamics: Dynamics, members: Index, part: float) -> None:
-    """Add a part of this substep's step to the joint angles of the linkages among the members."""
+    """Add a part of this substep's step to the joints of the linkages among the members."""
     drive, linkage = dynamics.drive, dynamics.drive.linkage
     for m in range(members.shape[0]):
         if leads_linkage(drive, members[m]):
             first, end = links_of(drive, members[m])
-            for j in range(linkage.skeleton.first_dof[first], linkage.skeleton.first_dof[end]):
-                linkage.angle_before[j] = linkage.joints.angle[j]
-                linkage.joints.angle[j] += part * linkage.step[j]
+            for link in range(first, end):
+                scale_step(linkage, link, part)
+                turn_joint(linkage, link, 1.0)
+
+
+@kernel
+def unbend(linkage: Linkage, link: int, share: float) -> None:
+    """Keep only a share of the last step of a joint."""
+    turn_joint(linkage, link, share - 1.0)
+    scale_step(linkage, link, share)
+
+
+@kernel
+def scale_step(linkage: Linkage, link: int, share: float) -> None:
+    """Scale the step of a joint."""
+    for j in range(linkage.skeleton.first_dof[link], linkage.skeleton.first_dof[link + 1]):
+        linkage.step[j] *= share
+
+
+@kernel
+def turn_joint(linkage: Linkage, link: int, times: float) -> None:
+    """Add ``times`` its step to a joint."""
+    skel, d = linkage.skeleton, linkage.skeleton.first_dof[link]
+    if skel.kind[link] == HINGES:
+        for j in range(d, skel.first_dof[link + 1]):
+            linkage.joints.angle[j] += times * linkage.step[j]
+    elif skel.kind[link] == BALL:
+        step = scale((linkage.step[d], linkage.step[d + 1], linkage.step[d + 2]), times)
+        put_columns(linkage.joints.turn, link, straightened(stepped(columns(linkage.joints.turn, link), step)))

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from avatarsim.collision.conservative_advancement import LEAVING
 from avatarsim.jit.kernel import kernel
 from avatarsim.rigid.contact_law import in_friction_disc
-from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, Contacts, Masses, axis, push_all, speed_along
+from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, NOT_LINKED, Contacts, Masses, axis, push_all, speed_along
 from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED, PROOF, ROUGH
 
@@ -78,10 +78,13 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
         for i in range(1 if flat else 3):
             per, n = contacts.effective_mass[k, min(i, 1)], axis(contacts, k, i)
             response = RESPONSE if i == 0 else TANGENT_RESPONSE + (i - 1) * LANES * RESPONSE_PARTS
-            put_three(rows, k, response, scale(n, masses.inverse_mass[a]))
-            put_three(rows, k, response + LANES, row(contacts.turn_a[k], i))
-            put_three(rows, k, response + 2 * LANES, scale(n, masses.inverse_mass[b]))
-            put_three(rows, k, response + 3 * LANES, row(contacts.turn_b[k], i))
+            for side in range(2):
+                # links move with all of their avatar: see `apply_to_links`
+                free = 1.0 if contacts.linked[k, side] == NOT_LINKED else 0.0
+                turn = row(contacts.turn_a[k], i) if side == 0 else row(contacts.turn_b[k], i)
+                put_three(rows, k, response, scale(n, free * masses.inverse_mass[contacts.body[k, side]]))
+                put_three(rows, k, response + LANES, scale(turn, free))
+                response += 2 * LANES
             for part in range(3):
                 lever = n if part == 0 else row(contacts.lever_a[k], i) if part == 1 else row(contacts.lever_b[k], i)
                 for x in range(3):
@@ -151,6 +154,21 @@ def add_velocity(motion: Array, body: int, at: int, added: Vec3, is_a: bool) -> 
 
 
 @kernel
+def apply_to_links(contacts: Contacts, k: int, d: Vec3) -> None:
+    """Apply the impulse d, in the frame of contact k, to the avatars with joints of its links."""
+    responses, motion = contacts.responses, contacts.motion
+    for side in range(2):
+        block = contacts.linked[k, side]
+        if block < 0:
+            continue
+        for link in range(responses.count[block]):
+            for at in range(0, 2 * LANES, LANES):
+                v = responses.linear[block, link] if at == 0 else responses.angular[block, link]
+                added = add(scale(row(v, 0), d[0]), add(scale(row(v, 1), d[1]), scale(row(v, 2), d[2])))
+                add_velocity(motion, responses.first[block] + link, at, added, True)
+
+
+@kernel
 def normal_stopping_impulse(rows: Array, k: int, motion: Array, a: int, b: int) -> float:
     """Impulse that would stop contact k of bodies a and b along its normal: the first of `stopping_impulses`."""
     u = sub(three(motion, a, 0), three(motion, b, 0))
@@ -180,7 +198,7 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
         (largest change [m/s], sum of squares of impulse - before, times the inverse effective mass along the normal).
     """
     impulse, rows, motion, body, driven = contacts.impulse, contacts.rows, contacts.motion, contacts.body, contacts.driven
-    standing, worst, square = contacts.standing[0], 0.0, 0.0
+    standing, worst, square, has_links = contacts.standing[0], 0.0, 0.0, contacts.responses.used[0] > 0
     for turn in range(last - first):
         # an index that cannot be negative is not counted from the end: four operations less for every array
         k = max(0, last - 1 - turn if back else first + turn)
@@ -213,6 +231,8 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
                 apply_impulse(rows, k, (dn, dx, dy), motion, a, b)
             else:
                 apply_normal_impulse(rows, k, dn, motion, a, b)
+            if has_links:
+                apply_to_links(contacts, k, (dn, dx, dy))
         if back:
             way = sub(held, row(before, k))
             square += dot(way, way) * rows[k, INVERSE_MASS]
@@ -238,6 +258,8 @@ def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: 
                     apply_impulse(rows, k, d, motion, body[k, 0], body[k, 1])
                 else:
                     apply_normal_impulse(rows, k, d[0], motion, body[k, 0], body[k, 1])
+                if contacts.responses.used[0] > 0:
+                    apply_to_links(contacts, k, d)
         put_row(direction, k, way)
 
 

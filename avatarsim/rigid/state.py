@@ -18,7 +18,7 @@ from avatarsim.engine import Snapshot
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Cube, Grid, IndexGrid, IndexLine, Line, Matrices, Stack, Vectors
 from avatarsim.model.conversion import write_shown
-from avatarsim.model.dynamics import Dynamics
+from avatarsim.model.dynamics import DriveState, Dynamics
 from avatarsim.model.geometry import OPEN, Geometry, PairFilter, Poses
 from avatarsim.model.world import World
 from avatarsim.rigid.contacts import ROOM, ROOM_PER_BODY, Contacts, LastForces, Masses, make_contacts, make_last_forces, pace_of
@@ -265,6 +265,12 @@ WORKING = (
 and working memory that each frame fills before it reads it. The pairs of a broad phase do not depend on its memory."""
 
 
+def most_links(drive: DriveState) -> int:
+    """Return the number of links of the largest avatar with joints that the upper loop may move; 0 if there is none."""
+    movable = drive.tied[(drive.linked == 1) & (drive.may_couple == 1)]
+    return int(np.bincount(movable).max(initial=0))
+
+
 def make_memory(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True, stand_off: float = 0.0
 ) -> Memory:
@@ -301,7 +307,8 @@ def make_memory(
         hold=Masses(np.where(simulated, inverse_mass, 0.0), inverse_inertia), inertia=np.zeros((n, 3, 3)), reach=reach, span=span,
         trial=Poses(*(field.copy() for field in poses)),
         paths=make_paths(dynamics.inertia.copy(), dynamics.inverse_inertia.copy(), round_), series=make_series(),
-        contacts=make_contacts(touching, pace_of(dynamics.gravity), n), manifold=make_manifold(), scratch=make_scratch(),
+        contacts=make_contacts(touching, pace_of(dynamics.gravity), n, most_links(dynamics.drive)),
+        manifold=make_manifold(), scratch=make_scratch(),
         linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),
         wanted=geometry.wanted._replace(family=np.where(simulated | (dynamics.drive.may_couple == 1), OPEN, 0)),

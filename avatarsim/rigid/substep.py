@@ -16,7 +16,8 @@ from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, speed_along, weigh_from
 from avatarsim.rigid.driven import follow_arcs, strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
-from avatarsim.rigid.linkages import bind, has_linkage, is_linked, show_bound, weigh_linkages
+from avatarsim.rigid.link_rows import weigh_links
+from avatarsim.rigid.linkages import has_linkage, is_linked, move_linkages, show_linkages, weigh_linkages
 from avatarsim.rigid.margin_rows import aim_rows, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
@@ -57,6 +58,9 @@ ways are shortened instead. Fewer: what is struck loses momentum; more: frames i
 
 ROUNDS = 6
 """Solves of a substep, each with rows of the pairs refused in the last. Fewer: more bodies lose a part of the substep."""
+
+LIMIT_ROUNDS = 4
+"""Solves of a substep while joints come to their limits or leave them. Fewer: hands at a limit of their arms press unevenly."""
 
 HOPS = ROUNDS // 2
 """Contacts from a refused pair over which velocities are solved again; twice as many from the fourth round on."""
@@ -165,29 +169,34 @@ def solve(
         active += 1 if contacts.rows[k, BIAS] != -inf else 0
     visited = contacts.visits[0]
     sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, active))))
-    if has_linkage(dynamics, members):
-        solve_with_joints(dynamics, poses, memory, members, h, tolerance, sweeps_for(count))
-    else:
+    for _ in range(LIMIT_ROUNDS):
         passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
         take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
+        if not has_linkage(dynamics, members):
+            break
+        changed = move_linkages(dynamics, poses, memory, members)
+        if changed:
+            weigh_again(dynamics, poses, memory)
+        show_linkages(dynamics.drive, contacts, memory, members)
+        if not changed:
+            break
     # rows that take no part cost next to nothing
     contacts.visits[0] = visited + (contacts.visits[0] - visited) * active // max(1, count)
     memory.counts[SOLVES] += 1
 
 
 @kernel
-def solve_with_joints(
-    dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float, sweeps: int
-) -> None:
-    """Sweep over the contacts and bind links by their joints in turn."""
-    contacts, count = memory.contacts, memory.contacts.used[0]
-    for _ in range(sweeps):
-        worst, _ = passes(contacts, 0, count, tolerance, 1, True, memory.before, memory.direction)
-        take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
-        moved = bind(dynamics, poses, memory, members, h)
-        show_bound(dynamics.drive, contacts, memory, members)
-        if worst <= tolerance and moved <= tolerance:
-            break
+def weigh_again(dynamics: Dynamics, poses: Poses, memory: Memory) -> None:
+    """Responses of links after degrees came to a limit or left it; rows that take no part still take none."""
+    contacts = memory.contacts
+    count, idle = contacts.used[0], memory.substeps.idle
+    for k in range(count):
+        idle[k] = 1 if contacts.rows[k, BIAS] == -inf else 0
+    weigh_links(dynamics, poses, memory, 0)
+    lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
+    for k in range(count):
+        if idle[k] == 1:
+            contacts.rows[k, BIAS] = -inf
 
 
 @kernel
@@ -416,19 +425,20 @@ def solve_ways(
     whether it was solved finer."""
     sub_, contacts = memory.substeps, memory.contacts
     fall_free(dynamics, poses, velocities, memory, members, h)
-    weigh_linkages(dynamics, poses, memory, members)
-    bind(dynamics, poses, memory, members, h)
+    contacts.used[0] = 0
+    weigh_linkages(dynamics, poses, memory, members, h)
+    move_linkages(dynamics, poses, memory, members)
     sub_.kinetic[0] = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
     contacts.standing[0], sub_.lacking[0] = 1, 0
     may_go(dynamics, memory, members, h)
     if not list_pieces_of(geometry, poses, memory, members):
-        contacts.used[0] = 0
         return False, False
     find_rows(geometry, dynamics, poses, velocities, memory, h)
     count, d = contacts.used[0], stand_off_of(memory)
     fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE
     sweeps = sweeps_for(count) if fine else SWEEPS
     weigh_from(contacts, memory.hold, 0.0, 0)
+    weigh_links(dynamics, poses, memory, 0)
     strikes_with(dynamics, memory, members)
     for k in range(count):
         sub_.approach[k] = speed_along(contacts, k, 0, sub_.spare_linear, sub_.spare_angular)
@@ -440,6 +450,8 @@ def solve_ways(
         for i in range(3):
             contacts.impulse[k, i] *= h
     apply_kept(memory, count)
+    if has_linkage(dynamics, members):
+        move_linkages(dynamics, poses, memory, members)
     lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
     solve(dynamics, poses, memory, members, h, tolerance, sweeps)
     lift_within_energy(dynamics, poses, velocities, memory, members, h, d, tolerance, sweeps)

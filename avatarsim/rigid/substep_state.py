@@ -39,6 +39,7 @@ class Substeps(NamedTuple):
     normal, gap     (room, 3) direction out of B into A at the start, (room) gap there [m]
     approach        (cap) [m/s] velocity along the normal before the solve
     spare_impulse   (cap, 3) [N s] of the rows, solved with lifts
+    idle            (cap) flag: the row takes no part in the solve
     kinetic         (1) [J] kinetic energy of the island before the solve
     lasting         (1) rows that have a key and are remembered; rows of refused pairs follow
     low, high       poses on the way, for bisection
@@ -71,6 +72,7 @@ class Substeps(NamedTuple):
     gap: Line
     approach: Line
     spare_impulse: Vectors
+    idle: IndexLine
     kinetic: Line
     lasting: IndexLine
     low: Poses
@@ -94,6 +96,7 @@ def make_substeps(bodies: int, poses: Poses, room: int, cap: int) -> Substeps:
         room=np.zeros(n), wider=np.zeros(n), lacking=np.zeros(1, np.int64), found=np.zeros(1, np.int64),
         pieces=np.zeros((many, 2), np.int64), state=np.zeros(many, np.int64), refused=np.zeros(many, np.int64),
         normal=np.zeros((many, 3)), gap=np.zeros(many), approach=np.zeros(cap), spare_impulse=np.zeros((cap, 3)),
+        idle=np.zeros(cap, np.int64),
         kinetic=np.zeros(1), lasting=np.zeros(1, np.int64), low=low, high=high,
         spare_linear=vectors.copy(), spare_angular=vectors.copy(), change_linear=vectors.copy(), change_angular=vectors.copy(),
     )

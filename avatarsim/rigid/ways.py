@@ -7,6 +7,7 @@ from avatarsim.collision.path import HELD, STILL
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import even_shares, is_linked, leads_linkage, look_ahead
 from avatarsim.rigid.margin_rows import add_refused
 from avatarsim.rigid.near_pieces import FARTHER, list_more
@@ -44,7 +45,7 @@ def set_ways(
         paths.kind[b], paths.time[b] = HELD, -1.0
         put_row(paths.angular, b, (0.0, 0.0, 0.0))
         if leads_linkage(dynamics.drive, b):
-            look_ahead(dynamics.drive, memory, b, h)
+            look_ahead(dynamics.drive, poses, memory, b, h)
         v, w = shared(dynamics, memory, b)
         if is_linked(dynamics.drive, b):
             v, w = way_ahead(dynamics, poses, b, h)
@@ -115,6 +116,7 @@ def certify_all(
                 add_refused(geometry, dynamics, velocities, memory, memory.hold, q, refusal, h, d, error) and has_room
             )
     if error > 0.0 and refused > 0:
+        weigh_links(dynamics, poses, memory, first)
         lay_out(memory.contacts, memory.hold, first, memory.contacts.used[0], memory.linear_end, memory.angular_end)
     return refused, has_room
 

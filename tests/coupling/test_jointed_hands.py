@@ -4,13 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from avatarsim.engine import Settings
-from avatarsim.model.skeleton import forward
-from avatarsim.model.world import build
+from avatarsim.model.joint_limits import cone_excess, room_of_ball
+from avatarsim.model.skeleton import BALL, forward
+from avatarsim.model.world import World, build
+from avatarsim.rigid.contacts import add_contact, weigh
 from avatarsim.rigid.driven import aim
-from avatarsim.rigid.linkages import bind_one, weigh_linkages
-from avatarsim.rigid.state import make_memory
+from avatarsim.rigid.link_rows import weigh_links
+from avatarsim.rigid.linkages import move_linkages, show_linkages, weigh_linkages
+from avatarsim.rigid.solver import apply_to_links, lay_out
+from avatarsim.rigid.state import Memory, make_memory
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
@@ -19,6 +24,10 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
+from avatarsim.spatial.tangent import columns
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.building.avatars.standing import standing
+from scenarios.motion.keyframes import posed
 
 DT = 1.0 / 60.0
 HIGH = 0.09
@@ -134,50 +143,107 @@ def test_a_gripper_of_hinges_does_the_same(seed: int) -> None:
     held_through(gripper(seed))
 
 
-def test_joints_leave_the_nearest_velocities_that_they_allow() -> None:
-    """Weighted least squares with the Jacobian by differences; a hinge at its limit does not go beyond."""
-    grip, random = gripper(1), np.random.default_rng(2)
-    table = PairTable({("m", "m"): ContactLaw(0.0, grip.friction)})
-    world = build(Scene("grip", (grip.thing,), (grip.avatar,), materials=table, start=grip.sample(0.3)))
-    geometry, skel, poses = world.geometry, world.skeleton, world.poses
-    memory, drive = make_memory(geometry, world.dynamics, poses), world.drive
-    drive.coupled[1:], drive.linked[1:], drive.stiffness[:], drive.damping[:] = 1, 1, 1000.0, 40.0
-    drive.linkage.joints.angle[:] = world.posture.angle
-    for b in range(1, len(drive.coupled)):
+def linkage_of(avatar: Avatar, start: TrackerSample, h: float) -> tuple[World, Memory, np.ndarray, np.ndarray, np.ndarray]:
+    """An avatar with random velocities of its links, weighed for h seconds: world, memory, Jacobian of its links (6 nl, nd) by
+    differences, weights and velocities (6 nl) of them."""
+    table = PairTable(dict.fromkeys([("m", "m"), ("human", "human")], ContactLaw(0.0, 0.5)))
+    world = build(Scene("linkage", (), (avatar,), materials=table, start=start))
+    skel, poses, drive = world.skeleton, world.poses, world.drive
+    drive.may_couple[:], drive.coupled[:], drive.linked[:], drive.stiffness[:], drive.damping[:] = 1, 1, 1, 1000.0, 40.0
+    memory = make_memory(world.geometry, world.dynamics, poses)
+    for mine, theirs in zip(drive.linkage.joints, world.posture, strict=True):
+        mine[:] = theirs
+    links, degrees, step = len(skel.kind), len(world.posture.angle), 1e-6
+    for b in range(links):
         aim(drive, poses, world.velocities, memory, b, 0.0, DT, DT)
-    members = np.arange(len(drive.coupled))
-    weigh_linkages(world.dynamics, poses, memory, members)
-    degrees, links = len(world.posture.angle), len(skel.kind)
-    jacobian, step = np.zeros((6 * links, degrees)), 1e-6
+    jacobian = np.zeros((links, 6, degrees))
     for j in range(degrees):
         moved = [build(world.scene).poses for _ in range(2)]
         for sign, out in zip((1.0, -1.0), moved, strict=True):
-            forward(geometry, skel, world.posture, sign * step * np.eye(degrees)[j], out, np.zeros((degrees, 3)))
-        jacobian[0::6, j], jacobian[1::6, j], jacobian[2::6, j] = (
-            (moved[0].position - moved[1].position)[1:] / (2.0 * step)
-        ).T
-        turned = np.einsum("bij,bkj->bik", moved[0].rotation - moved[1].rotation, poses.rotation)[1:] / (2.0 * step)
-        jacobian[3::6, j], jacobian[4::6, j], jacobian[5::6, j] = turned[:, 2, 1], turned[:, 0, 2], turned[:, 1, 0]
-    memory.linear_end[1:], memory.angular_end[1:] = random.normal(size=(2, links, 3))
-    wanted = np.hstack([memory.linear_end[1:], memory.angular_end[1:]]).ravel()
+            forward(world.geometry, skel, world.posture, sign * step * np.eye(degrees)[j], out, np.zeros((degrees, 3)))
+        jacobian[:, :3, j] = (moved[0].position - moved[1].position) / (2.0 * step)
+        turned = np.einsum("bij,bkj->bik", moved[0].rotation - moved[1].rotation, poses.rotation) / (2.0 * step)
+        jacobian[:, 3:, j] = np.stack([turned[:, 2, 1], turned[:, 0, 2], turned[:, 1, 0]], axis=1)
+    memory.linear_end[:], memory.angular_end[:] = np.random.default_rng(2).normal(size=(2, links, 3))
+    wanted = np.hstack([memory.linear_end, memory.angular_end]).ravel()
     weights = np.hstack([
-        np.tile(1.0 / memory.hold.inverse_mass[1:, None], (1, 3)), np.tile(memory.inertia[1:, :1, 0], (1, 3)),
+        np.tile(1.0 / memory.hold.inverse_mass[:, None], (1, 3)), np.tile(memory.inertia[:, :1, 0], (1, 3)),
     ]).ravel()
-    root = np.sqrt(weights)
+    weigh_linkages(world.dynamics, poses, memory, np.arange(links), h)
+    return world, memory, jacobian.reshape(6 * links, degrees), weights, wanted
+
+
+def avatars() -> list[tuple[Avatar, TrackerSample]]:
+    """A gripper of hinges, and a person with ball joints in a posture off their zero."""
+    grip, human = gripper(1), humanoid()
+    turned = {"right_shoulder": (-5.0, -60.0, 20.0), "chest": (10.0, 20.0, 5.0)}
+    bent = posed(human, standing(human), turned, {"right_elbow": (40.0,)})
+    return [(grip.avatar, grip.sample(0.3)), (human, bent)]
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_joints_leave_the_nearest_velocities_that_they_allow(which: int) -> None:
+    """Weighted least squares with the Jacobian by differences; a contact pushes all links as J M^-1 J' says."""
+    world, memory, jacobian, weights, wanted = linkage_of(*avatars()[which], 1e-6)
+    links, root, contacts = np.arange(len(world.skeleton.kind)), np.sqrt(weights), memory.contacts
     rates = np.linalg.lstsq(root[:, None] * jacobian, root * wanted, rcond=None)[0]
-    bind_one(drive.linkage, poses, memory, 0, links, 1e-6)
-    assert drive.linkage.rate == pytest.approx(rates, abs=1e-8)
-    assert np.hstack([memory.linear_end[1:], memory.angular_end[1:]]).ravel() == pytest.approx(jacobian @ rates, abs=1e-7)
-    # the same for a frame so long that limits bind
-    memory.linear_end[1:], memory.angular_end[1:] = wanted.reshape(links, 6)[:, :3], wanted.reshape(links, 6)[:, 3:]
-    bind_one(drive.linkage, poses, memory, 0, links, 1.0)
-    hinges = slice(6, None)
-    reached = world.posture.angle[hinges] + drive.linkage.rate[hinges]
-    assert (reached >= skel.limits[hinges, 0] - 1e-12).all()
-    assert (reached <= skel.limits[hinges, 1] + 1e-12).all()
-    held = drive.linkage.held == 1
+    move_linkages(world.dynamics, world.poses, memory, links)
+    free = np.hstack([memory.linear_end, memory.angular_end]).ravel()
+    assert free == pytest.approx(jacobian @ rates, abs=1e-7)
+    a, b, arms = int(links[-1]), 1, np.array([[0.02, 0.01, -0.03], [0.0, 0.05, 0.01]])
+    n = np.array([0.6, 0.0, 0.8])
+    add_contact(contacts, a, b, 0, tuple(n), tuple(arms[0]), tuple(arms[1]), 0.0)
+    weigh(contacts, memory.hold)
+    assert weigh_links(world.dynamics, world.poses, memory, 0)
+    push = np.zeros(len(weights))
+    for body, arm, sign in ((a, arms[0], 1.0), (b, arms[1], -1.0)):
+        push[6 * body : 6 * body + 6] += sign * np.hstack([n, np.cross(arm, n)])
+    response = jacobian @ np.linalg.solve((jacobian.T * weights) @ jacobian, jacobian.T @ push)
+    assert contacts.inverse_effective_mass[0, 0] == pytest.approx(push @ response, rel=1e-6)
+    lay_out(contacts, memory.hold, 0, 1, memory.linear_end, memory.angular_end)
+    show_linkages(world.drive, contacts, memory, links)
+    apply_to_links(contacts, 0, (0.5, 0.0, 0.0))
+    moved = np.hstack([contacts.motion[:, :3], contacts.motion[:, 4:7]]).ravel()
+    assert moved == pytest.approx(free + 0.5 * response, abs=1e-6)
+    contacts.impulse[0] = 0.5, 0.0, 0.0
+    move_linkages(world.dynamics, world.poses, memory, links)
+    assert np.hstack([memory.linear_end, memory.angular_end]).ravel() == pytest.approx(moved, abs=1e-9)
+
+
+@pytest.mark.parametrize("which", [0, 1])
+def test_joints_stop_at_their_limits(which: int) -> None:
+    """Over a time so long that limits bind: rates within their bounds, and forces on degrees at a limit alone, inward."""
+    world, memory, _, _, _ = linkage_of(*avatars()[which], 1.0)
+    linkage = world.drive.linkage
+    move_linkages(world.dynamics, world.poses, memory, np.arange(len(world.skeleton.kind)))
+    rate, bounds, held = linkage.rate, linkage.bounds, linkage.held == 1
     assert held.any()
-    left = (jacobian.T * weights) @ (wanted - jacobian @ drive.linkage.rate)
+    assert (rate >= bounds[:, 0] - 1e-9).all() and (rate <= bounds[:, 1] + 1e-9).all()
+    left = linkage.momentum - linkage.matrix @ rate
     assert left[~held] == pytest.approx(0.0, abs=1e-8)
-    outward = np.where(drive.linkage.rate > 0.0, 1.0, -1.0)
-    assert (left * outward)[held].min() >= 0.0
+    at_most = np.abs(rate - bounds[:, 1]) < 1e-9
+    assert (left[held & at_most] >= 0.0).all() and (left[held & ~at_most] <= 0.0).all()
+
+
+def test_ball_joints_linearise_their_limits() -> None:
+    """A small turn changes the twist by its gradient, and brings a limb nearer to the edge of its cone and polygon by what the
+    axis inward says."""
+    world = build(Scene("ball", (), (humanoid(),)))
+    skel, random, seen = world.skeleton, np.random.default_rng(4), 0
+    balls = [link for link in range(len(skel.kind)) if skel.kind[link] == BALL]
+    for _ in range(400):
+        link = int(random.choice(balls))
+        turn = columns(Rotation.from_rotvec(random.normal(scale=0.4, size=3)).as_matrix()[None], 0)
+        room, inward, along_twist, low, high = room_of_ball(skel, link, turn)
+        if room < 1e-3 or cone_excess(skel, link, turn) > 0.0:
+            continue
+        step = 1e-5 * random.normal(size=3)
+        turned = columns((Rotation.from_rotvec(step).as_matrix() @ np.array(turn).T)[None], 0)
+        after = room_of_ball(skel, link, turned)
+        assert after[4] - high == pytest.approx(-step @ along_twist, abs=1e-7)
+        if abs(after[0] - room - step @ inward) < 1e-7:
+            seen += 1
+        else:
+            # another edge is nearer now
+            assert after[0] < room + step @ inward
+    assert seen > 100
