@@ -11,9 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 STAGES = ("coupling", "posture", "motion")
-"""The stages of a frame that are timed apart: "posture" is the lower loop, eq. 6 included (`coupling.virtual_coupling.pull` comes
-first in it); "motion" the upper loop; "coupling" what goes back afterwards: impulses into eq. 6, and a second solve of the
-posture within the budget of the frame, for links that bodies held which have moved on."""
+"""The stages of a frame that are timed apart: "posture" is the lower loop; "motion" the upper loop; "coupling" what goes back
+afterwards: impulses, poses of avatars under load, and a second solve of the posture for links that bodies blocked."""
 
 
 class Stage:

@@ -1,4 +1,4 @@
-"""Lower loop of method `default` as the frame sees it: constrained inverse kinematics with the virtual coupling (eq. 6).
+"""Lower loop of method `default` as the frame sees it: constrained inverse kinematics, for avatars without a load.
 
 Lower loop without overlap removal, for scenes that switch it off: the tracker's posture is shown as it is.
 """
@@ -10,7 +10,16 @@ import numpy as np
 
 from avatarsim.counters import Tally
 from avatarsim.coupling.coupled_bodies import enable_coupling, exclude_coupled, freeze_coupled, note_blocked, return_coupled
-from avatarsim.coupling.virtual_coupling import Springs, give, make_springs, no_springs, pull, strike, tracked
+from avatarsim.coupling.tracked_motion import (
+    TrackedMotion,
+    last_and_now,
+    make_tracked_motion,
+    no_tracked_motion,
+    project_velocities,
+    receive,
+    relax,
+    track_velocities,
+)
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
 from avatarsim.ik.broad_phase import notice_bodies
@@ -64,7 +73,7 @@ class IkParts(NamedTuple):
     """What lies in the arena of the lower loop; `coupled`: whether the coupling acts."""
 
     coupled: bool
-    springs: Springs
+    trackers: TrackedMotion
     settings: PostureSettings
     avatars: Avatars
     state: IkState
@@ -77,31 +86,30 @@ class IkParts(NamedTuple):
 def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
     """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
 
-    Unless `answers`: the coupling acts for dt [s], then `solve`. With `answers`, after the upper loop: impulses `received` (nb,
-    3) [N s] go into the coupling, and `solve` continues within the frame's motion budget, since bodies that blocked links may
-    have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one kernel, since each kernel
-    that calls `solve` compiles all of it.
+    Unless `answers`: velocities of links and the avatars under load for dt [s], then `solve`. With `answers`, after the upper
+    loop: links receive impulses (nb, 3) [N s], and `solve` continues within the frame's motion budget, since bodies that blocked
+    links may have moved. `moving` (nb): 1 for bodies that may have moved; empty if that is not known. Both in one
+    kernel, since each kernel that calls `solve` compiles all of it.
     """
     w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
-    springs, settings, avatars = own.springs, own.settings, own.avatars
+    trackers, settings, avatars = own.trackers, own.settings, own.avatars
     state, working, plan, ghost = own.state, own.working, own.plan, own.ghost
     if answers:
         if own.coupled:
-            give(skeleton, received, w.dynamics.inverse_mass, springs.pressed, springs.rate)
-            return_coupled(
-                geometry, skeleton, avatars, w.dynamics, poses, springs.offset, springs.rate, posture, tracker, state, working
-            )
+            receive(skeleton, w.dynamics.drive, received)
+            return_coupled(geometry, skeleton, avatars, w.dynamics, poses, posture, tracker, state, working)
         if not moving.any() or state.contacts.used[0] == 0:
             return
         dt = 0.0
-    elif own.coupled:
-        note_blocked(geometry, w.dynamics, state.contacts)
-        pull(geometry, skeleton, w.dynamics, poses, state.contacts, dt, tracker, w.velocities, springs)
-        before, now = tracked(springs)
-        exclude_coupled(skeleton, avatars, w.dynamics, before, now, posture, dt, springs.rate, tracker, w.velocities)
-    elif springs.inverse_weight.shape[0] > 0:
-        strike(skeleton, tracker, dt, w.velocities, springs)
+    elif trackers.turn[0] >= 0:
+        track_velocities(skeleton, tracker, dt, w.velocities, trackers)
+        if own.coupled:
+            note_blocked(geometry, w.dynamics, state.contacts)
+            relax(skeleton, w.dynamics.drive, dt, tracker, w.velocities)
+            project_velocities(geometry, w.dynamics, state.contacts, w.velocities)
+            before, now = last_and_now(trackers)
+            exclude_coupled(skeleton, avatars, w.dynamics, before, now, posture, dt, tracker, w.velocities)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
     freeze_coupled(skeleton, avatars, w.dynamics, state)
     if dt > 0.0:
@@ -147,8 +155,8 @@ class IkLoop:
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
-    KEPT: ClassVar[tuple[str, ...]] = ("springs", "state", "plan")
-    WORKING: ClassVar[tuple[str, ...]] = ("springs.still",)
+    KEPT: ClassVar[tuple[str, ...]] = ("trackers", "state", "plan")
+    WORKING: ClassVar[tuple[str, ...]] = ("trackers.still",)
 
     def __init__(
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
@@ -157,23 +165,21 @@ class IkLoop:
         solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0)
         # without dynamics nothing gives back what pressing took, and the coupling would run away
         coupled = world.scene.effects.coupling and world.scene.effects.dynamics
-        springs = (
-            make_springs(
-                world.geometry, world.skeleton, world.dynamics, world.posture, world.poses, coupling
-            ) if world.scene.effects.dynamics
-            else no_springs(world.poses)
+        trackers = (
+            make_tracked_motion(world.skeleton, world.drive, world.posture, world.poses, coupling)
+            if world.scene.effects.dynamics else no_tracked_motion(world.poses)
         )
         if coupled:
             enable_coupling(world.drive, world.skeleton, settings)
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )
-        self.words, own = packed(IkParts(coupled, springs, settings, *solver, *planner))
-        self.springs, self.avatars, self.state, self.working = own.springs, own.avatars, own.state, own.working
+        self.words, own = packed(IkParts(coupled, trackers, settings, *solver, *planner))
+        self.trackers, self.avatars, self.state, self.working = own.trackers, own.avatars, own.state, own.working
         self.plan, self.ghost = own.plan, own.ghost
 
     def follow(self, target: Target, dt: float) -> None:
-        """One frame towards the tracker's posture, which the coupling displaces by its offsets."""
+        """One frame towards the tracker's posture."""
         track(self.world.words, target.words, self.words, dt, False, NOTHING_RECEIVED, self.begin())
 
     def begin(self) -> Index:
@@ -188,7 +194,7 @@ class IkLoop:
         geo = self.world.geometry
         pieces, bodies = len(geo.body), len(geo.first_shape) - 1
         return {
-            **self._planned(), "springs.turn": (0, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST),
+            **self._planned(), "trackers.turn": (-1, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST),
             "used": (0, MOST),
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),

@@ -324,19 +324,16 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
         take_posture(other.state.before, one.state.before, both)
         take_posture(other.state.own, one.state.own, both)
         taken(other.state.tracking.speed, one.state.tracking.speed, both.avatars)
-        carry_springs(old, new, one, other, both)
+        carry_coupling(old, new, one, other, both)
 
 
-def carry_springs(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
-    """Offsets of the coupling, and where the tracker had the links in the last frame: their velocities are counted from there."""
-    if not (len(one.springs.inverse_weight) and len(other.springs.inverse_weight)):
-        # a scene in which nothing can be struck has no springs
+def carry_coupling(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
+    """State of the coupling, and tracked poses of the last frame, from which velocities are counted."""
+    if min(one.trackers.turn[0], other.trackers.turn[0]) < 0:
         return
-    for name in ("offset", "rate", "pressed"):
-        taken(getattr(other.springs, name), getattr(one.springs, name), both.links)
     links = both.links + (old.world.skeleton.first, new.world.skeleton.first)
-    other.springs.turn[:] = one.springs.turn
-    for into, of in ((other.springs.one, one.springs.one), (other.springs.other, one.springs.other)):
+    other.trackers.turn[:] = one.trackers.turn
+    for into, of in ((other.trackers.one, one.trackers.one), (other.trackers.other, one.trackers.other)):
         taken(into.position, of.position, links)
         taken(into.rotation, of.rotation, links)
     for name in DriveState._fields:

@@ -5,7 +5,7 @@ from math import log
 import numpy as np
 
 from avatarsim.collision.path import spun
-from avatarsim.coupling.virtual_coupling import TOP_SPEED, TOP_SPIN
+from avatarsim.coupling.tracked_motion import TOP_SPEED, TOP_SPIN
 from avatarsim.ik.kinematics import place_avatar
 from avatarsim.ik.sqp_step import copy_poses, forget_forces
 from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
@@ -73,10 +73,10 @@ def load(drive: DriveState, avatars: Avatars, link: int, first: int) -> None:
 
 
 @kernel
-def couple(drive: DriveState, before: Poses, now: Poses, b: int, dt: float, rate: Vec3) -> None:
-    """Couple body b, with its tracker at the start of the frame and its velocity ``rate`` [m/s] relative to it."""
+def couple(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> None:
+    """Couple body b, with its tracker at the start of the frame."""
     drive.coupled[b], drive.paused[b], drive.spread[b] = 1, 0, 0
-    put_row(drive.lag, b, rate)
+    put_row(drive.offset, b, (0.0, 0.0, 0.0))
     put_row(drive.position, b, row(before.position, b))
     put_columns(drive.turn, b, columns(before.rotation, b))
     turn = turn_of(columns(before.rotation, b), columns(now.rotation, b))
@@ -110,14 +110,13 @@ def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> t
 
 @kernel
 def exclude_coupled(
-    skel: Skeleton, avatars: Avatars, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float, rate: Array,
+    skel: Skeleton, avatars: Avatars, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float,
     target_out: Posture, velocities_out: Velocities,
 ) -> None:
     """Exclude coupled avatars from the lower loop, and compute the motion of their trackers in dt seconds.
 
     Args:
         before, now: tracked poses of the links at the start and at the end of the frame.
-        rate: (nl, 3) velocity of the links relative to the tracker [m/s].
     """
     drive = dynamics.drive
     for link in range(skel.kind.shape[0]):
@@ -128,13 +127,15 @@ def exclude_coupled(
         if drive.coupled[b] + drive.loaded[b] == 0:
             continue
         if drive.coupled[b] == 0:
-            couple(drive, before, now, b, dt, row(rate, link))
+            couple(drive, before, now, b, dt)
         way, turn = follow(drive, before, now, b, dt)
         accelerate(limited(scale(way, 1.0 / dt), TOP_SPEED), b, dt, drive.linear, drive.gained, drive.ramp)
         accelerate(limited(scale(turn, 1.0 / dt), TOP_SPIN), b, dt, drive.angular, drive.gained_turn, drive.ramp_turn)
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt
         if drive.unloaded[b] > time_to_catch_up(drive, drive.tied[b]):
             drive.coupled[b] = 0
+            if drive.linked[b] == 1:
+                put_row(drive.lag, b, (0.0, 0.0, 0.0))
         if drive.coupled[b] == 1:
             if drive.tied[b] == b:
                 avatar = avatars.avatar[link]
@@ -162,13 +163,10 @@ def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_o
 
 @kernel
 def return_coupled(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, dynamics: Dynamics, poses: Poses, offset_out: Array, rate_out: Array,
-    posture_out: Posture, target_out: Posture, state_out: IkState, scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, dynamics: Dynamics, poses: Poses, posture_out: Posture,
+    target_out: Posture, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Copy the poses of coupled avatars from the upper loop into the posture and the target of the lower loop.
-
-    Updates offset_out and rate_out (nl, 3), the initial conditions of equation 6 when an avatar is released.
-    """
+    """Copy the poses of coupled avatars from the upper loop into the posture and the target of the lower loop."""
     drive, found = dynamics.drive, False
     for link in range(skel.kind.shape[0]):
         b, avatar = skel.first + link, avatars.avatar[link]
@@ -178,8 +176,7 @@ def return_coupled(
         if skel.kind[link] == FREE:
             put_row(posture_out.root, link, row(poses.position, b))
             put_columns(posture_out.turn, link, columns(poses.rotation, b))
-            put_row(offset_out, link, sub(row(poses.position, b), row(drive.position, b)))
-            put_row(rate_out, link, row(drive.lag, b))
+            put_row(drive.offset, b, sub(row(poses.position, b), row(drive.position, b)))
         elif skel.kind[link] == BALL:
             put_columns(posture_out.turn, link, columns(drive.linkage.joints.turn, link))
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):

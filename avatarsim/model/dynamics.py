@@ -100,6 +100,7 @@ class DriveState(NamedTuple):
     ramp, ramp_turn   (nb, 3) acceleration of the tracker within the frame [m/s^2], [rad/s^2]
     user, user_turn   (nb, 3) velocity of the tracker in this substep
     lag, lag_turn     (nb, 3) velocity of the body against the tracker [m/s], [rad/s]
+    offset            (nb, 3) position against the tracker [m] of a rigid hand that an impact moved and that no body presses on
     mass, stiffness, damping   (nb) m [kg], K [N/m], R [N s/m] of eq. 6; nan until the engine's options say them
     largest_force     (nb) [N] of the spring
     fastest, fastest_turn   (nb) [m/s], [rad/s] at which a lag is made up
@@ -126,6 +127,7 @@ class DriveState(NamedTuple):
     user_turn: Vectors
     lag: Vectors
     lag_turn: Vectors
+    offset: Vectors
     mass: Line
     stiffness: Line
     damping: Line
@@ -158,7 +160,7 @@ def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
         linkage=linkage, tied=tied, linked=flags(), may_couple=flags(), coupled=flags(), loaded=flags(),
         unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), paused=flags(), spread=flags(),
         linear=vectors(), angular=vectors(), gained=vectors(), gained_turn=vectors(), ramp=vectors(), ramp_turn=vectors(),
-        user=vectors(), user_turn=vectors(), lag=vectors(), lag_turn=vectors(),
+        user=vectors(), user_turn=vectors(), lag=vectors(), lag_turn=vectors(), offset=vectors(),
         mass=np.divide(1.0, inverse_mass, out=np.zeros(bodies), where=inverse_mass > 0.0), stiffness=law[:, 0].copy(),
         damping=law[:, 1].copy(), largest_force=law[:, 2].copy(), fastest=np.full(bodies, np.inf),
         fastest_turn=np.full(bodies, np.inf),

@@ -15,7 +15,7 @@ from math import expm1, inf
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.coupling.spring import coupled
+from avatarsim.coupling.equation_6 import coupled
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.joint_limits import has_cone, inside_cone
 from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.counters import Tally
-from avatarsim.coupling.virtual_coupling import give_to_roots, tracked_velocities
+from avatarsim.coupling.tracked_motion import give_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
 from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import entry_kernel
@@ -55,7 +55,6 @@ class PaperLoop:
         self._kept, own = packed(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
         self.memory = own.memory
         self._before = Poses(*(array.copy() for array in world.poses))
-        self._no_rate = np.zeros_like(self.memory.velocity)
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """The order of the chains, the state of their generator, and families, which are only compared."""
@@ -76,7 +75,7 @@ class PaperLoop:
         np.copyto(self._before.rotation, world.poses.rotation)
         follow_printed(world.words, target.words, self._kept, dt)
         if world.scene.effects.dynamics:
-            tracked_velocities(world.skeleton, self._before, world.poses, self._no_rate, dt, world.velocities)
+            tracked_velocities(world.skeleton, self._before, world.poses, dt, world.velocities)
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""

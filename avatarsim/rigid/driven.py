@@ -34,7 +34,7 @@ def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tu
 
 @kernel
 def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float, dt: float, h: float) -> None:
-    """Set the effective mass of coupled body b and its velocity at the end of a substep without contact.
+    """Set the effective mass of coupled body b and its velocity at the end of a substep without contact (eq. 6).
 
     The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. A spring force K u above the largest force
     is replaced by that force. The rate of the lag is limited to ``fastest``, so that a jump of the tracker throws nothing.

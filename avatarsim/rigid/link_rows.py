@@ -12,7 +12,7 @@ from avatarsim.model.geometry import Poses
 from avatarsim.rigid.contacts import AS_A, NOT_LINKED, Contacts, axis
 from avatarsim.rigid.linkages import add_force, is_linked, links_of, rates_for, velocities_of
 from avatarsim.rigid.state import Memory
-from avatarsim.spatial.vec3 import Vec3, cross, dot, row, scale
+from avatarsim.spatial.vec3 import Vec3, cross, dot, put_row, row, scale
 
 
 @kernel

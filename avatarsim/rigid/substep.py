@@ -57,10 +57,8 @@ CUTS = 2
 ways are shortened instead. Fewer: what is struck loses momentum; more: frames in which that happens take longer."""
 
 ROUNDS = 6
-"""Solves of a substep, each with rows of the pairs refused in the last. Fewer: more bodies lose a part of the substep."""
-
-LIMIT_ROUNDS = 4
-"""Solves of a substep while joints come to their limits or leave them. Fewer: hands at a limit of their arms press unevenly."""
+"""Solves of a substep, each with rows of the pairs refused in the last; and of one solve while joints come to their limits or
+leave them. Fewer: more bodies lose a part of the substep, and hands at a limit of their arms press unevenly."""
 
 HOPS = ROUNDS // 2
 """Contacts from a refused pair over which velocities are solved again; twice as many from the fourth round on."""
@@ -169,7 +167,7 @@ def solve(
         active += 1 if contacts.rows[k, BIAS] != -inf else 0
     visited = contacts.visits[0]
     sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, active))))
-    for _ in range(LIMIT_ROUNDS):
+    for _ in range(ROUNDS):
         passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
         take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
         if not has_linkage(dynamics, members):

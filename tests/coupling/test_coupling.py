@@ -1,15 +1,12 @@
-"""Which link takes an impulse, how it comes back by eq. 6, and which presses on what."""
+"""The link that takes an impulse, and the force with which a blocked one presses."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from avatarsim.coupling.spring import coupled
-from avatarsim.coupling.virtual_coupling import Springs, give, give_to_roots, make_springs, place_displaced, pull, relax
+from avatarsim.coupling.tracked_motion import give_to_roots, receive
 from avatarsim.engine import Settings
-from avatarsim.ik.state import make_contacts
-from avatarsim.model.skeleton import carry, forward
 from avatarsim.model.world import World, build
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import TABLE_1, Body, fixed, simulated, solid
@@ -17,7 +14,6 @@ from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.settings import CouplingSettings
 from avatarsim.simulator import AvatarsimEngine
 
 DT = 1.0 / 60.0
@@ -55,18 +51,14 @@ def world() -> World:
     return build(Scene("point", (block(1.0, 0.5),), (pointing(),)))
 
 
-def springs_of(w: World) -> Springs:
-    """Springs at rest."""
-    return make_springs(w.geometry, w.skeleton, w.dynamics, w.posture, w.poses, CouplingSettings())
-
-
 @pytest.mark.nojit
 def test_an_impulse_changes_the_velocity_of_the_link_that_took_it_and_of_no_other() -> None:
     w = world()
-    received, rate = np.zeros((3, 3)), np.zeros((2, 3))
-    received[2] = (-0.1, 0.0, 0.0)
-    give(w.skeleton, received, w.dynamics.inverse_mass, np.zeros((2, 3)), rate)
-    np.testing.assert_allclose(rate, [[0.0, 0.0, 0.0], [-5.0, 0.0, 0.0]])
+    received = np.zeros((3, 3))
+    received[2], w.drive.linked[1:] = (-0.1, 0.0, 0.0), 1
+    receive(w.skeleton, w.drive, received)
+    np.testing.assert_allclose(w.drive.lag[1:], [[0.0, 0.0, 0.0], [-5.0, 0.0, 0.0]])
+    assert w.drive.loaded.tolist() == [0, 0, 1]
 
 
 @pytest.mark.nojit
@@ -77,49 +69,6 @@ def test_where_only_roots_have_springs_momentum_is_that_of_the_root() -> None:
     received[2] = (-0.1, 0.0, 0.0)
     give_to_roots(w.skeleton, received, w.dynamics.inverse_mass, rate)
     np.testing.assert_allclose(rate, [[-0.02, 0.0, 0.0], [0.0, 0.0, 0.0]])
-
-
-@pytest.mark.nojit
-def test_a_push_that_met_nobody_is_taken_back() -> None:
-    w = world()
-    pressed = np.array([[0.0, 0.0, 0.0], [1.5, 0.0, 0.0]])
-    rate = pressed.copy()
-    give(w.skeleton, np.zeros((3, 3)), w.dynamics.inverse_mass, pressed, rate)
-    assert not rate.any()
-
-
-@pytest.mark.nojit
-def test_only_who_has_an_offset_gets_the_box_that_whole_kinematics_give() -> None:
-    w = world()
-    springs = springs_of(w)
-    w.posture.root[0], w.posture.angle[6] = (0.3, 0.1, 0.2), 0.4
-    forward(w.geometry, w.skeleton, w.posture, springs.still, springs.one, springs.axes)
-    carry(w.skeleton, w.posture, springs.still, springs.other, springs.axes)
-    before = springs.other.hulls.copy()
-    springs.offset[1] = (0.0, 0.0, 0.01)
-    place_displaced(w.geometry, w.skeleton, springs.offset, springs.other)
-    np.testing.assert_array_equal(springs.other.rotation, springs.one.rotation)
-    np.testing.assert_array_equal(springs.other.position, springs.one.position)
-    np.testing.assert_array_equal(springs.other.hulls[2], springs.one.hulls[2])
-    np.testing.assert_array_equal(springs.other.hulls[:2], before[:2])
-    assert (before[1:] != springs.one.hulls[1:]).all()
-
-
-@pytest.mark.nojit
-def test_every_link_returns_by_eq_6_with_its_own_mass() -> None:
-    """The closed form, over ten frames at once and one by one; only the root displaces the target's root."""
-    w, settings = world(), CouplingSettings()
-    springs, root = springs_of(w), np.zeros((2, 3))
-    springs.offset[:] = (0.01, 0.0, 0.02)
-    springs.rate[:] = (-0.5, 1.0, 0.0)
-    for _ in range(10):
-        root[:] = 0.0
-        relax(w.skeleton, w.drive, DT, springs.offset, springs.rate, root)
-    for link, mass in enumerate((5.0, 0.02)):
-        x, v = coupled(mass, settings.spring, settings.damping, (0.01, 0.0, 0.02), (-0.5, 1.0, 0.0), 10.0 * DT)
-        np.testing.assert_allclose(springs.offset[link], x, rtol=1e-9, atol=1e-15)
-        np.testing.assert_allclose(springs.rate[link], v, rtol=1e-9, atol=1e-13)
-    np.testing.assert_array_equal(root, [springs.offset[0], [0.0, 0.0, 0.0]])
 
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
@@ -159,18 +108,6 @@ def test_who_is_held_presses_with_the_spring_and_a_wall_feels_nothing_of_it() ->
     assert force == pytest.approx(50.0, rel=0.01)
     bystander = replace(block(2.0, 5.0), name="bystander")
     assert not pressed_against(block(2.0, 0.1, role="fixed"), bystander).any()
-
-
-@pytest.mark.nojit
-def test_a_hit_does_not_bend_the_joints_of_a_user_who_is_beyond_their_limits() -> None:
-    """A tracker's posture is taken as it is, or its body would be placed elsewhere for as long as the hit lasts."""
-    w = world()
-    springs = springs_of(w)
-    d = int(w.skeleton.first_dof[1])
-    w.posture.angle[d] = 2.0
-    springs.offset[1] = 0.0, 1e-3, 1e-3
-    pull(w.geometry, w.skeleton, w.dynamics, w.poses, make_contacts(1), DT, w.posture, w.velocities, springs)
-    assert w.posture.angle[d] > 1.9
 
 
 @pytest.mark.parametrize("narrow", [(), ("coupling",)])

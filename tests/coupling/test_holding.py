@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from avatarsim.coupling.virtual_coupling import hold
+from avatarsim.coupling.tracked_motion import project_velocities
 from avatarsim.engine import Settings
 from avatarsim.ik.state import make_contacts
 from avatarsim.model.world import build
@@ -86,7 +86,7 @@ def test_only_what_goes_into_fixed_bodies_is_taken() -> None:
             contacts.pair[k], contacts.normal[k] = (w.geometry.first_shape[hand], w.geometry.first_shape[other]), normals[k]
         contacts.used[0] = 3
         w.velocities.linear[hand] = v
-        hold(w.geometry, w.dynamics, contacts, w.velocities)
+        project_velocities(w.geometry, w.dynamics, contacts, w.velocities)
         left = w.velocities.linear[hand]
         # the nearest velocity that goes into neither wall
         free = v + normals[:2].T @ nnls(normals[:2].T, -v)[0]

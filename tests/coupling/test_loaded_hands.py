@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avatarsim.coupling.spring import coupled
-from avatarsim.coupling.virtual_coupling import TOP_SPEED
+from avatarsim.coupling.equation_6 import coupled
+from avatarsim.coupling.tracked_motion import TOP_SPEED
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidScene
 from avatarsim.model.dynamics import make_drive, velocities

@@ -13,7 +13,7 @@ from numba.core.registry import cpu_target
 
 from avatarsim.collision.scratch import Scratch, make_scratch
 from avatarsim.collision.warm_start import PairMemory, make_pair_memory
-from avatarsim.coupling.virtual_coupling import make_springs
+from avatarsim.coupling.tracked_motion import make_tracked_motion
 from avatarsim.errors import AvatarsimError
 from avatarsim.ik.make import make_solver
 from avatarsim.jit.arena import Image, opened, packed
@@ -63,7 +63,7 @@ def parts(world: World, cap: int = 3) -> dict[str, tuple]:
         "geometry": geo, "dynamics": dyn, "poses": poses, "velocities": world.velocities, "skeleton": skel,
         "posture": posture, "avatars": avatars, "state": state, "working": working, "plan": plan, "ghost": ghost,
         "settings": PostureSettings(steps=7, near=0.5),
-        "springs": make_springs(geo, skel, dyn, posture, poses, CouplingSettings(3.0, 4.0)),
+        "motion": make_tracked_motion(skel, dyn.drive, posture, poses, CouplingSettings(3.0, 4.0)),
         "upper memory": make_upper_memory(geo, dyn, poses),
         "events": make_events(len(geo.first_shape) - 1, cap), "switches": Switches(False, True, False, True, False),
         "paper memory": make_paper_memory(world, 1), "paper settings": PaperSettings(rounds=3),

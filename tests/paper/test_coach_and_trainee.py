@@ -13,13 +13,13 @@ FREE_FROM, UNTIL = 114, 130
 """Frames in which the slab has passed the arm; its rear edge does so at 1.8 s."""
 
 
-def returning(preset: str) -> list[tuple[np.ndarray, np.ndarray, float]]:
+def returning(preset: str, until: int = UNTIL) -> list[tuple[np.ndarray, np.ndarray, float]]:
     """(hinges still to go, hinges to go from the frame before, offset of the root [m]) while nothing is in the way."""
     scenario = catalog.get("coach_release")
     scene, engine = scenario.build(), AvatarsimEngine()
     motion, found = scenario.motion(scene, 0), []
     before = engine.load(scene, Settings(preset), scenario.dt).angles
-    for k in range(UNTIL):
+    for k in range(until):
         sample = motion(k)
         record = engine.advance(sample, scenario.dt)
         if k >= FREE_FROM:
@@ -39,9 +39,10 @@ def test_the_papers_attraction_returns_on_its_exponential() -> None:
         assert offset < 1e-3
 
 
-def test_the_default_method_is_back_but_for_what_eq_6_leaves_of_a_light_hand() -> None:
-    """A hand of 0.5 kg has forgotten its impacts after a tenth of a second; no root was ever thrown."""
-    found = returning("default")
-    assert max(np.abs(left).max() for left, _, _ in found) < 1e-3
-    assert np.abs(found[-1][0]).max() < 1e-5
-    assert max(offset for _, _, offset in found) < 1e-4
+def test_the_default_method_returns_by_equation_6() -> None:
+    """The arm, folded back by a third of a radian, is back within a tenth of a second, but for what heavier links swing; no root
+    is ever thrown."""
+    found = returning("default", 190)
+    assert max(np.abs(left).max() for left, _, _ in found) < 0.03
+    assert max(np.abs(left).max() for left, _, _ in found[50:]) < 1e-3
+    assert max(offset for _, _, offset in found) < 1e-3

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from avatarsim.coupling.spring import coupled
+from avatarsim.coupling.equation_6 import coupled
 from avatarsim.settings import CouplingSettings
 
 SPRING, DAMPING = CouplingSettings()
