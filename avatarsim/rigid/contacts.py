@@ -100,13 +100,13 @@ turn. Or, alone, that both bodies are balls."""
 class Responses(NamedTuple):
     """Velocities of the links of avatars per impulse at a contact.
 
-    used (1) blocks in use; first, count (blocks) body index of the root link of the avatar, and number of its links;
+    used (1) blocks in use; first, links (blocks) body index of the root link of the avatar, and number of its links;
     linear, angular (blocks, links, 3, 3) rows: velocities of each link per unit impulse along each axis of the contact.
     """
 
     used: IndexLine
     first: IndexLine
-    count: IndexLine
+    links: IndexLine
     linear: Stack
     angular: Stack
 

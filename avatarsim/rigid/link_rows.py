@@ -43,7 +43,7 @@ def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) ->
                 contacts.linked[k, 1] = AS_A
             root = drive.tied[b]
             first_link, end = links_of(drive, root)
-            responses.first[contacts.linked[k, side]], responses.count[contacts.linked[k, side]] = root, end - first_link
+            responses.first[contacts.linked[k, side]], responses.links[contacts.linked[k, side]] = root, end - first_link
             respond(drive.linkage, poses, contacts, k, side, same, first_link, end)
         if contacts.linked[k, 0] != NOT_LINKED or contacts.linked[k, 1] != NOT_LINKED:
             weigh_linked(contacts, memory, k)

@@ -161,7 +161,7 @@ def apply_to_links(contacts: Contacts, k: int, d: Vec3) -> None:
         block = contacts.linked[k, side]
         if block < 0:
             continue
-        for link in range(responses.count[block]):
+        for link in range(responses.links[block]):
             for at in range(0, 2 * LANES, LANES):
                 v = responses.linear[block, link] if at == 0 else responses.angular[block, link]
                 added = add(scale(row(v, 0), d[0]), add(scale(row(v, 1), d[1]), scale(row(v, 2), d[2])))

@@ -1,0 +1,106 @@
+"""Persons with ball joints: both hands lift drawn boxes, and clips go through rooms full of loose things without overlap."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from avatarsim.collision.scratch import make_scratch
+from avatarsim.engine import Settings
+from avatarsim.model.geometry import may_meet
+from avatarsim.model.joint_limits import cone_excess, has_cone
+from avatarsim.model.skeleton import BALL
+from avatarsim.model.world import World
+from avatarsim.scene.body import ContactLaw, PairTable, simulated, solid
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial.tangent import columns
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.building.avatars.standing import standing
+from scenarios.building.stage import floor
+from scenarios.catalog.contact.arms_lift import HAND, SINKS, Lift
+from scenarios.motion.mocap import load_clip
+from scenarios.motion.track import to_and_fro
+from tests.rigid.upper_world import least_gap
+
+DT = 1.0 / 60.0
+TURNS = 0.4
+"""How far a forearm turns as it rises [rad]."""
+
+
+class Judge:
+    """Least gap of a world, and most excess of its ball joints, over the frames seen."""
+
+    def __init__(self, world: World) -> None:
+        body = world.geometry.body
+        pairs = [
+            pair for pair in combinations(range(len(body)), 2)
+            if body[pair[0]] != body[pair[1]] and may_meet(world.geometry.wanted, body[pair[0]], body[pair[1]])
+        ]
+        self.world, self.pairs, self.scratch = world, np.array(pairs), make_scratch()
+        self.gap, self.excess = 1.0, -1.0
+
+    def see(self) -> None:
+        """Judge the state shown."""
+        world, skel = self.world, self.world.skeleton
+        self.gap = min(self.gap, least_gap(world.poses.vertices, world.geometry.shapes, self.pairs, self.scratch))
+        for link in range(len(skel.kind)):
+            if skel.kind[link] == BALL and has_cone(skel, link):
+                self.excess = max(self.excess, cone_excess(skel, link, columns(world.posture.turn, link)))
+
+
+def drawn_lift(seed: int) -> Lift:
+    """A box of 0.1 to 2 kg that friction can hold with a third to spare."""
+    random = np.random.default_rng(seed)
+    friction, into = random.uniform(0.5, 1.0), random.uniform(0.02, 0.05)
+    mass = min(random.uniform(0.1, 2.0), 2.0 * friction * 1000.0 * into / 9.81 / 1.5)
+    box = (random.uniform(0.12, 0.2), random.uniform(0.2, 0.34), random.uniform(0.12, 0.25))
+    return Lift(box, mass, friction, random.uniform(0.3, 0.34), random.uniform(0.2, 0.4) * box[2], into, random.uniform(0.9, 1.2))
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_both_hands_lift_a_drawn_box(seed: int) -> None:
+    """It rises with its user, but for the sag of m g / 2 K and what the balls of the hands roll on it as the arms turn; nothing
+    overlaps until it stands again."""
+    lift, engine = drawn_lift(seed), AvatarsimEngine()
+    scene = lift.scene()
+    engine.load(scene, Settings(), DT)
+    judge, rise = Judge(engine._frames.world), 0.0
+    before = scene.bodies[2].position[2]
+    for frame in range(300):
+        shown = engine.advance(lift.at((frame + 1) * DT), DT).shown
+        judge.see()
+        if (frame + 1) * DT < SINKS[0]:
+            rise = float(shown.positions[2, 2]) - before
+    assert rise == pytest.approx(0.2, abs=9.81 * lift.mass / 2000.0 + HAND * TURNS)
+    assert judge.gap > -1e-6 and judge.excess <= 0.0
+    assert np.linalg.norm(shown.velocities[2]) < 0.5
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_clips_go_through_loose_things_without_overlap(seed: int) -> None:
+    """Boxes and balls of 0.1 to 20 kg fall around a person; nothing of 5 kg or more is shot away."""
+    random, human = np.random.default_rng(seed), humanoid()
+    bodies = [floor()]
+    count = int(random.integers(4, 10))
+    for k in range(count):
+        shape = Sphere(random.uniform(0.05, 0.15)) if random.random() < 0.3 else Box(tuple(random.uniform(0.08, 0.4, 3)))
+        angle, far = 2.0 * np.pi * k / count, random.uniform(0.5, 0.7)
+        place = (far * np.cos(angle), far * np.sin(angle), random.uniform(0.3, 1.6))
+        mass = float(np.exp(random.uniform(np.log(0.1), np.log(20.0))))
+        bodies.append(simulated(f"thing {k}", (Piece(shape),), "wood", solid((Piece(shape),), mass), place))
+    law = ContactLaw(0.0, random.uniform(0.2, 0.9))
+    materials = PairTable(dict.fromkeys((("wood", "wood"), ("wood", "human"), ("human", "human")), law))
+    scene, engine = Scene("room", tuple(bodies), (human,), materials=materials, start=standing(human)), AvatarsimEngine()
+    motion = to_and_fro(load_clip(("kick", "dance_a", "getup_facedown", "crawl", "spinkick", "roll")[seed]), scene, 240)
+    engine.load(scene, Settings(), DT)
+    judge, coupled = Judge(engine._frames.world), 0
+    heavy = [k for k, body in enumerate(bodies) if body.mass and body.mass.mass > 5.0]
+    for frame in range(240):
+        shown = engine.advance(motion(frame), DT).shown
+        judge.see()
+        coupled += int(engine._frames.world.drive.coupled.any())
+        assert np.linalg.norm(shown.velocities[heavy], axis=1).max(initial=0.0) < 8.0
+    assert judge.gap > -1e-6 and judge.excess <= 0.0
+    assert coupled > 20
