@@ -1,4 +1,4 @@
-"""Built-in stages: a hand over a table, a human in a gallery of two rooms; of primitives, and of any avatar of a user.
+"""Built-in stages: a hand over a table or among toys, a human in two rooms; of primitives, and of any avatar of a user.
 
 Lengths and masses of the hand are an adult's (Garrett 1971; de Leva 1996), its joints' ranges those of the ASSH, rounded; the
 human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).
@@ -7,7 +7,7 @@ human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
-from math import radians
+from math import radians, tan
 
 import numpy as np
 
@@ -167,30 +167,61 @@ def _about(axis: str, degrees: float) -> Quaternion:
     return about((x, y, z), radians(degrees))
 
 
-def _hand_stage() -> Stage:
-    top, half, rim = 0.75, 0.45, 0.03
+TOP = 0.75
+"""Height of the table [m]."""
+
+
+def _table(half: float, rim: float) -> tuple[Body, Body]:
+    """A floor, and on it a table of edge 2 ``half`` with a rim on three sides [m]."""
     table = fixed("table", (
-        _box((0.0, 0.0, top - 0.02), (2.0 * half, 2.0 * half, 0.04)),
-        *(_box((sx * (half - 0.04), sy * (half - 0.04), 0.5 * (top - 0.04)), (0.05, 0.05, top - 0.04))
+        _box((0.0, 0.0, TOP - 0.02), (2.0 * half, 2.0 * half, 0.04)),
+        *(_box((sx * (half - 0.04), sy * (half - 0.04), 0.5 * (TOP - 0.04)), (0.05, 0.05, TOP - 0.04))
           for sx in (-1.0, 1.0) for sy in (-1.0, 1.0)),
-        *(_box((0.0, s * (half + 0.5 * rim), top), (2.0 * half, rim, 0.08)) for s in (-1.0, 1.0)),
-        _box((-half - 0.5 * rim, 0.0, top), (rim, 2.0 * half + 2.0 * rim, 0.08)),
+        *(_box((0.0, s * (half + 0.5 * rim), TOP), (2.0 * half, rim, 0.08)) for s in (-1.0, 1.0)),
+        _box((-half - 0.5 * rim, 0.0, TOP), (rim, 2.0 * half + 2.0 * rim, 0.08)),
     ), "wood")
+    return fixed("floor", (_box((0.0, 0.0, -0.05), (4.0, 4.0, 0.1)),), "wood"), table
+
+
+def _above_table(name: str, bodies: tuple[Body, ...], what: str, roll: float = 0.0) -> Stage:
+    """The hand above the table, on which bodies lie; turned about its fingers by ``roll`` [degrees]."""
+    avatar = hand()
+    start = replace(rest((avatar,)), positions=_first_root(avatar, (-0.05, 0.0, TOP + 0.22)))
+    start.rotations[0] = _about("x", roll)
+    scene = Scene(name, bodies, (avatar,), start=start)
+    return Stage(scene, handles_of(scene), what, Camera((-0.65, -0.75, 1.35), (0.05, 0.0, 0.82)))
+
+
+def _hand_stage() -> Stage:
+    half = 0.45
     wall = fixed("wall", (_box((half + 0.06, 0.0, 0.9), (0.1, 2.4, 1.8)),), "wood")
-    floor = fixed("floor", (_box((0.0, 0.0, -0.05), (4.0, 4.0, 0.1)),), "wood")
     lying = Piece(Capsule(0.025, 0.10), (0.0, 0.0, 0.0), _about("x", 90.0))
     loose = (
-        _loose("ball", (Piece(Sphere(0.035)),), 0.08, (0.22, 0.16, top + 0.035)),
-        _loose("box", (Piece(Box((0.07, 0.07, 0.07))),), 0.15, (0.26, -0.06, top + 0.035)),
-        _loose("brick", (Piece(Box((0.12, 0.06, 0.04))),), 0.20, (0.05, -0.26, top + 0.02)),
-        _loose("roller", (lying,), 0.12, (0.10, 0.28, top + 0.025)),
-        _loose("marble", (Piece(Sphere(0.015)),), 0.02, (0.30, -0.24, top + 0.015), "metal"),
+        _loose("ball", (Piece(Sphere(0.035)),), 0.08, (0.22, 0.16, TOP + 0.035)),
+        _loose("box", (Piece(Box((0.07, 0.07, 0.07))),), 0.15, (0.26, -0.06, TOP + 0.035)),
+        _loose("brick", (Piece(Box((0.12, 0.06, 0.04))),), 0.20, (0.05, -0.26, TOP + 0.02)),
+        _loose("roller", (lying,), 0.12, (0.10, 0.28, TOP + 0.025)),
+        _loose("marble", (Piece(Sphere(0.015)),), 0.02, (0.30, -0.24, TOP + 0.015), "metal"),
     )
-    avatar = hand()
-    start = replace(rest((avatar,)), positions=_first_root(avatar, (-0.05, 0.0, top + 0.22)))
-    scene = Scene("live hand", (floor, table, wall, *loose), (avatar,), start=start)
     what = "a hand of 16 links over a table with a rim and a wall, and five loose objects"
-    return Stage(scene, handles_of(scene), what, Camera((-0.65, -0.75, 1.35), (0.05, 0.0, 0.82)))
+    return _above_table("live hand", (*_table(half, 0.03), wall, *loose), what)
+
+
+def _toys_stage() -> Stage:
+    """A mug, a tower and a row of dominoes; the palm is turned to them, the thumb up."""
+    # four crossed boxes are a prism of eight sides
+    slab = Box((0.07, 0.07 * tan(radians(22.5)), 0.1))
+    mug = tuple(Piece(slab, orientation=_about("z", 45.0 * k)) for k in range(4))
+    handle = Piece(Box((0.03, 0.012, 0.06)), (0.05, 0.0, 0.0))
+    block, tile = Box((0.06, 0.06, 0.04)), Box((0.008, 0.024, 0.048))
+    tower = tuple(
+        _loose(f"block {k + 1}", (Piece(block),), 0.1, (0.15, 0.25, TOP + 0.02 + k * (0.04 + GAP))) for k in range(6)
+    )
+    dominoes = tuple(
+        _loose(f"domino {k + 1}", (Piece(tile),), 0.015, (-0.05 + 0.026 * k, -0.28, TOP + 0.024)) for k in range(14)
+    )
+    bodies = (*_table(0.45, 0.03), _loose("mug", (*mug, handle), 0.3, (0.12, -0.05, TOP + 0.05)), *tower, *dominoes)
+    return _above_table("live toys", bodies, "a hand of 16 links over a table with a mug, a tower and a row of dominoes", -90.0)
 
 
 # --- the human
@@ -300,6 +331,6 @@ def _first_root(avatar: Avatar, position: Vector) -> Array:
     return places
 
 
-_STAGES: dict[str, Callable[[], Stage]] = {"hand": cache(_hand_stage), "gallery": cache(_gallery)}
+_STAGES: dict[str, Callable[[], Stage]] = {"hand": cache(_hand_stage), "toys": cache(_toys_stage), "gallery": cache(_gallery)}
 NAMES = tuple(_STAGES)
 """Built-in stages."""
