@@ -29,10 +29,11 @@ class Linkage(NamedTuple):
     rate              (nd) how it changes: tangent velocity [rad/s], [m/s]; step (nd) in this substep
     bounds            (nd, 2) least and largest rate in this substep
     still             (nd) zeros
+    above             (nd) the next degree towards the root, which moves all that this one moves; -1 at the root
     axes, axes_ahead  (nd, 3) of the degrees, world axes, at the start of the substep and at its end
     ahead             where links are at the end of the substep
     matrix, factor    (nd, most of an avatar) mass matrices of the avatars, columns from the first degree of each on; their
-                      Cholesky factors without the degrees that are at a limit
+                      factors without the degrees that are at a limit
     held              (nd) flag: at its limit
     free_momentum, momentum   (nd) of each degree without contact, and with it
     pushed, gained    (nd) momentum and rate of each degree by one impulse
@@ -47,6 +48,7 @@ class Linkage(NamedTuple):
     step: Line
     bounds: Grid
     still: Line
+    above: IndexLine
     axes: Vectors
     axes_ahead: Vectors
     ahead: Poses
@@ -74,11 +76,17 @@ def make_linkage(scene: Scene) -> Linkage:
     def line() -> Array:
         return np.zeros(degrees)
 
+    above, last = np.full(degrees, -1, np.int64), np.full(links, -1, np.int64)
+    for link, parent in enumerate(skel.parent.tolist()):
+        last[link] = last[parent] if parent >= 0 else -1
+        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
+            above[j], last[link] = last[link], j
+
     joints, user = (Posture(np.zeros((links, 3)), np.zeros((links, 3, 3)), line()) for _ in range(2))
     ahead = Poses(np.zeros((bodies, 3)), np.zeros((bodies, 3, 3)), np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
     return Linkage(
-        skel, joints, user, line(), line(), np.zeros((degrees, 2)), line(), np.zeros((degrees, 3)), np.zeros((degrees, 3)), ahead,
-        np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(), line(), line(), line(),
+        skel, joints, user, line(), line(), np.zeros((degrees, 2)), line(), above, np.zeros((degrees, 3)), np.zeros((degrees, 3)),
+        ahead, np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(), line(), line(), line(),
         np.zeros((links, 3)), np.zeros((links, 3)), np.zeros(links), np.zeros((links, 3)), np.zeros((links, 3, 3)),
     )
 

@@ -172,44 +172,63 @@ def at_parent(skel: Skeleton, poses: Poses, link: int, force: Vec3, torque: Vec3
 
 @kernel
 def decompose(linkage: Linkage, low: int, high: int) -> None:
-    """Cholesky factor of the mass matrix of degrees low .. high without the degrees at a limit."""
-    factor = linkage.factor
-    for i in range(low, high):
-        for j in range(low, i + 1):
-            if linkage.held[i] + linkage.held[j] > 0:
-                factor[i, j - low] = 1.0 if i == j else 0.0
-                continue
-            total = linkage.matrix[i, j - low]
-            for k in range(j - low):
-                total -= factor[i, k] * factor[j, k]
-            if i == j:
-                factor[i, i - low] = sqrt(max(total, 0.0))
-            else:
-                factor[i, j - low] = total / factor[j, j - low] if factor[j, j - low] > 0.0 else 0.0
+    """Factor L'L of the mass matrix of degrees low .. high without the degrees at a limit.
+
+    L has entries for a degree and those above it alone (Featherstone 2008, section 6.5).
+    """
+    factor, above, held = linkage.factor, linkage.above, linkage.held
+    for k in range(low, high):
+        i = k
+        while i >= 0:
+            factor[k, i - low] = linkage.matrix[k, i - low]
+            i = above[i]
+    for k in range(high - 1, low - 1, -1):
+        if held[k] == 1:
+            continue
+        factor[k, k - low] = sqrt(max(factor[k, k - low], 0.0))
+        scale_by = 1.0 / factor[k, k - low] if factor[k, k - low] > 0.0 else 0.0
+        i = above[k]
+        while i >= 0:
+            factor[k, i - low] *= scale_by
+            i = above[i]
+        i = above[k]
+        while i >= 0:
+            j = i
+            while j >= 0:
+                factor[i, j - low] -= factor[k, i - low] * factor[k, j - low]
+                j = above[j]
+            i = above[i]
 
 
 @kernel
 def rates_for(linkage: Linkage, low: int, high: int, momentum: Array, rate: Array) -> None:
     """Solve for the ``rate`` of degrees low .. high that have a ``momentum``; the rates of degrees at a limit are fixed."""
-    factor = linkage.factor
+    factor, above, held = linkage.factor, linkage.above, linkage.held
     for i in range(low, high):
-        if linkage.held[i] == 1:
-            continue
-        total = momentum[i]
-        for k in range(low, high):
-            if linkage.held[k] == 1:
-                total -= linkage.matrix[i, k - low] * rate[k]
-        for k in range(low, i):
-            if linkage.held[k] == 0:
-                total -= factor[i, k - low] * rate[k]
-        rate[i] = total / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
+        if held[i] == 0:
+            rate[i] = momentum[i]
+    for k in range(low, high):
+        if held[k] == 1 and rate[k] != 0.0:
+            for i in range(low, high):
+                if held[i] == 0:
+                    rate[i] -= linkage.matrix[i, k - low] * rate[k]
     for i in range(high - 1, low - 1, -1):
-        if linkage.held[i] == 1:
+        if held[i] == 1:
             continue
-        total = rate[i]
-        for k in range(i + 1, high):
-            if linkage.held[k] == 0:
-                total -= factor[k, i - low] * rate[k]
+        rate[i] = rate[i] / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
+        j = above[i]
+        while j >= 0:
+            if held[j] == 0:
+                rate[j] -= factor[i, j - low] * rate[i]
+            j = above[j]
+    for i in range(low, high):
+        if held[i] == 1:
+            continue
+        total, j = rate[i], above[i]
+        while j >= 0:
+            if held[j] == 0:
+                total -= factor[i, j - low] * rate[j]
+            j = above[j]
         rate[i] = total / factor[i, i - low] if factor[i, i - low] > 0.0 else 0.0
 
 
