@@ -8,13 +8,12 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.collision.conservative_advancement import LEAVING
 from avatarsim.collision.path import STILL
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive
-from avatarsim.rigid.contacts import SHARP, Contacts, Masses, axis, push_along, speed_along, to_world, velocity_at
+from avatarsim.rigid.contacts import SHARP, Contacts, Masses, push_along, to_world
 from avatarsim.rigid.state import AUDITED, Memory
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, along, dot, put_row, row, scale
@@ -104,20 +103,6 @@ def work_on(memory: Memory, members: Index, linear: Array, angular: Array) -> fl
 
 
 @kernel
-def dissipated(velocities: Velocities, memory: Memory) -> float:
-    """Work [J] of friction over a segment, and of forces that end an approach; at most 0."""
-    contacts, work = memory.contacts, 0.0
-    for k in range(contacts.used[0]):
-        nearing = dot(axis(contacts, k, 0), velocity_at(contacts, k, memory.islands.linear, memory.islands.angular))
-        for i in range(3):
-            if i > 0 or nearing < -LEAVING * contacts.pace[0]:
-                before = speed_along(contacts, k, i, memory.islands.linear, memory.islands.angular)
-                after = speed_along(contacts, k, i, velocities.linear, velocities.angular)
-                work += 0.5 * contacts.impulse[k, i] * (before + after)
-    return min(0.0, work)
-
-
-@kernel
 def any_rolls(contacts: Contacts) -> bool:
     """Return whether a smooth surface touches: then errors come of gyroscopic torques as well, which no contact force bounds."""
     for k in range(contacts.used[0]):
@@ -146,7 +131,7 @@ def put_forces(dynamics: Dynamics, memory: Memory, members: Index, t: float) -> 
 
 @kernel
 def take_along_forces(gain: float, velocities: Velocities, memory: Memory, members: Index) -> float:
-    """Take a ``gain`` [J], or give one below 0, by the motion along the forces of the last segment; returns how much.
+    """Take a ``gain`` [J] by the motion along the forces of the last segment; returns how much.
 
     Spin about an axis without torque stays. At most the forces count as none, or twice.
     """
@@ -155,7 +140,7 @@ def take_along_forces(gain: float, velocities: Velocities, memory: Memory, membe
     if not (size > 0.0) or power == 0.0:
         return 0.0
     energy = 0.5 * power * power / size
-    less = power / size * (1.0 - sqrt(1.0 - max(-energy, min(gain, energy)) / energy))
+    less = power / size * (1.0 - sqrt(1.0 - min(gain, energy) / energy))
     less = max(-1.0, min(less, 1.0))
     for m in range(members.shape[0]):
         b = members[m]
@@ -169,32 +154,19 @@ def take_along_forces(gain: float, velocities: Velocities, memory: Memory, membe
 def audit(
     dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, energy_before: float, t: float
 ) -> bool:
-    """Take the energy that held members gained in a segment of t seconds, and pay it back where they lose by errors again.
+    """Take the energy that held members gained in a segment of t seconds: constant forces on turning lever arms are not exact.
 
-    Constant forces on turning lever arms are not exact. Passivity control (Hannaford and Ryu 2002): first along the forces, and
-    the rest, or all where a body rolls, by a common factor. False if they gained more than their whole kinetic energy.
+    Passivity control (Hannaford and Ryu 2002): along the forces first, and the rest, or all where a body rolls, by a common
+    factor. False if they gained more than their whole kinetic energy.
     """
-    rolls = any_rolls(memory.contacts)
-    put_forces(dynamics, memory, members, t)
-    work = dissipated(velocities, memory)
     kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, False)
-    gain = kinetic + potential - energy_before
-    taken, first = 0.0, -1
-    for m in range(members.shape[0]):
-        b = members[m]
-        if memory.held[b] == 1:
-            first = b if first < 0 else first
-            taken += memory.taken[b]
-            memory.taken[b] = 0.0
+    gain, part = kinetic + potential - energy_before, 0.0
     if gain > min(NO_GAIN, NO_PART * kinetic):
         memory.counts[AUDITED] += 1
-        part = 0.0 if rolls else take_along_forces(gain, velocities, memory, members)
+        if not any_rolls(memory.contacts):
+            put_forces(dynamics, memory, members, t)
+            part = take_along_forces(gain, velocities, memory, members)
         take_back(gain - part, kinetic - part, members, memory.held, velocities.linear, velocities.angular)
-        taken += part
-    elif gain < work and taken > 0.0 and not rolls:
-        taken += take_along_forces(max(gain - work, -taken), velocities, memory, members)
-    if first >= 0:
-        memory.taken[first] = taken
     return gain <= max(kinetic, NO_GAIN)
 
 

@@ -183,7 +183,6 @@ class Memory(NamedTuple):
     a_rows, b_rows     (vertices, 6) of two pieces, what bounds the motion of each vertex: see `collision.motion_bounds`
     last               forces of the last segment
     counts             work done in this frame: see `COUNT_NAMES`
-    taken              (nb) [J] energy gained by errors of contact forces, taken and not yet paid back: see `rigid.energy_audit`
     owed_linear        (nb, 3) [m/s] velocities that bodies get back: see `rigid.deferred_impacts`
     owed_angular       (nb, 3) [rad/s] the same
     owing              (1) flag: whether there are any
@@ -232,7 +231,6 @@ class Memory(NamedTuple):
     b_rows: Grid
     last: LastForces
     counts: IndexLine
-    taken: Line
     owed_linear: Vectors
     owed_angular: Vectors
     owing: IndexLine
@@ -310,7 +308,7 @@ def make_memory(
         sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
         pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
         last=make_last_forces(n, touching), counts=np.zeros(len(COUNT_NAMES), np.int64),
-        taken=np.zeros(n), owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
+        owed_linear=np.zeros((n, 3)), owed_angular=np.zeros((n, 3)), owing=np.zeros(1, np.int64),
         began=Poses(*(field.copy() for field in poses)), islands=make_islands(n, room), joins=np.zeros(n, np.int64),
         corrected=np.zeros(n), all_bodies=np.arange(n, dtype=np.int64),
         edges=np.zeros((2, 6)), tail_end=np.full(n, -1.0), tail_speed=np.zeros((n, 3)),
