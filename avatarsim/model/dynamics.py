@@ -86,8 +86,8 @@ def make_linkage(scene: Scene) -> Linkage:
     ahead = Poses(np.zeros((bodies, 3)), np.zeros((bodies, 3, 3)), np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
     return Linkage(
         skel, joints, user, line(), line(), np.zeros((degrees, 2)), line(), above, np.zeros((degrees, 3)), np.zeros((degrees, 3)),
-        ahead, np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(), line(), line(), line(),
-        np.zeros((links, 3)), np.zeros((links, 3)), np.zeros(links), np.zeros((links, 3)), np.zeros((links, 3, 3)),
+        ahead, np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(), line(), line(),
+        line(), np.zeros((links, 3)), np.zeros((links, 3)), np.zeros(links), np.zeros((links, 3)), np.zeros((links, 3, 3)),
     )
 
 

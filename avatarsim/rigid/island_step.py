@@ -16,7 +16,7 @@ from avatarsim.rigid.contacts import to_world
 from avatarsim.rigid.crowd_step import crowd_step, is_crowd
 from avatarsim.rigid.deferred_impacts import go_on, hand_over, wait
 from avatarsim.rigid.driven import note_load
-from avatarsim.rigid.energy_audit import audit, energy_of, stay
+from avatarsim.rigid.energy_audit import audit, energy_of, stay, take_back
 from avatarsim.rigid.first_event import first_event
 from avatarsim.rigid.impacts import end_tails, until_tail_ends
 from avatarsim.rigid.internal_edges import FLUSH
@@ -90,7 +90,10 @@ def step(
         memory.counts[UNSQUEEZED] += 1
         kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
         worst = unsqueeze(geometry, dynamics, poses, velocities, pairs, memory)
-        audit(dynamics, poses, velocities, memory, members, True, kinetic + potential)
+        after, lifted = energy_of(dynamics, poses, velocities, memory, members, True)
+        take_back(
+            after + lifted - kinetic - potential, after, members, memory.held, velocities.linear, velocities.angular
+        )
         for m in range(size):
             memory.corrected[members[m]] = now
         found = regroup(geometry, dynamics, poses, velocities, memory, members, now, dt)
@@ -140,7 +143,7 @@ def step(
     note_load(dynamics, memory)
     last_for(memory, t / h)
     hand_over(dynamics, velocities, memory, True)
-    if not audit(dynamics, poses, velocities, memory, members, False, kinetic + potential):
+    if not audit(dynamics, poses, velocities, memory, members, kinetic + potential, t):
         stay(geometry, poses, velocities, memory, members)
     return status
 

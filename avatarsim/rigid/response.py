@@ -299,6 +299,8 @@ def segment(
         for k in range(count):
             for i in range(2):
                 b = contacts.body[k, i]
+                # for `hold`: it rolls
+                held[b] = 1 if contacts.smooth[k] != SHARP else held[b]
                 spin = turns_with(contacts, memory, velocities, k, i)
                 if moving[b] == 1:
                     if spin * h > GENTLE_TURN:
@@ -321,7 +323,10 @@ def segment(
         h, residual = hold(
             contacts, memory.hold, members, moving, memory.round, dynamics.gravity, memory.inertia, h, velocities.linear,
             velocities.angular, memory.linear_end, memory.angular_end, memory.before, memory.direction, care,
+            held, memory.series,
         )
+        for m in range(members.shape[0]):
+            held[members[m]] = 0
         remember_forces(contacts, h, members, memory.last)
         memory.counts[SOLVES] += 1
         memory.counts[UNSOLVED] += 1 if not (residual <= 10.0 * care.tolerance) else 0

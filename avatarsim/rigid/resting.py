@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.collision.conservative_advancement import LIFT, LIFTED, STAND_OFF, TOUCH
+from avatarsim.collision.path import Series, tumbled
 from avatarsim.jit.kernel import kernel
 from avatarsim.rigid.contact_law import kinetic_friction, tangential_velocity
 from avatarsim.rigid.contacts import (
@@ -27,7 +28,7 @@ from avatarsim.rigid.contacts import (
 )
 from avatarsim.rigid.solver import change, solve_contacts, solve_roughly, sweeps, unsolved
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import Vec3, along, cross, dot, norm, put_row, row, sub
+from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, put_row, row, sub
 from avatarsim.tolerances import JUDGED, NOTHING, PROOF, ROUGH, SLIGHT
 
 Array = NDArray[np.float64]
@@ -236,25 +237,38 @@ def aim(contacts: Contacts, h: float, linear: Array, angular: Array) -> None:
 @kernel
 def fall(
     members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, masses: Masses, h: float, linear: Array,
-    angular: Array, linear_end: Array, angular_end: Array,
+    angular: Array, linear_end: Array, angular_end: Array, rolls: Index, series: Series,
 ) -> None:
-    """Velocities of the members after h seconds without contacts; ``inertia`` (nb, 3, 3) in world axes, gyroscopic unless
-    ``round_``."""
+    """Add the velocities without contacts after h seconds to the changes by contacts in ``linear_end`` and ``angular_end``.
+
+    Rotation without torque is exact: explicit Euler makes a spinning top nod ever more. The torque of the contacts, as guessed so
+    far, tilts inertia and momentum of a spinning body, to second order in h. A body that ``rolls`` turns too far for that; its
+    gyroscopic torque, which contacts nearly balance, is that of the start. ``inertia`` (nb, 3, 3) in world axes, gyroscopic
+    unless ``round_``.
+    """
+    unturned = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     for m in range(members.shape[0]):
         b = members[m]
+        w, gain = row(angular, b), row(angular_end, b)
         for i in range(3):
-            linear_end[b, i] = linear[b, i] + (h * gravity[i] if moving[b] == 1 else 0.0)
-            angular_end[b, i] = angular[b, i]
+            linear_end[b, i] += linear[b, i] + (h * gravity[i] if moving[b] == 1 else 0.0)
         if moving[b] == 1 and round_[b] == 0:
-            w = row(angular, b)
-            torque = cross(turned(columns(inertia, b), w), w)
-            put_row(angular_end, b, along(w, h, turned(columns(masses.inverse_inertia, b), torque)))
+            of, inverse = columns(inertia, b), columns(masses.inverse_inertia, b)
+            momentum = turned(of, w)
+            if rolls[b] == 1:
+                w = along(w, h, turned(inverse, cross(momentum, w)))
+            else:
+                tilt = along(cross(gain, momentum), 2.0, cross(w, turned(of, gain)))
+                gain = along(gain, 0.5 * h, sub(cross(w, gain), turned(inverse, tilt)))
+                _, w = tumbled(of, inverse, unturned, w, h, series)
+        put_row(angular_end, b, add(w, gain))
 
 
 @kernel
 def hold(
     contacts: Contacts, masses: Masses, members: Index, moving: Index, round_: Index, gravity: Array, inertia: Array, h: float,
     linear: Array, angular: Array, linear_end: Array, angular_end: Array, before: Array, direction: Array, care: Care,
+    rolls: Index, series: Series,
 ) -> tuple[float, float]:
     """Solve for contact forces constant over the next h seconds, or over less if a slip ends before.
 
@@ -262,6 +276,7 @@ def hold(
         contacts: hold forces [N] on entry (a guess), impulses over the segment [N s] on return.
         members: the bodies that the contacts are between, but for fixed and sleeping ones.
         masses: driven bodies must not yield in them.
+        rolls: (nb) 1 where a body touches with a smooth surface, or touches one.
         linear, angular: velocities at the start, unchanged; linear_end, angular_end: at the end of the segment.
 
     Returns:
@@ -276,10 +291,13 @@ def hold(
         # forces at the lever arms of the midpoint do the work along the curved path to second order
         weigh_after(contacts, masses, 0.5 * h)
         aim(contacts, h, linear, angular)
-        fall(members, moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end)
+        for m in range(members.shape[0]):
+            linear_end[members[m], :] = 0.0
+            angular_end[members[m], :] = 0.0
         for k in range(count):
             for i in range(3):
                 push_along(contacts, masses, k, i, contacts.impulse[k, i], linear_end, angular_end)
+        fall(members, moving, round_, gravity, inertia, masses, h, linear, angular, linear_end, angular_end, rolls, series)
         residual = unsolved(contacts, 0, count, linear_end, angular_end)
         for _ in range(GUESSES if attempt > 0 and count <= ALONE else 0):
             # shortly before a slip ends the solver converges slowest in friction, which is known there

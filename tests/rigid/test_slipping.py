@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from avatarsim.collision.path import make_series
 from avatarsim.rigid.contacts import Masses, add_contact, make_contacts
 from avatarsim.rigid.resting import ATTEMPTS, SOLVED, SWEEPS, Care, hold, remainder, slip_that_ends
 from avatarsim.rigid.rolling import curvature
@@ -29,7 +30,10 @@ def held(contacts, masses, h: float, linear: np.ndarray, angular: np.ndarray):
     curvature(contacts, v, w)
     memory, care = (np.zeros((4, 3)), np.zeros((4, 3))), Care(SOLVED, 25, SWEEPS, ATTEMPTS)
     inertia = np.stack([np.zeros((3, 3)), INERTIA])
-    length, left = hold(contacts, masses, MEMBERS, MOVING, BRICK, G, inertia, h, v, w, v_end, w_end, *memory, care)
+    length, left = hold(
+        contacts, masses, MEMBERS, MOVING, BRICK, G, inertia, h, v, w, v_end, w_end, *memory, care, np.zeros(2, np.int64),
+        make_series(),
+    )
     assert left <= 10.0 * SOLVED
     return float(length), v_end, w_end
 
