@@ -52,7 +52,7 @@ FRAME_VISITS, LEAST_SWEEPS = SHARE_OF_SOLVE * VISITS, SWEEPS // 4
 the least double sweeps of a solve, and those for restitution. Fewer: bodies of large heaps lose time; more: frames in which a
 heap lands take longer."""
 
-CUTS = 2
+CUTS = 1
 """Times that a substep of an island that can be solved finer is halved and solved anew where its ways cannot be proved, before
 ways are shortened instead. Fewer: what is struck loses momentum; more: frames in which that happens take longer."""
 
