@@ -51,16 +51,18 @@ def note_blocked(geo: Geometry, dynamics: Dynamics, contacts: Contacts) -> None:
 
 
 @kernel
-def accelerate(v: Vec3, b: int, dt: float, velocity_out: Array, gained_out: Array, ramp_out: Array) -> None:
+def accelerate(v: Vec3, b: int, dt: float, velocity_out: Array, gained_out: Array, ramp_out: Array, lag_out: Array) -> None:
     """Store the mean velocity v of a frame and its slope within the frame.
 
     Piecewise linear reconstruction with the minmod limiter (van Leer 1979). A piecewise constant velocity concentrates the
-    friction of a frame in its first substep; without the limiter a hand overshoots when it stops.
+    friction of a frame in its first substep; without the limiter a hand overshoots when it stops. The jump that is left between
+    two frames is noise: the inertia of the body resists it, so the lag velocity changes by it.
     """
     for i in range(3):
         gained, before = v[i] - velocity_out[b, i], gained_out[b, i]
-        ramp_out[b, i] = (gained if abs(gained) < abs(before) else before) / dt if gained * before > 0.0 else 0.0
-        velocity_out[b, i], gained_out[b, i] = v[i], gained
+        ramp = (gained if abs(gained) < abs(before) else before) / dt if gained * before > 0.0 else 0.0
+        lag_out[b, i] -= gained - 0.5 * dt * (ramp + ramp_out[b, i])
+        velocity_out[b, i], gained_out[b, i], ramp_out[b, i] = v[i], gained, ramp
 
 
 @kernel
@@ -129,8 +131,9 @@ def exclude_coupled(
         if drive.coupled[b] == 0:
             couple(drive, before, now, b, dt)
         way, turn = follow(drive, before, now, b, dt)
-        accelerate(limited(scale(way, 1.0 / dt), TOP_SPEED), b, dt, drive.linear, drive.gained, drive.ramp)
-        accelerate(limited(scale(turn, 1.0 / dt), TOP_SPIN), b, dt, drive.angular, drive.gained_turn, drive.ramp_turn)
+        accelerate(limited(scale(way, 1.0 / dt), TOP_SPEED), b, dt, drive.linear, drive.gained, drive.ramp, drive.lag)
+        w = limited(scale(turn, 1.0 / dt), TOP_SPIN)
+        accelerate(w, b, dt, drive.angular, drive.gained_turn, drive.ramp_turn, drive.lag_turn)
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt
         if drive.unloaded[b] > time_to_catch_up(drive, drive.tied[b]):
             drive.coupled[b] = 0

@@ -20,6 +20,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings, PostureSettings
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
+from scenarios import catalog
 from tests.rigid.upper_world import G, World, hand
 
 DT = 1.0 / 60.0
@@ -211,3 +212,19 @@ def test_a_pinch_with_crooked_pads_launches_nothing(tilt: float) -> None:
     engine.load(Scene("pinch", (floor, box("box", 2e-7)), pads, materials=table(0.0), start=sample(0.0)), Settings(), DT)
     for k in range(90):
         assert np.linalg.norm(engine.advance(sample((k + 1) * DT), DT).shown.velocities, axis=1).max() < 10.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_of_a_tracker_does_not_shake_a_box_out_of_a_pinch(seed: int) -> None:
+    """White noise of 0.5 mm a sample, as of a headset's tracker: the inertia of the hands resists it, and springs yield to it."""
+    scenario = catalog.get(("pinch_light", "pinch_heavy")[seed % 2])
+    scene, random, engine, seen = scenario.build(), np.random.default_rng(seed), AvatarsimEngine(), []
+    motion = scenario.motion(scene, 0)
+    engine.load(scene, Settings(), DT)
+    for frame in range(165):
+        sample = motion(frame)
+        shaken = replace(sample, positions=sample.positions + 5e-4 * random.normal(size=(2, 3)))
+        shown = engine.advance(shaken, DT).shown.positions
+        seen.append(shown[1] - shown[2:].mean(axis=0))
+    held = np.array(seen[50:])
+    assert np.linalg.norm(held - held[0], axis=1).max() < 5e-4
