@@ -18,7 +18,7 @@ from avatarsim.model.dynamics import DRIVEN, FIXED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.contact_law import point_velocity, tangential_velocity
 from avatarsim.rigid.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, add_contact, axis
-from avatarsim.rigid.internal_edges import forget, level_seams, note
+from avatarsim.rigid.internal_edges import forget_faces, level_seams, note
 from avatarsim.rigid.rolling import is_smooth, note_smooth
 from avatarsim.rigid.state import QUERY_WORK, WORK, Memory
 from avatarsim.spatial.tangent import columns, step_between, turned
@@ -144,7 +144,8 @@ def find_contacts(
     """
     memory.contacts.used[0] = 0
     worst, outcome = inf, FOUND
-    forget(memory, pairs)
+    for p in range(pairs.shape[0]):
+        forget_faces(memory, pairs[p, 0], pairs[p, 1])
     for p in range(pairs.shape[0]):
         a, b = pairs[p, 0], pairs[p, 1]
         if memory.moving[a] + memory.moving[b] == 0:

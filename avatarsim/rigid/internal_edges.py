@@ -53,10 +53,9 @@ NOTHING, NO_FACE = -1, -2
 
 
 @kernel
-def forget(memory: Memory, pairs: Index) -> None:
-    """Empty the lists of face contacts of all bodies of these pairs."""
-    for p in range(pairs.shape[0]):
-        memory.newest[pairs[p, 0]], memory.newest[pairs[p, 1]] = NOTHING, NOTHING
+def forget_faces(memory: Memory, a: int, b: int) -> None:
+    """Empty the lists of face contacts of bodies a and b."""
+    memory.newest[a], memory.newest[b] = NOTHING, NOTHING
 
 
 @kernel

@@ -28,6 +28,7 @@ from avatarsim.rigid.contacts import (
     weigh_from,
 )
 from avatarsim.rigid.driven import is_kinematic
+from avatarsim.rigid.internal_edges import forget_faces, level_seams, note
 from avatarsim.rigid.state import Memory
 from avatarsim.rigid.substep_state import KNOWN
 from avatarsim.rigid.swept_certificate import Refusal, least_of, query
@@ -92,6 +93,8 @@ def find_rows(
     """
     sub_, contacts = memory.substeps, memory.contacts
     contacts.used[0], d = 0, stand_off_of(memory)
+    for q in range(sub_.found[0]):
+        forget_faces(memory, geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]])
     pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
     for q in range(sub_.found[0]):
         sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
@@ -112,6 +115,9 @@ def find_rows(
         add_manifold(geometry, dynamics, poses, velocities, memory, sa, sb, driven, gap, n, on_a, on_b, band)
         for k in range(first, contacts.used[0]):
             contacts.key[k] = (sa * geometry.body.shape[0] + sb) * POINTS_OF_PAIR + k - first
+        if contacts.used[0] > first:
+            note(geometry, poses, memory, sa, sb, first)
+    level_seams(geometry, poses, Velocities(memory.linear_end, memory.angular_end), memory)
     sub_.lasting[0] = contacts.used[0]
 
 

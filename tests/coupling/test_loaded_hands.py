@@ -228,3 +228,19 @@ def test_noise_of_a_tracker_does_not_shake_a_box_out_of_a_pinch(seed: int) -> No
         seen.append(shown[1] - shown[2:].mean(axis=0))
     held = np.array(seen[50:])
     assert np.linalg.norm(held - held[0], axis=1).max() < 5e-4
+
+
+@pytest.mark.parametrize("stacked", [1, 2])
+def test_what_is_pushed_over_seams_goes_as_over_one_plate(stacked: int) -> None:
+    """A floor of twenty flush tiles: no edge between them stops, tilts or lifts a box."""
+    def pushed(tiles: int) -> np.ndarray:
+        wide = 2.0 / tiles
+        floor = fixed("floor", tuple(
+            Piece(Box((wide, 2.0, 0.2)), (-0.5 + wide * (k + 0.5), 0.0, -0.1)) for k in range(tiles)
+        ), "m")
+        boxes = [box(f"box {k}", 1e-4 + k * 0.0801, 0.5) for k in range(stacked)]
+        shown, _ = carry([floor, *boxes], lambda t: (-0.15 + 0.4 * t, 0.0, 0.03), 2.0)
+        return shown[:, 1:]
+
+    apart = np.abs(pushed(20) - pushed(1))
+    assert apart[..., 2].max() < 5e-5 and apart.max() < 1e-4
