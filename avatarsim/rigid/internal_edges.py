@@ -23,8 +23,7 @@ from avatarsim.rigid.rolling import put_radius
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, along, cross, dot, neg, norm, perpendicular, put_row, row, sub
-from avatarsim.tolerances import JUDGED, PROOF, SLIGHT
-from avatarsim.tolerances import NOTHING as NEGLIGIBLE
+from avatarsim.tolerances import FINE, JUDGED, PROOF, SLIGHT
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -36,8 +35,9 @@ slide on at that depth, and above the depth at which positions are corrected."""
 SAME = PROOF
 """Normals nearer to each other than this are the same."""
 
-BEHIND = -NEGLIGIBLE
-"""Normals that point against each other by more than this are of two sides of a body."""
+BEHIND = -FINE
+"""Normals that point against each other by more than this are of two sides of a body. Nearer to 0: a body that tilts a little is
+stopped by the side of the next piece."""
 
 EVEN = SLIGHT
 """Corners within this part of a piece's size below the highest along a normal are of one face."""

@@ -5,8 +5,12 @@ from itertools import product
 import numpy as np
 import pytest
 
+from avatarsim.engine import Settings
 from avatarsim.scene.body import Body, simulated, solid
 from avatarsim.scene.shape import Box, Piece
+from avatarsim.simulator import AvatarsimEngine
+from scenarios import catalog
+from scenarios.catalog.hard import seams
 from tests.rigid.upper_world import G, World, slab, thing
 
 DT = 1.0 / 60.0
@@ -93,3 +97,17 @@ def test_a_heap_of_bodies_of_many_pieces_falls_to_rest() -> None:
     run_as_crowd(world, 1.5)
     assert world.memory.asleep[1:].all()
     assert world.poses.position[1:, 2].min() == pytest.approx(0.05, abs=1e-4)
+
+
+def test_boxes_in_a_crowd_slide_over_seams_as_far_as_over_one_piece() -> None:
+    """Straight, leaning and crossed seams, bodies of one piece and of three: v^2 / (2 mu g), to the error of the time steps."""
+    scenario = catalog.get("seams")
+    scene, engine = scenario.build(), AvatarsimEngine()
+    motion = scenario.motion(scene, 0)
+    first = engine.load(scene, Settings(), scenario.dt).shown.positions
+    for frame in range(60):
+        engine._frames.upper.memory.substeps.crowd[:] = 1
+        shown = engine.advance(motion(frame), scenario.dt).shown
+    boxes = [scene.names.index(name) for name in ("straight", "turned", "leaning", "pieces", "askew", "bottom")]
+    gone = np.linalg.norm(shown.positions[boxes] - first[boxes], axis=1)
+    assert gone == pytest.approx(seams.SPEED**2 / (2.0 * seams.FRICTION * seams.GRAVITY), rel=0.02)
