@@ -84,7 +84,7 @@ def couple(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> N
     turn = turn_of(columns(before.rotation, b), columns(now.rotation, b))
     put_row(drive.linear, b, scale(sub(row(now.position, b), row(before.position, b)), 1.0 / dt))
     put_row(drive.angular, b, scale(turn, 1.0 / dt))
-    for rest in (drive.lag_turn, drive.gained, drive.gained_turn):
+    for rest in (drive.lag_turn, drive.gained, drive.gained_turn, drive.ramp, drive.ramp_turn):
         put_row(rest, b, (0.0, 0.0, 0.0))
 
 

@@ -300,7 +300,7 @@ def segment(
             for i in range(2):
                 b = contacts.body[k, i]
                 # for `hold`: it rolls
-                held[b] = 1 if contacts.smooth[k] != SHARP else held[b]
+                held[b] = moving[b] if contacts.smooth[k] != SHARP else held[b]
                 spin = turns_with(contacts, memory, velocities, k, i)
                 if moving[b] == 1:
                     if spin * h > GENTLE_TURN:

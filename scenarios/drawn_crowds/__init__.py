@@ -1,4 +1,4 @@
-"""Crowds that nothing was tuned for: random convex bodies poured, struck, swept and gripped, each a scene made by its seed."""
+"""Crowds that nothing was tuned for: random bodies poured, struck, swept, gripped and kicked, each a scene made by its seed."""
 
 from functools import cache
 
@@ -40,7 +40,7 @@ def draw(seed: int) -> Scenario:
         judged="Overlap, time kept and, without a hand, energy; nothing was tuned for it.",
         build=lambda: crowd.scene, motion=crowd.motion, frames=FRAMES, short=SHORT,
         bounds=(*PROMISES, *((GAINS_NOTHING,) if free else ())),
-        regions=(stage.above_floor(*moving, *(hand.name for hand in crowd.scene.avatars)),),
+        regions=(stage.above_floor(*moving, *crowd.scene.names[len(crowd.scene.bodies):]),),
         metrics=("stalled_bodies",),
         expects={"travel": dict.fromkeys(crowd.falling, 0.5 * LOW), **({"alone": (moving,)} if free else {})},
     )

@@ -1,5 +1,5 @@
 """`python -m scenarios.drawn_crowds [--scenes N] [--seed S] [--engines ENGINE/PRESET ...] [--jobs N]`: crowds that nothing was
-tuned for: random convex bodies poured, struck, swept and gripped.
+tuned for: random convex bodies poured, struck, swept, gripped and kicked.
 
 Crowd k is drawn with seed S + k, run, judged and measured: a line for each, then the worst figures and how many crowds are
 outside the bounds. The bounds are put to the first engine; others are shown beside it. Crowd k alone: `--scenes 1 --seed S+k`.
@@ -28,7 +28,7 @@ from scenarios.unseen import seeds
 def parser() -> argparse.ArgumentParser:
     """All options."""
     top = argparse.ArgumentParser(
-        prog="python -m scenarios.drawn_crowds", description="Random convex bodies poured, struck, swept and gripped.",
+        prog="python -m scenarios.drawn_crowds", description="Random convex bodies poured, struck, swept, gripped and kicked.",
     )
     top.add_argument("--scenes", type=int, default=20, metavar="N", help="how many crowds (20)")
     top.add_argument("--seed", type=int, default=None, metavar="S", help="seed of the first (default: the commit's own)")

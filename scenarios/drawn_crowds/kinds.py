@@ -1,4 +1,4 @@
-"""Four kinds of drawn crowds: bodies that are poured, struck by something heavy, swept by a hand, or gripped by two pads."""
+"""Kinds of drawn crowds: bodies poured, struck by something heavy, swept by a hand, gripped by two pads, kicked by a person."""
 
 import math
 from collections.abc import Callable
@@ -12,11 +12,15 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, reach
 from avatarsim.spatial import rotation
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.building.avatars.standing import standing
 from scenarios.building.cases import LAID, turned_by
 from scenarios.building.reach import extent
 from scenarios.building.things import drawn_box, drawn_turn, open_box
 from scenarios.drawn_crowds.bodies import DENSITIES, FLOOR, HAND, THINGS, drawn_piece, drawn_table, lattice, of_density, spacing
+from scenarios.motion.mocap import load_clip
 from scenarios.motion.rigid_hands import Places, eased, hands_at, led
+from scenarios.motion.track import to_and_fro
 from scenarios.motion.untracked import untracked
 from scenarios.scenario import RENDERED, Motion
 
@@ -41,6 +45,8 @@ PAD: Vector = (0.02, 0.05, 0.05)
 """Edges of a pad [m]."""
 BESIDE, INTO, RISES = (0.01, 0.03), (0.005, 0.03), (0.1, 0.3)
 """How far the pads begin from the gripped body, how far their user goes into it, and how far they rise [m]."""
+CLIPS, ROOM = ("kick", "spinkick", "punch", "dance_a", "crawl", "roll", "getup_facedown"), 0.35
+"""Clips of a person, and the radius that is left free around where it stands at first [m]."""
 CLOSED, UP = (0.1, 0.4), (0.5, 1.3)
 """When pads close and rise [s]."""
 
@@ -195,5 +201,17 @@ def gripped(drawn: Drawn) -> Crowd:
     return drawn.crowd(bodies, pads, at, first=1)
 
 
-KINDS: tuple[Callable[[Drawn], Crowd], ...] = (poured, struck, swept, gripped)
+def kicked(drawn: Drawn) -> Crowd:
+    """Let a person amid the bodies play a recorded clip."""
+    random = drawn.random
+    places = lattice(random, drawn.radii, math.ceil(len(drawn.pieces) / int(random.integers(1, 4))), ROOM)
+    human, clip = humanoid(), load_clip(CLIPS[random.integers(len(CLIPS))])
+    person = replace(human, links=tuple(replace(link, material=HAND) for link in human.links))
+    start = standing(person, heading=float(random.uniform(0.0, 2.0 * math.pi)))
+    scene = Scene(drawn.name, tuple(drawn.bodies(places)), (person,), drawn_table(random), start=start)
+    falling = tuple(f"thing_{k}" for k in range(len(drawn.pieces)))
+    return Crowd(scene, lambda scene, seed: to_and_fro(clip, scene, FRAMES), falling)
+
+
+KINDS: tuple[Callable[[Drawn], Crowd], ...] = (poured, struck, swept, gripped, kicked)
 """Successive seeds go through these in turn."""
