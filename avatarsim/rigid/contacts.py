@@ -396,6 +396,14 @@ def push_all(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array,
         angular[b, x] -= d[0] * q[k, 0, x] + d[1] * q[k, 1, x] + d[2] * q[k, 2, x]
 
 
+@kernel
+def scale_impulses(contacts: Contacts, factor: float) -> None:
+    """Scale the impulses of all contacts: forces to impulses, or to those of a shorter time."""
+    for k in range(contacts.used[0]):
+        for i in range(3):
+            contacts.impulse[k, i] *= factor
+
+
 # Warm start: a hash table of the last segment's forces by contact key. An entry is valid as long as its body has had no other
 # segment since; a contact without one starts from zero.
 

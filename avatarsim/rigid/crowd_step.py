@@ -11,7 +11,7 @@ from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, find_contacts
 from avatarsim.rigid.contacts import Contacts, is_full, remember_forces
-from avatarsim.rigid.deferred_impacts import hand_over
+from avatarsim.rigid.deferred_impacts import transfer_impulses
 from avatarsim.rigid.driven import aim_all, is_kinematic, note_lag, note_load
 from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
 from avatarsim.rigid.impacts import until_tail_ends
@@ -324,7 +324,7 @@ def crowd_step(
     bend(dynamics, members, until / h)
     take_step(velocities, memory, members)
     note_load(dynamics, memory)
-    hand_over(dynamics, velocities, memory, False)
+    transfer_impulses(dynamics, velocities, memory, False)
     memory.counts[SUBSTEPS] += 1
     memory.counts[WORK] += contacts.visits[0]
     contacts.visits[0] = 0

@@ -29,7 +29,7 @@ MOST_ELASTIC = 2.0
 
 
 @kernel
-def wait(velocities: Velocities, memory: Memory, members: Index, left: float) -> None:
+def defer_impacts(velocities: Velocities, memory: Memory, members: Index, left: float) -> None:
     """Take from simulated bodies the velocity with which they would enter driven ones in ``left`` seconds; it is owed to them.
 
     Half of the gap to the driven body may be closed: slower bodies go on.
@@ -59,7 +59,7 @@ def wait(velocities: Velocities, memory: Memory, members: Index, left: float) ->
 
 
 @kernel
-def go_on(velocities: Velocities, memory: Memory, members: Index) -> None:
+def restore_deferred(velocities: Velocities, memory: Memory, members: Index) -> None:
     """Give back the velocities that are owed to members."""
     if memory.owing[0] == 0:
         return
@@ -96,7 +96,7 @@ def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, firs
 
 
 @kernel
-def hand_over(dynamics: Dynamics, velocities: Velocities, memory: Memory, owes: bool) -> None:
+def transfer_impulses(dynamics: Dynamics, velocities: Velocities, memory: Memory, owes: bool) -> None:
     """Add the contact forces of a segment to the impulses of driven bodies; what these cannot take is owed to the others.
 
     Unless ``owes`` it is lost: in a crowd it may be the force of another driven body, which goes on.

@@ -171,7 +171,7 @@ def audit(
 
 
 @kernel
-def stay(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, members: Index) -> None:
+def revert_segment(geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, members: Index) -> None:
     """Put an island back to where its segment began, at rest: it gained more energy than its motion holds.
 
     A force that is constant over a segment brakes a body that leaves a contact slowly, and so lifts it. An island with a body in

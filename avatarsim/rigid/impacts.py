@@ -415,7 +415,7 @@ def until_tail_ends(memory: Memory, members: Index, now: float, left: float) -> 
 
 
 @kernel
-def show_tails(velocities: Velocities, memory: Memory, dt: float) -> None:
+def show_zeno(velocities: Velocities, memory: Memory, dt: float) -> None:
     """At the end of a frame of dt seconds: a ball within its tail is shown with its rebound speed."""
     for b in range(memory.moving.shape[0]):
         if memory.tail_end[b] > dt:
@@ -426,7 +426,7 @@ def show_tails(velocities: Velocities, memory: Memory, dt: float) -> None:
 
 
 @kernel
-def take_up_tails(velocities: Velocities, memory: Memory) -> None:
+def resume_zeno(velocities: Velocities, memory: Memory) -> None:
     """At the start of a frame: a ball within its tail is at rest, unless its velocity was set to another one meanwhile."""
     for b in range(memory.moving.shape[0]):
         if memory.tail_end[b] > NONE:

@@ -12,15 +12,15 @@ from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, NO_ROOM, find_contacts
-from avatarsim.rigid.contacts import to_world
+from avatarsim.rigid.contacts import scale_impulses, to_world
 from avatarsim.rigid.crowd_step import crowd_step, is_crowd
-from avatarsim.rigid.deferred_impacts import go_on, hand_over, wait
+from avatarsim.rigid.deferred_impacts import defer_impacts, restore_deferred, transfer_impulses
 from avatarsim.rigid.driven import note_load
-from avatarsim.rigid.energy_audit import audit, energy_of, stay, take_back
+from avatarsim.rigid.energy_audit import audit, energy_of, revert_segment, take_back
 from avatarsim.rigid.first_event import first_event
 from avatarsim.rigid.impacts import end_tails, until_tail_ends
 from avatarsim.rigid.internal_edges import FLUSH
-from avatarsim.rigid.response import impacts, segment, unsqueeze
+from avatarsim.rigid.response import impacts, project_positions, segment
 from avatarsim.rigid.sleeping import all_keep, charged_last, regroup
 from avatarsim.rigid.state import (
     AGAIN,
@@ -80,7 +80,7 @@ def step(
     memory.counts[WORK] += contacts.visits[0]
     contacts.visits[0] = 0
     spend(memory, members, 1)
-    go_on(velocities, memory, members)
+    restore_deferred(velocities, memory, members)
     end_tails(geometry, poses, velocities, memory, events, members, now, switches.record)
     weigh_bodies(dynamics, poses, memory, members)
     if is_crowd(dynamics, memory, members):
@@ -89,7 +89,7 @@ def step(
     if worst < DEEPEST and memory.corrected[lead] != now:
         memory.counts[UNSQUEEZED] += 1
         kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
-        worst = unsqueeze(geometry, dynamics, poses, velocities, pairs, memory)
+        worst = project_positions(geometry, dynamics, poses, velocities, pairs, memory)
         after, lifted = energy_of(dynamics, poses, velocities, memory, members, True)
         take_back(
             after + lifted - kinetic - potential, after, members, memory.held, velocities.linear, velocities.angular
@@ -108,7 +108,23 @@ def step(
     if contacts.used[0] > 0:
         spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, False, switches)
         status = spent if spent != DONE else status
-        wait(velocities, memory, members, left)
+        defer_impacts(velocities, memory, members, left)
+    return fly_or_slide(geometry, dynamics, poses, velocities, dt, i, memory, status, switches)
+
+
+@kernel
+def fly_or_slide(
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, memory: Memory,
+    status: int, switches: Switches,
+) -> int:
+    """Take island i, whose impacts are resolved, along its paths to its next event; returns the worse status, or AGAIN."""
+    islands = memory.islands
+    size = islands.first[i + 1] - islands.first[i]
+    members = islands.order[islands.first[i] : islands.first[i + 1]]
+    pairs = islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]
+    lead = members[0]
+    now = islands.due[lead]
+    left = dt - now
     h = segment(dynamics, velocities, memory, members, until_tail_ends(memory, members, now, left))
     until = h
     if not all_keep(poses, velocities, memory, members, h):
@@ -138,13 +154,13 @@ def step(
         islands.due[members[m]] = dt if t == left or now + t > dt * (1.0 - GRAIN) else now + t
     if t < STALL:
         spend(memory, members, STALL_COSTS)
-    memory.counts[WORK] += contacts.visits[0]
-    contacts.visits[0] = 0
+    memory.counts[WORK] += memory.contacts.visits[0]
+    memory.contacts.visits[0] = 0
     note_load(dynamics, memory)
-    last_for(memory, t / h)
-    hand_over(dynamics, velocities, memory, True)
+    scale_impulses(memory.contacts, t / h)
+    transfer_impulses(dynamics, velocities, memory, True)
     if not audit(dynamics, poses, velocities, memory, members, kinetic + potential, t):
-        stay(geometry, poses, velocities, memory, members)
+        revert_segment(geometry, poses, velocities, memory, members)
     return status
 
 
@@ -157,12 +173,3 @@ def spend(memory: Memory, members: Index, segments: int) -> None:
     for m in range(members.shape[0]):
         memory.islands.spent[members[m]] = most + segments
         memory.islands.charged[members[m]] = memory.counts[SEGMENTS]
-
-
-@kernel
-def last_for(memory: Memory, share: float) -> None:
-    """The forces lasted only for this share of the time that they were solved for."""
-    contacts = memory.contacts
-    for k in range(contacts.used[0]):
-        for i in range(3):
-            contacts.impulse[k, i] *= share

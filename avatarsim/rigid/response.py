@@ -103,7 +103,7 @@ def displace(contacts: Contacts, masses: Masses, evenly: bool, linear: Array, an
 
 
 @kernel
-def unsqueeze(
+def project_positions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory
 ) -> float:
     """Push overlapping simulated bodies out of each other and of the others; returns the smallest gap left [m]."""
@@ -284,6 +284,34 @@ def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: in
 
 
 @kernel
+def longest_segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, left: float) -> float:
+    """Time [s], at most ``left``, for which constant contact forces are accurate; marks members that roll in ``held``."""
+    contacts, moving, held, h, count = memory.contacts, memory.moving, memory.held, left, memory.contacts.used[0]
+    pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
+    curvature(contacts, velocities.linear, velocities.angular)
+    for k in range(count):
+        for i in range(2):
+            b = contacts.body[k, i]
+            # for `hold`: it rolls
+            held[b] = moving[b] if contacts.smooth[k] != SHARP else held[b]
+            spin = turns_with(contacts, memory, velocities, k, i)
+            if moving[b] == 1:
+                if spin * h > GENTLE_TURN:
+                    h = GENTLE_TURN / spin
+                if count < DETERMINED and spin * pull * h * h * h > RISE:
+                    h = (RISE / (spin * pull)) ** (1.0 / 3.0)
+                rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
+                if rolls * h > STEADY_TURN:
+                    h = STEADY_TURN / rolls
+    if count <= MANY:
+        for k in range(count):
+            rises = dot(axis(contacts, k, 0), velocity_at(contacts, k, velocities.linear, velocities.angular))
+            if rises <= PARTING * contacts.pace[0] and rises * h > HOP:
+                h = HOP / rises
+    return h
+
+
+@kernel
 def segment(
     dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float
 ) -> float:
@@ -294,27 +322,7 @@ def segment(
         held[members[m]] = 0
     contacts.standing[0] = 1
     if count > 0:
-        pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
-        curvature(contacts, velocities.linear, velocities.angular)
-        for k in range(count):
-            for i in range(2):
-                b = contacts.body[k, i]
-                # for `hold`: it rolls
-                held[b] = moving[b] if contacts.smooth[k] != SHARP else held[b]
-                spin = turns_with(contacts, memory, velocities, k, i)
-                if moving[b] == 1:
-                    if spin * h > GENTLE_TURN:
-                        h = GENTLE_TURN / spin
-                    if count < DETERMINED and spin * pull * h * h * h > RISE:
-                        h = (RISE / (spin * pull)) ** (1.0 / 3.0)
-                    rolls = norm(row(velocities.angular, b)) if contacts.smooth[k] != SHARP and memory.round[b] == 0 else 0.0
-                    if rolls * h > STEADY_TURN:
-                        h = STEADY_TURN / rolls
-        if count <= MANY:
-            for k in range(count):
-                rises = dot(axis(contacts, k, 0), velocity_at(contacts, k, velocities.linear, velocities.angular))
-                if rises <= PARTING * contacts.pace[0] and rises * h > HOP:
-                    h = HOP / rises
+        h = longest_segment(dynamics, velocities, memory, left)
         if h < left:
             # equal parts: over a very short remainder a gap of a nanometre to close would be a high velocity
             h = left / ceil(left / h)

@@ -23,6 +23,7 @@ from avatarsim.rigid.contacts import (
     Masses,
     axis,
     push_along,
+    scale_impulses,
     velocity_at,
     weigh_after,
 )
@@ -282,9 +283,7 @@ def hold(
     Returns:
         (length of the segment [s], residual [m/s]).
     """
-    for k in range(contacts.used[0]):
-        for i in range(3):
-            contacts.impulse[k, i] *= h
+    scale_impulses(contacts, h)
     residual = 0.0
     for attempt in range(care.attempts):
         count = contacts.used[0]
@@ -323,8 +322,6 @@ def hold(
         shorter = end_of_slip(contacts, masses, h, linear, angular, linear_end, angular_end)
         if shorter >= h * (1.0 - JUDGED) or shorter < PROOF or attempt == care.attempts - 1:
             break
-        for k in range(count):
-            for i in range(3):
-                contacts.impulse[k, i] *= shorter / h
+        scale_impulses(contacts, shorter / h)
         h = shorter
     return h, residual

@@ -13,7 +13,7 @@ from avatarsim.collision.path import STILL
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.rigid.contacts import is_full, recall_forces, weigh_from
+from avatarsim.rigid.contacts import is_full, recall_forces, scale_impulses, weigh_from
 from avatarsim.rigid.margin_rows import LOWER, UPPER, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
 from avatarsim.rigid.solver import FIRST_TRY, solve_contacts
@@ -109,9 +109,7 @@ def holds_from_rest(
     for k in range(count):
         contacts.target[k] = -max(0.0, contacts.gap[k] - HELD_GAP * d) / h
     recall_forces(contacts, memory.last)
-    for k in range(count):
-        for i in range(3):
-            contacts.impulse[k, i] *= h
+    scale_impulses(contacts, h)
     apply_kept(memory, count)
     solve_contacts(
         contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end, ROUGH, FIRST_TRY,

@@ -18,8 +18,8 @@ from avatarsim.jit.layout import Index
 from avatarsim.model.dynamics import Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.model.world import World, WorldParts
-from avatarsim.rigid.deferred_impacts import go_on
-from avatarsim.rigid.impacts import show_tails, take_up_tails
+from avatarsim.rigid.deferred_impacts import restore_deferred
+from avatarsim.rigid.impacts import resume_zeno, show_zeno
 from avatarsim.rigid.island_step import step
 from avatarsim.rigid.islands import behind
 from avatarsim.rigid.sleeping import begin, regroup
@@ -64,7 +64,7 @@ def advance(
         A status (see DONE); DONE is 0.
     """
     events.kept[0] = 0
-    take_up_tails(velocities, memory)
+    resume_zeno(velocities, memory)
     if begin(geometry, dynamics, poses, velocities, dt, memory, switches.sleeping) == 0:
         return DONE
     bodies, islands, paths = memory.moving.shape[0], memory.islands, memory.paths
@@ -81,8 +81,8 @@ def advance(
             return NOT_FINITE
         # AGAIN is below all statuses; the worst is returned
         status = max(status, outcome)
-    go_on(velocities, memory, memory.all_bodies)
-    show_tails(velocities, memory, dt)
+    restore_deferred(velocities, memory, memory.all_bodies)
+    show_zeno(velocities, memory, dt)
     for b in range(bodies):
         if memory.moving[b] == 1:
             if switches.sleeping and memory.held[b] == 1 and paths.kind[b] == STILL and memory.tail_end[b] < 0.0:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, speed_along, weigh_from
+from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, scale_impulses, speed_along, weigh_from
 from avatarsim.rigid.driven import follow_arcs, strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
 from avatarsim.rigid.link_rows import weigh_links
@@ -444,9 +444,7 @@ def solve_ways(
     aim_rows(contacts, count, d, h, True)
     tolerance = tolerance_of(memory, h, fine)
     recall_forces(contacts, memory.last)
-    for k in range(count):
-        for i in range(3):
-            contacts.impulse[k, i] *= h
+    scale_impulses(contacts, h)
     apply_kept(memory, count)
     if has_linkage(dynamics, members):
         move_linkages(dynamics, poses, memory, members)
