@@ -165,12 +165,12 @@ class IkLoop:
         solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0)
         # without dynamics nothing gives back what pressing took, and the coupling would run away
         coupled = world.scene.effects.coupling and world.scene.effects.dynamics
+        if coupled:
+            enable_coupling(world.drive, world.skeleton, settings)
         trackers = (
             make_tracked_motion(world.skeleton, world.drive, world.posture, world.poses, coupling)
             if world.scene.effects.dynamics else no_tracked_motion(world.poses)
         )
-        if coupled:
-            enable_coupling(world.drive, world.skeleton, settings)
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )

@@ -9,14 +9,14 @@ from avatarsim.coupling.tracked_motion import TOP_SPEED, TOP_SPIN
 from avatarsim.ik.kinematics import place_avatar
 from avatarsim.ik.sqp_step import copy_poses, forget_forces
 from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
-from avatarsim.ik.target import copy_posture
+from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED, DriveState, Dynamics, Velocities
 from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, turn_of
-from avatarsim.spatial.vec3 import Vec3, add, along, dot, limited, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, along, dot, limited, norm, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED
 
 LONGEST_PAUSE = 0.1
@@ -26,19 +26,24 @@ slow trackers make a grip slip."""
 
 def enable_coupling(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
     """Mark the avatars without ball joints as movable by the upper loop, and set the limits of their catch-up velocity."""
+    drive.fastest[:], drive.fastest_turn[:] = posture.catch_up_move, posture.catch_up_turn
     leader = drive.tied[skel.first :]
     for root in np.unique(leader):
         links = np.flatnonzero(leader == root)
         drive.may_couple[skel.first + links] = 1
         drive.linked[skel.first + links] = int(len(links) > 1 or skel.kind[links[0]] != FREE)
-    drive.fastest[:], drive.fastest_turn[:] = posture.catch_up_move, posture.catch_up_turn
 
 
 @kernel
-def time_to_catch_up(drive: DriveState, b: int) -> float:
-    """Time [s] after which equation 6 has reduced a lag to JUDGED of itself: rate R / 2m, or K / R if overdamped."""
-    m, r, k = drive.mass[b], drive.damping[b], drive.stiffness[b]
-    return -log(JUDGED) / min(0.5 * r / m, k / r) if r > 0.0 else 0.0
+def time_to_catch_up(drive: DriveState, avatars: Avatars, avatar: int, first: int) -> float:
+    """Time [s] after which equation 6 has reduced the lag of any link of an avatar to JUDGED of itself: rate R / 2m, or K / R if
+    overdamped."""
+    slowest = 0.0
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        m, r, k = drive.mass[first + link], drive.damping[first + link], drive.stiffness[first + link]
+        if r > 0.0:
+            slowest = max(slowest, -log(JUDGED) / min(0.5 * r / m, k / r))
+    return slowest
 
 
 @kernel
@@ -50,19 +55,35 @@ def note_blocked(geo: Geometry, dynamics: Dynamics, contacts: Contacts) -> None:
             dynamics.drive.loaded[a] = 1
 
 
+ACCELERATES = 0.5 * LONGEST_PAUSE
+"""[s] over which the acceleration of a tracker is low-passed, above which it is noise. Longer: hands under load lag behind quick
+motion; shorter: noise shakes off what they hold."""
+
+
 @kernel
-def accelerate(v: Vec3, b: int, dt: float, velocity_out: Array, gained_out: Array, ramp_out: Array, lag_out: Array) -> None:
+def share_of_noise(drive: DriveState, b: int) -> float:
+    """Share of the noise of a tracker's velocity that the inertia of a body resists: all, unless eq. 6 moves it more slowly than
+    ACCELERATES. A heavy torso would sway behind its user."""
+    return min(1.0, drive.stiffness[b] * ACCELERATES * ACCELERATES / drive.mass[b])
+
+
+@kernel
+def accelerate(
+    v: Vec3, b: int, dt: float, share: float, velocity_out: Array, gained_out: Array, ramp_out: Array, lag_out: Array
+) -> None:
     """Store the mean velocity v of a frame and its slope within the frame.
 
     Piecewise linear reconstruction with the minmod limiter (van Leer 1979). A piecewise constant velocity concentrates the
-    friction of a frame in its first substep; without the limiter a hand overshoots when it stops. The jump that is left between
-    two frames is noise: the inertia of the body resists it, so the lag velocity changes by it.
+    friction of a frame in its first substep; without the limiter a hand overshoots when it stops. What the velocity gains beyond
+    its low-passed gain is noise: the inertia of the body resists it, so the lag velocity changes by a share of it.
     """
+    keeps = ACCELERATES / (ACCELERATES + dt)
     for i in range(3):
-        gained, before = v[i] - velocity_out[b, i], gained_out[b, i]
-        ramp = (gained if abs(gained) < abs(before) else before) / dt if gained * before > 0.0 else 0.0
-        lag_out[b, i] -= gained - 0.5 * dt * (ramp + ramp_out[b, i])
-        velocity_out[b, i], gained_out[b, i], ramp_out[b, i] = v[i], gained, ramp
+        gained = v[i] - velocity_out[b, i]
+        smooth = gained + keeps * (gained_out[b, i] - gained)
+        ramp_out[b, i] = (gained if abs(gained) < abs(smooth) else smooth) / dt if gained * smooth > 0.0 else 0.0
+        lag_out[b, i] -= share * (gained - smooth)
+        velocity_out[b, i], gained_out[b, i] = v[i], smooth
 
 
 @kernel
@@ -131,11 +152,11 @@ def exclude_coupled(
         if drive.coupled[b] == 0:
             couple(drive, before, now, b, dt)
         way, turn = follow(drive, before, now, b, dt)
-        accelerate(limited(scale(way, 1.0 / dt), TOP_SPEED), b, dt, drive.linear, drive.gained, drive.ramp, drive.lag)
-        w = limited(scale(turn, 1.0 / dt), TOP_SPIN)
-        accelerate(w, b, dt, drive.angular, drive.gained_turn, drive.ramp_turn, drive.lag_turn)
+        v, w, share = limited(scale(way, 1.0 / dt), TOP_SPEED), limited(scale(turn, 1.0 / dt), TOP_SPIN), share_of_noise(drive, b)
+        accelerate(v, b, dt, share, drive.linear, drive.gained, drive.ramp, drive.lag)
+        accelerate(w, b, dt, share, drive.angular, drive.gained_turn, drive.ramp_turn, drive.lag_turn)
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt
-        if drive.unloaded[b] > time_to_catch_up(drive, drive.tied[b]):
+        if drive.unloaded[b] > time_to_catch_up(drive, avatars, avatars.avatar[link], skel.first):
             drive.coupled[b] = 0
             if drive.linked[b] == 1:
                 put_row(drive.lag, b, (0.0, 0.0, 0.0))
@@ -153,14 +174,20 @@ def exclude_coupled(
 
 @kernel
 def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: IkState) -> None:
-    """Set the motion budget of coupled avatars to zero, and their last target to the tracked posture."""
+    """Set the motion budget of coupled avatars to zero, and their last target to the tracked posture.
+
+    Once released they make up a lag as fast as their tracker moves, at first slowly.
+    """
     drive = dynamics.drive
     for link in range(skel.kind.shape[0]):
         b = skel.first + link
         if drive.coupled[b] == 1:
             state_out.budget.move[link], state_out.budget.turn[link] = 0.0, 0.0
+            speed, tracking, avatar = norm(row(drive.linear, b)), state_out.tracking, avatars.avatar[link]
+            tracking.speed[avatar] = speed if drive.tied[b] == b else max(tracking.speed[avatar], speed)
+            tracking.ease[avatar] = 0.0
             if drive.tied[b] == b:
-                copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.before)
+                clip_avatar(skel, avatars, avatar, drive.linkage.user, tracking, state_out.before)
                 copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.own)
 
 

@@ -151,9 +151,15 @@ def track_velocities(skel: Skeleton, target: Posture, dt: float, velocities_out:
 def make_tracked_motion(
     skel: Skeleton, drive: DriveState, posture: Posture, poses: Poses, settings: CouplingSettings
 ) -> TrackedMotion:
-    """Trackers at rest at `posture` and `poses`; avatars without a drive of their own get the constants of `settings`."""
+    """Trackers at rest at `posture` and `poses`; avatars without a drive of their own get the constants of `settings`.
+
+    Their heavy links are critically damped: with the damping of a hand a torso would swing.
+    """
+    unset = np.isnan(drive.damping)
     for constants, value in ((drive.stiffness, settings.spring), (drive.damping, settings.damping)):
         constants[np.isnan(constants)] = value
+    heavy = np.flatnonzero(unset & (drive.linked == 1))
+    drive.damping[heavy] = np.maximum(drive.damping[heavy], 2.0 * np.sqrt(drive.stiffness[heavy] * drive.mass[heavy]))
     still, axes = np.zeros(int(skel.first_dof[-1])), np.zeros((int(skel.first_dof[-1]), 3))
     one, other = (Poses(*(array.copy() for array in poses)) for _ in range(2))
     carry(skel, posture, still, one, axes)

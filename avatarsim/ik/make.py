@@ -86,7 +86,7 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
     nl, na = len(skel.kind), len(reach)
     driven = len(geo.body) - int(geo.first_shape[skel.first])
     tracking = np.zeros(na, TRACKING).view(Tracking)
-    tracking["reach"], tracking["island"] = reach, np.arange(na)
+    tracking["reach"], tracking["island"], tracking["ease"] = reach, np.arange(na), 1.0
     pairs = TOUCHING_PER_AVATAR * na
     # a target that begins where the avatar does has not leapt there
     before, own = (Posture(*(array.copy() for array in posture)) for _ in range(2))

@@ -156,9 +156,9 @@ class Mode(IntEnum):
 
 TRACKING = np.dtype(
     [
-        ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("stalled", "f8"), ("since", "f8"), ("objective", "f8"),
-        ("distance", "f8"), ("reach", "f8"), ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"), ("is_certified", "i8"),
-        ("has_model", "i8"), ("is_located", "i8"), ("has_arrived", "i8"),
+        ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("ease", "f8"), ("stalled", "f8"), ("since", "f8"),
+        ("objective", "f8"), ("distance", "f8"), ("reach", "f8"), ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"),
+        ("is_certified", "i8"), ("has_model", "i8"), ("is_located", "i8"), ("has_arrived", "i8"),
     ],
     align=True,
 )
@@ -175,6 +175,8 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     speed: Array
     """Of the fastest target in the island, low-passed over the settle time: the largest number among its joints [rad/s] and its
     roots [m/s]."""
+    ease: Array
+    """Share of the catch-up speeds that it may use: 0 while a load moves it in the upper loop, and 1 the settle time later."""
     stalled: Array
     """[s] for which the objective has not fallen as it does where an avatar makes progress."""
     since: Array

@@ -86,7 +86,8 @@ def meet_target(
         tracking.speed[first] = max(tracking.speed[first], tracking.speed[avatar])
     for avatar in range(avatars.first_link.shape[0] - 1):
         tracking.speed[avatar] = tracking.speed[tracking.island[avatar]]
-        fastest = max(least, tracking.speed[avatar])
+        tracking.ease[avatar] = min(1.0, tracking.ease[avatar] + dt / settings.settle_time)
+        fastest = min(AT_REST, max(least, tracking.speed[avatar])) * tracking.ease[avatar]
         if tracking.is_legal[avatar] > 0:
             open_budget(skel, avatars, avatar, settings, dt, fastest, clipped_way, clipped_way, s.budget)
         else:

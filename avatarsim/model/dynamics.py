@@ -104,7 +104,7 @@ class DriveState(NamedTuple):
     position, turn    (nb, 3), (nb, 3, 3) where the tracker has the body at the end of the frame [m]
     paused, spread    (nb) frames for which its tracker has stood, and over which its last step is still to be spread
     linear, angular   (nb, 3) mean velocity of the tracker in this frame [m/s], [rad/s]
-    gained, gained_turn   (nb, 3) by how much these are more than in the last frame
+    gained, gained_turn   (nb, 3) by how much these grow in a frame, low-passed
     ramp, ramp_turn   (nb, 3) acceleration of the tracker within the frame [m/s^2], [rad/s^2]
     user, user_turn   (nb, 3) velocity of the tracker in this substep
     lag, lag_turn     (nb, 3) velocity of the body against the tracker [m/s], [rad/s]

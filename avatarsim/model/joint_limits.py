@@ -9,13 +9,13 @@ The polygon may be concave and wider than a hemisphere: it is the union of the s
 that sees every edge. A circular swing cone applies as well; the projection is into both.
 """
 
-from math import atan2, cos, sin, sqrt
+from math import atan2, cos, inf, sin, sqrt
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.skeleton import Skeleton
 from avatarsim.spatial.tangent import Columns, about, columns, product, turned
 from avatarsim.spatial.vec3 import Vec3, add, cross, dot, norm, perpendicular, row, scale, sub, unit
-from avatarsim.tolerances import NOTHING, PROOF, ROUNDING
+from avatarsim.tolerances import FINE, NOTHING, PROOF, ROUNDING
 
 
 @kernel
@@ -321,32 +321,45 @@ def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
 
 
 @kernel
-def room_of_ball(skel: Skeleton, link: int, turn: Columns) -> tuple[float, Vec3, Vec3, float, float]:
-    """Linearise the limits of a ball at a rotation.
+def room_of_ball(skel: Skeleton, link: int, turn: Columns) -> tuple[float, Vec3, float, Vec3]:
+    """Linearise the limits of the limb of a ball at a rotation: the nearest edge of cone and polygon, and the nearest across it.
 
     Returns:
-        Room [rad] to the nearest edge of cone and polygon, 0 beyond it; the unit axis about which a turn leads away from it;
-        the gradient of the twist; the least and the largest change of the twist [rad]. Axes of the parent.
+        Room [rad] to the nearest edge, 0 beyond it, and the unit axis (parent's axes) about which a turn leads away from it; the
+        same of the second, inf and zero where there is none.
     """
-    swing, twist, away = swing_and_twist(skel, link, turn)
-    limb, centre = limb_of(skel, link, turn), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    swing, _, away = swing_and_twist(skel, link, turn)
+    limb = limb_of(skel, link, turn)
     most = atan2(skel.cone[link, 7], skel.cone[link, 6])
-    room = most - swing
-    if has_reach(skel, link):
-        if room <= 0.0 or not is_in_reach(skel, link, limb):
-            allowed = nearest_in_reach(skel, link, limb, most)
-            room, away = 0.0, direction_of(cross(limb, allowed), away)
-        else:
-            for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
-                start, end, inward = edge(skel, link, k)
-                nearest = nearest_on_edge(start, end, inward, limb)
-                if angle_between(nearest, limb) < room:
-                    room, away = angle_between(nearest, limb), direction_of(cross(nearest, limb), away)
-    along_twist = scale(add(centre, limb), 1.0 / max(FLAT, 1.0 + dot(centre, limb)))
-    return (
-        max(0.0, room - INWARD), away, along_twist, min(0.0, skel.cone[link, 8] + INWARD - twist),
-        max(0.0, skel.cone[link, 9] - INWARD - twist),
-    )
+    room, second, other = most - swing, inf, (0.0, 0.0, 0.0)
+    if not has_reach(skel, link):
+        return max(0.0, room - INWARD), away, second, other
+    if room <= 0.0 or not is_in_reach(skel, link, limb):
+        allowed = nearest_in_reach(skel, link, limb, most)
+        room, away, limb = 0.0, direction_of(cross(limb, allowed), away), allowed
+    for k in range(skel.reach_first[link + 1] - skel.reach_first[link]):
+        start, end, inward = edge(skel, link, k)
+        nearest = nearest_on_edge(start, end, inward, limb)
+        beyond, axis = angle_between(nearest, limb), direction_of(cross(nearest, limb), cross(inward, limb))
+        is_across = norm(cross(axis, away)) > FINE
+        if beyond < room:
+            if is_across:
+                room, away, second, other = beyond, axis, room, away
+            else:
+                room, away = beyond, axis
+        elif is_across and beyond < second:
+            second, other = beyond, axis
+    return max(0.0, room - INWARD), away, max(0.0, second - INWARD), other
+
+
+@kernel
+def room_of_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
+    """Least and largest change of the twist [rad] of a ball at a rotation, and the gradient of its twist (parent's axes)."""
+    _, twist, _ = swing_and_twist(skel, link, turn)
+    limb, centre = limb_of(skel, link, turn), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
+    gradient = scale(add(centre, limb), 1.0 / max(FLAT, 1.0 + dot(centre, limb)))
+    low, high = min(0.0, skel.cone[link, 8] + INWARD - twist), max(0.0, skel.cone[link, 9] - INWARD - twist)
+    return low, high, gradient
 
 
 @kernel

@@ -66,7 +66,7 @@ class World:
     KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture", "drive")
     WORKING: ClassVar[tuple[str, ...]] = (
         *(f"drive.{name}" for name in (
-            "linkage", "tied", "linked", "may_couple", "mass", "stiffness", "damping", "largest_force",
+            "linkage", "tied", "linked", "may_couple", "mass", "stiffness", "damping", "largest_force", "ramp", "ramp_turn",
             "user", "user_turn", "fastest", "fastest_turn",
         )),
     )

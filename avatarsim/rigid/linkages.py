@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DriveState, Dynamics, Linkage
 from avatarsim.model.geometry import Poses
-from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, room_of_ball, surely_inside
+from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, room_of_ball, room_of_twist, surely_inside
 from avatarsim.model.skeleton import BALL, FREE, HINGES, Skeleton, carry_links
 from avatarsim.rigid.contacts import Contacts, impulse_of
 from avatarsim.rigid.solver import LANES, put_three
@@ -84,7 +84,8 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
 def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
     """Least and largest rate of the degrees of links first .. end over h seconds.
 
-    The axes of a ball with limits become dual to the gradients of its swing and of its twist, so that each limit bounds one rate.
+    The axes of a ball with limits become dual to the gradients of its twist and of the two nearest edges for its limb, so that
+    each of these limits bounds one rate.
     """
     skel, bounds = linkage.skeleton, linkage.bounds
     for link in range(first, end):
@@ -98,11 +99,13 @@ def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
         if skel.kind[link] != BALL or not has_cone(skel, link):
             continue
         turn = columns(linkage.joints.turn, link)
-        room, inward, along_twist, low, high = room_of_ball(skel, link, turn)
-        bounds[d, 0], bounds[d + 1, 0], bounds[d + 1, 1] = -room / h, low / h, high / h
-        frame, third = columns(linkage.ahead.rotation, skel.first + link), cross(inward, along_twist)
-        size = dot(third, third)
-        duals = cross(along_twist, third), cross(third, inward), third
+        room, inward, second, across = room_of_ball(skel, link, turn)
+        low, high, along_twist = room_of_twist(skel, link, turn)
+        bounds[d, 0], bounds[d + 1, 0], bounds[d + 1, 1], bounds[d + 2, 0] = -room / h, low / h, high / h, -second / h
+        if second == inf:
+            across = cross(inward, along_twist)
+        duals = cross(along_twist, across), cross(across, inward), cross(inward, along_twist)
+        size, frame = dot(inward, duals[0]), columns(linkage.ahead.rotation, skel.first + link)
         for i in range(3):
             put_row(linkage.axes, d + i, turned(frame, turned_back(turn, scale(duals[i], 1.0 / size))))
 

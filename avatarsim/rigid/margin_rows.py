@@ -166,7 +166,11 @@ def add_point(
     arm_a, arm_b = sub(on_a, row(poses.position, a)), sub(on_b, row(poses.position, b))
     if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, gap):
         return False
-    contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
+    if dynamics.role[a] == SIMULATED or dynamics.role[b] == SIMULATED:
+        contacts.restitution[k] = dynamics.restitution[dynamics.material[a], dynamics.material[b]]
+    else:
+        # links do not bounce off each other or off walls
+        contacts.restitution[k] = 0.0
     contacts.friction[k] = friction
     return True
 

@@ -14,12 +14,14 @@ from avatarsim.model.world import World
 from avatarsim.scene.body import ContactLaw, PairTable, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial.tangent import columns
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
-from scenarios.building.stage import floor
+from scenarios.building.stage import floor, wall_ahead
 from scenarios.catalog.contact.arms_lift import HAND, SINKS, Lift
+from scenarios.motion.keyframes import posed, through
 from scenarios.motion.mocap import load_clip
 from scenarios.motion.track import to_and_fro
 from tests.rigid.upper_world import least_gap
@@ -104,3 +106,46 @@ def test_clips_go_through_loose_things_without_overlap(seed: int) -> None:
         assert np.linalg.norm(shown.velocities[heavy], axis=1).max(initial=0.0) < 8.0
     assert judge.gap > -1e-6 and judge.excess <= 0.0
     assert coupled > 20
+
+
+def brushed(sample: TrackerSample, seconds: float, wall: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Positions of the links of a person (frames, nl, 3) who takes a posture in half a second and keeps it, and whether a load
+    moves it; a ball of 10 g falls on the head in the meantime."""
+    human = humanoid()
+    pieces = (Piece(Sphere(0.05)),)
+    ball = simulated("ball", pieces, "wood", solid(pieces, 0.01), (0.02, 0.0, 2.4))
+    bodies = (floor(), ball) if wall is None else (floor(), ball, wall_ahead(wall))
+    law = ContactLaw(0.5, 0.5)
+    materials = PairTable(dict.fromkeys((("wood", "wood"), ("wood", "human"), ("human", "human")), law))
+    scene = Scene("brushed", bodies, (human,), materials=materials, start=standing(human))
+    engine, seen, coupled = AvatarsimEngine(), [], []
+    frames = round(seconds / DT)
+    motion = through(scene.first_sample, [(0.5, sample)], frames).motion()
+    engine.load(scene, Settings(), DT)
+    for frame in range(frames):
+        seen.append(engine.advance(motion(frame), DT).shown.positions[len(bodies):].copy())
+        coupled.append(engine._frames.world.drive.coupled.any())
+    return np.array(seen), np.array(coupled)
+
+
+@pytest.mark.parametrize("into", [0.03, 0.1])
+def test_a_person_who_is_released_does_not_leap(into: float) -> None:
+    """With both hands in a wall, and long after the ball has gone."""
+    human = humanoid()
+    start = standing(human)
+    arms = posed(human, start, {f"{side}_shoulder": (0.0, -85.0, 0.0) for side in ("left", "right")})
+    reach = 0.6
+    seen, coupled = brushed(arms, 6.0, reach - into)
+    assert coupled.any() and not coupled[-1]
+    steps = np.linalg.norm(np.diff(seen, axis=0), axis=2).max(axis=1)
+    released = int(np.flatnonzero(coupled)[-1])
+    assert steps[released - 2 :].max() < 5e-3
+
+
+@pytest.mark.parametrize("hip", [(-47.0, 43.0, 31.0), (-77.0, 64.0, 59.0), (60.0, -86.0, 10.0)])
+def test_a_leg_beyond_its_reach_rests(hip: tuple[float, float, float]) -> None:
+    """Its user holds it still beyond two edges of its reach cone, while a load moves the person."""
+    human = humanoid()
+    seen, coupled = brushed(posed(human, standing(human), {"right_hip": hip}), 3.3)
+    assert coupled[160:].all()
+    assert np.linalg.norm(np.diff(seen[160:], axis=0), axis=2).sum(axis=0).max() < 1e-2

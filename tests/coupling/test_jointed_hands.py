@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from avatarsim.engine import Settings
-from avatarsim.model.joint_limits import cone_excess, room_of_ball
+from avatarsim.model.joint_limits import cone_excess, room_of_ball, room_of_twist
 from avatarsim.model.skeleton import BALL, forward
 from avatarsim.model.world import World, build
 from avatarsim.rigid.contacts import add_contact, weigh
@@ -226,24 +226,26 @@ def test_joints_stop_at_their_limits(which: int) -> None:
 
 
 def test_ball_joints_linearise_their_limits() -> None:
-    """A small turn changes the twist by its gradient, and brings a limb nearer to the edge of its cone and polygon by what the
-    axis inward says."""
+    """A small turn changes the twist by its gradient, and the room to the edges of cone and polygon by the axes inward; the
+    nearer of two edges is the first."""
     world = build(Scene("ball", (), (humanoid(),)))
     skel, random, seen = world.skeleton, np.random.default_rng(4), 0
     balls = [link for link in range(len(skel.kind)) if skel.kind[link] == BALL]
     for _ in range(400):
         link = int(random.choice(balls))
         turn = columns(Rotation.from_rotvec(random.normal(scale=0.4, size=3)).as_matrix()[None], 0)
-        room, inward, along_twist, low, high = room_of_ball(skel, link, turn)
+        room, inward, second, across = room_of_ball(skel, link, turn)
         if room < 1e-3 or cone_excess(skel, link, turn) > 0.0:
             continue
+        assert room <= second
         step = 1e-5 * random.normal(size=3)
         turned = columns((Rotation.from_rotvec(step).as_matrix() @ np.array(turn).T)[None], 0)
-        after = room_of_ball(skel, link, turned)
-        assert after[4] - high == pytest.approx(-step @ along_twist, abs=1e-7)
-        if abs(after[0] - room - step @ inward) < 1e-7:
+        after, twists = room_of_ball(skel, link, turned), [room_of_twist(skel, link, one) for one in (turn, turned)]
+        assert twists[1][1] - twists[0][1] == pytest.approx(-step @ twists[0][2], abs=1e-7)
+        expected = room + step @ inward, second + step @ across
+        if abs(after[0] - expected[0]) < 1e-7 and abs(after[2] - expected[1]) < 1e-7:
             seen += 1
         else:
             # another edge is nearer now
-            assert after[0] < room + step @ inward
+            assert after[0] < expected[0] + 1e-7 or abs(expected[0] - expected[1]) < 1e-4
     assert seen > 100
