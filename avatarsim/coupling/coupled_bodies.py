@@ -64,7 +64,7 @@ motion; shorter: noise shakes off what they hold."""
 def share_of_noise(drive: DriveState, b: int) -> float:
     """Share of the noise of a tracker's velocity that the inertia of a body resists: all, unless eq. 6 moves it more slowly than
     ACCELERATES. A heavy torso would sway behind its user."""
-    return min(1.0, drive.stiffness[b] * ACCELERATES * ACCELERATES / drive.mass[b])
+    return float(min(1.0, drive.stiffness[b] * ACCELERATES * ACCELERATES / drive.mass[b]))
 
 
 @kernel

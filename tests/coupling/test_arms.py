@@ -109,8 +109,8 @@ def test_clips_go_through_loose_things_without_overlap(seed: int) -> None:
 
 
 def brushed(sample: TrackerSample, seconds: float, wall: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Positions of the links of a person (frames, nl, 3) who takes a posture in half a second and keeps it, and whether a load
-    moves it; a ball of 10 g falls on the head in the meantime."""
+    """Positions of the links (frames, nl, 3) of a person led into a posture within half a second and kept there, and flags of
+    frames in which a load moves it; a ball of 10 g falls on the head in the meantime."""
     human = humanoid()
     pieces = (Piece(Sphere(0.05)),)
     ball = simulated("ball", pieces, "wood", solid(pieces, 0.01), (0.02, 0.0, 2.4))
