@@ -25,7 +25,7 @@ slow trackers make a grip slip."""
 
 
 def enable_coupling(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
-    """Mark the avatars without ball joints as movable by the upper loop, and set the limits of their catch-up velocity."""
+    """Mark all avatars as movable by the upper loop, and set the limits of their catch-up velocity."""
     drive.fastest[:], drive.fastest_turn[:] = posture.catch_up_move, posture.catch_up_turn
     leader = drive.tied[skel.first :]
     for root in np.unique(leader):
@@ -62,8 +62,10 @@ motion; shorter: noise shakes off what they hold."""
 
 @kernel
 def share_of_noise(drive: DriveState, b: int) -> float:
-    """Share of the noise of a tracker's velocity that the inertia of a body resists: all, unless eq. 6 moves it more slowly than
-    ACCELERATES. A heavy torso would sway behind its user."""
+    """Share of the noise of a tracker's velocity that the inertia of a body resists.
+
+    Less than 1 for bodies whose time constant sqrt(m / K) exceeds ACCELERATES: a heavy torso would sway behind its tracker.
+    """
     return float(min(1.0, drive.stiffness[b] * ACCELERATES * ACCELERATES / drive.mass[b]))
 
 
@@ -176,7 +178,7 @@ def exclude_coupled(
 def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: IkState) -> None:
     """Set the motion budget of coupled avatars to zero, and their last target to the tracked posture.
 
-    Once released they make up a lag as fast as their tracker moves, at first slowly.
+    The speed of the tracker and an eased start limit how fast a released avatar makes up its lag.
     """
     drive = dynamics.drive
     for link in range(skel.kind.shape[0]):

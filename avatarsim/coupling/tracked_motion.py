@@ -24,9 +24,8 @@ from avatarsim.tolerances import JUDGED, NOTHING
 Array = NDArray[np.float64]
 
 ROUNDS = ceil(log(JUDGED, 0.25))
-"""Times that all that holds a link is gone through: what one wall leaves may go into another. In a corner of 60 degrees each time
-leaves a quarter of that, so that JUDGED of it is left; fewer would leave a hand in a corner a velocity."""
-
+"""Passes over the contacts of a link: the velocity left by one wall may lead into another. In a corner of 60 degrees each pass
+leaves a quarter of it, and all of them JUDGED. Fewer: a hand in a corner keeps a velocity into it."""
 
 TOP_SPEED = 30.0
 """[m/s] fastest that a driven body hits anything; a tracker that teleports would shoot objects away at any speed."""
@@ -38,7 +37,7 @@ TOP_SPIN = 60.0
 class TrackedMotion(NamedTuple):
     """Poses of the trackers of all links in this frame and in the last.
 
-    one, other    poses, of which turn (1) says which is of this frame; -1: there are none
+    one, other    poses; turn (1) is 0 or 1 for the one of this frame, and -1 in a scene without loose bodies
     still, axes   (nd), (nd, 3) working memory
     """
 
@@ -51,10 +50,10 @@ class TrackedMotion(NamedTuple):
 
 @kernel
 def project_velocities(geo: Geometry, dynamics: Dynamics, contacts: Contacts, velocities_out: Velocities) -> None:
-    """Take from the velocity of each link what goes into the fixed bodies that held it last; what goes along them stays.
+    """Remove from the velocity of each link the part into the fixed bodies that blocked it in the last frame.
 
-    A hand at a wall stands still while its user goes on: a ball that meets it must not be struck with the user's velocity. A link
-    held by simulated bodies keeps its velocity, by which it pushes them.
+    A hand blocked by a wall does not move, so it must not strike a ball with the velocity of its tracker. Simulated bodies do not
+    change the velocity of a link, by which it pushes them.
     """
     v = velocities_out.linear
     for _ in range(ROUNDS):
@@ -83,7 +82,7 @@ def tracked_velocities(skel: Skeleton, before: Poses, now: Poses, dt: float, vel
 
 @kernel
 def root_of(skel: Skeleton, link: int) -> int:
-    """The root of a link's avatar."""
+    """Return the root link of a link's avatar."""
     while skel.parent[link] >= 0:
         link = skel.parent[link]
     return link

@@ -37,7 +37,7 @@ class Linkage(NamedTuple):
     held              (nd) flag: at its limit
     free_momentum, momentum   (nd) of each degree without contact, and with it
     pushed, gained    (nd) momentum and rate of each degree by one impulse
-    force, torque (nl, 3) working memory: of each link with all that it carries
+    force, torque (nl, 3) working memory: force and torque at each link, or its velocities
     mass, moment, inertia   (nl), (nl, 3), (nl, 3, 3) of each link with all that it carries, about its joint
     """
 

@@ -221,6 +221,13 @@ def is_full(contacts: Contacts) -> bool:
 
 
 @kernel
+def lacks_responses(contacts: Contacts) -> bool:
+    """Return whether there is no room for the response of another avatar with joints."""
+    used = contacts.responses.used[0]
+    return bool(used > 0 and used >= contacts.responses.first.shape[0])
+
+
+@kernel
 def axis(contacts: Contacts, k: int, i: int) -> Vec3:
     """Normal (i = 0) or tangent (1, 2) of contact k."""
     return (contacts.frame[k, i, 0], contacts.frame[k, i, 1], contacts.frame[k, i, 2])
@@ -287,13 +294,17 @@ def weigh_from(contacts: Contacts, masses: Masses, t: float, first: int) -> None
         straight = masses.inverse_mass[a] + masses.inverse_mass[b]
         contacts.inverse_effective_mass[k, 0] = straight + turning(contacts, k, 0, 0)
         one, other = straight + turning(contacts, k, 1, 1), straight + turning(contacts, k, 2, 2)
-        both = turning(contacts, k, 1, 2)
-        half, mean = 0.5 * (one - other), 0.5 * (one + other)
-        # the larger eigenvalue of the 2 x 2 block: a step by its inverse never overshoots
-        contacts.inverse_effective_mass[k, 1] = mean + sqrt(half * half + both * both)
+        contacts.inverse_effective_mass[k, 1] = largest_across(one, other, turning(contacts, k, 1, 2))
         for i in range(2):
             contacts.effective_mass[k, i] = 1.0 / contacts.inverse_effective_mass[k, i]
             contacts.cross_response[k, i] = turning(contacts, k, i + 1, 0)
+
+
+@kernel
+def largest_across(one: float, other: float, both: float) -> float:
+    """Larger eigenvalue of the symmetric 2 x 2 response across a normal [1/kg]: a step by its inverse never overshoots."""
+    half, mean = 0.5 * (one - other), 0.5 * (one + other)
+    return mean + sqrt(half * half + both * both)
 
 
 @kernel

@@ -10,7 +10,7 @@ from avatarsim.model.dynamics import DRIVEN, Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, find_contacts
-from avatarsim.rigid.contacts import Contacts, is_full, remember_forces
+from avatarsim.rigid.contacts import Contacts, is_full, lacks_responses, remember_forces
 from avatarsim.rigid.deferred_impacts import transfer_impulses
 from avatarsim.rigid.driven import aim_all, is_kinematic, note_lag, note_load
 from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
@@ -312,7 +312,7 @@ def crowd_step(
     if status == CROWDED:
         wait_for_room(poses, velocities, memory, members, now, dt)
         return OUT_OF_ROOM
-    if is_full(contacts):
+    if is_full(contacts) or lacks_responses(contacts):
         status = OUT_OF_ROOM
     kinetic, potential = energy_of(dynamics, poses, velocities, memory, members, True)
     relax(dynamics, poses, memory, members, h, fine)

@@ -109,20 +109,16 @@ def step(
         spent = impacts(geometry, dynamics, poses, velocities, memory, events, members, now, False, switches)
         status = spent if spent != DONE else status
         defer_impacts(velocities, memory, members, left)
-    return fly_or_slide(geometry, dynamics, poses, velocities, dt, i, memory, status, switches)
+    return fly_or_slide(geometry, dynamics, poses, velocities, dt, i, members, pairs, memory, status, switches)
 
 
 @kernel
 def fly_or_slide(
-    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, memory: Memory,
-    status: int, switches: Switches,
+    geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, members: Index,
+    pairs: Index, memory: Memory, status: int, switches: Switches,
 ) -> int:
     """Take island i, whose impacts are resolved, along its paths to its next event; returns the worse status, or AGAIN."""
-    islands = memory.islands
-    size = islands.first[i + 1] - islands.first[i]
-    members = islands.order[islands.first[i] : islands.first[i + 1]]
-    pairs = islands.pairs[islands.pair_first[i] : islands.pair_first[i + 1]]
-    lead = members[0]
+    islands, size, lead = memory.islands, members.shape[0], members[0]
     now = islands.due[lead]
     left = dt - now
     h = segment(dynamics, velocities, memory, members, until_tail_ends(memory, members, now, left))

@@ -4,25 +4,22 @@ An impulse on one link moves all links of its avatar, within joints and limits. 
 of a contact gives them are stored per contact, so that a sweep of the solver never opens a joint.
 """
 
-from math import sqrt
-
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Linkage
 from avatarsim.model.geometry import Poses
-from avatarsim.rigid.contacts import AS_A, NOT_LINKED, Contacts, axis
+from avatarsim.rigid.contacts import AS_A, NOT_LINKED, Contacts, axis, lacks_responses, largest_across
 from avatarsim.rigid.linkages import add_force, is_linked, links_of, rates_for, velocities_of
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.vec3 import Vec3, cross, dot, put_row, row, scale
 
 
 @kernel
-def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) -> bool:
+def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) -> None:
     """Store the responses of links for the contacts from ``first`` on, and correct their effective masses.
 
-    Returns:
-        Whether there was room for all. A contact without room pushes on its link alone.
+    A contact without room pushes on its link alone, see `lacks_responses`.
     """
-    contacts, drive, has_room = memory.contacts, dynamics.drive, True
+    contacts, drive = memory.contacts, dynamics.drive
     responses = contacts.responses
     if first == 0:
         responses.used[0] = 0
@@ -33,8 +30,7 @@ def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) ->
             b, other = contacts.body[k, side], contacts.body[k, 1 - side]
             if not is_linked(drive, b) or contacts.linked[k, side] == AS_A:
                 continue
-            if responses.used[0] >= responses.first.shape[0]:
-                has_room = False
+            if lacks_responses(contacts):
                 continue
             contacts.linked[k, side] = responses.used[0]
             responses.used[0] += 1
@@ -47,7 +43,6 @@ def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) ->
             respond(drive.linkage, poses, contacts, k, side, same, first_link, end)
         if contacts.linked[k, 0] != NOT_LINKED or contacts.linked[k, 1] != NOT_LINKED:
             weigh_linked(contacts, memory, k)
-    return has_room
 
 
 @kernel
@@ -102,10 +97,7 @@ def weigh_linked(contacts: Contacts, memory: Memory, k: int) -> None:
     """Effective masses of contact k with links, as `weigh_from` has them for free bodies."""
     contacts.inverse_effective_mass[k, 0] = speed_per_impulse(contacts, memory, k, 0, 0)
     one, other = speed_per_impulse(contacts, memory, k, 1, 1), speed_per_impulse(contacts, memory, k, 2, 2)
-    both = speed_per_impulse(contacts, memory, k, 1, 2)
-    half, mean = 0.5 * (one - other), 0.5 * (one + other)
-    contacts.inverse_effective_mass[k, 1] = mean + sqrt(half * half + both * both)
+    contacts.inverse_effective_mass[k, 1] = largest_across(one, other, speed_per_impulse(contacts, memory, k, 1, 2))
     for i in range(2):
         contacts.cross_response[k, i] = speed_per_impulse(contacts, memory, k, i + 1, 0)
-    for i in range(2):
         contacts.effective_mass[k, i] = 1.0 / contacts.inverse_effective_mass[k, i]

@@ -1,8 +1,8 @@
 """Avatars with joints in the solve of all contacts.
 
-Each link is a body of the solve with the mass and the free velocity of `driven.aim`. All joints of an avatar are one block of
-constraints, solved exactly after each sweep over the contacts: the velocities of its links are projected onto those that rates of
-its joints give, in the metric of their masses (block Gauss-Seidel; mass matrix: Featherstone 2008, chapter 6).
+Each link is a body of the solve with the mass and the free velocity of `driven.aim`. Momenta of the links and impulses at their
+contacts give rates of the joints by the mass matrix in joint coordinates (Featherstone 2008, chapter 6), and the rates give the
+velocities of all links. Degrees at a limit are an active set.
 
 In a substep each link moves at constant velocities to its pose by forward kinematics at the end.
 """

@@ -28,7 +28,7 @@ from tests.rigid.upper_world import least_gap
 
 DT = 1.0 / 60.0
 TURNS = 0.4
-"""How far a forearm turns as it rises [rad]."""
+"""Largest rotation of a forearm during the lift [rad]."""
 
 
 class Judge:
@@ -63,8 +63,7 @@ def drawn_lift(seed: int) -> Lift:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_both_hands_lift_a_drawn_box(seed: int) -> None:
-    """It rises with its user, but for the sag of m g / 2 K and what the balls of the hands roll on it as the arms turn; nothing
-    overlaps until it stands again."""
+    """It rises with its user, less the sag of m g / 2 K and the rolling of the hands on its sides. Nothing overlaps."""
     lift, engine = drawn_lift(seed), AvatarsimEngine()
     scene = lift.scene()
     engine.load(scene, Settings(), DT)

@@ -194,7 +194,8 @@ def test_joints_leave_the_nearest_velocities_that_they_allow(which: int) -> None
     n = np.array([0.6, 0.0, 0.8])
     add_contact(contacts, a, b, 0, tuple(n), tuple(arms[0]), tuple(arms[1]), 0.0)
     weigh(contacts, memory.hold)
-    assert weigh_links(world.dynamics, world.poses, memory, 0)
+    weigh_links(world.dynamics, world.poses, memory, 0)
+    assert contacts.responses.used[0] == 1
     push = np.zeros(len(weights))
     for body, arm, sign in ((a, arms[0], 1.0), (b, arms[1], -1.0)):
         push[6 * body : 6 * body + 6] += sign * np.hstack([n, np.cross(arm, n)])

@@ -30,7 +30,7 @@ FIRST, SPEED = -0.5, 0.5
 
 
 LAG, RETURN = 0.15, 0.025
-"""How far the slab holds back the hand [m], and the time constant [s] of its return."""
+"""Largest lag of the hand behind the slab [m], and time constant of its return [s]."""
 FREE = 16
 """Frames of the short run in which nothing is in the way."""
 RETURNS = Bound(
