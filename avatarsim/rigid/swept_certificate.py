@@ -7,6 +7,7 @@ carried by either body (then that body's vertices do not bulge). Where none is f
 A pair that is nearer than that at the start, as those of the exact path are, may dip as these do; to stand still is certified.
 """
 
+from math import atan2
 from typing import NamedTuple
 
 from avatarsim.collision.conservative_advancement import DIP
@@ -121,6 +122,28 @@ def bulge_of_carried(memory: Memory, start: Poses, end: Poses, carrier: int, oth
 
 
 @kernel
+def stays_apart(
+    memory: Memory, start: Poses, end: Poses, a: int, b: int, n: Vec3, gap: float, n_then: Vec3, gap_then: float,
+    h: float, share: float, least: float,
+) -> bool:
+    """Return whether the direction that turns evenly from n to ``n_then`` proves ``least`` [m] from start to end.
+
+    gap, gap_then: along them, at both ends. Both ends are a share of the substep of h seconds apart. This is the direction that
+    two crossed edges need: it turns with both of them, and the heights along any other leave the gap at once.
+    """
+    sub_ = memory.substeps
+    turn = atan2(norm(cross(n, n_then)), dot(n, n_then))
+    before = sub(row(start.position, a), row(start.position, b))
+    moved = norm(sub(sub(row(end.position, a), row(end.position, b)), before))
+    pull = (share * h) ** 2 * norm(sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
+    turn_a, turn_b = share * sub_.turn[a], share * sub_.turn[b]
+    far = norm(before) + moved + memory.reach[a] + memory.reach[b]
+    faster = moved + pull + turn_a * memory.reach[a] + turn_b * memory.reach[b]
+    bulge = turn * turn * far + 2.0 * turn * faster + turn_a * turn_a * memory.reach[a] + turn_b * turn_b * memory.reach[b] + pull
+    return least_between(gap, gap_then, SAGITTA * bulge) >= least
+
+
+@kernel
 def separates(
     geometry: Geometry, start: Poses, end: Poses, memory: Memory, sa: int, sb: int, n: Vec3, h: float, share: float, least: float
 ) -> bool:
@@ -190,7 +213,9 @@ def proved_by_parts(
         )
         gap_then, n_then, on_a, on_b = query(geometry, high, memory, sa, sb, 1.0)
         if not holds and gap_then >= least:
-            holds = separates(geometry, high, low, memory, sa, sb, n_then, h, until - done, least)
+            holds = stays_apart(
+                memory, low, high, a, b, n, gap, n_then, gap_then, h, until - done, least
+            ) or separates(geometry, high, low, memory, sa, sb, n_then, h, until - done, least)
         # beyond the middle of the other piece the direction out of it is the wrong one
         if gap_then < worst.gap and dot(n_then, n) > 0.0:
             worst = Refusal(False, until, gap_then, n_then, on_a, on_b)
@@ -232,7 +257,9 @@ def certify_pieces(geometry: Geometry, poses: Poses, memory: Memory, q: int, h: 
         return free
     gap_then, n_then, on_a, on_b = query(geometry, trial, memory, sa, sb, 1.0)
     if gap_then >= least:
-        if separates(geometry, trial, poses, memory, sa, sb, n_then, h, 1.0, least):
+        if stays_apart(memory, poses, trial, a, b, n, gap, n_then, gap_then, h, 1.0, least) or separates(
+            geometry, trial, poses, memory, sa, sb, n_then, h, 1.0, least
+        ):
             return free
     elif dot(n_then, n) > 0.0:
         return Refusal(False, 1.0, gap_then, n_then, on_a, on_b)

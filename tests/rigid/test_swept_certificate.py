@@ -11,6 +11,7 @@ from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.rigid.substep_state import UNKNOWN
 from avatarsim.rigid.swept_certificate import LEAST, certify_pieces, least_between, least_of, measure_way, pose_on_way
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
+from avatarsim.tolerances import JUDGED
 from tests.rigid.upper_world import World, thing
 
 H = 1.0 / 240.0
@@ -103,6 +104,53 @@ def test_to_stand_still_is_certified(gap: float) -> None:
         pose_on_way(world.geometry, world.poses, world.memory, b, H, world.memory.trial)
         measure_way(world.geometry, world.poses, world.memory, b, H)
     assert certify_pieces(world.geometry, world.poses, world.memory, 0, H).holds
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.02, 0.3])
+def test_crossed_edges_that_dipped_can_still_turn(speed: float) -> None:
+    """A box that leans on another's edge, as deep as the exact path leaves it, tilts about the point where they touch."""
+    world = pair(0, 0)
+    memory, lean = world.memory, np.sqrt(0.5)
+    world.poses.rotation[0] = [(1.0, 0.0, 0.0), (0.0, lean, -lean), (0.0, lean, lean)]
+    world.poses.rotation[1] = [(lean, 0.0, lean), (0.0, 1.0, 0.0), (-lean, 0.0, lean)]
+    corners = world.geometry.local[:8]
+    below, above = (corners @ world.poses.rotation[b].T for b in range(2))
+    lowest, highest = below[below[:, 2].argmin()], above[above[:, 2].argmax()]
+    world.poses.position[:] = (0.0, -lowest[1], -lowest[2] - 2.5e-7), (-highest[0], 0.0, -highest[2])
+    memory.moving[:] = (1, 0)
+    memory.substeps.turning[:] = (speed, speed, 0.0), (0.0, 0.0, 0.0)
+    memory.substeps.way[:] = np.cross(memory.substeps.turning, world.poses.position)
+    memory.substeps.way[1] = 0.0
+    for b in range(2):
+        pose_on_way(world.geometry, world.poses, memory, b, 0.0, world.poses)
+        pose_on_way(world.geometry, world.poses, memory, b, H, memory.trial)
+        measure_way(world.geometry, world.poses, memory, b, H)
+    assert distance(world, world.poses)[0] == pytest.approx(-2.5e-7, abs=1e-9)
+    assert certify_pieces(world.geometry, world.poses, memory, 0, H).holds
+    memory.moving[:], memory.substeps.way[0] = (1, 0), (0.0, 0.0, -0.01)
+    pose_on_way(world.geometry, world.poses, memory, 0, H, memory.trial)
+    assert not certify_pieces(world.geometry, world.poses, memory, 0, H).holds
+
+
+def test_a_certified_way_of_a_pair_that_dipped_stays_within_what_is_judged() -> None:
+    world, rng, held = pair(0, 4), np.random.default_rng(6), 0
+    world.memory.moving[:] = 1
+    for _ in range(300):
+        throw(world, rng, -2e-7)
+        world.memory.substeps.turning[:] *= 1e-3
+        world.memory.substeps.way[:] *= 1e-4
+        world.memory.paths.linear[:] = 0.0
+        for b in range(2):
+            pose_on_way(world.geometry, world.poses, world.memory, b, H, world.memory.trial)
+            measure_way(world.geometry, world.poses, world.memory, b, H)
+        if not certify_pieces(world.geometry, world.poses, world.memory, 0, H).holds:
+            continue
+        held += 1
+        for t in np.linspace(0.0, H, 20):
+            for b in range(2):
+                pose_on_way(world.geometry, world.poses, world.memory, b, t, world.memory.substeps.low)
+            assert distance(world, world.memory.substeps.low)[0] >= -JUDGED
+    assert held > 30
 
 
 @given(before=st.floats(-1.0, 1.0), after=st.floats(-1.0, 1.0), bulge=st.floats(0.0, 1.0))
