@@ -86,18 +86,21 @@ def witness(
     memory: Memory,
 ) -> None:
     """Record an event of bodies a and b at ``now``, with all other bodies sampled on their paths at that time."""
-    k, islands, paths = events.kept[0], memory.islands, memory.paths
+    k, islands, paths, sampled = events.kept[0], memory.islands, memory.paths, memory.substeps.low
     record(events, kind, time, a, b, poses.position, poses.rotation, velocities.linear, velocities.angular)
     if k >= events.time.shape[0]:
         return
     for other in range(memory.moving.shape[0]):
         if memory.moving[other] == 1 and islands.due[other] > now and paths.kind[other] != STILL:
+            # to record changes nothing: not the trial poses, and whoever follows this path next computes it anew
+            paths.time[other] = -1.0
             move_along(
                 geometry, memory.began, islands.linear, islands.angular, paths, memory.series, other,
-                max(0.0, now - islands.begun[other]), memory.trial,
+                max(0.0, now - islands.begun[other]), sampled,
             )
-            put_row(events.position[k], other, row(memory.trial.position, other))
-            put_columns(events.rotation[k], other, columns(memory.trial.rotation, other))
+            paths.time[other] = -1.0
+            put_row(events.position[k], other, row(sampled.position, other))
+            put_columns(events.rotation[k], other, columns(sampled.rotation, other))
             put_row(events.linear[k], other, row(paths.v, other))
             put_row(events.angular[k], other, row(paths.w, other))
         if memory.tail_end[other] >= now:

@@ -38,6 +38,7 @@ from avatarsim.rigid.substep import (
     FRAME_VISITS,
     ROUNDS,
     find_free_ways,
+    forget_ways,
     is_slow,
     leave_shares,
     length_of,
@@ -307,6 +308,8 @@ def crowd_step(
         return DONE
     slow = pairs.shape[0] <= FEW or is_slow(velocities, memory, members)
     status, h, fine = find_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, slow)
+    if status in (AGAIN, NOT_FINITE, CROWDED):
+        forget_ways(memory, members)
     if status == AGAIN or status == NOT_FINITE:
         return status
     if status == CROWDED:

@@ -343,12 +343,20 @@ def leave_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 @kernel
 def take_step(velocities: Velocities, memory: Memory, members: Index) -> None:
     """Velocities of the members at the end of the substep."""
-    sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1:
             put_row(velocities.linear, b, row(memory.linear_end, b))
             put_row(velocities.angular, b, row(memory.angular_end, b))
+    forget_ways(memory, members)
+
+
+@kernel
+def forget_ways(memory: Memory, members: Index) -> None:
+    """The members stand, until they have other ways."""
+    sub_ = memory.substeps
+    for m in range(members.shape[0]):
+        b = members[m]
         put_row(sub_.way, b, (0.0, 0.0, 0.0))
         put_row(sub_.turning, b, (0.0, 0.0, 0.0))
         sub_.turn[b], sub_.bulge[b] = 0.0, 0.0
