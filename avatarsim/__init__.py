@@ -36,6 +36,7 @@ The world
     Body            a fixed or loose body, as the next two make it
     fixed           a body that stays where it is
     simulated       a loose body, which obeys the laws of physics
+    moving          a body whose pose is given per frame, such as a door or a lift (an avatar: it stands among these)
     Piece           one convex shape at its place on a body
     Sphere, Capsule, Box, Ellipsoid, ConvexHull     the shapes
     pieces_of_mesh  convex pieces of a mesh file, with a bound of their distance from it (needs the extra `assets`)
@@ -111,6 +112,7 @@ if TYPE_CHECKING:
     from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
     from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
     from avatarsim.scene.motion import Motion
+    from avatarsim.scene.moving import moving
     from avatarsim.scene.scene import Scene
     from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
     from avatarsim.scene.tracker import TrackerSample, rest
@@ -121,7 +123,7 @@ __all__ = [
     "ConvexHull", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model",
     "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps",
     "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed",
-    "load_avatar", "load_motion", "load_room", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "load_avatar", "load_motion", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -137,6 +139,7 @@ _MODULES = {
     "scene.avatar": ("Avatar", "Drive", "Link", "rigid_avatar"),
     "scene.body": ("Body", "ContactLaw", "Mass", "PairTable", "fixed", "simulated", "solid"),
     "scene.motion": ("Motion",),
+    "scene.moving": ("moving",),
     "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),

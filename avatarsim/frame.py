@@ -17,10 +17,11 @@ from avatarsim.counters import StageClock, Tally
 from avatarsim.engine import Snapshot
 from avatarsim.jit.layout import Index
 from avatarsim.lower_loop import IkLoop, TrackedLoop
-from avatarsim.model.world import Target, World
+from avatarsim.model.world import Target, World, sample_arrays
 from avatarsim.paper.method import PaperLoop
 from avatarsim.rehearsal import Part
 from avatarsim.rigid.step import SimulatedLoop
+from avatarsim.scene.moving import Pose, with_moving
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
 
@@ -42,18 +43,20 @@ class Frames:
     # places of their own: which attributes there are depends on the scene, and after some thirty scenes of other kinds Python
     # would keep those of this one in a dictionary
     __slots__ = (
-        "_counted", "_job", "clock", "driven", "effects", "lower", "output", "passed", "record", "target", "time", "upper",
-        "world",
+        "_counted", "_job", "clock", "driven", "effects", "given", "lower", "moves", "output", "passed", "record", "target",
+        "time", "upper", "world",
     )
     ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed")
-    WRITTEN: ClassVar[tuple[str, ...]] = ()
-    KEPT: ClassVar[tuple[str, ...]] = ()
+    WRITTEN: ClassVar[tuple[str, ...]] = ("given",)
+    KEPT: ClassVar[tuple[str, ...]] = ("given",)
     WORKING: ClassVar[tuple[str, ...]] = ()
 
     def __init__(self, world: World, method: str, chosen: Chosen, seed: int, *, record: bool, time_stages: bool) -> None:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
         self.time, self.driven, self.record = 0.0, bool(world.scene.avatars), record
         self.passed: tuple[Snapshot, ...] = ()
+        self.moves = any(avatar.moves for avatar in world.scene.avatars)
+        self.given = tuple(array.copy() for array in sample_arrays(world.scene.first_sample)) if self.moves else ()
         moving = np.zeros(len(world.scene.names), dtype=np.int64)
         if self.driven:
             self.target = Target(world)
@@ -85,7 +88,7 @@ class Frames:
         # nothing is timed here, so the clock has nothing to forget
         self.passed = ()
         if self.driven:
-            self.target.read(sample)
+            self._read(sample)
             if isinstance(self.lower, IkLoop):
                 self._job[MOVING + 1] = len(self.lower.begin())
         return self._job
@@ -108,7 +111,7 @@ class Frames:
         self.clock.frame()
         self.passed = ()
         if self.driven:
-            self.target.read(sample)
+            self._read(sample)
             with self.clock.stage("posture"):
                 self.lower.follow(self.target, dt)
             if self.record:
@@ -124,6 +127,17 @@ class Frames:
                 if self.record:
                     self.passed += self.lower.passed(self.time + dt)
         self.time += dt
+
+    def _read(self, sample: TrackerSample) -> None:
+        """Take over a sample; of scenes with moving bodies it is kept, for those whose pose is not given in the next frame."""
+        self.target.read(sample)
+        for kept, array in zip(self.given, sample_arrays(sample) if self.moves else (), strict=True):
+            kept[...] = array
+
+    def completed(self, sample: TrackerSample, poses: Mapping[str, Pose]) -> TrackerSample:
+        """The sample with the given poses of moving bodies, and the last ones of those that are not given."""
+        last = TrackerSample(self.time, *self.given) if self.moves else sample
+        return with_moving(self.world.scene.avatars, sample, poses, last)
 
     def counts(self) -> Tally:
         """Work done in the last frame."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from avatarsim.counters import Tally
 from avatarsim.coupling.coupled_bodies import enable_coupling, exclude_coupled, freeze_coupled, note_blocked, return_coupled
+from avatarsim.coupling.moving_bodies import load_moving
 from avatarsim.coupling.tracked_motion import (
     TrackedMotion,
     last_and_now,
@@ -109,6 +110,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
             relax(skeleton, w.dynamics.drive, dt, tracker, w.velocities)
             project_velocities(geometry, w.dynamics, state.contacts, w.velocities)
             before, now = last_and_now(trackers)
+            load_moving(skeleton, w.dynamics, poses, before, now, dt, 2.0 * settings.stand_off)
             exclude_coupled(skeleton, avatars, w.dynamics, before, now, posture, dt, tracker, w.velocities)
     begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
     freeze_coupled(skeleton, avatars, w.dynamics, state)

@@ -6,7 +6,7 @@ take longer than Python, two threads are nearly twice as fast as one. Which thre
 """
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from typing import TypeVar
@@ -19,6 +19,7 @@ from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, WorldsFa
 from avatarsim.frame import Frames
 from avatarsim.jit.layout import Index
 from avatarsim.scene.checks import as_number
+from avatarsim.scene.moving import Pose
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine, frame_time
 
@@ -36,7 +37,8 @@ PORTIONS = 2
 
 
 def advance_many(
-    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float, threads: int | None = None
+    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float, threads: int | None = None,
+    moving: Sequence[Mapping[str, Pose]] | None = None,
 ) -> tuple[FrameRecord, ...]:
     """One rendered frame of many engines, each with its own sample: bit for bit what `engine.advance(sample, dt)` returns.
 
@@ -46,6 +48,7 @@ def advance_many(
     threads  how many run at once, 1 to 1024; by default one per processor that this process may use. Where frames are so
              short that their records take longer, further threads win little. Frames of method `paper`, recorded ones and those
              whose stages are timed are passed one after the other
+    moving   poses of moving bodies of each engine, as `engine.advance` takes them
 
     Returns the records, in the order of the engines; the first call of a process reads its kernel from disk. Raises InvalidInput
     for arguments that do not fit together, before any world has advanced. A world that fails (a sample that does not fit, an
@@ -54,12 +57,13 @@ def advance_many(
     """
     engines = _listed("engines for many worlds", engines, "a sequence of AvatarsimEngine")
     samples = _listed("samples for many worlds", samples, "a sequence of TrackerSample")
-    _require(engines, samples, threads)
+    given = None if moving is None else _listed("poses of moving bodies for many worlds", moving, "a sequence of mappings")
+    _require(engines, samples, threads, given)
     frame_time(dt)
     count = len(engines)
     many = min(_processors() if threads is None else int(threads), max(count, 1))
     size = max(1, min(PORTION, count // (PORTIONS * many)))
-    call = _Call(engines, samples, float(dt))
+    call = _Call(engines, samples, float(dt), given)
     # every thread takes the next portion, so that none waits while there is one
     portions = iter([range(first, min(first + size, count)) for first in range(0, count, size)])
     if many == 1:
@@ -101,10 +105,13 @@ def _listed(thing: str, given: Sequence[T], valid: str) -> tuple[T, ...]:
     raise InvalidInput(thing, given, valid)
 
 
-def _require(engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], threads: int | None) -> None:
+def _require(
+    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], threads: int | None, moving: Sequence[object] | None
+) -> None:
     """Raise InvalidInput where the arguments do not fit together."""
-    if len(samples) != len(engines):
-        raise InvalidInput("number of samples for many worlds", len(samples), f"{len(engines)}, as many as engines")
+    for thing, given in (("samples", samples), ("mappings of moving bodies", moving)):
+        if given is not None and len(given) != len(engines):
+            raise InvalidInput(f"number of {thing} for many worlds", len(given), f"{len(engines)}, as many as engines")
     places: dict[int, int] = {}
     for place, engine in enumerate(engines):
         if not isinstance(engine, AvatarsimEngine):
@@ -121,8 +128,11 @@ class _Call:
     It does in portions what `AvatarsimEngine.advance` does for one world, and so with the parts of that which are not public.
     """
 
-    def __init__(self, engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float) -> None:
-        self.engines, self.samples, self.dt = engines, samples, dt
+    def __init__(
+        self, engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float,
+        moving: Sequence[Mapping[str, Pose]] | None,
+    ) -> None:
+        self.engines, self.samples, self.dt, self.moving = engines, samples, dt, moving
         self.records: list[FrameRecord | None] = [None] * len(engines)
         self.errors: dict[int, AvatarsimError] = {}
 
@@ -144,10 +154,12 @@ class _Call:
                     continue
                 taken.append(engine)
                 try:
-                    frames = engine._running()
-                    job = frames.begin(self.samples[place])
+                    frames, sample = engine._running(), self.samples[place]
+                    if frames.moves or self.moving:
+                        sample = frames.completed(sample, self.moving[place] if self.moving else {})
+                    job = frames.begin(sample)
                     if job is None:
-                        self.records[place] = engine._advance(self.samples[place], self.dt)
+                        self.records[place] = engine._advance(sample, self.dt)
                     else:
                         jobs[len(begun)] = job
                         begun.append((place, engine, frames))
@@ -165,7 +177,7 @@ class _Call:
         for (place, engine, frames), (status, said, finite) in zip(begun, jobs[:, STATUS:].tolist(), strict=True):
             try:
                 frames.end(self.dt, status)
-                statuses = frames.statuses() if said or status else {}
+                statuses = frames.statuses() if said or status or frames.moves else {}
                 self.records[place] = engine._record(frames.counts(), statuses, (), frames.output.shown if finite else None)
             except AvatarsimError as error:
                 self.errors[place] = error

@@ -23,6 +23,7 @@ from avatarsim.model.world import Array, build, sample_arrays, shown_again, show
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number, require_near
+from avatarsim.scene.moving import Pose
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.settings import Chosen, meanings
@@ -325,23 +326,28 @@ class AvatarsimEngine:
         self._rehearse(frames, scene.first_sample, dt)
         return self._record({}, {}, ())
 
-    def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+    def advance(self, sample: TrackerSample, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
         """One rendered frame of `dt` [s], above 0 and at most 1: follow `sample`, move loose bodies on, return what is shown.
 
-        Raises InvalidSample for a sample that is not finite or does not fit the scene's avatars; the state is then as before, and
-        the next frame goes on from it.
+        `moving` gives poses of moving bodies at the end of the frame, `{"door": (position, orientation)}`, or angles of those
+        that turn in hinges; what is not given keeps its last ones. `sample` is of all avatars, or of all but moving bodies.
+
+        Raises InvalidSample for a sample that is not finite or does not fit the scene's avatars, and UnknownName for a pose of
+        what is no moving body; the state is then as before, and the next frame goes on from it.
         """
         # `_alone` written out: a context manager takes half a microsecond more
         if not self._turn.acquire(False):
             raise EngineInUse
         try:
-            return self._advance(sample, dt)
+            return self._advance(sample, dt, moving)
         finally:
             self._turn.release()
 
-    def _advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
+    def _advance(self, sample: TrackerSample, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
         frames = self._running()
         frame_time(dt)
+        if frames.moves or moving:
+            sample = frames.completed(sample, {} if moving is None else moving)
         # a whole number would compile every kernel again, for integers
         frames.frame(sample, float(dt))
         return self._record(frames.counts(), frames.statuses(), frames.passed)

@@ -316,6 +316,7 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
     if not (old.driven and new.driven):
         return
     take_posture(new.target.posture, old.target.posture, both)
+    carry_given(old, new, both)
     one, other = old.lower, new.lower
     if isinstance(one, PaperLoop) and isinstance(other, PaperLoop):
         taken(other.memory.tracked, one.memory.tracked, both.links)
@@ -325,6 +326,19 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
         take_posture(other.state.own, one.state.own, both)
         taken(other.state.tracking.speed, one.state.tracking.speed, both.avatars)
         carry_coupling(old, new, one, other, both)
+
+
+def carry_given(old: Frames, new: Frames, both: Shared) -> None:
+    """Poses of moving bodies that both have, as they were last given."""
+    if not (old.moves and new.moves):
+        return
+    for into, of in zip(new.given[:2], old.given[:2], strict=True):
+        taken(into, of, both.links)
+    places = {degree: k for k, degree in enumerate(old.world.hinges.tolist())}
+    hinge = {degree: k for k, degree in enumerate(new.world.hinges.tolist())}
+    for before, now in both.degrees.tolist():
+        if now in hinge:
+            new.given[2][hinge[now]] = old.given[2][places[before]]
 
 
 def carry_coupling(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:

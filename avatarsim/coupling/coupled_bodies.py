@@ -11,9 +11,10 @@ from avatarsim.ik.sqp_step import copy_poses, forget_forces
 from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
 from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import SIMULATED, DriveState, Dynamics, Velocities
+from avatarsim.model.dynamics import DRIVEN, DriveState, Dynamics, Velocities
 from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
+from avatarsim.rigid.driven import presses
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, add, along, dot, limited, norm, put_row, row, scale, sub
@@ -42,17 +43,20 @@ def time_to_catch_up(drive: DriveState, avatars: Avatars, avatar: int, first: in
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         m, r, k = drive.mass[first + link], drive.damping[first + link], drive.stiffness[first + link]
         if r > 0.0:
-            slowest = max(slowest, -log(JUDGED) / min(0.5 * r / m, k / r))
+            # without a spring there is no lag, only a velocity
+            slowest = max(slowest, -log(JUDGED) / (min(0.5 * r / m, k / r) if k > 0.0 else r / m))
     return slowest
 
 
 @kernel
 def note_blocked(geo: Geometry, dynamics: Dynamics, contacts: Contacts) -> None:
-    """Mark driven bodies that a loose body blocked in the lower loop."""
+    """Mark driven bodies that a loose body, or a moving one that gives way, blocked in the lower loop."""
     for k in range(contacts.used[0]):
         a, b = geo.body[contacts.pair[k, 0]], geo.body[contacts.pair[k, 1]]
-        if dynamics.role[b] == SIMULATED:
+        if presses(dynamics, b) or presses(dynamics, a):
             dynamics.drive.loaded[a] = 1
+            if dynamics.role[b] == DRIVEN:
+                dynamics.drive.loaded[b] = 1
 
 
 ACCELERATES = 0.5 * LONGEST_PAUSE
@@ -64,8 +68,11 @@ motion; shorter: noise shakes off what they hold."""
 def share_of_noise(drive: DriveState, b: int) -> float:
     """Share of the noise of a tracker's velocity that the inertia of a body resists.
 
-    Less than 1 for bodies whose time constant sqrt(m / K) exceeds ACCELERATES: a heavy torso would sway behind its tracker.
+    Less than 1 for bodies whose time constant sqrt(m / K) exceeds ACCELERATES: a heavy torso would sway behind its tracker. The
+    given poses of moving bodies have none.
     """
+    if drive.moves[b] == 1:
+        return 0.0
     return float(min(1.0, drive.stiffness[b] * ACCELERATES * ACCELERATES / drive.mass[b]))
 
 
@@ -120,7 +127,10 @@ def follow(drive: DriveState, before: Poses, now: Poses, b: int, dt: float) -> t
     """
     x, r = row(before.position, b), columns(before.rotation, b)
     step, turn = sub(row(now.position, b), x), turn_of(r, columns(now.rotation, b))
-    if dot(step, step) + dot(turn, turn) == 0.0:
+    if drive.moves[b] == 1:
+        # its pose is given for every frame
+        drive.paused[b], drive.spread[b] = 0, 0
+    elif dot(step, step) + dot(turn, turn) == 0.0:
         drive.paused[b] = min(drive.paused[b] + 1, int(LONGEST_PAUSE / dt))
     else:
         drive.spread[b], drive.paused[b] = drive.paused[b], 0
@@ -138,7 +148,7 @@ def exclude_coupled(
     skel: Skeleton, avatars: Avatars, dynamics: Dynamics, before: Poses, now: Poses, posture: Posture, dt: float,
     target_out: Posture, velocities_out: Velocities,
 ) -> None:
-    """Exclude coupled avatars from the lower loop, and compute the motion of their trackers in dt seconds.
+    """Exclude coupled avatars and moving bodies from the lower loop, and compute the motion of their trackers in dt seconds.
 
     Args:
         before, now: tracked poses of the links at the start and at the end of the frame.
@@ -150,6 +160,8 @@ def exclude_coupled(
             continue
         load(drive, avatars, link, skel.first)
         if drive.coupled[b] + drive.loaded[b] == 0:
+            if drive.moves[b] == 1:
+                take_out(skel, avatars, drive, link, posture, target_out)
             continue
         if drive.coupled[b] == 0:
             couple(drive, before, now, b, dt)
@@ -159,15 +171,12 @@ def exclude_coupled(
         accelerate(w, b, dt, share, drive.angular, drive.gained_turn, drive.ramp_turn, drive.lag_turn)
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt
         if drive.unloaded[b] > time_to_catch_up(drive, avatars, avatars.avatar[link], skel.first):
-            drive.coupled[b] = 0
-            if drive.linked[b] == 1:
-                put_row(drive.lag, b, (0.0, 0.0, 0.0))
+            drive.coupled[b], drive.blocked[b] = 0, 0
+            put_row(drive.lag, b, (0.0, 0.0, 0.0))
+            put_row(drive.offset, b, (0.0, 0.0, 0.0))
+        if drive.coupled[b] + drive.moves[b] > 0:
+            take_out(skel, avatars, drive, link, posture, target_out)
         if drive.coupled[b] == 1:
-            if drive.tied[b] == b:
-                avatar = avatars.avatar[link]
-                copy_posture(skel, avatars, avatar, target_out, drive.linkage.user)
-                copy_posture(skel, avatars, avatar, posture, target_out)
-                copy_posture(skel, avatars, avatar, posture, drive.linkage.joints)
             put_row(velocities_out.linear, b, add(row(drive.linear, b), row(drive.lag, b)))
             put_row(velocities_out.angular, b, add(row(drive.angular, b), row(drive.lag_turn, b)))
     for link in range(skel.kind.shape[0]):
@@ -175,15 +184,25 @@ def exclude_coupled(
 
 
 @kernel
+def take_out(skel: Skeleton, avatars: Avatars, drive: DriveState, link: int, posture: Posture, target_out: Posture) -> None:
+    """Let the lower loop leave the avatar of a root link as it is; the upper loop knows its tracked posture."""
+    avatar = avatars.avatar[link]
+    if drive.tied[skel.first + link] == skel.first + link:
+        copy_posture(skel, avatars, avatar, target_out, drive.linkage.user)
+        copy_posture(skel, avatars, avatar, posture, target_out)
+        copy_posture(skel, avatars, avatar, posture, drive.linkage.joints)
+
+
+@kernel
 def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_out: IkState) -> None:
-    """Set the motion budget of coupled avatars to zero, and their last target to the tracked posture.
+    """Set the motion budget of coupled avatars and moving bodies to zero, and their last target to the tracked posture.
 
     The speed of the tracker and an eased start limit how fast a released avatar makes up its lag.
     """
     drive = dynamics.drive
     for link in range(skel.kind.shape[0]):
         b = skel.first + link
-        if drive.coupled[b] == 1:
+        if drive.coupled[b] + drive.moves[b] * drive.may_couple[b] > 0:
             state_out.budget.move[link], state_out.budget.turn[link] = 0.0, 0.0
             speed, tracking, avatar = norm(row(drive.linear, b)), state_out.tracking, avatars.avatar[link]
             tracking.speed[avatar] = speed if drive.tied[b] == b else max(tracking.speed[avatar], speed)

@@ -49,8 +49,14 @@ class TrackedMotion(NamedTuple):
 
 
 @kernel
+def stands_still(dynamics: Dynamics, b: int) -> bool:
+    """Return whether body b is fixed, or a moving one that the upper loop does not move."""
+    return bool(dynamics.role[b] == FIXED or (dynamics.drive.moves[b] == 1 and dynamics.drive.coupled[b] == 0))
+
+
+@kernel
 def project_velocities(geo: Geometry, dynamics: Dynamics, contacts: Contacts, velocities_out: Velocities) -> None:
-    """Remove from the velocity of each link the part into the fixed bodies that blocked it in the last frame.
+    """Remove from the velocity of each link the part into what stood still and blocked it in the last frame.
 
     A hand blocked by a wall does not move, so it must not strike a ball with the velocity of its tracker. Simulated bodies do not
     change the velocity of a link, by which it pushes them.
@@ -59,9 +65,11 @@ def project_velocities(geo: Geometry, dynamics: Dynamics, contacts: Contacts, ve
     for _ in range(ROUNDS):
         done = True
         for k in range(contacts.used[0]):
-            a, other = contacts.pair[k, 0], contacts.pair[k, 1]
-            if dynamics.role[geo.body[other]] == FIXED:
-                n, b = row(contacts.normal, k), geo.body[a]
+            for side in range(2):
+                b, other = geo.body[contacts.pair[k, side]], geo.body[contacts.pair[k, 1 - side]]
+                if not stands_still(dynamics, other) or stands_still(dynamics, b):
+                    continue
+                n = row(contacts.normal, k) if side == 0 else scale(row(contacts.normal, k), -1.0)
                 into = dot(row(v, b), n)
                 if into < 0.0:
                     put_row(v, b, along(row(v, b), -into, n))
@@ -108,7 +116,7 @@ def relax(skel: Skeleton, drive: DriveState, dt: float, target_out: Posture, vel
     for link in range(skel.kind.shape[0]):
         b = skel.first + link
         x, v = row(drive.offset, b), row(drive.lag, b)
-        if drive.coupled[b] == 1 or drive.linked[b] == 1 or (norm(x) == 0.0 and norm(v) == 0.0):
+        if drive.coupled[b] + drive.linked[b] + drive.moves[b] > 0 or (norm(x) == 0.0 and norm(v) == 0.0):
             continue
         x, v = coupled(drive.mass[b], drive.stiffness[b], drive.damping[b], x, v, dt)
         # below what shows, so that a coupling at rest costs nothing

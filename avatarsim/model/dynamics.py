@@ -94,9 +94,13 @@ def make_linkage(scene: Scene) -> Linkage:
 class DriveState(NamedTuple):
     """State of the virtual coupling of driven bodies that the upper loop moves while they are under load. nb bodies.
 
+    Moving bodies are driven too: they are coupled unless they stand.
+
     linkage           their joints
     tied              (nb) body that leads the avatar of a body, itself for what is no link
     linked            (nb) flag: the body has joints
+    moves             (nb) flag: scenery that moves by itself
+    blocked           (nb) bits: the spring force (1), its torque (2) was at its largest in the last substep
     may_couple        (nb) flag: the upper loop can move the body
     coupled           (nb) flag: it does so in this frame
     loaded            (nb) flag: loose bodies pressed on it in the last frame
@@ -117,6 +121,8 @@ class DriveState(NamedTuple):
     linkage: Linkage
     tied: IndexLine
     linked: IndexLine
+    moves: IndexLine
+    blocked: IndexLine
     may_couple: IndexLine
     coupled: IndexLine
     loaded: IndexLine
@@ -147,8 +153,10 @@ class DriveState(NamedTuple):
 def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
     """Allocate for the bodies of a scene, none of which couples yet."""
     law = np.tile([np.nan, np.nan, np.inf], (len(scene.names), 1))
+    moves = np.zeros(len(scene.names), np.int64)
     b = len(scene.bodies)
     for avatar in scene.avatars:
+        moves[b : b + len(avatar.links)] = int(avatar.moves)
         if avatar.drive is not None:
             law[b : b + len(avatar.links)] = avatar.drive.stiffness, avatar.drive.damping, avatar.drive.largest_force
         b += len(avatar.links)
@@ -165,8 +173,9 @@ def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
         return np.zeros((bodies, 3))
 
     return DriveState(
-        linkage=linkage, tied=tied, linked=flags(), may_couple=flags(), coupled=flags(), loaded=flags(),
-        unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), paused=flags(), spread=flags(),
+        linkage=linkage, tied=tied, linked=flags(), moves=moves, blocked=flags(), may_couple=flags(), coupled=flags(),
+        loaded=flags(), unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), paused=flags(),
+        spread=flags(),
         linear=vectors(), angular=vectors(), gained=vectors(), gained_turn=vectors(), ramp=vectors(), ramp_turn=vectors(),
         user=vectors(), user_turn=vectors(), lag=vectors(), lag_turn=vectors(), offset=vectors(),
         mass=np.divide(1.0, inverse_mass, out=np.zeros(bodies), where=inverse_mass > 0.0), stiffness=law[:, 0].copy(),
@@ -179,12 +188,13 @@ class Dynamics(NamedTuple):
     """Constants of the dynamics, and the driven bodies that the upper loop moves.
 
     role              (nb) int64, values of `Role`
-    inverse_mass      (nb) [1/kg]; 0 for fixed bodies, the inverse coupled mass for driven ones
+    inverse_mass      (nb) [1/kg]; 0 for fixed and moving bodies, the inverse coupled mass for driven ones
     inertia           (nb, 3, 3) about the centre of mass, body axes [kg m^2]; zero unless simulated
     inverse_inertia   (nb, 3, 3)
     material          (nb) int64, number of the material of a body among the nm of the scene
     restitution, friction   (nm, nm) of pairs of materials; zero where no two bodies of theirs can meet
     gravity           (3) [m/s^2]
+    surface           (nb, 3) [m/s] velocity of the surface, body axes
     drive             see there
     """
 
@@ -196,6 +206,7 @@ class Dynamics(NamedTuple):
     restitution: Grid
     friction: Grid
     gravity: Line
+    surface: Vectors
     drive: DriveState
 
 
@@ -230,8 +241,15 @@ def dynamics(scene: Scene) -> Dynamics:
         restitution[i, k] = restitution[k, i] = pair.restitution if scene.effects.restitution else 0.0
         friction[i, k] = friction[k, i] = pair.friction if scene.effects.friction else 0.0
     role = np.array([r.value for r in scene.roles], dtype=np.int64)
+    surface = np.zeros((n, 3))
+    surface[len(scene.bodies) :] = np.array([link.surface_velocity for link in scene.links]).reshape(-1, 3)
     drive = make_drive(scene, inverse_mass)
-    return Dynamics(role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity), drive)
+    # moving bodies that stand do not yield
+    inverse_mass[drive.moves == 1] = 0.0
+    return Dynamics(
+        role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity), surface,
+        drive,
+    )
 
 
 @kernel

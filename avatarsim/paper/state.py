@@ -192,7 +192,7 @@ def make_paper_memory(world: World, seed: int) -> PaperMemory:
 
     return PaperMemory(
         chains, make_overlaps(geo, skel.first), np.arange(len(chains.first) - 1, dtype=np.int64), seeded(seed),
-        world.dynamics.role.copy(), 1.0 / world.dynamics.inverse_mass[skel.first :],
+        world.dynamics.role.copy(), world.drive.mass[skel.first :],
         like(world.posture), like(world.posture), like(world.posture), np.zeros((nb, 3)), np.zeros((nb, 3)),
         np.zeros(nb, dtype=np.bool_), world.posture.root.copy(), np.zeros((nl, 3)), np.zeros((nd, 3)), np.zeros(nd),
         np.zeros((PIECES_CAP, 3)), np.zeros(nl, dtype=np.bool_),

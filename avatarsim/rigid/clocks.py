@@ -92,7 +92,7 @@ def witness(
         return
     for other in range(memory.moving.shape[0]):
         if memory.moving[other] == 1 and islands.due[other] > now and paths.kind[other] != STILL:
-            # to record changes nothing: not the trial poses, and whoever follows this path next computes it anew
+            # to record changes nothing: neither the trial poses nor what is known of the path
             paths.time[other] = -1.0
             move_along(
                 geometry, memory.began, islands.linear, islands.angular, paths, memory.series, other,

@@ -12,10 +12,11 @@ from avatarsim.rigid.clocks import arrive, depart
 from avatarsim.rigid.contact_generation import BROKEN, find_contacts
 from avatarsim.rigid.contacts import Contacts, is_full, lacks_responses, remember_forces
 from avatarsim.rigid.deferred_impacts import transfer_impulses
-from avatarsim.rigid.driven import aim_all, is_kinematic, note_lag, note_load
+from avatarsim.rigid.driven import aim_all, bound_forces, is_kinematic, note_lag, note_load
 from avatarsim.rigid.energy_audit import energy_of, kinetic_energy, take_back
 from avatarsim.rigid.impacts import until_tail_ends
 from avatarsim.rigid.linkages import bend
+from avatarsim.rigid.margin_rows import work_of_surfaces
 from avatarsim.rigid.near_pieces import list_pieces_of
 from avatarsim.rigid.response import CAREFUL_VISITS, impacts
 from avatarsim.rigid.resting import SWEEPS
@@ -250,10 +251,13 @@ def find_ways(
     """
     found, fine = UNPROVED, False
     for cut in range(CUTS + 1):
-        aim_all(dynamics, poses, velocities, memory, members, now, dt, h)
-        has_room, fine = solve_ways(geometry, dynamics, poses, velocities, memory, members, h, slow)
-        if not has_room:
-            return CROWDED, h, fine
+        for _ in range(ROUNDS):
+            aim_all(dynamics, poses, velocities, memory, members, now, dt, h)
+            has_room, fine = solve_ways(geometry, dynamics, poses, velocities, memory, members, h, slow)
+            if not has_room:
+                return CROWDED, h, fine
+            if not bound_forces(dynamics, poses, memory, members, now, dt, h):
+                break
         at_last = cut == CUTS or slow or visits_left(memory) < FRAME_VISITS // 2
         found = prove_ways(geometry, dynamics, poses, velocities, memory, members, now, dt, h, fine, at_last)
         if found != UNPROVED:
@@ -331,7 +335,8 @@ def crowd_step(
     memory.counts[SUBSTEPS] += 1
     memory.counts[WORK] += contacts.visits[0]
     contacts.visits[0] = 0
-    take_gain(dynamics, poses, velocities, memory, members, kinetic + potential)
+    given = work_of_surfaces(dynamics, poses, contacts)
+    take_gain(dynamics, poses, velocities, memory, members, kinetic + potential + given)
     note_lag(dynamics, velocities, members)
     ends = now + until > dt * (1.0 - GRAIN)
     for m in range(size):

@@ -89,7 +89,7 @@ def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, firs
         sign = -1.0 if driven == 0 else 1.0
         apart += sign * dot(n, row(memory.owed_linear, body))
         receding = max(receding, apart)
-    if pressed <= 0.0:
+    if pressed <= 0.0 or dynamics.inverse_mass[link] == 0.0:
         return 1.0
     met = pressed * dynamics.inverse_mass[body] - receding
     return float(min(1.0, MOST_ELASTIC * max(0.0, met) / (dynamics.inverse_mass[link] * pressed)))

@@ -6,6 +6,8 @@ So a hand without contact has no lag, one at rest presses with K u exactly, and 
 with m, R and K times the square of the body's size.
 """
 
+from math import inf, sqrt
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -20,6 +22,9 @@ from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, limited, norm, 
 from avatarsim.tolerances import SMALL
 
 Index = NDArray[np.int64]
+
+STRAIGHT, TURNING = 1, 2
+"""Bits of `DriveState.blocked`: the largest force acts, or its torque."""
 
 
 @kernel
@@ -36,30 +41,79 @@ def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tu
 def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory, b: int, now: float, dt: float, h: float) -> None:
     """Set the effective mass of coupled body b and its velocity at the end of a substep without contact (eq. 6).
 
-    The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. A spring force K u above the largest force
-    is replaced by that force. The rate of the lag is limited to ``fastest``, so that a jump of the tracker throws nothing.
+    The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. The force of a blocked body, and its torque
+    at the size of the body, are constant: see `bound_forces`. The rate at which a lag is made up is limited to ``fastest``, so
+    that a jump of the tracker throws nothing, and to what the largest force can brake.
     """
     middle = now + 0.5 * (h - dt)
     put_row(drive.user, b, along(row(drive.linear, b), middle, row(drive.ramp, b)))
     put_row(drive.user_turn, b, along(row(drive.angular, b), middle, row(drive.ramp_turn, b)))
     u, turn = lag_of(drive, poses, b, now, dt)
     # a link without pieces has no size
-    m, k, r, size = drive.mass[b], drive.stiffness[b], drive.damping[b], max(memory.span[b], SMALL)
-    straight, rest = k * norm(u), 1.0
-    implicit = h * h * k
-    if straight > drive.largest_force[b]:
-        rest, implicit = drive.largest_force[b] / straight, 0.0
-    mass = m + h * r * rest + implicit
-    v = along(scale(row(drive.lag, b), m / mass), -h * k * rest / mass, u)
-    put_row(velocities.linear, b, add(limited(v, drive.fastest[b]), row(drive.user, b)))
-    mass_turning = m + h * r + h * h * k
-    w = along(scale(row(drive.lag_turn, b), m / mass_turning), -h * k / mass_turning, turn)
-    put_row(velocities.angular, b, add(limited(w, drive.fastest_turn[b]), row(drive.user_turn, b)))
+    size = max(memory.span[b], SMALL)
+    mass, v = pulled(drive, b, u, row(drive.lag, b), drive.blocked[b] & STRAIGHT > 0, h)
+    put_row(velocities.linear, b, add(limited(v, min(drive.fastest[b], braked(drive, b, norm(u)))), row(drive.user, b)))
+    turning = scale(turn, size), scale(row(drive.lag_turn, b), size)
+    mass_turning, w = pulled(drive, b, turning[0], turning[1], drive.blocked[b] & TURNING > 0, h)
+    w = limited(w, braked(drive, b, norm(turning[0])))
+    put_row(velocities.angular, b, add(limited(scale(w, 1.0 / size), drive.fastest_turn[b]), row(drive.user_turn, b)))
     memory.hold.inverse_mass[b] = 1.0 / mass
     for i in range(3):
         for j in range(3):
             memory.inertia[b, i, j] = size * size * mass_turning if i == j else 0.0
             memory.hold.inverse_inertia[b, i, j] = 1.0 / (size * size * mass_turning) if i == j else 0.0
+
+
+@kernel
+def pulled(drive: DriveState, b: int, u: Vec3, lag: Vec3, is_blocked: bool, h: float) -> tuple[float, Vec3]:
+    """Return (effective mass [kg], velocity of a lag u [m] after h seconds without contact [m/s])."""
+    m, k, r = drive.mass[b], drive.stiffness[b], drive.damping[b]
+    if is_blocked:
+        wanted = along(scale(lag, r), k, u)
+        return m, along(lag, -h * drive.largest_force[b] / (m * max(norm(wanted), SMALL)), wanted)
+    mass = m + h * r + h * h * k
+    return mass, along(scale(lag, m / mass), -h * k / mass, u)
+
+
+@kernel
+def braked(drive: DriveState, b: int, lag: float) -> float:
+    """Speed [m/s] of a lag [m] that the largest force brakes on this way."""
+    return sqrt(2.0 * drive.largest_force[b] * lag / drive.mass[b]) + SMALL if lag > 0.0 else inf
+
+
+@kernel
+def bound_forces(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, now: float, dt: float, h: float) -> bool:
+    """Compare the forces of springs and dampers in a solved substep with the largest; return whether other bodies are blocked.
+
+    An active set: a body whose force exceeds the largest gets that force alone, and the substep is solved anew.
+    """
+    drive, changed = dynamics.drive, False
+    for m in range(members.shape[0]):
+        b = members[m]
+        if drive.coupled[b] == 0 or drive.largest_force[b] == inf:
+            continue
+        u, turn = lag_of(drive, poses, b, now, dt)
+        size, k, r = max(memory.span[b], SMALL), drive.stiffness[b], drive.damping[b]
+        lag = sub(row(memory.linear_end, b), row(drive.user, b))
+        lag_turn = sub(row(memory.angular_end, b), row(drive.user_turn, b))
+        force = norm(along(scale(u, k), r + h * k, lag))
+        torque = size * norm(along(scale(turn, k), r + h * k, lag_turn))
+        most, found = drive.largest_force[b], 0
+        if force > most:
+            found += STRAIGHT
+        if torque > most:
+            found += TURNING
+        changed = changed or found != drive.blocked[b]
+        drive.blocked[b] = found
+    return changed
+
+
+@kernel
+def presses(dynamics: Dynamics, other: int) -> bool:
+    """Return whether body ``other`` puts a driven body that it touches under load: loose ones, and moving ones that give way."""
+    drive = dynamics.drive
+    gives_way = drive.moves[other] == 1 and (drive.coupled[other] == 1 or drive.stiffness[other] == 0.0)
+    return bool(dynamics.role[other] == SIMULATED or gives_way)
 
 
 @kernel
@@ -118,15 +172,15 @@ def note_lag(dynamics: Dynamics, velocities: Velocities, members: Index) -> None
 
 @kernel
 def note_load(dynamics: Dynamics, memory: Memory) -> None:
-    """Mark driven bodies with a contact force of a loose body in the last solve, and sum the impulses on coupled ones."""
+    """Mark driven bodies on which what `presses` had a force in the last solve; sum impulses of loose bodies on coupled ones."""
     contacts, role = memory.contacts, dynamics.role
     for k in range(contacts.used[0]):
         if contacts.impulse[k, 0] > 0.0:
             for side in range(2):
-                b = contacts.body[k, side]
-                if role[b] == DRIVEN and role[contacts.body[k, 1 - side]] == SIMULATED:
+                b, other = contacts.body[k, side], contacts.body[k, 1 - side]
+                if role[b] == DRIVEN and presses(dynamics, other):
                     dynamics.drive.loaded[b] = 1
-                    if dynamics.drive.coupled[b] == 1:
+                    if dynamics.drive.coupled[b] == 1 and role[other] == SIMULATED:
                         j = impulse_of(contacts, k)
                         put_row(memory.received, b, along(row(memory.received, b), 1.0 if side == 0 else -1.0, j))
 

@@ -68,8 +68,9 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
             continue
         first, end = links_of(drive, b)
         skel = linkage.skeleton
-        put_row(linkage.joints.root, first, row(poses.position, b))
-        put_columns(linkage.joints.turn, first, columns(poses.rotation, b))
+        if skel.kind[first] == FREE:
+            put_row(linkage.joints.root, first, row(poses.position, b))
+            put_columns(linkage.joints.turn, first, columns(poses.rotation, b))
         carry_links(skel, first, end, linkage.joints, linkage.still, linkage.ahead, linkage.axes)
         bound_degrees(linkage, first, end, h)
         for i in range(skel.first_dof[first], skel.first_dof[end]):

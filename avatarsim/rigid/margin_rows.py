@@ -32,6 +32,7 @@ from avatarsim.rigid.internal_edges import forget_faces, level_seams, note
 from avatarsim.rigid.state import Memory
 from avatarsim.rigid.substep_state import KNOWN
 from avatarsim.rigid.swept_certificate import Refusal, least_of, query
+from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import Vec3, dot, norm, put_row, row, scale, sub
 from avatarsim.tolerances import FINE
 
@@ -139,7 +140,21 @@ def add_manifold(
         if driven != NOT_DRIVEN:
             note_drift(velocities, memory, k)
             slide_with_driven(velocities, contacts, k)
+        for side in range(2):
+            slide_with_surface(dynamics, poses, contacts, k, side)
     return True
+
+
+@kernel
+def slide_with_surface(dynamics: Dynamics, poses: Poses, contacts: Contacts, k: int, side: int) -> None:
+    """Let friction of row k go by the surface velocity of its body on one side."""
+    b = contacts.body[k, side]
+    s = row(dynamics.surface, b)
+    if dot(s, s) > 0.0:
+        s = turned(columns(poses.rotation, b), s)
+        for i in range(2):
+            along_tangent = dot(axis(contacts, k, 1 + i), s)
+            contacts.slide[k, i] += -along_tangent if side == 0 else along_tangent
 
 
 @kernel
@@ -151,6 +166,22 @@ def slide_with_driven(velocities: Velocities, contacts: Contacts, k: int) -> Non
     for i in range(2):
         along_tangent = dot(axis(contacts, k, 1 + i), u)
         contacts.slide[k, i] = -along_tangent if side == 0 else along_tangent
+
+
+@kernel
+def work_of_surfaces(dynamics: Dynamics, poses: Poses, contacts: Contacts) -> float:
+    """Work [J] that surfaces with a velocity of their own can do on what lies on them, by the impulses of friction."""
+    total = 0.0
+    for k in range(contacts.used[0]):
+        for side in range(2):
+            b = contacts.body[k, side]
+            s = row(dynamics.surface, b)
+            if dot(s, s) > 0.0:
+                s = turned(columns(poses.rotation, b), s)
+                for i in range(1, 3):
+                    done = contacts.impulse[k, i] * dot(axis(contacts, k, i), s)
+                    total += -done if side == 0 else done
+    return float(max(0.0, total))
 
 
 @kernel

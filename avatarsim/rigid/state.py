@@ -311,7 +311,9 @@ def make_memory(
         manifold=make_manifold(), scratch=make_scratch(),
         linear_end=np.zeros((n, 3)),
         angular_end=np.zeros((n, 3)), before=np.zeros((touching, 3)), direction=np.zeros((touching, 3)), boxes=np.zeros((n, 6)),
-        wanted=geometry.wanted._replace(family=np.where(simulated | (dynamics.drive.may_couple == 1), OPEN, 0)),
+        wanted=geometry.wanted._replace(
+            family=np.where(simulated | (dynamics.drive.may_couple > dynamics.drive.moves), OPEN, 0)
+        ),
         sweep=make_sweep_memory(n, room + CANDIDATES_MORE * n),
         pairs=np.zeros((room, 2), np.int64), a_rows=np.zeros((most, 6)), b_rows=np.zeros((most, 6)),
         last=make_last_forces(n, touching), counts=np.zeros(len(COUNT_NAMES), np.int64),

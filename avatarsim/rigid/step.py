@@ -9,6 +9,8 @@ Upper loop (Schmidl and Lin 2004, Figure 3) as the frame sees it: simulated bodi
 from collections.abc import Mapping
 from typing import ClassVar, NamedTuple
 
+import numpy as np
+
 from avatarsim.collision.path import HELD, STILL
 from avatarsim.counters import Tally
 from avatarsim.engine import Snapshot
@@ -131,6 +133,7 @@ class SimulatedLoop:
         memory = make_memory(world.geometry, world.dynamics, world.poses, on.gyroscopic, stand_off)
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
         self.words, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
+        self._moving = np.flatnonzero(world.drive.moves)
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
@@ -155,6 +158,8 @@ class SimulatedLoop:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
         found = {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
+        if len(self._moving) and (blocked := int((self.world.drive.blocked[self._moving] > 0).sum())) > 0:
+            found["blocked"] = blocked
         if self.record and (lost := int(self.events.kept[0]) - len(self.events.time)) > 0:
             found["events not recorded"] = lost
         return found

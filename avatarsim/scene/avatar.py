@@ -9,8 +9,10 @@ import numpy as np
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.body import Mass
 from avatarsim.scene.checks import (
+    FASTEST,
     Quaternion,
     Vector,
+    bounded,
     distinct,
     each,
     instance,
@@ -34,6 +36,7 @@ class Link:
 
     `anchor` [m] is that centre in the parent's frame, `orientation` the link's frame in the parent's when the
     joint is at zero. A root that is not `Free` is anchored to the world. `mass` is what others feel in an impact.
+    `surface_velocity` [m/s] is that of its surface in its frame, as of a conveyor belt: loose bodies on it are carried along.
     Raises InvalidScene for what is no such thing.
     """
 
@@ -45,6 +48,7 @@ class Link:
     material: str = "human"
     anchor: Vector = (0.0, 0.0, 0.0)
     orientation: Quaternion = rotation.IDENTITY
+    surface_velocity: Vector = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
         named("a link", self.name)
@@ -58,10 +62,12 @@ class Link:
             raise InvalidScene(f"joint of link {self.name}", joint, valid)
         object.__setattr__(self, "anchor", place(f"anchor of link {self.name}", self.anchor))
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
+        surface = bounded(f"surface velocity of link {self.name} [m/s]", self.surface_velocity, FASTEST)
+        object.__setattr__(self, "surface_velocity", surface)
 
 
 SOFTEST, STIFFEST = 1e-3, 1e9
-"""Valid range of stiffness [N/m], damping [N s/m] and force [N] of a drive."""
+"""Smallest force [N] of a drive, and its largest stiffness [N/m] and damping [N s/m]."""
 
 PLAUSIBLE_SIZE = (0.01, 20.0)
 """Span [m] of an avatar, unless its author says otherwise: from a fingertip to a giant. Millimetres or centimetres taken for
@@ -72,9 +78,9 @@ metres fall outside, and would otherwise run without complaint and be wrong."""
 class Drive:
     """Virtual coupling of an avatar, equation 6: a spring and a damper between each link and its tracked pose.
 
-    `stiffness` is K [N/m]; with a smaller value a load lowers a hand farther. `damping` is R [N s/m]; with a smaller value a
-    hand oscillates after a collision. `largest_force` [N] limits the spring force. Raises InvalidScene if the stiffness or the
-    force is not positive, or if the damping is negative.
+    `stiffness` is K [N/m]; with a smaller value a load lowers a hand farther, and with 0 a body stays where others push it.
+    `damping` is R [N s/m]; with a smaller value a hand oscillates after a collision. `largest_force` [N] limits the spring
+    force. Raises InvalidScene if the force is not positive, or if the stiffness or the damping is negative.
     """
 
     stiffness: float = CouplingSettings().spring
@@ -82,7 +88,7 @@ class Drive:
     largest_force: float = math.inf
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "stiffness", within("stiffness of a drive [N/m]", self.stiffness, SOFTEST, STIFFEST))
+        object.__setattr__(self, "stiffness", within("stiffness of a drive [N/m]", self.stiffness, 0.0, STIFFEST))
         object.__setattr__(self, "damping", within("damping of a drive [N s/m]", self.damping, 0.0, STIFFEST))
         object.__setattr__(self, "largest_force", within("largest force of a drive [N]", self.largest_force, SOFTEST, math.inf))
 
@@ -94,8 +100,9 @@ class Avatar:
     `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap because they
     do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body feels in an impact; by
     default the link's own mass. `drive` replaces the engine's options `spring` and `damping` for this avatar. `size_range`
-    [m] is what its `span` must be in: a human of 1.7 km was meant in millimetres. Raises InvalidScene for links that are no
-    tree, names that are no links, and other sizes.
+    [m] is what its `span` must be in: a human of 1.7 km was meant in millimetres. `moves`: it is no person's but scenery that
+    moves by itself, as `moving` makes it. Raises InvalidScene for links that are no tree, names that are no links, and other
+    sizes.
     """
 
     name: str
@@ -105,6 +112,7 @@ class Avatar:
     coupled_mass: float | None = None
     size_range: tuple[float, float] = PLAUSIBLE_SIZE
     drive: Drive | None = None
+    moves: bool = False
 
     def __post_init__(self) -> None:
         named("an avatar", self.name)
@@ -128,6 +136,7 @@ class Avatar:
                 raise InvalidScene(f"link named in chains or ignore of {self.name}", name, f"one of {sorted(known)}")
         if self.coupled_mass is not None:
             positive(f"coupled mass of {self.name}", self.coupled_mass)
+        instance(f"moves of {self.name}", self.moves, bool, "True or False")
         if self.drive is not None:
             instance(f"drive of {self.name}", self.drive, Drive, "Drive(stiffness, damping, largest_force) or None")
         least, most = pair(f"size_range of avatar {self.name}", self.size_range)

@@ -90,8 +90,9 @@ class Call:
 
 
 def moving(parts: Parts) -> list[str]:
-    """Simulated bodies."""
-    return [body.name for body in parts.bodies if body.role is Role.SIMULATED]
+    """Simulated bodies, and bodies that move by themselves."""
+    loose = [body.name for body in parts.bodies if body.role is Role.SIMULATED]
+    return loose + [avatar.name for avatar in parts.avatars if avatar.moves]
 
 
 def driven(parts: Parts) -> list[str]:
@@ -122,7 +123,7 @@ def coned(parts: Parts) -> list[str]:
 
 
 def both(parts: Parts) -> list[str]:
-    """Avatars, if there are simulated bodies that they can meet."""
+    """Avatars, if there are simulated or moving bodies that they can meet."""
     return driven(parts) if moving(parts) else []
 
 
@@ -165,18 +166,18 @@ CALLS = (
          NO_OVERLAP, many_limbed),
     Call("limits", "a limited hinge or ball joint", "a posture must stay within what the joint allows", STAYS, limited),
     Call("reach_cones", "a ball joint with a reach cone", "a limb must stay in its spherical polygon", STAYS, coned),
-    Call("coupling", "an avatar together with a simulated body", "what a limb gives a body, it takes: eq. 6 brings it back",
-         BOUNCES, both),
-    Call("dynamics", "a simulated body", "it falls, is pushed and pushes", BOUNCES, moving),
+    Call("coupling", "an avatar together with a simulated or moving body", "what a limb gives a body, it takes: eq. 6 brings it "
+         "back", BOUNCES, both),
+    Call("dynamics", "a simulated or moving body", "it falls, is pushed and pushes", BOUNCES, moving),
     Call("restitution", "a pair of materials, one of them a simulated body's, with restitution above 0",
          "bodies bounce, eq. 8", BOUNCES, bouncing),
     Call("friction", "a pair of materials, one of them a simulated body's, with friction above 0",
          "bodies stick and roll, eq. 10", BOUNCES, rubbing),
     Call("gyroscopic", "a simulated body with unequal moments of inertia", "its axis of rotation moves though nothing pushes it",
          BOUNCES, tumbling),
-    Call("continuous", "a simulated body", "impacts happen when surfaces meet, and thin things are not jumped",
+    Call("continuous", "a simulated or moving body", "impacts happen when surfaces meet, and thin things are not jumped",
          NO_OVERLAP, moving),
-    Call("sleeping", "a simulated body", "a body at rest costs near nothing", FAST, moving),
+    Call("sleeping", "a simulated or moving body", "a body at rest costs near nothing", FAST, moving),
 )
 """The table. A scene has an effect if a part of it calls; the parts are found in the rows' order."""
 

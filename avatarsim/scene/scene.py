@@ -120,11 +120,11 @@ class Scene:
     def families(self) -> tuple[int, ...]:
         """A number for each body and link: those of one number never meet, but for -1, which may meet everything.
 
-        All fixed bodies are one family, and the links of one avatar are when self-contact is switched off.
+        All fixed and moving bodies are one family, and the links of one avatar are when self-contact is switched off.
         """
         found = [0 if body.role is Role.FIXED else -1 for body in self.bodies]
         for k, avatar in enumerate(self.avatars):
-            found += [-1 if self.effects.self_contact else 1 + k] * len(avatar.links)
+            found += [0 if avatar.moves else -1 if self.effects.self_contact else 1 + k] * len(avatar.links)
         return tuple(found)
 
     @cached_property
@@ -144,8 +144,8 @@ class Scene:
     def pair_filter(self) -> NDArray[np.bool_]:
         """(n, n) symmetric: True where two bodies must not overlap; for readers of small scenes, see `model.geometry`.
 
-        Left out: fixed with fixed, a link with its parent, the avatar's own `ignore`, the author's `exclude`,
-        and links of one avatar with each other when self-contact is switched off.
+        Left out: fixed and moving bodies with each other, a link with its parent, the avatar's own `ignore`, the author's
+        `exclude`, and links of one avatar with each other when self-contact is switched off.
         """
         family = np.array(self.families)
         wanted: NDArray[np.bool_] = (family[:, None] != family[None, :]) | (family < 0)

@@ -89,13 +89,20 @@ def between(before: TrackerSample, after: TrackerSample, share: float) -> Tracke
 def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
     """The sample at `time` [s] with all joints at zero, clipped to their hinge limits, and every root at the origin.
 
+    Moving bodies are at their first poses.
+
     What a scene starts from by default; `dataclasses.replace(rest(avatars), positions=...)` moves the roots."""
     links = sum(len(avatar.links) for avatar in avatars)
     angles = [
         min(max(0.0, hinge.lower), hinge.upper)
         for avatar in avatars for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges
     ]
-    return TrackerSample(time, np.zeros((links, 3)), np.tile(rotation.IDENTITY, (links, 1)), np.array(angles, dtype=np.float64))
+    positions, rotations, first = np.zeros((links, 3)), np.tile(rotation.IDENTITY, (links, 1)), 0
+    for avatar in avatars:
+        if avatar.moves and isinstance(avatar.links[0].joint, Free):
+            positions[first], rotations[first] = avatar.links[0].anchor, avatar.links[0].orientation
+        first += len(avatar.links)
+    return TrackerSample(time, positions, rotations, np.array(angles, dtype=np.float64))
 
 
 def link_poses(avatars: Sequence[Avatar], sample: TrackerSample) -> tuple[Array, Array]:

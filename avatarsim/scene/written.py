@@ -14,7 +14,7 @@ from typing import Any, Union, get_args, get_origin, get_type_hints
 import numpy as np
 
 from avatarsim.errors import InvalidFile
-from avatarsim.scene.avatar import Avatar, Link
+from avatarsim.scene.avatar import Avatar, Drive, Link
 from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, ReachCone, Rigid, SwingTwist
 from avatarsim.scene.scene import Scene
@@ -23,11 +23,14 @@ from avatarsim.scene.tracker import TrackerSample
 
 TYPES: Mapping[str, type[Any]] = {
     kind.__name__: kind for kind in (
-        Scene, Body, Avatar, Link, Mass, Piece, Sphere, Capsule, Box, Ellipsoid, ConvexHull, Rigid, Hinges, Hinge, Ball, Free,
-        SwingTwist, ReachCone, PairTable, ContactLaw, TrackerSample,
+        Scene, Body, Avatar, Drive, Link, Mass, Piece, Sphere, Capsule, Box, Ellipsoid, ConvexHull, Rigid, Hinges, Hinge, Ball,
+        Free, SwingTwist, ReachCone, PairTable, ContactLaw, TrackerSample,
     )
 }
 """The types that a scene is made of, by the names that files call them."""
+
+LATER = frozenset({"drive", "moves", "surface_velocity"})
+"""Fields that files of earlier versions lack; they get their defaults."""
 
 TAG = "is"
 """Name of the entry that says of which type an object is."""
@@ -95,14 +98,14 @@ def _read(data: object, hint: Any, thing: str, place: str) -> Any:
 
 
 def _object(data: object, kind: type[Any], thing: str, place: str) -> Any:
-    """A dataclass, all fields of which are there and no others."""
+    """A dataclass, all fields of which are there but those in LATER, and no others."""
     if not isinstance(data, dict) or data.get(TAG) != kind.__name__:
         raise _wrong(thing, place, data, f'an object with "{TAG}": "{kind.__name__}"')
     hints = _hints(kind.__name__)
     names = set(data) - {TAG}
-    if names != set(hints):
+    if names - set(hints) or set(hints) - names - LATER:
         raise _wrong(thing, place, sorted(names), "the entries " + ", ".join(hints))
-    read = {name: _read(data[name], hint, thing, f"{place}.{name}") for name, hint in hints.items()}
+    read = {name: _read(data[name], hint, thing, f"{place}.{name}") for name, hint in hints.items() if name in names}
     made = kind(**read)
     for name, value in read.items():
         # to divide a unit vector by its length again moves its last bit, and with it all that follows

@@ -48,8 +48,9 @@ def test_only_materials_that_can_meet_call_for_bounce_and_friction() -> None:
 
 
 @pytest.mark.parametrize(("effect", "part"), [
-    ("friction", "friction above 0"), ("self_contact", "three links"), ("coupling", "an avatar together with a simulated body"),
-    ("reach_cones", "reach cone"), ("dynamics", "a simulated body"), ("limits", "a limited hinge"),
+    ("friction", "friction above 0"), ("self_contact", "three links"),
+    ("coupling", "an avatar together with a simulated or moving body"), ("reach_cones", "reach cone"),
+    ("dynamics", "a simulated or moving body"), ("limits", "a limited hinge"),
 ])
 def test_a_scene_that_requires_what_it_lacks_is_refused_by_name(effect: str, part: str) -> None:
     with pytest.raises(InvalidScene) as error:
