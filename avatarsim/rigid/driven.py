@@ -6,7 +6,7 @@ So a hand without contact has no lag, one at rest presses with K u exactly, and 
 with m, R and K times the square of the body's size.
 """
 
-from math import inf, sqrt
+from math import inf, sin, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,20 +143,30 @@ def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 
 @kernel
+def beside_chord(w: Vec3, r: Vec3, h: float) -> Vec3:
+    """Mean velocity over h seconds of a vector r that turns at w, less its first velocity w x r [m/s] (Rodrigues)."""
+    angle = h * norm(w)
+    if angle == 0.0:
+        return (0.0, 0.0, 0.0)
+    v, half = cross(w, r), sin(0.5 * angle)
+    return along(scale(v, sin(angle) / angle - 1.0), 2.0 * h * (half / angle) ** 2, cross(w, v))
+
+
+@kernel
 def follow_arcs(dynamics: Dynamics, memory: Memory, h: float) -> None:
-    """Set the friction targets at driven bodies so that contact points follow their arcs to second order in h.
+    """Set the friction targets at driven bodies so that contact points follow their arcs.
 
     Bodies move straight within a substep and rotate about their centres. Without the centripetal term a load on a turntable
-    drifts outwards. ``spare_angular``: angular velocities at the start.
+    drifts outwards, without the next one forwards. ``spare_angular``: angular velocities at the start.
     """
     contacts, spin = memory.contacts, memory.substeps.spare_angular
     for k in range(contacts.used[0]):
         if dynamics.role[contacts.body[k, 0]] != DRIVEN and dynamics.role[contacts.body[k, 1]] != DRIVEN:
             continue
         w_a, w_b = row(spin, contacts.body[k, 0]), row(spin, contacts.body[k, 1])
-        apart = sub(cross(w_a, cross(w_a, row(contacts.arm_a, k))), cross(w_b, cross(w_b, row(contacts.arm_b, k))))
+        apart = sub(beside_chord(w_a, row(contacts.arm_a, k), h), beside_chord(w_b, row(contacts.arm_b, k), h))
         for i in range(2):
-            contacts.slide[k, i] -= 0.5 * h * dot(axis(contacts, k, 1 + i), apart)
+            contacts.slide[k, i] -= dot(axis(contacts, k, 1 + i), apart)
 
 
 @kernel

@@ -138,7 +138,7 @@ class TwoMillimetres(Frozen):
         return float(low)
 
     def move(self, sample: TrackerSample, dt: float) -> None:
-        if self.scene.avatars:
+        if any(not avatar.moves for avatar in self.scene.avatars):
             self.follow(sample)
         elif not self.stuck:
             self.fly(dt)

@@ -1,0 +1,1 @@
+"""Scenes with bodies that move by themselves: lifts, belts, turntables, doors."""
