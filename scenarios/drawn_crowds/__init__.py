@@ -1,5 +1,7 @@
-"""Crowds that nothing was tuned for: random bodies poured, struck, swept, gripped and kicked, each a scene made by its seed."""
+"""Crowds that nothing was tuned for: random bodies poured, struck, swept, gripped, kicked and moved, one for each seed."""
 
+import itertools
+from collections.abc import Callable
 from functools import cache
 
 import numpy as np
@@ -9,14 +11,17 @@ from runfiles.naming import CROWD_PREFIX as PREFIX
 from scenarios.building import stage
 from scenarios.building.promises import FINITE, GAINS_NOTHING, KEEPS_TIME, NO_OVERLAP, RIGHT_SIDE
 from scenarios.drawn_crowds.bodies import LOW
-from scenarios.drawn_crowds.kinds import FRAMES, KINDS, SHORT, Drawn
+from scenarios.drawn_crowds.kinds import FRAMES, SHORT, Crowd, Drawn, gripped, kicked, poured, struck, swept
+from scenarios.drawn_crowds.moved import moved
 from scenarios.scenario import Bound, Scenario
 from scenarios.unseen import seeds
 
-__all__ = ["NAME", "PREFIX", "draw", "get", "scenarios"]
+__all__ = ["NAME", "PREFIX", "draw", "get", "scenarios", "seeds_of"]
 
 NAME = __name__
 """The module that a job names as its catalogue."""
+KINDS: tuple[Callable[[Drawn], Crowd], ...] = (poured, struck, swept, gripped, kicked, moved)
+"""Successive seeds go through these in turn."""
 PROMISES = (
     NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_TIME,
     Bound("substep_overlap_max", 1e-6, "nothing overlaps inside a frame either"),
@@ -34,16 +39,26 @@ def draw(seed: int) -> Scenario:
     crowd = kind(Drawn(name, np.random.default_rng([seed, *PREFIX.encode()])))
     free = not crowd.scene.avatars
     moving = tuple(body.name for body in crowd.scene.bodies if body.mass is not None)
+    # a lift gives way to what is too heavy for it, into the floor
+    scenery = {avatar.name for avatar in crowd.scene.avatars if avatar.moves}
+    users = tuple(name for name in crowd.scene.names[len(crowd.scene.bodies) :] if name not in scenery)
     return Scenario(
         name=name,
         title=f"{len(moving)} random bodies are {kind.__name__}.",
         judged="Overlap, time kept and, without a hand, energy; nothing was tuned for it.",
         build=lambda: crowd.scene, motion=crowd.motion, frames=FRAMES, short=SHORT,
         bounds=(*PROMISES, *((GAINS_NOTHING,) if free else ())),
-        regions=(stage.above_floor(*moving, *crowd.scene.names[len(crowd.scene.bodies):]),),
+        regions=(stage.above_floor(*moving, *users),),
         metrics=("stalled_bodies",),
         expects={"travel": dict.fromkeys(crowd.falling, 0.5 * LOW), **({"alone": (moving,)} if free else {})},
     )
+
+
+def seeds_of(kind: str | None, first: int, count: int) -> list[int]:
+    """Return so many seeds from `first` on, of any kind or of one."""
+    names = [one.__name__ for one in KINDS]
+    fits = (seed for seed in itertools.count(first) if kind is None or names[seed % len(KINDS)] == kind)
+    return list(itertools.islice(fits, count))
 
 
 def get(name: str) -> Scenario:

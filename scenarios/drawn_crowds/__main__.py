@@ -1,5 +1,5 @@
 """`python -m scenarios.drawn_crowds [--scenes N] [--seed S] [--engines ENGINE/PRESET ...] [--jobs N]`: crowds that nothing was
-tuned for: random convex bodies poured, struck, swept, gripped and kicked.
+tuned for: random convex bodies poured, struck, swept, gripped, kicked and moved.
 
 Crowd k is drawn with seed S + k, run, judged and measured: a line for each, then the worst figures and how many crowds are
 outside the bounds. The bounds are put to the first engine; others are shown beside it. Crowd k alone: `--scenes 1 --seed S+k`.
@@ -17,6 +17,7 @@ from pathlib import Path
 from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
 from runfiles.naming import GATED
+from scenarios.drawn_crowds import KINDS, seeds_of
 from scenarios.job import Outcome
 from scenarios.results.gate import FAILED, INCOMPLETE, PASSED, USAGE
 from scenarios.running.harness import named_runs, outcomes
@@ -28,10 +29,12 @@ from scenarios.unseen import seeds
 def parser() -> argparse.ArgumentParser:
     """All options."""
     top = argparse.ArgumentParser(
-        prog="python -m scenarios.drawn_crowds", description="Random convex bodies poured, struck, swept, gripped and kicked.",
+        prog="python -m scenarios.drawn_crowds",
+        description="Random convex bodies poured, struck, swept, gripped, kicked and moved.",
     )
     top.add_argument("--scenes", type=int, default=20, metavar="N", help="how many crowds (20)")
     top.add_argument("--seed", type=int, default=None, metavar="S", help="seed of the first (default: the commit's own)")
+    top.add_argument("--kind", choices=[kind.__name__ for kind in KINDS], help="only crowds of this kind")
     top.add_argument("--engines", nargs="+", default=["/".join(GATED)], metavar="ENGINE/PRESET",
                      help="the first is put to the bounds, others are shown beside it")
     top.add_argument("--jobs", type=int, default=os.cpu_count() or 1, metavar="N", help="runs side by side")
@@ -56,7 +59,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(in_columns(HEAD))
     found, troubles = list[Outcome](), list[str]()
     with tempfile.TemporaryDirectory() as folder:
-        for outcome in outcomes(jobs(asked.scenes, first, runs, asked.frames), Path(folder), asked.jobs):
+        for outcome in outcomes(jobs(seeds_of(asked.kind, first, asked.scenes), runs, asked.frames), Path(folder), asked.jobs):
             if outcome.recording is not None:
                 outcome.recording.unlink(missing_ok=True)
             if outcome.state == "measured":

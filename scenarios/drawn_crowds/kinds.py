@@ -211,7 +211,3 @@ def kicked(drawn: Drawn) -> Crowd:
     scene = Scene(drawn.name, tuple(drawn.bodies(places)), (person,), drawn_table(random), start=start)
     falling = tuple(f"thing_{k}" for k in range(len(drawn.pieces)))
     return Crowd(scene, lambda scene, seed: to_and_fro(clip, scene, FRAMES), falling)
-
-
-KINDS: tuple[Callable[[Drawn], Crowd], ...] = (poured, struck, swept, gripped, kicked)
-"""Successive seeds go through these in turn."""

@@ -22,11 +22,11 @@ WIDTH = 12
 """Characters of a column."""
 
 
-def jobs(crowds: int, first: int, runs: Sequence[tuple[str, str]], frames: int | None = None) -> list[Job]:
-    """Return every run in so many crowds at full length, from the seed `first` on."""
+def jobs(seeds: Sequence[int], runs: Sequence[tuple[str, str]], frames: int | None = None) -> list[Job]:
+    """Return every run in the crowds of these seeds at full length."""
     return [
         Job(drawn_crowds.draw(seed).name, engine, preset, seed, full=True, frames=frames, catalogue=drawn_crowds.NAME)
-        for seed in range(first, first + crowds) for engine, preset in runs
+        for seed in seeds for engine, preset in runs
     ]
 
 

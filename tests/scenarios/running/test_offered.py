@@ -42,7 +42,7 @@ def test_a_plan_mixes_both_and_names_the_catalogue_and_the_seed_of_each() -> Non
 
 
 def test_a_drawn_crowd_is_offered_by_name_whatever_its_seed() -> None:
-    assert offered.get("crowd_swept_7") is drawn_crowds.draw(7) and offered.catalogue_of("crowd_swept_7") == drawn_crowds.NAME
+    assert offered.get("crowd_swept_8") is drawn_crowds.draw(8) and offered.catalogue_of("crowd_swept_8") == drawn_crowds.NAME
     asked = parser().parse_args(["compare", "--filter", "crowd_*", "--engine", "tracker", "--jobs", "0"])
     jobs = plan(asked, asked.engine, False).jobs
     assert {job.scenario for job in jobs} == CROWDS and {job.asked()[0].name for job in jobs} == CROWDS
