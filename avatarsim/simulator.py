@@ -12,6 +12,7 @@ from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
 import numpy as np
 
+from avatarsim.attaching import attach, attached, gripped, release
 from avatarsim.batch import Shown
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSample, InvalidSnapshot, NotCopied, UnknownName
@@ -22,6 +23,7 @@ from avatarsim.model.conversion import read_sample
 from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses, shown_sample
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
+from avatarsim.scene.body import Role
 from avatarsim.scene.checks import as_number, require_near
 from avatarsim.scene.moving import Pose
 from avatarsim.scene.scene import Scene
@@ -218,6 +220,64 @@ class AvatarsimEngine:
             if within is None:
                 within = 2.0 * (chosen.paper if self._settings.preset == "paper" else chosen.posture).stand_off
             return contacts_of(world, within)
+
+    def attach(self, body: str, link: str) -> None:
+        """Attach a simulated body to a link, or to a moving body, where they are: from now on it goes along, and the drive of the
+        avatar bears its weight.
+
+        A weld of the two in the solve of all contacts: what the body runs into stops the link. `link` is a name of `scene.names`.
+        Raises UnknownName for other names, and InvalidInput for a body that is attached already, in scenes without coupling and
+        for the preset `paper`.
+        """
+        with self._alone():
+            frames, names = self._running(), self._running().world.scene.names
+            if not isinstance(frames.lower if frames.driven else None, IkLoop) or not frames.effects.coupling:
+                valid = "one with avatars, simulated bodies and coupling, loaded with the preset default"
+                raise InvalidInput("scene to attach a body in", frames.world.scene.name, valid)
+            b = self._number(body, Role.SIMULATED, "simulated body")
+            k = self._number(link, Role.DRIVEN, "link")
+            if frames.world.drive.carrier[b] >= 0:
+                holder = names[frames.world.drive.carrier[b]]
+                raise InvalidInput(f"body to attach to {link}", body, f"one that {holder} does not hold already")
+            attach(frames.world, b, k)
+            frames.upper.memory.asleep[b] = 0
+
+    def detach(self, body: str) -> None:
+        """Release an attached body, which goes on with its velocity. Raises UnknownName for what is not attached."""
+        with self._alone():
+            world = self._running().world
+            if body not in (held := attached(world)):
+                raise UnknownName("attached body", body, held)
+            release(world, world.scene.names.index(body))
+
+    def attached(self) -> Mapping[str, str]:
+        """Attached bodies, and the link that each is attached to."""
+        with self._alone():
+            return attached(self._running().world)
+
+    def grip(self, avatar: str) -> tuple[str, ...]:
+        """Attach what an avatar grips: each simulated body that two of its links, or its one, press on from opposite sides.
+
+        Returns their names. Called in each frame it is the policy that attaches what is pinched. Raises UnknownName for another
+        name than an avatar's, and InvalidInput as `attach`.
+        """
+        with self._alone():
+            scene = self._running().world.scene
+            if avatar not in (known := [one.name for one in scene.avatars]):
+                raise UnknownName("avatar", avatar, known)
+        found = gripped(self.contacts(), scene, avatar)
+        for body, link in found.items():
+            if body not in self.attached():
+                self.attach(body, link)
+        return tuple(found)
+
+    def _number(self, name: str, role: Role, kind: str) -> int:
+        """Place in `scene.names` of a name whose body has this role."""
+        scene = self._running().world.scene
+        known = [one for one, its in zip(scene.names, scene.roles, strict=True) if its is role]
+        if name not in known:
+            raise UnknownName(kind, name, known)
+        return scene.names.index(name)
 
     def posture(self) -> TrackerSample:
         """The posture that is shown, as a tracker would report it: a copy, at the engine's time."""

@@ -341,15 +341,26 @@ def carry_given(old: Frames, new: Frames, both: Shared) -> None:
             new.given[2][hinge[now]] = old.given[2][places[before]]
 
 
+def carry_attached(old: World, new: World, both: Shared) -> None:
+    """Bodies that are attached to links, where both have the two."""
+    links = dict((both.links + (old.skeleton.first, new.skeleton.first)).tolist())
+    for before, now in both.bodies.tolist():
+        carrier = links.get(int(old.drive.carrier[before]), -1)
+        if carrier >= 0:
+            new.drive.carrier[now], new.drive.tied[now] = carrier, new.drive.tied[carrier]
+            new.drive.held_place[now], new.drive.held_turn[now] = old.drive.held_place[before], old.drive.held_turn[before]
+
+
 def carry_coupling(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
     """State of the coupling, and tracked poses of the last frame, from which velocities are counted."""
     if min(one.trackers.turn[0], other.trackers.turn[0]) < 0:
         return
+    carry_attached(old.world, new.world, both)
     links = both.links + (old.world.skeleton.first, new.world.skeleton.first)
     other.trackers.turn[:] = one.trackers.turn
     for into, of in ((other.trackers.one, one.trackers.one), (other.trackers.other, one.trackers.other)):
         taken(into.position, of.position, links)
         taken(into.rotation, of.rotation, links)
     for name in DriveState._fields:
-        if f"drive.{name}" not in World.WORKING:
+        if f"drive.{name}" not in World.WORKING and name not in ("carrier", "tied"):
             taken(getattr(new.world.drive, name), getattr(old.world.drive, name), links)

@@ -21,6 +21,15 @@ def stands(before: Poses, now: Poses, b: int) -> bool:
 
 
 @kernel
+def carries(drive: DriveState, b: int) -> bool:
+    """Return whether a body is attached to body b."""
+    for other in range(drive.carrier.shape[0]):
+        if drive.carrier[other] == b:
+            return True
+    return False
+
+
+@kernel
 def is_behind(drive: DriveState, poses: Poses, now: Poses, b: int) -> bool:
     """Return whether body b is shown elsewhere than at its given pose."""
     if drive.stiffness[b] == 0.0:
@@ -41,7 +50,7 @@ def is_active(dynamics: Dynamics, poses: Poses, before: Poses, now: Poses, b: in
         if drive.blocked[b] > 0 or speed > JUDGED or (drive.loaded[b] == 0 and is_behind(drive, poses, now, b)):
             return True
     pushed = drive.stiffness[b] == 0.0 and drive.loaded[b] == 1
-    return bool(pushed or dot(surface, surface) > 0.0 or not stands(before, now, b))
+    return bool(pushed or carries(drive, b) or dot(surface, surface) > 0.0 or not stands(before, now, b))
 
 
 @kernel

@@ -97,10 +97,12 @@ class DriveState(NamedTuple):
     Moving bodies are driven too: they are coupled unless they stand.
 
     linkage           their joints
-    tied              (nb) body that leads the avatar of a body, itself for what is no link
+    tied              (nb) body that leads the avatar of a body or of the link that it is attached to, else itself
     linked            (nb) flag: the body has joints
     moves             (nb) flag: scenery that moves by itself
     blocked           (nb) bits: the spring force (1), its torque (2) was at its largest in the last substep
+    carrier           (nb) body of the link that the body is attached to, -1 without
+    held_place, held_turn   (nb, 3) [m], (nb, 3, 3) its pose in the frame of that link
     may_couple        (nb) flag: the upper loop can move the body
     coupled           (nb) flag: it does so in this frame
     loaded            (nb) flag: loose bodies pressed on it in the last frame
@@ -123,6 +125,9 @@ class DriveState(NamedTuple):
     linked: IndexLine
     moves: IndexLine
     blocked: IndexLine
+    carrier: IndexLine
+    held_place: Vectors
+    held_turn: Matrices
     may_couple: IndexLine
     coupled: IndexLine
     loaded: IndexLine
@@ -173,7 +178,9 @@ def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
         return np.zeros((bodies, 3))
 
     return DriveState(
-        linkage=linkage, tied=tied, linked=flags(), moves=moves, blocked=flags(), may_couple=flags(), coupled=flags(),
+        linkage=linkage, tied=tied, linked=flags(), moves=moves, blocked=flags(),
+        carrier=np.full(bodies, -1, np.int64), held_place=vectors(), held_turn=np.tile(np.eye(3), (bodies, 1, 1)),
+        may_couple=flags(), coupled=flags(),
         loaded=flags(), unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), paused=flags(),
         spread=flags(),
         linear=vectors(), angular=vectors(), gained=vectors(), gained_turn=vectors(), ramp=vectors(), ramp_turn=vectors(),

@@ -17,6 +17,7 @@ from avatarsim.model.dynamics import DriveState, Dynamics, Linkage
 from avatarsim.model.geometry import Poses
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, room_of_ball, room_of_twist, surely_inside
 from avatarsim.model.skeleton import BALL, FREE, HINGES, Skeleton, carry_links
+from avatarsim.rigid.attached import acts
 from avatarsim.rigid.contacts import Contacts, impulse_of
 from avatarsim.rigid.solver import LANES, put_three
 from avatarsim.rigid.state import Memory
@@ -321,7 +322,7 @@ def add_impulses(linkage: Linkage, poses: Poses, contacts: Contacts, first: int,
     for k in range(contacts.used[0]):
         for side in range(2):
             b = contacts.body[k, side]
-            if low <= b < high and contacts.impulse[k, 0] > 0.0:
+            if low <= b < high and acts(contacts, k):
                 j = impulse_of(contacts, k) if side == 0 else scale(impulse_of(contacts, k), -1.0)
                 arm = row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
                 add_force(linkage, poses, b - linkage.skeleton.first, j, cross(arm, j), linkage.momentum)

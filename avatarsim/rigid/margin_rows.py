@@ -13,6 +13,7 @@ from avatarsim.collision.path import acceleration
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.attached import holds
 from avatarsim.rigid.contact_generation import boxes_apart, note_drift
 from avatarsim.rigid.contact_law import point_velocity
 from avatarsim.rigid.contacts import (
@@ -20,6 +21,7 @@ from avatarsim.rigid.contacts import (
     DRIVEN_B,
     NOT_DRIVEN,
     POINTS_OF_PAIR,
+    WELDED,
     Contacts,
     Masses,
     add_contact,
@@ -100,6 +102,8 @@ def find_rows(
     for q in range(sub_.found[0]):
         sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
         a, b = geometry.body[sa], geometry.body[sb]
+        if holds(dynamics, a, b):
+            continue
         reach = REACH * d + h * (closing_bound(memory, a, b) + 2.0 * h * pull)
         driven = driven_side(dynamics, a, b)
         if driven != NOT_DRIVEN:
@@ -213,7 +217,9 @@ def aim_rows(contacts: Contacts, count: int, d: float, h: float, lifts: bool) ->
     for k in range(count):
         gap = contacts.gap[k]
         contacts.target[k] = 0.0
-        if gap > UPPER * d:
+        if contacts.friction[k] == WELDED:
+            contacts.target[k] = -gap / h if lifts else 0.0
+        elif gap > UPPER * d:
             contacts.target[k] = -(gap - UPPER * d) / h
         elif gap < LOWER * d and lifts:
             contacts.target[k] = LIFT * (LOWER * d - gap) / h

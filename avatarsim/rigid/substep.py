@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, scale_impulses, speed_along, weigh_from
+from avatarsim.rigid.attached import acts, add_welds
+from avatarsim.rigid.contacts import WELDED, Contacts, push_all, recall_forces, scale_impulses, speed_along, weigh_from
 from avatarsim.rigid.driven import follow_arcs, strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
 from avatarsim.rigid.link_rows import weigh_links
@@ -82,7 +83,7 @@ def tolerance_of(memory: Memory, h: float, fine: bool) -> float:
     error *= (h / SUBSTEP) ** 2
     for k in range(memory.substeps.lasting[0]):
         gap = memory.contacts.gap[k]
-        if gap < 2.0 * LEAST and not (memory.contacts.target[k] > 0.0):
+        if gap < 2.0 * LEAST and not (memory.contacts.target[k] > 0.0) and memory.contacts.friction[k] != WELDED:
             error = min(error, max(0.5 * (gap - least_of(gap)), least))
     return error / h
 
@@ -147,7 +148,7 @@ def note_pushed(memory: Memory) -> None:
     """Mark the bodies on which a contact acts."""
     contacts, pushed = memory.contacts, memory.substeps.pushed
     for k in range(contacts.used[0]):
-        if contacts.impulse[k, 0] > 0.0:
+        if acts(contacts, k):
             pushed[contacts.body[k, 0]], pushed[contacts.body[k, 1]] = 1, 1
 
 
@@ -440,6 +441,9 @@ def solve_ways(
     if not list_pieces_of(geometry, poses, memory, members):
         return False, False
     find_rows(geometry, dynamics, poses, velocities, memory, h)
+    if not add_welds(dynamics, poses, memory, members, geometry.body.shape[0], h):
+        return False, False
+    sub_.lasting[0] = contacts.used[0]
     count, d = contacts.used[0], stand_off_of(memory)
     fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE
     sweeps = sweeps_for(count) if fine else SWEEPS

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from avatarsim.errors import InvalidSample, UnknownName
 from avatarsim.scene.avatar import STIFFEST, Avatar, Drive, Link
 from avatarsim.scene.body import solid
-from avatarsim.scene.checks import Quaternion, Vector, finite_array, parts, place, positive, unit_quaternion, within
+from avatarsim.scene.checks import LONGEST, Quaternion, Vector, finite_array, parts, place, positive, unit_quaternion, within
 from avatarsim.scene.joint import Free, Hinges
 from avatarsim.scene.shape import Piece
 from avatarsim.scene.tracker import TrackerSample
@@ -57,7 +57,7 @@ def moving(
         surface_velocity,
     )
     return Avatar(
-        name, (link,), size_range=(0.0, math.inf), drive=Drive(stiffness, damping, largest_force), moves=True,
+        name, (link,), size_range=(0.0, LONGEST), drive=Drive(stiffness, damping, largest_force), moves=True,
     )
 
 

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
+from math import inf
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
 
@@ -28,6 +29,9 @@ TYPES: Mapping[str, type[Any]] = {
     )
 }
 """The types that a scene is made of, by the names that files call them."""
+
+UNBOUNDED = "unbounded"
+"""What stands for an infinite number, which JSON does not have."""
 
 LATER = frozenset({"drive", "moves", "surface_velocity"})
 """Fields that files of earlier versions lack; they get their defaults."""
@@ -57,7 +61,7 @@ def written(value: object) -> Any:
         return [written(one) for one in value]
     if isinstance(value, np.generic):
         return value.item()
-    return value
+    return UNBOUNDED if value == inf else value
 
 
 def scene_from(data: object, thing: str) -> Scene:
@@ -88,6 +92,8 @@ def _read(data: object, hint: Any, thing: str, place: str) -> Any:
         if not isinstance(data, str) or data not in hint.__members__:
             raise _wrong(thing, place, data, "one of " + ", ".join(hint.__members__))
         return hint[data]
+    if hint is float and data == UNBOUNDED:
+        return inf
     if hint is float and isinstance(data, int | float) and not isinstance(data, bool):
         if not abs(data) <= LARGEST:
             raise _wrong(thing, place, data, f"a number from {-LARGEST:g} to {LARGEST:g}")

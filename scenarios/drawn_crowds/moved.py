@@ -29,7 +29,7 @@ BAR, WIDE = 0.03, 1.4
 
 
 def moved(drawn: Drawn) -> Crowd:
-    """Let a lift, a turntable or a bar in hinges move the bodies, and the hand of a user who stands still."""
+    """Let a lift, a turntable or a bar in hinges move the bodies, and a hand that is to stand still."""
     random = drawn.random
     kind, hole = int(random.integers(3)), FIST + float(random.uniform(0.02, 0.1))
     base = 0.0 if kind == 2 else TOP

@@ -11,9 +11,12 @@ from hypothesis import strategies as st
 
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
-from avatarsim.scene.body import Mass
+from avatarsim.scene.avatar import Drive, rigid_avatar
+from avatarsim.scene.body import Mass, solid
 from avatarsim.scene.joint import Ball, ReachCone
+from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.written import TAG, TYPES, scene_from, written
 from avatarsim.simulator import AvatarsimEngine
 from scenarios.catalog import get, scenarios
@@ -140,3 +143,12 @@ def test_anything_at_any_place_is_a_scene_or_refused(data: st.DataObject) -> Non
 def test_numbers_keep_all_their_bits() -> None:
     numbers = np.random.default_rng(1).normal(size=(50, 3)) * 10.0 ** np.arange(-25, 25)[:, None]
     np.testing.assert_array_equal(np.array(json.loads(json.dumps(written(numbers)))), numbers)
+
+
+def test_moving_bodies_and_drives_come_back_with_and_without_a_largest_force() -> None:
+    ball = (Piece(Sphere(0.05)),)
+    hand = replace(rigid_avatar("hand", ball, solid(ball, 0.5), "wood"), drive=Drive(stiffness=0.0))
+    belt = moving("belt", ball, "wood", position=(1.0, 0.0, 0.0), surface_velocity=(0.5, 0.0, 0.0))
+    made = Scene("moves", (), (hand, belt))
+    assert written(again(made)) == written(made)
+    assert again(made).avatars[0].drive == hand.drive and again(made).avatars[1].drive == belt.drive

@@ -1,0 +1,71 @@
+"""Attaching bodies to links, between frames: where they are now, and what an avatar grips."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.model.world import World
+from avatarsim.pose_queries import Contact
+from avatarsim.scene.body import Role
+from avatarsim.scene.scene import Scene
+
+Array = NDArray[np.float64]
+
+
+def attach(world: World, b: int, link: int) -> None:
+    """Attach body b to a link, both numbers of bodies, where they are."""
+    drive, poses = world.drive, world.poses
+    turn = poses.rotation[link]
+    drive.carrier[b], drive.tied[b] = link, drive.tied[link]
+    drive.held_place[b] = turn.T @ (poses.position[b] - poses.position[link])
+    drive.held_turn[b] = turn.T @ poses.rotation[b]
+    drive.loaded[link] = 1
+
+
+def release(world: World, b: int) -> None:
+    """Release body b."""
+    world.drive.carrier[b], world.drive.tied[b] = -1, b
+
+
+def attached(world: World) -> Mapping[str, str]:
+    """Names of attached bodies and of the links that they are attached to."""
+    names = world.scene.names
+    return {names[b]: names[link] for b, link in enumerate(world.drive.carrier.tolist()) if link >= 0}
+
+
+def gripped(contacts: Sequence[Contact], scene: Scene, avatar: str) -> Mapping[str, str]:
+    """Return the simulated bodies that an avatar grips, and the link that touches each first.
+
+    An antipodal grip (Nguyen, Constructing Force-Closure Grasps, 1988): the line between two contacts is within both friction
+    cones.
+    """
+    first, own = len(scene.bodies), set[str]()
+    for one in scene.avatars:
+        if one.name == avatar:
+            own = set(scene.names[first : first + len(one.links)])
+        first += len(one.links)
+    loose = {name for name, role in zip(scene.names, scene.roles, strict=True) if role is Role.SIMULATED}
+    material = dict(zip(scene.names, scene.material_names, strict=True))
+    touched = dict[str, list[tuple[str, Array, Array, float]]]()
+    for contact in contacts:
+        for body, link, normal in ((contact.a, contact.b, contact.normal), (contact.b, contact.a, -contact.normal)):
+            if body in loose and link in own:
+                friction = scene.materials.contact(material[body], material[link]).friction
+                touched.setdefault(body, []).append((link, contact.point, normal, friction))
+    return {
+        body: points[0][0] for body, points in touched.items()
+        if any(is_antipodal(one[1:], other[1:]) for one in points for other in points)
+    }
+
+
+def is_antipodal(one: tuple[Array, Array, float], other: tuple[Array, Array, float]) -> bool:
+    """Return whether two contacts (point [m], normal into the body, friction) can hold a body between them."""
+    way = other[0] - one[0]
+    far = float(np.linalg.norm(way))
+    if far == 0.0:
+        return False
+    return all(
+        float(np.linalg.norm(np.cross(normal, way))) <= friction * sign * float(normal @ way)
+        for (_, normal, friction), sign in ((one, 1.0), (other, -1.0))
+    )

@@ -1,0 +1,236 @@
+"""Bodies attached to links: they keep their place, weigh on the drive, stop the link at what they meet, fly on when released."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from avatarsim.attaching import is_antipodal
+from avatarsim.engine import FrameRecord, Settings
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.many_worlds import advance_many
+from avatarsim.scene.avatar import Avatar, rigid_avatar
+from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
+from avatarsim.scene.moving import moving
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial import rotation
+from avatarsim.tolerances import JUDGED
+from reference.judging.judge import Judge
+from scenarios import catalog
+from scenarios.building.avatars.humanoid import humanoid
+from scenarios.building.avatars.standing import standing
+from tests.rigid.upper_world import G
+
+DT, K = 1.0 / 60.0, 1000.0
+LAW = PairTable({("m", "m"): ContactLaw(0.0, 0.6)})
+FLOOR = fixed("floor", (Piece(Box((6.0, 6.0, 0.1))),), "m", (0.0, 0.0, -0.05))
+CUBE, FIST = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Sphere(0.05)),)
+SLIPS = 1e-5
+"""Farthest that an attached body goes from its place [m]."""
+
+
+def fist(name: str = "fist") -> Avatar:
+    """A rigid hand of 0.5 kg."""
+    return rigid_avatar(name, FIST, solid(FIST, 0.5), "m")
+
+
+def cube(mass: float, place: tuple[float, float, float] = (0.0, 0.0, 0.05), name: str = "cube") -> Body:
+    """A cube of 10 cm."""
+    return simulated(name, CUBE, "m", solid(CUBE, mass), place)
+
+
+def led(place: tuple[float, float, float], angle: float = 0.0) -> TrackerSample:
+    """A hand at a place, turned about y."""
+    return TrackerSample(0.0, np.array([place]), rotation.from_axis_angle((0.0, 1.0, 0.0), angle)[None], np.zeros(0))
+
+
+def begun(*bodies: Body, place: tuple[float, float, float] = (0.0, 0.0, 0.1502)) -> tuple[AvatarsimEngine, Scene]:
+    """An engine with a floor, these bodies and a hand."""
+    scene = Scene("attached", (FLOOR, *bodies), (fist(),), materials=LAW, start=led(place))
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(), DT)
+    return engine, scene
+
+
+def place_on(record: FrameRecord, body: int, link: int) -> np.ndarray:
+    """Position of a body in the frame of a link [m]."""
+    shown = record.shown
+    return rotation.rotate(rotation.conjugate(shown.orientations[link]), shown.positions[body] - shown.positions[link])
+
+
+def deepest(scene: Scene, records: list[FrameRecord]) -> float:
+    """Largest overlap [m] by the judge."""
+    positions = np.array([one.shown.positions for one in records])
+    return Judge(scene).deepest(positions, np.array([one.shown.orientations for one in records]))
+
+
+def waved(k: int) -> TrackerSample:
+    """A hand that rises, is led to and fro and turned, and holds still after two seconds."""
+    t = min(k * DT, 2.0)
+    return led((0.3 * np.sin(2.0 * t), 0.1 * np.sin(4.0 * t), 0.1502 + 0.3 * min(1.0, t)), 0.6 * np.sin(3.0 * t))
+
+
+@pytest.mark.parametrize("mass", [0.05, 0.3, 2.0, 10.0])
+def test_it_keeps_its_place_and_weighs_on_the_drive(mass: float) -> None:
+    engine, scene = begun(cube(mass))
+    engine.attach("cube", "fist")
+    assert engine.attached() == {"cube": "fist"}
+    records = [engine.advance(waved(k), DT) for k in range(300)]
+    first = place_on(records[0], 1, 2)
+    assert max(np.linalg.norm(place_on(one, 1, 2) - first) for one in records) < SLIPS
+    user = waved(299).positions[0]
+    assert user[2] - records[-1].shown.positions[2, 2] == pytest.approx(mass * G / K, rel=2e-2)
+    assert deepest(scene, records) <= JUDGED
+
+
+def test_released_it_flies_on_with_its_velocity() -> None:
+    engine, _ = begun(cube(0.2))
+    engine.attach("cube", "fist")
+    for k in range(60):
+        record = engine.advance(led((1.5 * k * DT, 0.0, 0.1502 + 0.5 * min(1.0, k * DT))), DT)
+    before, speed = record.shown.positions[1], record.shown.velocities[1]
+    assert speed[0] == pytest.approx(1.5, rel=1e-3)
+    engine.detach("cube")
+    assert not engine.attached()
+    for k in range(60, 72):
+        record = engine.advance(led((1.5 * k * DT, 0.0, 0.9)), DT)
+    t = 12 * DT
+    assert record.shown.positions[1] == pytest.approx(before + speed * t - [0.0, 0.0, 0.5 * G * t * t], abs=2e-3)
+
+
+def test_what_it_runs_into_stops_the_hand() -> None:
+    table = fixed("table", (Piece(Box((0.6, 0.6, 0.1))),), "m", (0.8, 0.0, 0.25))
+    engine, scene = begun(table, cube(0.3))
+    engine.attach("cube", "fist")
+    records = [engine.advance(led((0.8 * min(1.0, k * DT), 0.0, 0.2 + 0.3 * min(1.0, 4.0 * k * DT))), DT) for k in range(60)]
+    records += [engine.advance(led((0.8, 0.0, 0.5 - 0.3 * min(1.0, k * DT))), DT) for k in range(60)]
+    # the cube lies on the table and the hand on the cube, though its user is 0.3 m below
+    assert records[-1].shown.positions[3, 2] == pytest.approx(0.45, abs=1e-3)
+    assert deepest(scene, records) <= JUDGED
+    assert max(np.linalg.norm(place_on(one, 2, 3) - place_on(records[0], 2, 3)) for one in records) < 10.0 * SLIPS
+
+
+def test_it_pushes_loose_bodies_as_a_part_of_the_hand_would() -> None:
+    engine, scene = begun(cube(0.3), cube(0.5, (0.4, 0.0, 0.05), "other"))
+    engine.attach("cube", "fist")
+    records = [engine.advance(led((min(0.8, 0.5 * k * DT), 0.0, 0.152)), DT) for k in range(150)]
+    assert records[-1].shown.positions[2, 0] > 0.85
+    assert deepest(scene, records) <= JUDGED
+
+
+def test_a_person_carries_a_box_on_one_hand() -> None:
+    person = replace(humanoid(), name="person")
+    person = replace(person, links=tuple(replace(link, material="m") for link in person.links))
+    start = standing(person)
+    scene = Scene("person", (FLOOR, cube(1.0, (1.5, 0.0, 0.0501))), (person,), materials=LAW, start=start)
+    engine = AvatarsimEngine()
+    first = engine.load(scene, Settings(), DT)
+    hand = "person/right_wrist"
+    link = scene.names.index(hand)
+    # where it touches nothing, beside the hand
+    reach = first.shown.positions[link] + [0.0, 0.12 * np.sign(first.shown.positions[link, 1]), 0.0]
+    scene = replace(scene, bodies=(FLOOR, cube(1.0, tuple(float(x) for x in reach))))
+    engine.load(scene, Settings(), DT)
+    engine.attach("cube", hand)
+    records = []
+    for k in range(120):
+        there = start.positions.copy()
+        there[0, 0] += 0.5 * min(1.0, 0.5 * k * DT)
+        records.append(engine.advance(replace(start, time=k * DT, positions=there), DT))
+    assert max(np.linalg.norm(place_on(one, 1, link) - place_on(records[0], 1, link)) for one in records) < 1e-4
+    assert records[-1].shown.positions[1, 0] - records[0].shown.positions[1, 0] > 0.4
+    assert deepest(scene, records) <= JUDGED
+
+
+def test_a_lift_holds_what_is_attached_to_it() -> None:
+    lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=1000.0)
+    scene = Scene("lift", (FLOOR, cube(1.0, (0.0, 0.0, 0.15))), (lift,), materials=LAW)
+    engine = AvatarsimEngine()
+    engine.load(scene, Settings(), DT)
+    engine.attach("cube", "lift")
+    for k in range(120):
+        record = engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + 0.3 * min(1.0, k * DT)), (1.0, 0.0, 0.0, 0.0))})
+    assert record.shown.positions[1, 2] == pytest.approx(0.45, abs=1e-4)
+
+
+def test_snapshots_changes_and_many_worlds_keep_it() -> None:
+    engine, scene = begun(cube(0.3), cube(0.3, (1.0, 0.0, 0.05), "other"))
+    engine.attach("cube", "fist")
+    for k in range(40):
+        engine.advance(waved(k), DT)
+    kept = engine.snapshot()
+    one = [engine.advance(waved(k), DT).state_hash() for k in range(40, 80)]
+    other, _ = begun(cube(0.3), cube(0.3, (1.0, 0.0, 0.05), "other"))
+    other.restore(kept)
+    assert other.attached() == {"cube": "fist"}
+    assert [advance_many([other], [waved(k)], DT)[0].state_hash() for k in range(40, 80)] == one
+    # without the other cube, and with another hand before this one: places in the scene change
+    engine.change(replace(
+        scene, bodies=(cube(0.3), FLOOR), avatars=(fist("new"), fist()),
+        start=replace(rest((fist("new"), fist())), positions=np.array([(2.0, 2.0, 1.0), (0.0, 0.0, 0.1502)])),
+    ))
+    assert engine.attached() == {"cube": "fist"}
+    first = None
+    for k in range(80, 140):
+        user = waved(k)
+        record = engine.advance(replace(
+            user, positions=np.array([(2.0, 2.0, 1.0), user.positions[0]]),
+            rotations=np.array([(1.0, 0.0, 0.0, 0.0), user.rotations[0]]),
+        ), DT)
+        first = place_on(record, 0, 3) if first is None else first
+    assert np.linalg.norm(place_on(record, 0, 3) - first) < SLIPS
+
+
+def test_a_grip_is_found_where_friction_holds() -> None:
+    left, right = np.array([-0.1, 0.0, 0.0]), np.array([0.1, 0.0, 0.0])
+    into = np.array([1.0, 0.0, 0.0])
+    assert is_antipodal((left, into, 0.3), (right, -into, 0.3))
+    assert not is_antipodal((left, into, 0.3), (right, into, 0.3))
+    assert not is_antipodal((left, -into, 0.3), (right, into, 0.3))
+    # a line that leaves the friction cone
+    higher = right + [0.0, 0.0, 0.1]
+    assert is_antipodal((left, into, 0.51), (higher, -into, 0.51)) and not is_antipodal((left, into, 0.49), (higher, -into, 0.49))
+    assert not is_antipodal((left, into, 1.0), (left, -into, 1.0))
+
+
+@pytest.mark.parametrize(("body", "link"), [
+    ("floor", "fist"), ("cube", "floor"), ("nothing", "fist"), ("cube", "cube"),
+])
+def test_what_cannot_be_attached_is_refused(body: str, link: str) -> None:
+    engine, _ = begun(cube(0.3))
+    before = engine.snapshot()
+    with pytest.raises(UnknownName):
+        engine.attach(body, link)
+    assert engine.snapshot() == before
+
+
+def test_nothing_is_attached_twice_or_detached_untouched() -> None:
+    engine, scene = begun(cube(0.3))
+    engine.attach("cube", "fist")
+    with pytest.raises(InvalidInput):
+        engine.attach("cube", "fist")
+    engine.detach("cube")
+    with pytest.raises(UnknownName):
+        engine.detach("cube")
+    with pytest.raises(UnknownName):
+        engine.grip("nobody")
+    assert engine.grip("fist") == ()
+    paper = AvatarsimEngine()
+    paper.load(scene, Settings("paper"), DT)
+    with pytest.raises(InvalidInput):
+        paper.attach("cube", "fist")
+
+
+def test_three_fingers_grip_a_mug_once_they_close_on_it() -> None:
+    scenario = catalog.get("mug_in_fingers")
+    scene = scenario.build()
+    engine, motion, found = AvatarsimEngine(), scenario.motion(scene, 0), []
+    engine.load(scene, Settings(), scenario.dt)
+    for k in range(40):
+        engine.advance(motion(k), scenario.dt)
+        found.append(engine.grip("hand"))
+    assert found[0] == () and found[-1] == ("mug",)
+    assert engine.attached()["mug"].startswith("hand/")
