@@ -5,6 +5,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.frame import Frames
+from avatarsim.lower_loop import IkLoop
 from avatarsim.model.world import World
 from avatarsim.pose_queries import Contact
 from avatarsim.scene.body import Role
@@ -13,18 +16,32 @@ from avatarsim.scene.scene import Scene
 Array = NDArray[np.float64]
 
 
-def attach(world: World, b: int, link: int) -> None:
-    """Attach body b to a link, both numbers of bodies, where they are."""
-    drive, poses = world.drive, world.poses
-    turn = poses.rotation[link]
-    drive.carrier[b], drive.tied[b] = link, drive.tied[link]
-    drive.held_place[b] = turn.T @ (poses.position[b] - poses.position[link])
+def attach(frames: Frames, body: str, link: str) -> None:
+    """Attach a simulated body to a link, where they are. Raises UnknownName and InvalidInput as `AvatarsimEngine.attach`."""
+    scene, drive, poses = frames.world.scene, frames.world.drive, frames.world.poses
+    if not isinstance(frames.lower if frames.driven else None, IkLoop) or not frames.effects.coupling:
+        valid = "one with avatars, simulated bodies and coupling, loaded with the preset default"
+        raise InvalidInput("scene to attach a body in", scene.name, valid)
+    for name, role, kind in ((body, Role.SIMULATED, "simulated body"), (link, Role.DRIVEN, "link")):
+        known = [one for one, its in zip(scene.names, scene.roles, strict=True) if its is role]
+        if name not in known:
+            raise UnknownName(kind, name, known)
+    b, k = scene.names.index(body), scene.names.index(link)
+    if drive.carrier[b] >= 0:
+        raise InvalidInput(f"body to attach to {link}", body, f"one that {scene.names[drive.carrier[b]]} does not hold already")
+    turn = poses.rotation[k]
+    drive.carrier[b], drive.tied[b], drive.loaded[k] = k, drive.tied[k], 1
+    drive.held_place[b] = turn.T @ (poses.position[b] - poses.position[k])
     drive.held_turn[b] = turn.T @ poses.rotation[b]
-    drive.loaded[link] = 1
+    frames.upper.memory.asleep[b] = 0
 
 
-def release(world: World, b: int) -> None:
-    """Release body b."""
+def release(world: World, body: str) -> None:
+    """Release a body. Raises UnknownName for what is not attached."""
+    held = attached(world)
+    if body not in held:
+        raise UnknownName("attached body", body, held)
+    b = world.scene.names.index(body)
     world.drive.carrier[b], world.drive.tied[b] = -1, b
 
 
@@ -35,11 +52,13 @@ def attached(world: World) -> Mapping[str, str]:
 
 
 def gripped(contacts: Sequence[Contact], scene: Scene, avatar: str) -> Mapping[str, str]:
-    """Return the simulated bodies that an avatar grips, and the link that touches each first.
+    """Return the simulated bodies that an avatar grips, and the link that touches each first; UnknownName for no avatar.
 
     An antipodal grip (Nguyen, Constructing Force-Closure Grasps, 1988): the line between two contacts is within both friction
     cones.
     """
+    if avatar not in (known := [one.name for one in scene.avatars]):
+        raise UnknownName("avatar", avatar, known)
     first, own = len(scene.bodies), set[str]()
     for one in scene.avatars:
         if one.name == avatar:

@@ -5,7 +5,7 @@ asked cold and outside the frame: what is not asked for costs nothing, and askin
 every pair that the scene's pair filter lets through; contacts of avatars and of loose bodies are told alike.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +88,11 @@ FARTHEST = 1.0
 """[m] largest gap that is asked for: beyond it no contact is meant, and every pair of a room would be measured."""
 
 
+def not_asked() -> NDArray[np.float64]:
+    """Force of a contact that was not asked for."""
+    return np.full(3, np.nan)
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Contact:
     """One point at which two bodies or links touch, or nearly do, in the state that is shown. World axes; arrays are read-only.
@@ -97,6 +102,7 @@ class Contact:
     normal  (3,) unit vector out of b into a
     gap     [m] distance of the surfaces at this point, along the normal: of an avatar that leans on something near the setting
             `stand_off`, 0.2 mm; of loose bodies that rest micrometres
+    force   (3,) [N] on `a`, and its opposite on `b`; nan unless it was asked for
     """
 
     a: str
@@ -104,6 +110,12 @@ class Contact:
     point: NDArray[np.float64]
     normal: NDArray[np.float64]
     gap: float
+    force: NDArray[np.float64] = field(default_factory=not_asked)
+
+    @property
+    def normal_force(self) -> float:
+        """Part of the force along the normal [N]."""
+        return float(self.force @ self.normal)
 
 
 @kernel

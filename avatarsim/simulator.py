@@ -14,6 +14,7 @@ import numpy as np
 
 from avatarsim.attaching import attach, attached, gripped, release
 from avatarsim.batch import Shown
+from avatarsim.contact_forces import contacts_with_forces, felt
 from avatarsim.engine import FrameRecord, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSample, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
@@ -23,7 +24,6 @@ from avatarsim.model.conversion import read_sample
 from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses, shown_sample
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
-from avatarsim.scene.body import Role
 from avatarsim.scene.checks import as_number, require_near
 from avatarsim.scene.moving import Pose
 from avatarsim.scene.scene import Scene
@@ -208,18 +208,45 @@ class AvatarsimEngine:
         with self._alone():
             return self._load(scene, self._settings, self._dt, self._running())
 
-    def contacts(self, within: float | None = None) -> tuple[Contact, ...]:
+    def contacts(self, within: float | None = None, *, forces: bool = False) -> tuple[Contact, ...]:
         """Where bodies and links touch in the state that is shown, found now: some microseconds for each pair that is near.
 
         Of pairs whose surfaces are at most `within` [m] apart, 0 to 1; by default twice the setting `stand_off`, so that an
         avatar that leans on something is in contact with it. In the order of `scene.names`, of two convex pieces up to eight
-        points. Pairs that the scene does not test are left out. Raises InvalidInput for another `within`.
+        points. Pairs that the scene does not test are left out. With `forces` also the force [N] at each, of pairs of which one
+        moves: a solve of all contacts of this instant, in which gravity, the springs of avatars and friction are in balance; some
+        milliseconds. Raises InvalidInput for another `within`, and for `forces` in scenes without coupling and dynamics.
         """
         with self._alone():
             world, chosen = self._running().world, self._chosen
             if within is None:
                 within = 2.0 * (chosen.paper if self._settings.preset == "paper" else chosen.posture).stand_off
-            return contacts_of(world, within)
+            found = contacts_of(world, within)
+            if forces:
+                frames = self._with_forces()
+                found = contacts_with_forces(frames, within, chosen.posture.stand_off, self._dt)
+            return found
+
+    def felt(self, avatar: str) -> Array:
+        """Force that the user of an avatar feels: of the spring to each of its links (links, 3) [N], world axes.
+
+        The stiffness times the lag, at most the largest force. Raises UnknownName for another avatar, and InvalidInput as
+        `contacts` with forces.
+        """
+        with self._alone():
+            frames = self._with_forces()
+            known = [one.name for one in frames.world.scene.avatars]
+            if avatar not in known:
+                raise UnknownName("avatar", avatar, known)
+            return felt(frames, known.index(avatar))
+
+    def _with_forces(self) -> Frames:
+        """The frames, if they have what forces are made of."""
+        frames = self._running()
+        if not frames.effects.dynamics or (frames.driven and not isinstance(frames.lower, IkLoop)):
+            valid = "one with simulated or moving bodies, loaded with the preset default"
+            raise InvalidInput("scene to ask for forces in", frames.world.scene.name, valid)
+        return frames
 
     def attach(self, body: str, link: str) -> None:
         """Attach a simulated body to a link, or to a moving body, where they are: from now on it goes along, and the drive of the
@@ -230,25 +257,12 @@ class AvatarsimEngine:
         for the preset `paper`.
         """
         with self._alone():
-            frames, names = self._running(), self._running().world.scene.names
-            if not isinstance(frames.lower if frames.driven else None, IkLoop) or not frames.effects.coupling:
-                valid = "one with avatars, simulated bodies and coupling, loaded with the preset default"
-                raise InvalidInput("scene to attach a body in", frames.world.scene.name, valid)
-            b = self._number(body, Role.SIMULATED, "simulated body")
-            k = self._number(link, Role.DRIVEN, "link")
-            if frames.world.drive.carrier[b] >= 0:
-                holder = names[frames.world.drive.carrier[b]]
-                raise InvalidInput(f"body to attach to {link}", body, f"one that {holder} does not hold already")
-            attach(frames.world, b, k)
-            frames.upper.memory.asleep[b] = 0
+            attach(self._running(), body, link)
 
     def detach(self, body: str) -> None:
         """Release an attached body, which goes on with its velocity. Raises UnknownName for what is not attached."""
         with self._alone():
-            world = self._running().world
-            if body not in (held := attached(world)):
-                raise UnknownName("attached body", body, held)
-            release(world, world.scene.names.index(body))
+            release(self._running().world, body)
 
     def attached(self) -> Mapping[str, str]:
         """Attached bodies, and the link that each is attached to."""
@@ -256,28 +270,16 @@ class AvatarsimEngine:
             return attached(self._running().world)
 
     def grip(self, avatar: str) -> tuple[str, ...]:
-        """Attach what an avatar grips: each simulated body that two of its links, or its one, press on from opposite sides.
+        """Attach what an avatar grips: each simulated body that its links press on from opposite sides; returns their names.
 
-        Returns their names. Called in each frame it is the policy that attaches what is pinched. Raises UnknownName for another
-        name than an avatar's, and InvalidInput as `attach`.
+        Called in each frame it is the policy that attaches what is pinched. Raises UnknownName for another name than an
+        avatar's, and InvalidInput as `attach`.
         """
-        with self._alone():
-            scene = self._running().world.scene
-            if avatar not in (known := [one.name for one in scene.avatars]):
-                raise UnknownName("avatar", avatar, known)
-        found = gripped(self.contacts(), scene, avatar)
+        found = gripped(self.contacts(), self._running().world.scene, avatar)
         for body, link in found.items():
             if body not in self.attached():
                 self.attach(body, link)
         return tuple(found)
-
-    def _number(self, name: str, role: Role, kind: str) -> int:
-        """Place in `scene.names` of a name whose body has this role."""
-        scene = self._running().world.scene
-        known = [one for one, its in zip(scene.names, scene.roles, strict=True) if its is role]
-        if name not in known:
-            raise UnknownName(kind, name, known)
-        return scene.names.index(name)
 
     def posture(self) -> TrackerSample:
         """The posture that is shown, as a tracker would report it: a copy, at the engine's time."""
