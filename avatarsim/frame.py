@@ -88,7 +88,9 @@ class Frames:
         # nothing is timed here, so the clock has nothing to forget
         self.passed = ()
         if self.driven:
-            self._read(sample)
+            self.target.read(sample)
+            if self.moves:
+                self._keep(sample)
             if isinstance(self.lower, IkLoop):
                 self._job[MOVING + 1] = len(self.lower.begin())
         return self._job
@@ -111,7 +113,9 @@ class Frames:
         self.clock.frame()
         self.passed = ()
         if self.driven:
-            self._read(sample)
+            self.target.read(sample)
+            if self.moves:
+                self._keep(sample)
             with self.clock.stage("posture"):
                 self.lower.follow(self.target, dt)
             if self.record:
@@ -128,10 +132,9 @@ class Frames:
                     self.passed += self.lower.passed(self.time + dt)
         self.time += dt
 
-    def _read(self, sample: TrackerSample) -> None:
-        """Take over a sample; of scenes with moving bodies it is kept, for those whose pose is not given in the next frame."""
-        self.target.read(sample)
-        for kept, array in zip(self.given, sample_arrays(sample) if self.moves else (), strict=True):
+    def _keep(self, sample: TrackerSample) -> None:
+        """Keep a sample, for moving bodies whose pose is not given in the next frame."""
+        for kept, array in zip(self.given, sample_arrays(sample), strict=True):
             kept[...] = array
 
     def completed(self, sample: TrackerSample, poses: Mapping[str, Pose]) -> TrackerSample:

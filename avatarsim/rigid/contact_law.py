@@ -97,7 +97,10 @@ def kinetic_friction(friction: float, j: float, slip_x: float, slip_y: float, sl
 
 @kernel
 def in_friction_disc(x: float, y: float, most: float) -> tuple[float, float]:
-    """The nearest friction impulse to (x, y) [N s] that is at most ``most`` = mu times the normal impulse: Coulomb's disc."""
+    """The nearest friction impulse to (x, y) [N s] that is at most ``most`` = mu times the normal impulse: Coulomb's disc.
+
+    With an infinite mu all impulses are in it, also without a normal impulse.
+    """
     square = x * x + y * y
     if square > most * most:
         share = most / sqrt(square)

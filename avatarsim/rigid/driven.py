@@ -20,7 +20,7 @@ from avatarsim.rigid.contacts import WELDED, axis, impulse_of
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, limited, norm, put_row, row, scale, sub
-from avatarsim.tolerances import SMALL
+from avatarsim.tolerances import NOTHING, SMALL
 
 Index = NDArray[np.int64]
 
@@ -147,7 +147,7 @@ def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 def beside_chord(w: Vec3, r: Vec3, h: float) -> Vec3:
     """Mean velocity over h seconds of a vector r that turns at w, less its first velocity w x r [m/s] (Rodrigues)."""
     angle = h * norm(w)
-    if angle == 0.0:
+    if not (angle * angle * norm(r) > h * NOTHING):
         return (0.0, 0.0, 0.0)
     v, half = cross(w, r), sin(0.5 * angle)
     return along(scale(v, sin(angle) / angle - 1.0), 2.0 * h * (half / angle) ** 2, cross(w, v))

@@ -35,11 +35,11 @@ JACOBIAN, JACOBIAN_SIZE = RESPONSE + LANES * RESPONSE_PARTS, 9
 impulse that would stop the point along the normal."""
 
 BIAS = JACOBIAN + JACOBIAN_SIZE
-INVERSE_MASS, FRICTION, SLIDE = BIAS + 1, BIAS + 3, BIAS + 4
+INVERSE_MASS, FRICTION, SLIDE, LOWEST = BIAS + 1, BIAS + 3, BIAS + 4, BIAS + 6
 """Bias velocity times effective mass; inverse effective masses along and across the normal; coefficient of friction; slide along
-the tangents times effective mass."""
+the tangents times effective mass; least normal impulse, 0 but for welds."""
 
-JACOBIANS = LANES * ceil((SLIDE + 2) / LANES)
+JACOBIANS = LANES * ceil((LOWEST + 1) / LANES)
 """The same nine numbers for the normal and both tangents, interleaved: the first of each, then the second of each."""
 
 TANGENT_RESPONSE = JACOBIANS + LANES * JACOBIAN_SIZE
@@ -97,6 +97,7 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
             rows[k, SLIDE + i] = (contacts.slide[k, i] + contacts.drift[k, i]) * contacts.effective_mass[k, 1]
         rows[k, BIAS] = contacts.target[k] * contacts.effective_mass[k, 0]
         rows[k, FRICTION] = contacts.friction[k]
+        rows[k, LOWEST] = -inf if contacts.friction[k] == WELDED else 0.0
 
 
 @kernel
@@ -215,15 +216,12 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
             short, short_x, short_y = normal_stopping_impulse(rows, k, motion, a, b), 0.0, 0.0
         if standing == 1 and driven[k] != NOT_DRIVEN:
             short = wish_beside_driven(rows, k, motion, a, b, driven[k])
-        normal = (held[0] + rows[k, BIAS]) - short
-        if rough != WELDED:
-            normal = max(0.0, normal)
+        normal = max(rows[k, LOWEST], (held[0] + rows[k, BIAS]) - short)
         dn, dx, dy = normal - held[0], 0.0, 0.0
         if rough > 0.0 and (normal != 0.0 or held[1] != 0.0 or held[2] != 0.0):
             x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, CROSS_RESPONSE] * dn
             y = (held[2] + rows[k, SLIDE + 1] - short_y) - rows[k, CROSS_RESPONSE + 1] * dn
-            if rough != WELDED:
-                x, y = in_friction_disc(x, y, rough * normal)
+            x, y = in_friction_disc(x, y, rough * normal)
             dx, dy = x - held[1], y - held[2]
         moved = max(abs(dn) * rows[k, INVERSE_MASS], (abs(dx) + abs(dy)) * rows[k, INVERSE_MASS + 1])
         worst = max(worst, moved)

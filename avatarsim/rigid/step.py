@@ -134,6 +134,7 @@ class SimulatedLoop:
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
         self.words, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
         self._moving = np.flatnonzero(world.drive.moves)
+        self._moves = len(self._moving) > 0
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
@@ -158,7 +159,7 @@ class SimulatedLoop:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
         found = {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
-        if len(self._moving) and (blocked := int((self.world.drive.blocked[self._moving] > 0).sum())) > 0:
+        if self._moves and (blocked := int((self.world.drive.blocked[self._moving] > 0).sum())) > 0:
             found["blocked"] = blocked
         if self.record and (lost := int(self.events.kept[0]) - len(self.events.time)) > 0:
             found["events not recorded"] = lost
