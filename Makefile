@@ -127,7 +127,7 @@ look: $(READY)  ## report, docs site and pages of clips in a headless Chromium: 
 	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py tests/look/look_docs.py tests/look/look_clips.py tests/look/look_ports.py tests/look/look_live.py
 
 # Everything runs, whatever fails; the exit status is then 1.
-fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, hostile and unseen motion, drawn crowds, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, MOTIONS=, CROWDS=, SEED=)
+fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, hostile and unseen motion, drawn crowds, scenery, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, MOTIONS=, CROWDS=, SEED=)
 	@$(COMPILED)
 	@failed=0; \
 	$(VENV_PYTHON) -m tests.collision.fuzz --pairs $(or $(PAIRS),1000000) --seed $(or $(SEED),1) || failed=1; \
@@ -140,6 +140,7 @@ fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, h
 	done; \
 	$(VENV_PYTHON) -m scenarios.unseen --motions $(or $(MOTIONS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
 	$(VENV_PYTHON) -m scenarios.drawn_crowds --scenes $(or $(CROWDS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
+	$(VENV_PYTHON) -m tests.stability.test_moving_fuzz --frames $(or $(FRAMES),100000) --seed $(or $(SEED),1) || failed=1; \
 	exit $$failed
 
 hostile: $(READY)  ## 100,000 damaged files, wrong values and command lines for every reader and constructor (CASES=, SEED=, ONLY=)
