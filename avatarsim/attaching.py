@@ -39,8 +39,8 @@ def attach(frames: Frames, body: str, link: str) -> None:
 def release(world: World, body: str) -> None:
     """Release a body. Raises UnknownName for what is not attached."""
     held = attached(world)
-    if body not in held:
-        raise UnknownName("attached body", body, held)
+    if not isinstance(body, str) or body not in held:
+        raise UnknownName("attached body", str(body), held)
     b = world.scene.names.index(body)
     world.drive.carrier[b], world.drive.tied[b] = -1, b
 

@@ -147,9 +147,8 @@ def _query(frames: Frames, within: float, stand_off: float) -> ForceParts:
         name: getattr(world.drive, name).copy() for name in world.drive._fields if name != "linkage"
     })
     first = world.skeleton.first
-    drive.coupled[first:] = drive.may_couple[first:]
-    for name in ("ramp", "ramp_turn"):
-        getattr(drive, name)[:] = 0.0
+    # a moving body that stands bears what is on it
+    drive.coupled[first:] = np.where(drive.moves[first:] == 1, drive.coupled[first:], drive.may_couple[first:])
     if frames.driven and isinstance(frames.lower, IkLoop) and frames.lower.trackers.turn[0] >= 0:
         _, now = last_and_now(frames.lower.trackers)
         drive.position[first:], drive.turn[first:] = now.position[first:], now.rotation[first:]

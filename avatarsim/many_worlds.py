@@ -156,7 +156,7 @@ class _Call:
                 try:
                     frames, sample = engine._running(), self.samples[place]
                     if frames.moves or self.moving:
-                        sample = frames.completed(sample, self.moving[place] if self.moving else {})
+                        sample = frames.completed(sample, (self.moving[place] if self.moving else None) or {})
                     job = frames.begin(sample)
                     if job is None:
                         self.records[place] = engine._advance(sample, self.dt)

@@ -126,6 +126,18 @@ def test_a_lift_bears_what_stands_on_it() -> None:
     assert on("cube", engine.contacts(forces=True), "lift") == pytest.approx([0.0, 0.0, 2.0 * G], abs=1e-5)
 
 
+def test_a_lift_that_stands_and_one_that_speeds_up_bear_what_is_on_them() -> None:
+    lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=1e4)
+    engine = AvatarsimEngine()
+    engine.load(Scene("lift", (FLOOR, cube("cube", 50.0, (0.0, 0.0, 0.376))), (lift,), materials=LAW), Settings(), DT)
+    for _ in range(60):
+        engine.advance(rest(()), DT)
+    assert on("cube", engine.contacts(forces=True), "lift") == pytest.approx([0.0, 0.0, 50.0 * G], rel=SAME, abs=1e-4)
+    for k in range(40):
+        engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + 1.5 * (k * DT) ** 2), (1.0, 0.0, 0.0, 0.0))})
+    assert on("cube", engine.contacts(forces=True), "lift")[2] == pytest.approx(50.0 * (G + 3.0), rel=2e-2)
+
+
 def test_forces_are_asked_for_where_there_are_any() -> None:
     hand = rigid_avatar("fist", FIST, solid(FIST, 0.5), "m")
     engine = AvatarsimEngine()

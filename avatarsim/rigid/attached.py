@@ -2,7 +2,7 @@
 
 A weld is three contact points about the centre of mass of the body whose impulses have no bounds, neither along the normal nor
 across it (as a fixed joint in Catto, Modeling and Solving Constraints, GDC 2009). They ask for the velocities that bring the body
-to its place on the link within the substep.
+to its place on the link within the substep. A weld that is open by the size of its body breaks.
 """
 
 import numpy as np
@@ -14,7 +14,7 @@ from avatarsim.model.geometry import Poses
 from avatarsim.rigid.contacts import NOT_DRIVEN, POINTS_OF_PAIR, WELDED, Contacts, add_contact, axis
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turned
-from avatarsim.spatial.vec3 import add, dot, row, scale, sub
+from avatarsim.spatial.vec3 import add, dot, norm, row, scale, sub
 
 Index = NDArray[np.int64]
 
@@ -49,6 +49,10 @@ def add_welds(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, 
             continue
         frame, x = columns(poses.rotation, link), row(poses.position, b)
         place = add(row(poses.position, link), turned(frame, row(drive.held_place, b)))
+        if not (norm(sub(x, place)) <= memory.span[b]):
+            # the solve did not keep it: it breaks before what it lacks becomes speed
+            drive.carrier[b], drive.tied[b] = -1, b
+            continue
         for i in range(POINTS):
             # on the body, and where it belongs
             arm = scale((1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0), memory.span[b])

@@ -53,10 +53,9 @@ def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory,
     # a link without pieces has no size
     size = max(memory.span[b], SMALL)
     mass, v = pulled(drive, b, u, row(drive.lag, b), drive.blocked[b] & STRAIGHT > 0, h)
-    put_row(velocities.linear, b, add(limited(v, min(drive.fastest[b], braked(drive, b, norm(u)))), row(drive.user, b)))
+    put_row(velocities.linear, b, add(v, row(drive.user, b)))
     turning = scale(turn, size), scale(row(drive.lag_turn, b), size)
     mass_turning, w = pulled(drive, b, turning[0], turning[1], drive.blocked[b] & TURNING > 0, h)
-    w = limited(w, braked(drive, b, norm(turning[0])))
     put_row(velocities.angular, b, add(limited(scale(w, 1.0 / size), drive.fastest_turn[b]), row(drive.user_turn, b)))
     memory.hold.inverse_mass[b] = 1.0 / mass
     for i in range(3):
@@ -68,12 +67,14 @@ def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory,
 @kernel
 def pulled(drive: DriveState, b: int, u: Vec3, lag: Vec3, is_blocked: bool, h: float) -> tuple[float, Vec3]:
     """Return (effective mass [kg], velocity of a lag u [m] after h seconds without contact [m/s])."""
-    m, k, r = drive.mass[b], drive.stiffness[b], drive.damping[b]
+    m, k, r, fastest = drive.mass[b], drive.stiffness[b], drive.damping[b], min(drive.fastest[b], braked(drive, b, norm(u)))
     if is_blocked:
-        wanted = along(scale(lag, r), k, u)
-        return m, along(lag, -h * drive.largest_force[b] / (m * max(norm(wanted), SMALL)), wanted)
+        # a body that the force would make faster in one substep counts as heavier
+        force, wanted = drive.largest_force[b], along(scale(lag, r), k, u)
+        mass = max(m, h * force / drive.fastest[b])
+        return mass, along(limited(lag, fastest), -h * force / (mass * max(norm(wanted), SMALL)), wanted)
     mass = m + h * r + h * h * k
-    return mass, along(scale(lag, m / mass), -h * k / mass, u)
+    return mass, limited(along(scale(lag, m / mass), -h * k / mass, u), fastest)
 
 
 @kernel

@@ -21,7 +21,7 @@ from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import has_linkage, is_linked, move_linkages, show_linkages, weigh_linkages
 from avatarsim.rigid.margin_rows import aim_rows, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
-from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
+from avatarsim.rigid.solver import BIAS, SLIDE, lay_out, passes, solve_contacts, take_motion
 from avatarsim.rigid.state import CONTACTS, GUARDED, SOLVES, WORK, Memory
 from avatarsim.rigid.swept_certificate import LEAST, least_of
 from avatarsim.rigid.ways import certify_all, set_ways, shared, shorten_ways, weigh_groups
@@ -163,11 +163,15 @@ def solve(
     dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float, sweeps: int
 ) -> None:
     """Solve all rows that are laid out and have a target; ``linear_end`` and ``angular_end`` change."""
-    contacts, count, active = memory.contacts, memory.contacts.used[0], 0
+    contacts, count, active, any_weld = memory.contacts, memory.contacts.used[0], 0, False
     for k in range(count):
         active += 1 if contacts.rows[k, BIAS] != -inf else 0
+        any_weld = any_weld or contacts.friction[k] == WELDED
     visited = contacts.visits[0]
     sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, active))))
+    if any_weld:
+        # what a weld lacks comes back in the next substep
+        sweeps = sweeps_for(count)
     for _ in range(ROUNDS):
         passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
         take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
@@ -278,6 +282,10 @@ def relax(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: f
     contacts, count = memory.contacts, memory.contacts.used[0]
     aim_rows(contacts, count, stand_off_of(memory), h, False)
     put_targets(contacts, 0, count)
+    for k in range(count):
+        if contacts.friction[k] == WELDED:
+            contacts.slide[k, 0], contacts.slide[k, 1] = 0.0, 0.0
+            contacts.rows[k, SLIDE], contacts.rows[k, SLIDE + 1] = 0.0, 0.0
     solve(dynamics, poses, memory, members, h, tolerance_of(memory, h, fine), sweeps_for(count) if fine else SWEEPS)
 
 

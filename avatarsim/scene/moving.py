@@ -8,7 +8,7 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidSample, UnknownName
 from avatarsim.scene.avatar import STIFFEST, Avatar, Drive, Link
@@ -69,7 +69,7 @@ def with_moving(
     Args:
         avatars: of the scene.
         sample: of all avatars, or only of those that do not move by themselves.
-        given: pose of each moving body that goes elsewhere, by name.
+        given: pose of each moving body that goes elsewhere, by name; angles are clipped to the limits of their hinges.
         last: the sample of the last frame, from which moving bodies that are not given keep their poses.
 
     Raises:
@@ -91,14 +91,19 @@ def with_moving(
         if avatar.name in given:
             pose = given[avatar.name]
             if avatar.hinge_count:
-                thing = f"angles of moving body {avatar.name} [rad]"
-                angles[hinge : hinge + avatar.hinge_count] = finite_array(
-                    thing, np.atleast_1d(np.asarray(pose)), (avatar.hinge_count,), InvalidSample
-                )
+                thing, limits = f"angles of moving body {avatar.name} [rad]", _limits(avatar)
+                given_angles = finite_array(thing, parts(pose), (avatar.hinge_count,), InvalidSample)
+                angles[hinge : hinge + avatar.hinge_count] = np.clip(given_angles, limits[:, 0], limits[:, 1])
             else:
                 positions[link], rotations[link] = _pose(avatar.name, pose)
         link, hinge = link + len(avatar.links), hinge + avatar.hinge_count
     return TrackerSample(sample.time, positions, rotations, angles)
+
+
+def _limits(avatar: Avatar) -> NDArray[np.float64]:
+    """Least and largest angle of each hinge (hinges, 2) [rad]."""
+    hinges = [hinge for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
+    return np.array([(hinge.lower, hinge.upper) for hinge in hinges])
 
 
 def _pose(name: str, pose: Pose) -> tuple[Vector, Quaternion]:

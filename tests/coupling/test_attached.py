@@ -234,3 +234,43 @@ def test_three_fingers_grip_a_mug_once_they_close_on_it() -> None:
         found.append(engine.grip("hand"))
     assert found[0] == () and found[-1] == ("mug",)
     assert engine.attached()["mug"].startswith("hand/")
+
+
+@pytest.mark.parametrize("count", [2, 4, 20])
+def test_a_row_of_cubes_holds_or_breaks(count: int) -> None:
+    """Twenty, 6 kg on a fist of 0.5 kg, are more than the solve can hold: none flies off at a speed that nobody has."""
+    row = [cube(0.3, (0.11 * k, 0.0, 0.0501), f"cube {k}") for k in range(count)]
+    engine, scene = begun(*row)
+    for body in row:
+        engine.attach(body.name, "fist")
+    records = [engine.advance(waved(k), DT) for k in range(180)]
+    hand = len(scene.names) - 1
+    assert deepest(scene, records) <= JUDGED
+    assert max(float(np.abs(one.shown.velocities).max()) for one in records) < 100.0
+    for k in range(count):
+        if count < 20:
+            first = place_on(records[0], 1 + k, hand)
+            assert max(np.linalg.norm(place_on(one, 1 + k, hand) - first) for one in records) < 1e-3
+
+
+@pytest.mark.parametrize("mass", [0.1, 1.0, 10.0])
+def test_a_person_with_a_box_walks_into_a_wall(mass: float) -> None:
+    person = replace(humanoid(), name="person")
+    person = replace(person, links=tuple(replace(link, material="m") for link in person.links))
+    start, wall = standing(person), fixed("wall", (Piece(Box((0.1, 4.0, 4.0))),), "m", (1.2, 0.0, 0.0))
+    scene = Scene("wall", (FLOOR, wall, cube(mass, (-1.5, 0.0, 0.0501))), (person,), materials=LAW, start=start)
+    engine = AvatarsimEngine()
+    first = engine.load(scene, Settings(), DT)
+    link = scene.names.index("person/right_wrist")
+    before = first.shown.positions[link] + [0.13, 0.0, 0.0]
+    scene = replace(scene, bodies=(FLOOR, wall, cube(mass, tuple(float(x) for x in before))))
+    engine.load(scene, Settings(), DT)
+    engine.attach("cube", "person/right_wrist")
+    records = []
+    for k in range(150):
+        there = start.positions.copy()
+        there[0, 0] += min(1.5, k * DT)
+        records.append(engine.advance(replace(start, time=k * DT, positions=there), DT))
+    first_place = place_on(records[0], 2, link)
+    assert max(np.linalg.norm(place_on(one, 2, link) - first_place) for one in records) < 2e-3
+    assert deepest(scene, records) <= JUDGED

@@ -279,7 +279,7 @@ def test_what_is_not_given_keeps_its_last_pose_and_a_full_sample_says_the_same()
 @pytest.mark.parametrize(("given", "error"), [
     ({"lift": (0.0, 0.0, 0.0)}, InvalidSample), ({"lift": ((0.0, 0.0, float("nan")), UPRIGHT)}, InvalidSample),
     ({"lift": ((0.0, 0.0, 0.1), (2.0, 0.0, 0.0, 0.0))}, InvalidSample), ({"door": 1.0}, UnknownName), ([1.0], InvalidSample),
-    ({"lift": "up"}, InvalidSample), ({"fist": ((0.0, 0.0, 0.0), UPRIGHT)}, UnknownName),
+    ({"lift": "up"}, InvalidSample), ({"lift": 1.0}, InvalidSample), ({"fist": ((0.0, 0.0, 0.0), UPRIGHT)}, UnknownName),
 ])
 def test_poses_that_are_none_are_refused_and_nothing_has_moved(given: object, error: type[Exception]) -> None:
     engine = AvatarsimEngine()
@@ -313,3 +313,28 @@ def test_without_the_coupling_it_follows_its_poses_as_hands_do(off: str) -> None
     for k in range(40):
         record = engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.06 + 0.001 * k), UPRIGHT)})
     assert record.shown.positions[0, 2] == pytest.approx(0.099, abs=1e-9)
+
+
+def test_a_lift_raises_what_its_largest_force_can_bear() -> None:
+    """Five tons are 49 kN; the lift's own ten kilograms are no limit."""
+    for force, rises in ((4e4, False), (6e4, True)):
+        seen = run(
+            [FLOOR, box("box", (0.0, 0.0, 0.201), 5000.0, 0.2)], [lift(largest_force=force, stiffness=1e7)], 120,
+            lambda k: {"lift": ((0.0, 0.0, 0.06 + 0.3 * min(1.0, k / 90)), UPRIGHT)},
+        )
+        assert (seen.place("lift")[-1, 2] > 0.3) == rises
+
+
+def test_a_jump_of_its_pose_throws_nothing_far() -> None:
+    """Half a metre in one frame is made up at the speed of catching up, 5 m/s on either side of its own."""
+    def jumps(k: int) -> dict[str, Pose]:
+        return {"lift": ((0.0, 0.0, 0.06 + 0.5 * (k > 20)), UPRIGHT)}
+
+    seen = run([FLOOR, box("box", (0.0, 0.0, 0.151), 2.0)], [lift()], 120, jumps)
+    assert max(float(np.abs(one.shown.velocities[1]).max()) for one in seen.records) < 10.0
+    assert abs(seen.place("lift")[-1, 2] - 0.56) < 1e-3 and seen.deepest <= JUDGED
+
+
+def test_angles_beyond_the_limits_of_hinges_are_clipped() -> None:
+    seen = run([FLOOR], [door()], 300, lambda k: {"door": min(0.02 * k, 3.0)})
+    assert seen.records[-1].angles[0] == pytest.approx(2.0, abs=1e-9) and not seen.blocked()[-60:].any()
