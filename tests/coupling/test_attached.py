@@ -238,7 +238,7 @@ def test_three_fingers_grip_a_mug_once_they_close_on_it() -> None:
 
 @pytest.mark.parametrize("count", [2, 4, 20])
 def test_a_row_of_cubes_holds_or_breaks(count: int) -> None:
-    """Twenty, 6 kg on a fist of 0.5 kg, are more than the solve can hold: none flies off at a speed that nobody has."""
+    """Twenty, 6 kg on a fist of 0.5 kg, are more than the solve can hold: none flies off at a speed that nothing has."""
     row = [cube(0.3, (0.11 * k, 0.0, 0.0501), f"cube {k}") for k in range(count)]
     engine, scene = begun(*row)
     for body in row:
