@@ -36,7 +36,7 @@ The world
     Body            a fixed or loose body, as the next two make it
     fixed           a body that stays where it is
     simulated       a loose body, which obeys the laws of physics
-    moving          a body whose pose is given per frame, such as a door or a lift (an avatar: it stands among these)
+    moving          a body whose pose is given per frame, such as a door or a lift; one of the avatars of a scene
     Piece           one convex shape at its place on a body
     Sphere, Capsule, Box, Ellipsoid, ConvexHull     the shapes
     pieces_of_mesh  convex pieces of a mesh file, with a bound of their distance from it (needs the extra `assets`)

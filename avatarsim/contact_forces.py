@@ -1,7 +1,7 @@
-"""Forces at the contacts of what is shown: one solve of all contacts of that instant, to rounding, where it is asked for.
+"""Contact forces of the displayed state: one solve of all its contacts, converged to rounding.
 
-The bodies are those of a substep of the upper loop: loose ones under gravity, avatars by equation 6 with the lag that is shown.
-The impulses that keep all contacts from closing in a short time, divided by this time, are the forces. At rest they balance
+Gravity acts on loose bodies, and the spring of equation 6 on avatars with their displayed lag, as in a substep of the upper loop.
+The forces are the impulses that keep all contacts from closing in a short time, divided by this time. At rest they balance
 weights and springs.
 """
 
@@ -43,7 +43,7 @@ TRIES = SHARE_OF_SOLVE * ROUNDS
 
 
 class ForceParts(NamedTuple):
-    """What lies in the arena of a query: dynamics with all avatars under load, velocities, and memory of its own.
+    """Arrays of one query: dynamics with all avatars coupled, velocities, and its own memory.
 
     pairs (pairs, 2) bodies whose boxes meet; within (1) [m] largest gap; members bodies that move.
     """
@@ -141,13 +141,13 @@ def contacts_with_forces(frames: Frames, within: float, stand_off: float, dt: fl
 
 
 def _query(frames: Frames, within: float, stand_off: float) -> ForceParts:
-    """What a solve reads and writes, apart from the world: copies, so that asking changes nothing."""
+    """Copy the state that the solve changes."""
     world = frames.world
     drive = world.drive._replace(**{
         name: getattr(world.drive, name).copy() for name in world.drive._fields if name != "linkage"
     })
     first = world.skeleton.first
-    # a moving body that stands bears what is on it
+    # a moving body at rest does not yield
     drive.coupled[first:] = np.where(drive.moves[first:] == 1, drive.coupled[first:], drive.may_couple[first:])
     if frames.driven and isinstance(frames.lower, IkLoop) and frames.lower.trackers.turn[0] >= 0:
         _, now = last_and_now(frames.lower.trackers)

@@ -254,7 +254,7 @@ class AvatarsimEngine:
         avatar bears its weight.
 
         A weld of the two in the solve of all contacts: what the body runs into stops the link. Where many heavy bodies on a light
-        hand are more than the solve can hold, welds break. `link` is a name of `scene.names`.
+        hand are more than the solve can hold, welds break, and the record's statuses say so. `link` is a name of `scene.names`.
         Raises UnknownName for other names, and InvalidInput for a body that is attached already, in scenes without coupling and
         for the preset `paper`.
         """
@@ -262,7 +262,7 @@ class AvatarsimEngine:
             attach(self._running(), body, link)
 
     def detach(self, body: str) -> None:
-        """Release an attached body, which goes on with its velocity. Raises UnknownName for what is not attached."""
+        """Detach a body; it keeps its velocity. Raises UnknownName if it is not attached."""
         with self._alone():
             release(self._running().world, body)
 
@@ -397,7 +397,7 @@ class AvatarsimEngine:
         that turn in hinges; what is not given keeps its last ones. `sample` is of all avatars, or of all but moving bodies.
 
         Raises InvalidSample for a sample that is not finite or does not fit the scene's avatars, and UnknownName for a pose of
-        what is no moving body; the state is then as before, and the next frame goes on from it.
+        an unknown moving body. The state is then unchanged.
         """
         # `_alone` written out: a context manager takes half a microsecond more
         if not self._turn.acquire(False):

@@ -172,7 +172,7 @@ def exclude_coupled(
         accelerate(w, b, dt, share, drive.angular, drive.gained_turn, drive.ramp_turn, drive.lag_turn)
         drive.unloaded[b] = 0.0 if drive.loaded[b] == 1 else drive.unloaded[b] + dt
         if drive.unloaded[b] > time_to_catch_up(drive, avatars, avatars.avatar[link], skel.first):
-            drive.coupled[b], drive.blocked[b] = 0, 0
+            drive.coupled[b], drive.blocked[b], drive.blocked_turn[b] = 0, 0, 0
             put_row(drive.lag, b, (0.0, 0.0, 0.0))
             put_row(drive.offset, b, (0.0, 0.0, 0.0))
         if drive.coupled[b] + drive.moves[b] > 0:

@@ -42,12 +42,12 @@ def is_behind(drive: DriveState, poses: Poses, now: Poses, b: int) -> bool:
 def is_active(dynamics: Dynamics, poses: Poses, before: Poses, now: Poses, b: int) -> bool:
     """Return whether the upper loop has to move body b in this frame: it goes somewhere, is blocked, or was pushed.
 
-    One that stands is an obstacle as fixed bodies are, so that what lies on it can sleep.
+    A body at rest counts as fixed, so that loose bodies on it can sleep.
     """
     drive, surface = dynamics.drive, row(dynamics.surface, b)
     if drive.coupled[b] == 1:
-        speed = norm(row(drive.lag, b)) + norm(row(drive.lag_turn, b))
-        if drive.blocked[b] > 0 or speed > JUDGED or (drive.loaded[b] == 0 and is_behind(drive, poses, now, b)):
+        speed, blocked = norm(row(drive.lag, b)) + norm(row(drive.lag_turn, b)), drive.blocked[b] + drive.blocked_turn[b] > 0
+        if blocked or speed > JUDGED or (drive.loaded[b] == 0 and is_behind(drive, poses, now, b)):
             return True
     pushed = drive.stiffness[b] == 0.0 and drive.loaded[b] == 1
     return bool(pushed or carries(drive, b) or dot(surface, surface) > 0.0 or not stands(before, now, b))

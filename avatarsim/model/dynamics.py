@@ -100,7 +100,7 @@ class DriveState(NamedTuple):
     tied              (nb) body that leads the avatar of a body or of the link that it is attached to, else itself
     linked            (nb) flag: the body has joints
     moves             (nb) flag: scenery that moves by itself
-    blocked           (nb) bits: the spring force (1), its torque (2) was at its largest in the last substep
+    blocked, blocked_turn   (nb) flags: the spring force, its torque was at its largest in the last substep
     carrier           (nb) body of the link that the body is attached to, -1 without
     held_place, held_turn   (nb, 3) [m], (nb, 3, 3) its pose in the frame of that link
     may_couple        (nb) flag: the upper loop can move the body
@@ -125,6 +125,7 @@ class DriveState(NamedTuple):
     linked: IndexLine
     moves: IndexLine
     blocked: IndexLine
+    blocked_turn: IndexLine
     carrier: IndexLine
     held_place: Vectors
     held_turn: Matrices
@@ -178,7 +179,7 @@ def make_drive(scene: Scene, inverse_mass: Array) -> DriveState:
         return np.zeros((bodies, 3))
 
     return DriveState(
-        linkage=linkage, tied=tied, linked=flags(), moves=moves, blocked=flags(),
+        linkage=linkage, tied=tied, linked=flags(), moves=moves, blocked=flags(), blocked_turn=flags(),
         carrier=np.full(bodies, -1, np.int64), held_place=vectors(), held_turn=np.tile(np.eye(3), (bodies, 1, 1)),
         may_couple=flags(), coupled=flags(),
         loaded=flags(), unloaded=np.zeros(bodies), position=vectors(), turn=np.tile(np.eye(3), (bodies, 1, 1)), paused=flags(),

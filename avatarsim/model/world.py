@@ -90,8 +90,9 @@ class World:
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, and frames of a pause, of which the longest lasts a second of frames of a microsecond."""
         frames = (0, 1_000_000)
-        flags, last = {f"drive.{name}": (0, 1) for name in ("coupled", "loaded")}, len(self.centres) - 1
-        flags |= {"drive.blocked": (0, 3), "drive.carrier": (-1, last), "drive.tied": (0, last)}
+        flags = {f"drive.{name}": (0, 1) for name in ("coupled", "loaded", "blocked", "blocked_turn")}
+        last = len(self.centres) - 1
+        flags |= {"drive.carrier": (-1, last), "drive.tied": (0, last)}
         return flags | {"drive.paused": frames, "drive.spread": frames}
 
 

@@ -12,7 +12,7 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics
 from avatarsim.model.geometry import Poses
 from avatarsim.rigid.contacts import NOT_DRIVEN, POINTS_OF_PAIR, WELDED, Contacts, add_contact, axis
-from avatarsim.rigid.state import Memory
+from avatarsim.rigid.state import WELDS_BROKEN, Memory
 from avatarsim.spatial.tangent import columns, turned
 from avatarsim.spatial.vec3 import add, dot, norm, row, scale, sub
 
@@ -52,6 +52,7 @@ def add_welds(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, 
         if not (norm(sub(x, place)) <= memory.span[b]):
             # the solve did not keep it: it breaks before what it lacks becomes speed
             drive.carrier[b], drive.tied[b] = -1, b
+            memory.counts[WELDS_BROKEN] += 1
             continue
         for i in range(POINTS):
             # on the body, and where it belongs

@@ -24,9 +24,6 @@ from avatarsim.tolerances import NOTHING, SMALL
 
 Index = NDArray[np.int64]
 
-STRAIGHT, TURNING = 1, 2
-"""Bits of `DriveState.blocked`: the largest force acts, or its torque."""
-
 
 @kernel
 def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tuple[Vec3, Vec3]:
@@ -52,10 +49,10 @@ def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory,
     u, turn = lag_of(drive, poses, b, now, dt)
     # a link without pieces has no size
     size = max(memory.span[b], SMALL)
-    mass, v = pulled(drive, b, u, row(drive.lag, b), drive.blocked[b] & STRAIGHT > 0, h)
+    mass, v = pulled(drive, b, u, row(drive.lag, b), drive.blocked[b] == 1, h)
     put_row(velocities.linear, b, add(v, row(drive.user, b)))
     turning = scale(turn, size), scale(row(drive.lag_turn, b), size)
-    mass_turning, w = pulled(drive, b, turning[0], turning[1], drive.blocked[b] & TURNING > 0, h)
+    mass_turning, w = pulled(drive, b, turning[0], turning[1], drive.blocked_turn[b] == 1, h)
     put_row(velocities.angular, b, add(limited(scale(w, 1.0 / size), drive.fastest_turn[b]), row(drive.user_turn, b)))
     memory.hold.inverse_mass[b] = 1.0 / mass
     for i in range(3):
@@ -100,13 +97,10 @@ def bound_forces(dynamics: Dynamics, poses: Poses, memory: Memory, members: Inde
         lag_turn = sub(row(memory.angular_end, b), row(drive.user_turn, b))
         force = norm(along(scale(u, k), r + h * k, lag))
         torque = size * norm(along(scale(turn, k), r + h * k, lag_turn))
-        most, found = drive.largest_force[b], 0
-        if force > most:
-            found += STRAIGHT
-        if torque > most:
-            found += TURNING
-        changed = changed or found != drive.blocked[b]
-        drive.blocked[b] = found
+        most = drive.largest_force[b]
+        straight, turning = 1 if force > most else 0, 1 if torque > most else 0
+        changed = changed or straight != drive.blocked[b] or turning != drive.blocked_turn[b]
+        drive.blocked[b], drive.blocked_turn[b] = straight, turning
     return changed
 
 

@@ -113,28 +113,30 @@ each. A pair without room is not checked, so its bodies pass through each other:
 CANDIDATES_MORE = 4
 """Room for so many times the number of bodies more candidates than pairs: see `collision.grid`."""
 
-DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range(6)
+DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, WELD_BROKEN, NOT_FINITE = range(7)
 """Status of a frame: all of dt passed; the budget of segments is spent and bodies wait for the next frame where they were last
 proved free; the budget of impacts is; more contacts or pairs than fit; overlap is left that no position of simulated bodies
-removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy is added in the first three."""
+removes; an attached body was released since its weld did not hold; a pose or velocity is nan or infinite. Nothing overlaps and no
+energy is added in the first three."""
 
 AGAIN = -1
 """Outcome of a step: no body was moved, and the step is to be repeated."""
 
-STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "not finite")
+STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "weld broken", "not finite")
 
 (
     SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS, ISLANDS, SUBSTEPS, SHORTENED,
-    WORK,
-) = range(14)
+    WELDS_BROKEN, WORK,
+) = range(15)
 """Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
 was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position projections, broad phases,
-most contacts of an island, most islands, substeps of crowds, bodies that went less than their way in one, and work in units of
-about a tenth of a microsecond."""
+most contacts of an island, most islands, substeps of crowds, bodies that went less than their way in one, welds that broke, and work in
+units of about a tenth of a microsecond."""
 
 COUNT_NAMES = (
     "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
-    "positions_corrected", "sweep_and_prune", "contacts", "islands", "substeps", "ways_shortened", "work",
+    "positions_corrected", "sweep_and_prune", "contacts", "islands", "substeps", "ways_shortened", "welds_broken",
+    "work",
 )
 
 WORK_CAP = 24000

@@ -32,6 +32,8 @@ from avatarsim.rigid.state import (
     NOT_FINITE,
     OUT_OF_SEGMENTS,
     STATUS_NAMES,
+    WELD_BROKEN,
+    WELDS_BROKEN,
     WORKING,
     Events,
     Memory,
@@ -83,6 +85,8 @@ def advance(
             return NOT_FINITE
         # AGAIN is below all statuses; the worst is returned
         status = max(status, outcome)
+    if memory.counts[WELDS_BROKEN] > 0:
+        status = max(status, WELD_BROKEN)
     restore_deferred(velocities, memory, memory.all_bodies)
     show_zeno(velocities, memory, dt)
     for b in range(bodies):
@@ -134,7 +138,6 @@ class SimulatedLoop:
         events = make_events(len(world.scene.names), EVENTS_KEPT if record else 0)
         self.words, (self.memory, self.events, _) = packed(UpperParts(memory, events, switches))
         self._moving = np.flatnonzero(world.drive.moves)
-        self._moves = len(self._moving) > 0
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
@@ -159,7 +162,8 @@ class SimulatedLoop:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
         found = {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
-        if self._moves and (blocked := int((self.world.drive.blocked[self._moving] > 0).sum())) > 0:
+        drive, moving = self.world.drive, self._moving
+        if len(moving) and (blocked := int((drive.blocked[moving] | drive.blocked_turn[moving]).sum())) > 0:
             found["blocked"] = blocked
         if self.record and (lost := int(self.events.kept[0]) - len(self.events.time)) > 0:
             found["events not recorded"] = lost

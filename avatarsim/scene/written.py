@@ -31,7 +31,7 @@ TYPES: Mapping[str, type[Any]] = {
 """The types that a scene is made of, by the names that files call them."""
 
 UNBOUNDED = "unbounded"
-"""What stands for an infinite number, which JSON does not have."""
+"""Text for an infinite number, since JSON has none."""
 
 LATER = frozenset({"drive", "moves", "surface_velocity"})
 """Fields that files of earlier versions lack; they get their defaults."""

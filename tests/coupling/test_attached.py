@@ -247,6 +247,9 @@ def test_a_row_of_cubes_holds_or_breaks(count: int) -> None:
     hand = len(scene.names) - 1
     assert deepest(scene, records) <= JUDGED
     assert max(float(np.abs(one.shown.velocities).max()) for one in records) < 100.0
+    broken = sum(one.counts["welds_broken"] for one in records)
+    assert len(engine.attached()) == count - broken and (broken > 0) == (count == 20)
+    assert any("motion weld broken" in one.statuses for one in records) == (broken > 0)
     for k in range(count):
         if count < 20:
             first = place_on(records[0], 1 + k, hand)

@@ -55,7 +55,7 @@ LISTED = {
         "planner/state.py": "NONE GOAL_NODE",
         "planner/supervisor.py": "NEVER JOINTED",
         "pose_queries.py": "FARTHEST",
-        "rigid/attached.py": "POINTS", "rigid/driven.py": "STRAIGHT TURNING",
+        "rigid/attached.py": "POINTS",
         "rigid/contact_generation.py": "FOUND NO_ROOM BROKEN",
         "rigid/crowd_step.py": "CROWDED UNPROVED",
         "rigid/contact_law.py": "NO_SLIP",

@@ -50,7 +50,7 @@ SCENARIO = Scenario(
     bounds=(
         NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_TIME,
         Bound("travel_missing", 0.0, "the door pushes the boxes together"),
-        Bound("drift_max", 1e-4, "between a door that stands and walls boxes stand"),
+        Bound("drift_max", 1e-4, "boxes between a door at rest and walls are at rest"),
     ),
     regions=(Region(NAMES, (0.1, -0.6, 0.0), (0.97, 0.2, 0.4), "the boxes stay between door and walls"),),
     expects={"rests": (Rest(NAMES, 2.0),), "travel": {"box_3": 0.01}},
