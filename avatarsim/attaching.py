@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.coupling.coupled_bodies import link_together
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.lower_loop import IkLoop
@@ -30,10 +31,18 @@ def attach(frames: Frames, body: str, link: str) -> None:
     if drive.carrier[b] >= 0:
         raise InvalidInput(f"body to attach to {link}", body, f"one that {scene.names[drive.carrier[b]]} does not hold already")
     turn = poses.rotation[k]
-    drive.carrier[b], drive.tied[b], drive.loaded[k] = k, drive.tied[k], 1
+    drive.carrier[b], drive.tied[b] = k, drive.tied[k]
     drive.held_place[b] = turn.T @ (poses.position[b] - poses.position[k])
     drive.held_turn[b] = turn.T @ poses.rotation[b]
+    link_together(drive, frames.world.skeleton)
     frames.upper.memory.asleep[b] = 0
+
+
+def attach_at_start(frames: Frames, known: Sequence[str]) -> None:
+    """Attach what the scene says, but for pairs that were `known` before it was changed. Raises InvalidInput as `attach`."""
+    for body, link in frames.world.scene.attached:
+        if body not in known or link not in known:
+            attach(frames, body, link)
 
 
 def release(world: World, body: str) -> None:
@@ -43,6 +52,7 @@ def release(world: World, body: str) -> None:
         raise UnknownName("attached body", str(body), held)
     b = world.scene.names.index(body)
     world.drive.carrier[b], world.drive.tied[b] = -1, b
+    link_together(world.drive, world.skeleton)
 
 
 def attached(world: World) -> Mapping[str, str]:

@@ -20,8 +20,7 @@ from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.model.world import World, WorldParts
 from avatarsim.pose_queries import Contact, meeting_pairs
-from avatarsim.rigid.attached import add_welds
-from avatarsim.rigid.contacts import WELDED, to_world, weigh_from
+from avatarsim.rigid.contacts import POINTS_OF_PAIR, to_world, weigh_from
 from avatarsim.rigid.driven import aim, bound_forces
 from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import has_linkage, move_linkages, show_linkages, weigh_linkages
@@ -77,11 +76,8 @@ def find_all_rows(
     if not list_pieces(geometry, poses, memory, own.pairs, sub_.wider, sub_.room):
         return False
     find_rows(geometry, dynamics, poses, velocities, memory, h)
-    if not add_welds(dynamics, poses, memory, members, geometry.body.shape[0], h):
-        return False
     for k in range(contacts.used[0]):
-        touches = contacts.gap[k] <= own.within[0] or contacts.friction[k] == WELDED
-        contacts.target[k] = 0.0 if touches else -contacts.gap[k] / h
+        contacts.target[k] = 0.0 if contacts.gap[k] <= own.within[0] else -contacts.gap[k] / h
         put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
     weigh_from(contacts, memory.hold, 0.0, 0)
     weigh_links(dynamics, poses, memory, 0)
@@ -127,13 +123,14 @@ def contacts_with_forces(frames: Frames, within: float, stand_off: float, dt: fl
     words, own = packed(query)
     if not solve_forces(world.words, words, dt, SUBSTEP):
         return ()
-    found, contacts, names = [], own.memory.contacts, world.scene.names
+    found, contacts, names, pieces = [], own.memory.contacts, world.scene.names, len(world.geometry.body)
     for k in range(int(contacts.used[0])):
-        if contacts.friction[k] == WELDED or contacts.gap[k] > within:
+        if contacts.gap[k] > within:
             continue
-        a, b = contacts.body[k].tolist()
+        # rows of attached bodies are those of their links: see `attached`
+        a, b = (int(world.geometry.body[piece]) for piece in divmod(int(contacts.key[k]) // POINTS_OF_PAIR, pieces))
         force = contacts.impulse[k] @ contacts.frame[k] / SUBSTEP
-        point, normal = world.poses.position[a] + contacts.arm_a[k], contacts.frame[k, 0].copy()
+        point, normal = world.poses.position[contacts.body[k, 0]] + contacts.arm_a[k], contacts.frame[k, 0].copy()
         for array in (point, normal, force):
             array.flags.writeable = False
         found.append(Contact(names[a], names[b], point, normal, float(contacts.gap[k]), force))

@@ -12,7 +12,7 @@ from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
 import numpy as np
 
-from avatarsim.attaching import attach, attached, gripped, release
+from avatarsim.attaching import attach, attach_at_start, attached, gripped, release
 from avatarsim.batch import Shown
 from avatarsim.contact_forces import contacts_with_forces, felt
 from avatarsim.engine import FrameRecord, Settings, Snapshot
@@ -253,10 +253,9 @@ class AvatarsimEngine:
         """Attach a simulated body to a link, or to a moving body, where they are: from now on it goes along, and the drive of the
         avatar bears its weight.
 
-        A weld of the two in the solve of all contacts: what the body runs into stops the link. Where many heavy bodies on a light
-        hand are more than the solve can hold, welds break, and the record's statuses say so. `link` is a name of `scene.names`.
-        Raises UnknownName for other names, and InvalidInput for a body that is attached already, in scenes without coupling and
-        for the preset `paper`.
+        The two are one rigid body in the solve of all contacts: what the body runs into stops the link. `link` is a name of
+        `scene.names`. Raises UnknownName for other names, and InvalidInput for a body that is attached already, in scenes without
+        coupling and for the preset `paper`.
         """
         with self._alone():
             attach(self._running(), body, link)
@@ -383,6 +382,7 @@ class AvatarsimEngine:
         )
         if old and both:
             carry_loops(old, frames, both)
+        attach_at_start(frames, old.world.scene.names if old else ())
         self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
         self._before = shown_poses(world)
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling

@@ -21,6 +21,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.coupling.coupled_bodies import link_together
 from avatarsim.errors import AvatarsimError, InvalidSnapshot
 from avatarsim.frame import Frames
 from avatarsim.lower_loop import IkLoop
@@ -349,18 +350,19 @@ def carry_attached(old: World, new: World, both: Shared) -> None:
         if carrier >= 0:
             new.drive.carrier[now], new.drive.tied[now] = carrier, new.drive.tied[carrier]
             new.drive.held_place[now], new.drive.held_turn[now] = old.drive.held_place[before], old.drive.held_turn[before]
+    link_together(new.drive, new.skeleton)
 
 
 def carry_coupling(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
     """State of the coupling, and tracked poses of the last frame, from which velocities are counted."""
+    carry_attached(old.world, new.world, both)
     if min(one.trackers.turn[0], other.trackers.turn[0]) < 0:
         return
-    carry_attached(old.world, new.world, both)
     links = both.links + (old.world.skeleton.first, new.world.skeleton.first)
     other.trackers.turn[:] = one.trackers.turn
     for into, of in ((other.trackers.one, one.trackers.one), (other.trackers.other, one.trackers.other)):
         taken(into.position, of.position, links)
         taken(into.rotation, of.rotation, links)
     for name in DriveState._fields:
-        if f"drive.{name}" not in World.WORKING and name not in ("carrier", "tied"):
+        if f"drive.{name}" not in World.WORKING and name not in ("carrier", "tied", "linked"):
             taken(getattr(new.world.drive, name), getattr(old.world.drive, name), links)

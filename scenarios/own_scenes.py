@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.model import Model, beside, followed_by
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.checks import within
@@ -141,7 +141,7 @@ class OwnScene:
         chords = Chords(scene)
         if self.recorded is None:
             return replace(scene, start=free_posture(chords, scene.first_sample, MARGIN)), None
-        recorded = self.recorded.motion(model).resampled(1.0 / RENDERED)
+        recorded = followed_by(self.recorded.motion(model), together.moving).resampled(1.0 / RENDERED)
         start = free_posture(chords, recorded.sample(0), MARGIN)
         track = Track(recorded.positions, recorded.rotations, recorded.angles).led_in(start)
         return replace(scene, start=start), track
@@ -165,17 +165,6 @@ class OwnScene:
             build=lambda: _parts(self)[0], motion=motion, frames=frames, short=min(frames, QUICK), bounds=kept,
             everyday=True, family=self.name,
         )
-
-
-def beside(model: Model, room: Model) -> Model:
-    """A model with what stands about it; of names that both have the room's are changed."""
-    taken = {body.name for body in model.bodies}
-    names = {body.name: f"room_{body.name}" if body.name in taken else body.name for body in room.bodies}
-    bodies = tuple(replace(body, name=names[body.name]) for body in room.bodies)
-    apart, at_rest = (tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.at_rest))
-    return replace(
-        model, bodies=(*model.bodies, *bodies), exclude=(*model.exclude, *apart), at_rest=(*model.at_rest, *at_rest)
-    )
 
 
 def held(scene: Scene) -> Motion:

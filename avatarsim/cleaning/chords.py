@@ -98,7 +98,7 @@ def scene_of(model: Model, room: Sequence[Body], options: Options) -> Scene:
     avatar = model.avatar
     if not isinstance(avatar, Avatar):
         raise InvalidInput("avatar of the model", avatar, "one: a file of a robot, a hand or a skeleton")
-    own, others = ([standing(body) for body in bodies if is_taken(body, options)] for bodies in (model.bodies, room))
+    own, others = ([standing(body) for body in bodies if is_taken(body, options)] for bodies in (model.room, room))
     links = avatar.links
     taken = {avatar.name} if len(links) == 1 else {f"{avatar.name}/{link.name}" for link in links}
     named, known = with_own_names((*own, *others), taken), taken | {body.name for body in own}

@@ -8,12 +8,13 @@ import webbrowser
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
+from functools import reduce
 from importlib.util import find_spec
 from pathlib import Path
 
 from avatarsim.assets.models.doors import MODELS
-from avatarsim.assets.models.model import Model
-from avatarsim.cleaning.chords import Chords, with_own_names
+from avatarsim.assets.models.model import Model, beside
+from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.start import free_posture
 from avatarsim.cli.option_words import in_words
 from avatarsim.cli.reading import reading_of
@@ -26,7 +27,7 @@ from avatarsim.live.ports.admission import as_address
 from avatarsim.live.ports.server import HIGHEST_PORT, Ports
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
-from avatarsim.live.stages import Stage, stage, stage_of
+from avatarsim.live.stages import Stage, stage, staged
 from avatarsim.live.view.depth import Depth, still
 from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion
@@ -81,8 +82,8 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
         print(f"avatarsim: {in_words(said, 'live')}", file=sys.stderr)
     if model.avatar is None:
         raise InvalidFile(f"avatar in {asked.avatar.name}", "none", "a file with joints; a room goes with --room")
-    bodies = (*model.bodies, *with_own_names((body for room in rooms for body in room.bodies), set(model.scene().names)))
-    own = stage_of(model.avatar, bodies, model.start, exclude=model.exclude, name=asked.avatar.stem)
+    scene = reduce(beside, rooms, model).scene(asked.avatar.stem)
+    own = staged(scene, f"{model.avatar.name}: {len(model.avatar.links)} links, {len(scene.names)} bodies and links")
     start = free_posture(Chords(still(own.scene)), own.scene.first_sample, MARGIN)
     return replace(own, scene=replace(own.scene, start=start)), model
 

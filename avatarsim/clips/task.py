@@ -89,7 +89,7 @@ class _Clip:
         said = [*(room.said if room else ()), *model.said, *file.said]
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
-        bodies = room.bodies if room else ()
+        bodies = room.room if room else ()
         told = (*(f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning)

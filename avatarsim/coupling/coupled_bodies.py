@@ -28,11 +28,17 @@ slow trackers make a grip slip."""
 def enable_coupling(drive: DriveState, skel: Skeleton, posture: PostureSettings) -> None:
     """Mark all avatars as movable by the upper loop, and set the limits of their catch-up velocity."""
     drive.fastest[:], drive.fastest_turn[:] = posture.catch_up_move, posture.catch_up_turn
+    drive.may_couple[skel.first :] = 1
+    link_together(drive, skel)
+
+
+def link_together(drive: DriveState, skel: Skeleton) -> None:
+    """Mark avatars whose links the upper loop moves together: those with joints, and those that carry something."""
     leader = drive.tied[skel.first :]
     for root in np.unique(leader):
         links = np.flatnonzero(leader == root)
-        drive.may_couple[skel.first + links] = 1
-        drive.linked[skel.first + links] = int(len(links) > 1 or skel.kind[links[0]] != FREE)
+        carries = bool(np.isin(drive.carrier, skel.first + links).any())
+        drive.linked[skel.first + links] = int(len(links) > 1 or skel.kind[links[0]] != FREE or carries)
 
 
 @kernel
@@ -154,6 +160,9 @@ def exclude_coupled(
         before, now: tracked poses of the links at the start and at the end of the frame.
     """
     drive = dynamics.drive
+    for b in range(drive.carrier.shape[0]):
+        if drive.carrier[b] >= 0:
+            drive.loaded[drive.carrier[b]] = 1
     for link in range(skel.kind.shape[0]):
         b = skel.first + link
         if drive.may_couple[b] == 0:

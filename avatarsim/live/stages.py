@@ -18,7 +18,7 @@ from avatarsim.live.drive.limbs import handle_links
 from avatarsim.live.drive.tree import Tree
 from avatarsim.live.drive.turns import about
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import TABLE_1, Body, PairTable, fixed, simulated, solid
+from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.motion import Motion
@@ -57,19 +57,10 @@ def stage(name: str) -> Stage:
     return _STAGES[name]()
 
 
-def stage_of(
-    avatar: Avatar, bodies: tuple[Body, ...] = (), start: TrackerSample | None = None, materials: PairTable = TABLE_1,
-    exclude: tuple[tuple[str, str], ...] = (), name: str = "own",
-) -> Stage:
-    """A user's own avatar among bodies of their own, as a stage: the root and the ends of its limbs have gizmos.
-
-    `start` is its first posture, as in `Scene`. Raises InvalidScene and InvalidSample for parts that contradict one another."""
-    scene = Scene(name, bodies, (avatar,), materials, start=start, exclude=exclude)
-    return staged(scene, f"{avatar.name}: {len(avatar.links)} links, {len(bodies)} bodies")
-
-
 def staged(scene: Scene, what: str) -> Stage:
-    """A scene with avatars as a stage, seen from behind its first avatar and above. Raises InvalidInput without an avatar."""
+    """A scene with avatars as a stage, seen from behind its first avatar and above: roots and ends of limbs have gizmos.
+
+    Raises InvalidInput without an avatar."""
     if not scene.avatars:
         raise InvalidInput(f"avatars of scene {scene.name}", 0, "at least 1, to be driven")
     places, _ = link_poses(scene.avatars, scene.first_sample)

@@ -98,7 +98,7 @@ class DriveState(NamedTuple):
 
     linkage           their joints
     tied              (nb) body that leads the avatar of a body or of the link that it is attached to, else itself
-    linked            (nb) flag: the body has joints
+    linked            (nb) flag: the body moves with all links of its avatar: that has joints, or carries something
     moves             (nb) flag: scenery that moves by itself
     blocked, blocked_turn   (nb) flags: the spring force, its torque was at its largest in the last substep
     carrier           (nb) body of the link that the body is attached to, -1 without
@@ -261,9 +261,15 @@ def dynamics(scene: Scene) -> Dynamics:
 
 
 @kernel
+def holder_of(drive: DriveState, b: int) -> int:
+    """Return the link that body b is attached to, or b itself."""
+    return int(drive.carrier[b] if drive.carrier[b] >= 0 else b)
+
+
+@kernel
 def pull_on(dynamics: Dynamics, b: int) -> Vec3:
-    """Gravity [m/s^2] on body b: zero for driven bodies."""
-    if dynamics.role[b] == DRIVEN:
+    """Gravity [m/s^2] on body b: zero for driven bodies and what is attached to them, whose weight their drives bear."""
+    if dynamics.role[holder_of(dynamics.drive, b)] == DRIVEN:
         return (0.0, 0.0, 0.0)
     return (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
 

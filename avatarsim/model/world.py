@@ -66,7 +66,7 @@ class World:
     KEPT: ClassVar[tuple[str, ...]] = ("poses", "velocities", "posture", "drive")
     WORKING: ClassVar[tuple[str, ...]] = (
         *(f"drive.{name}" for name in (
-            "linkage", "linked", "moves", "may_couple", "mass", "stiffness", "damping", "largest_force", "ramp",
+            "linkage", "moves", "may_couple", "mass", "stiffness", "damping", "largest_force", "ramp",
             "ramp_turn", "user", "user_turn", "fastest", "fastest_turn",
         )),
     )
@@ -90,7 +90,7 @@ class World:
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, and frames of a pause, of which the longest lasts a second of frames of a microsecond."""
         frames = (0, 1_000_000)
-        flags = {f"drive.{name}": (0, 1) for name in ("coupled", "loaded", "blocked", "blocked_turn")}
+        flags = {f"drive.{name}": (0, 1) for name in ("coupled", "linked", "loaded", "blocked", "blocked_turn")}
         last = len(self.centres) - 1
         flags |= {"drive.carrier": (-1, last), "drive.tied": (0, last)}
         return flags | {"drive.paused": frames, "drive.spread": frames}

@@ -4,7 +4,7 @@ With the masses of the bodies that they are of, the impulses that act there, and
 solver starts (contact caching: Catto 2005).
 """
 
-from math import inf, sqrt
+from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
@@ -91,9 +91,6 @@ NOT_LINKED, AS_A = -1, -2
 
 LINKED_ROOM = 512
 """Room for contacts of links that respond with all of their avatar; further ones push on their own link alone."""
-
-WELDED = inf
-"""Friction of a point of a weld: its impulses have no bounds along any axis."""
 
 SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER, TWO_BALLS = 0, 1, 2, 4, 8
 """Flags of smoothness at a contact: neither surface, A's, B's, and that the normal is that of a third body's face, which does not

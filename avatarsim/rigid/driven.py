@@ -15,8 +15,7 @@ from avatarsim.collision.path import spun
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DRIVEN, SIMULATED, DriveState, Dynamics, Velocities
 from avatarsim.model.geometry import Poses
-from avatarsim.rigid.attached import acts
-from avatarsim.rigid.contacts import WELDED, axis, impulse_of
+from avatarsim.rigid.contacts import axis, impulse_of
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, turn_of
 from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, limited, norm, put_row, row, scale, sub
@@ -163,8 +162,6 @@ def follow_arcs(dynamics: Dynamics, memory: Memory, h: float) -> None:
         apart = sub(beside_chord(w_a, row(contacts.arm_a, k), h), beside_chord(w_b, row(contacts.arm_b, k), h))
         for i in range(2):
             contacts.slide[k, i] -= dot(axis(contacts, k, 1 + i), apart)
-        if contacts.friction[k] == WELDED:
-            contacts.gap[k] += h * dot(axis(contacts, k, 0), apart)
 
 
 @kernel
@@ -183,7 +180,7 @@ def note_load(dynamics: Dynamics, memory: Memory) -> None:
     """Mark driven bodies on which what `presses` had a force in the last solve; sum impulses of loose bodies on coupled ones."""
     contacts, role = memory.contacts, dynamics.role
     for k in range(contacts.used[0]):
-        if acts(contacts, k):
+        if contacts.impulse[k, 0] > 0.0:
             for side in range(2):
                 b, other = contacts.body[k, side], contacts.body[k, 1 - side]
                 if role[b] == DRIVEN and presses(dynamics, other):

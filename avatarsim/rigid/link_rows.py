@@ -100,4 +100,6 @@ def weigh_linked(contacts: Contacts, memory: Memory, k: int) -> None:
     contacts.inverse_effective_mass[k, 1] = largest_across(one, other, speed_per_impulse(contacts, memory, k, 1, 2))
     for i in range(2):
         contacts.cross_response[k, i] = speed_per_impulse(contacts, memory, k, i + 1, 0)
-        contacts.effective_mass[k, i] = 1.0 / contacts.inverse_effective_mass[k, i]
+        # 0: no joint between the two lets the contact move
+        responds = contacts.inverse_effective_mass[k, i] > 0.0
+        contacts.effective_mass[k, i] = 1.0 / contacts.inverse_effective_mass[k, i] if responds else 0.0

@@ -2,7 +2,8 @@
 
 Each link is a body of the solve with the mass and the free velocity of `driven.aim`. Momenta of the links and impulses at their
 contacts give rates of the joints by the mass matrix in joint coordinates (Featherstone 2008, chapter 6), and the rates give the
-velocities of all links. Degrees at a limit are an active set.
+velocities of all links. Degrees at a limit are an active set. A body that is attached to a link is part of its composite body:
+see `attached`.
 
 In a substep each link moves at constant velocities to its pose by forward kinematics at the end.
 """
@@ -13,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import DriveState, Dynamics, Linkage
+from avatarsim.model.dynamics import DriveState, Dynamics, Linkage, holder_of
 from avatarsim.model.geometry import Poses
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, room_of_ball, room_of_twist, surely_inside
 from avatarsim.model.skeleton import BALL, FREE, HINGES, Skeleton, carry_links
-from avatarsim.rigid.attached import acts
+from avatarsim.rigid.attached import add_attached, carried_by, carry_attached
 from avatarsim.rigid.contacts import Contacts, impulse_of
 from avatarsim.rigid.solver import LANES, put_three
 from avatarsim.rigid.state import Memory
@@ -30,8 +31,9 @@ Array = NDArray[np.float64]
 
 @kernel
 def is_linked(drive: DriveState, b: int) -> bool:
-    """Return whether body b is a link with joints that the upper loop moves."""
-    return bool(drive.coupled[b] == 1 and drive.linked[b] == 1)
+    """Return whether the upper loop moves body b with all links of an avatar: its links, and what is attached to them."""
+    link = holder_of(drive, b)
+    return bool(drive.coupled[link] == 1 and drive.linked[link] == 1)
 
 
 @kernel
@@ -76,8 +78,13 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
         bound_degrees(linkage, first, end, h)
         for i in range(skel.first_dof[first], skel.first_dof[end]):
             linkage.held[i] = 0
-        add_masses(linkage, poses, memory, first, end)
-        sum_momenta(linkage, poses, memory, first, end)
+        put_masses(linkage, memory, first, end)
+        put_momenta(linkage, memory, first, end)
+        for n in range(members.shape[0]):
+            if carried_by(drive, members[n], first, end):
+                add_attached(dynamics, poses, memory, members[n], h)
+        sum_masses(linkage, poses, first, end)
+        sum_momenta(linkage, poses, first, end)
         fill_matrix(linkage, poses, first, end)
         decompose(linkage, skel.first_dof[first], skel.first_dof[end])
 
@@ -113,8 +120,8 @@ def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
 
 
 @kernel
-def add_masses(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: int) -> None:
-    """Mass, first moment and inertia of each link with all that it carries, about its joint (composite bodies)."""
+def put_masses(linkage: Linkage, memory: Memory, first: int, end: int) -> None:
+    """Mass, first moment and inertia of each link about its joint."""
     skel = linkage.skeleton
     for link in range(first, end):
         body = skel.first + link
@@ -123,6 +130,12 @@ def add_masses(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: 
         for i in range(3):
             for j in range(3):
                 linkage.inertia[link, i, j] = memory.inertia[body, i, j]
+
+
+@kernel
+def sum_masses(linkage: Linkage, poses: Poses, first: int, end: int) -> None:
+    """Add to each link all that it carries (composite bodies), leaves first."""
+    skel = linkage.skeleton
     for link in range(end - 1, first, -1):
         parent = skel.parent[link]
         r = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + parent))
@@ -283,18 +296,26 @@ def move_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Ind
             for link in range(first, end):
                 put_row(memory.linear_end, linkage.skeleton.first + link, row(linkage.force, link))
                 put_row(memory.angular_end, linkage.skeleton.first + link, row(linkage.torque, link))
+            for n in range(members.shape[0]):
+                if carried_by(drive, members[n], first, end):
+                    carry_attached(drive, poses, memory, members[n])
             any_ = any_ or changed
     return any_
 
 
 @kernel
-def sum_momenta(linkage: Linkage, poses: Poses, memory: Memory, first: int, end: int) -> None:
-    """Momentum without contact of each degree of links first .. end, from the velocities of links, leaves first."""
-    skel = linkage.skeleton
+def put_momenta(linkage: Linkage, memory: Memory, first: int, end: int) -> None:
+    """Momenta without contact of links first .. end, about their joints."""
     for link in range(first, end):
-        b = skel.first + link
+        b = linkage.skeleton.first + link
         put_row(linkage.force, link, scale(row(memory.linear_end, b), 1.0 / memory.hold.inverse_mass[b]))
         put_row(linkage.torque, link, scale(row(memory.angular_end, b), memory.inertia[b, 0, 0]))
+
+
+@kernel
+def sum_momenta(linkage: Linkage, poses: Poses, first: int, end: int) -> None:
+    """Momentum without contact of each degree of links first .. end, leaves first."""
+    skel = linkage.skeleton
     for link in range(end - 1, first - 1, -1):
         force, torque, parent = row(linkage.force, link), row(linkage.torque, link), skel.parent[link]
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
@@ -322,7 +343,7 @@ def add_impulses(linkage: Linkage, poses: Poses, contacts: Contacts, first: int,
     for k in range(contacts.used[0]):
         for side in range(2):
             b = contacts.body[k, side]
-            if low <= b < high and acts(contacts, k):
+            if low <= b < high and contacts.impulse[k, 0] > 0.0:
                 j = impulse_of(contacts, k) if side == 0 else scale(impulse_of(contacts, k), -1.0)
                 arm = row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
                 add_force(linkage, poses, b - linkage.skeleton.first, j, cross(arm, j), linkage.momentum)
@@ -395,16 +416,15 @@ def turn_ball(linkage: Linkage, poses: Poses, link: int, d: int) -> None:
 
 @kernel
 def even_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
-    """Set the share of all links of an avatar to the smallest of them."""
-    share = memory.substeps.share
+    """Set the share of all links of an avatar, and of what is attached to them, to the smallest of them."""
+    share, drive = memory.substeps.share, dynamics.drive
     for m in range(members.shape[0]):
-        if leads_linkage(dynamics.drive, members[m]):
-            first, end = links_of(dynamics.drive, members[m])
-            body, smallest = dynamics.drive.linkage.skeleton.first, 1.0
-            for link in range(first, end):
-                smallest = min(smallest, share[body + link])
-            for link in range(first, end):
-                share[body + link] = smallest
+        if is_linked(drive, members[m]):
+            root = drive.tied[members[m]]
+            share[root] = min(share[root], share[members[m]])
+    for m in range(members.shape[0]):
+        if is_linked(drive, members[m]):
+            share[members[m]] = share[drive.tied[members[m]]]
 
 
 @kernel

@@ -13,7 +13,7 @@ from avatarsim.collision.path import acceleration
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.rigid.attached import holds
+from avatarsim.rigid.attached import move_together, on_links
 from avatarsim.rigid.contact_generation import boxes_apart, note_drift
 from avatarsim.rigid.contact_law import point_velocity
 from avatarsim.rigid.contacts import (
@@ -21,7 +21,6 @@ from avatarsim.rigid.contacts import (
     DRIVEN_B,
     NOT_DRIVEN,
     POINTS_OF_PAIR,
-    WELDED,
     Contacts,
     Masses,
     add_contact,
@@ -102,7 +101,7 @@ def find_rows(
     for q in range(sub_.found[0]):
         sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
         a, b = geometry.body[sa], geometry.body[sb]
-        if holds(dynamics, a, b):
+        if move_together(dynamics.drive, a, b):
             continue
         reach = REACH * d + h * (closing_bound(memory, a, b) + 2.0 * h * pull)
         driven = driven_side(dynamics, a, b)
@@ -123,6 +122,7 @@ def find_rows(
         if contacts.used[0] > first:
             note(geometry, poses, memory, sa, sb, first)
     level_seams(geometry, poses, Velocities(memory.linear_end, memory.angular_end), memory)
+    on_links(dynamics.drive, poses, contacts, 0)
     sub_.lasting[0] = contacts.used[0]
 
 
@@ -217,9 +217,7 @@ def aim_rows(contacts: Contacts, count: int, d: float, h: float, lifts: bool) ->
     for k in range(count):
         gap = contacts.gap[k]
         contacts.target[k] = 0.0
-        if contacts.friction[k] == WELDED:
-            contacts.target[k] = -gap / h if lifts else 0.0
-        elif gap > UPPER * d:
+        if gap > UPPER * d:
             contacts.target[k] = -(gap - UPPER * d) / h
         elif gap < LOWER * d and lifts:
             contacts.target[k] = LIFT * (LOWER * d - gap) / h
@@ -253,6 +251,7 @@ def add_refused(
         dynamics, poses, memory, a, b, driven, refusal.normal, refusal.on_a, refusal.on_b, refusal.gap, 0.0
     ) and has_room
     after = h * refusal.at
+    on_links(dynamics.drive, poses, contacts, first)
     weigh_from(contacts, masses, 0.0, first)
     for k in range(first, contacts.used[0]):
         contacts.friction[k], contacts.key[k] = 0.0, -1

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from avatarsim.collision.conservative_advancement import LEAVING
 from avatarsim.jit.kernel import kernel
 from avatarsim.rigid.contact_law import in_friction_disc
-from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, NOT_LINKED, WELDED, Contacts, Masses, axis, push_all, speed_along
+from avatarsim.rigid.contacts import DRIVEN_A, NOT_DRIVEN, NOT_LINKED, Contacts, Masses, axis, push_all, speed_along
 from avatarsim.spatial.vec3 import Vec3, add, dot, put_row, row, scale, sub
 from avatarsim.tolerances import JUDGED, PROOF, ROUGH
 
@@ -35,11 +35,11 @@ JACOBIAN, JACOBIAN_SIZE = RESPONSE + LANES * RESPONSE_PARTS, 9
 impulse that would stop the point along the normal."""
 
 BIAS = JACOBIAN + JACOBIAN_SIZE
-INVERSE_MASS, FRICTION, SLIDE, LOWEST = BIAS + 1, BIAS + 3, BIAS + 4, BIAS + 6
+INVERSE_MASS, FRICTION, SLIDE = BIAS + 1, BIAS + 3, BIAS + 4
 """Bias velocity times effective mass; inverse effective masses along and across the normal; coefficient of friction; slide along
-the tangents times effective mass; least normal impulse, 0 but for welds."""
+the tangents times effective mass."""
 
-JACOBIANS = LANES * ceil((LOWEST + 1) / LANES)
+JACOBIANS = LANES * ceil((SLIDE + 2) / LANES)
 """The same nine numbers for the normal and both tangents, interleaved: the first of each, then the second of each."""
 
 TANGENT_RESPONSE = JACOBIANS + LANES * JACOBIAN_SIZE
@@ -97,7 +97,6 @@ def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: A
             rows[k, SLIDE + i] = (contacts.slide[k, i] + contacts.drift[k, i]) * contacts.effective_mass[k, 1]
         rows[k, BIAS] = contacts.target[k] * contacts.effective_mass[k, 0]
         rows[k, FRICTION] = contacts.friction[k]
-        rows[k, LOWEST] = -inf if contacts.friction[k] == WELDED else 0.0
 
 
 @kernel
@@ -216,7 +215,7 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
             short, short_x, short_y = normal_stopping_impulse(rows, k, motion, a, b), 0.0, 0.0
         if standing == 1 and driven[k] != NOT_DRIVEN:
             short = wish_beside_driven(rows, k, motion, a, b, driven[k])
-        normal = max(rows[k, LOWEST], (held[0] + rows[k, BIAS]) - short)
+        normal = max(0.0, (held[0] + rows[k, BIAS]) - short)
         dn, dx, dy = normal - held[0], 0.0, 0.0
         if rough > 0.0 and (normal != 0.0 or held[1] != 0.0 or held[2] != 0.0):
             x = (held[1] + rows[k, SLIDE] - short_x) - rows[k, CROSS_RESPONSE] * dn
@@ -291,21 +290,19 @@ velocities that no rigid body can have, at micrometres a second. STALE_BELOW is 
 def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
     """Normal impulse of contact k for its target velocity, with all other impulses fixed, projected to be not negative."""
     short = speed_along(contacts, k, 0, linear, angular) - contacts.target[k]
-    wanted = contacts.impulse[k, 0] - short / contacts.inverse_effective_mass[k, 0]
-    return float(wanted if contacts.friction[k] == WELDED else max(0.0, wanted))
+    return float(max(0.0, contacts.impulse[k, 0] - short / contacts.inverse_effective_mass[k, 0]))
 
 
 @kernel
 def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, angular: Array) -> tuple[float, float]:
     """Friction impulse of contact k that ends its slip, projected onto the friction disc of that normal impulse."""
-    is_welded = contacts.friction[k] == WELDED
-    limit = 0.0 if is_welded else contacts.friction[k] * normal
-    if limit == 0.0 and not is_welded:
+    limit = contacts.friction[k] * normal
+    if limit == 0.0:
         return 0.0, 0.0
     across = contacts.inverse_effective_mass[k, 1]
     x = contacts.impulse[k, 1] - (speed_along(contacts, k, 1, linear, angular) - contacts.slide[k, 0]) / across
     y = contacts.impulse[k, 2] - (speed_along(contacts, k, 2, linear, angular) - contacts.slide[k, 1]) / across
-    return (x, y) if is_welded else in_friction_disc(x, y, limit)
+    return in_friction_disc(x, y, limit)
 
 
 @kernel

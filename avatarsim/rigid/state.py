@@ -113,30 +113,28 @@ each. A pair without room is not checked, so its bodies pass through each other:
 CANDIDATES_MORE = 4
 """Room for so many times the number of bodies more candidates than pairs: see `collision.grid`."""
 
-DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, WELD_BROKEN, NOT_FINITE = range(7)
+DONE, OUT_OF_SEGMENTS, OUT_OF_IMPACTS, OUT_OF_ROOM, SQUEEZED, NOT_FINITE = range(6)
 """Status of a frame: all of dt passed; the budget of segments is spent and bodies wait for the next frame where they were last
 proved free; the budget of impacts is; more contacts or pairs than fit; overlap is left that no position of simulated bodies
-removes; an attached body was released since its weld did not hold; a pose or velocity is nan or infinite. Nothing overlaps and no
-energy is added in the first three."""
+removes; a pose or velocity is nan or infinite. Nothing overlaps and no energy is added in the first three."""
 
 AGAIN = -1
 """Outcome of a step: no body was moved, and the step is to be repeated."""
 
-STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "weld broken", "not finite")
+STATUS_NAMES = ("done", "out of segments", "out of impacts", "out of room", "squeezed", "not finite")
 
 (
     SEGMENTS, IMPACTS, GUARDED, AUDITED, SEARCHES, SOLVES, UNSOLVED, UNSQUEEZED, SWEEPS, CONTACTS, ISLANDS, SUBSTEPS, SHORTENED,
-    WELDS_BROKEN, WORK,
-) = range(15)
+    WORK,
+) = range(14)
 """Rows of `Memory.counts`: stretches between events, impacts, blocks shortened by the energy guard, segments whose energy gain
 was taken back, time-of-impact searches, resting solves, those that missed their accuracy, position projections, broad phases,
-most contacts of an island, most islands, substeps of crowds, bodies that went less than their way in one, welds that broke, and
-work in units of about a tenth of a microsecond."""
+most contacts of an island, most islands, substeps of crowds, bodies that went less than their way in one, and work in units of
+about a tenth of a microsecond."""
 
 COUNT_NAMES = (
     "segments", "impacts", "impacts_guarded", "segments_audited", "impact_searches", "resting_solves", "resting_unsolved",
-    "positions_corrected", "sweep_and_prune", "contacts", "islands", "substeps", "ways_shortened", "welds_broken",
-    "work",
+    "positions_corrected", "sweep_and_prune", "contacts", "islands", "substeps", "ways_shortened", "work",
 )
 
 WORK_CAP = 24000
@@ -268,8 +266,8 @@ and working memory that each frame fills before it reads it. The pairs of a broa
 
 
 def most_links(drive: DriveState) -> int:
-    """Return the number of links of the largest avatar with joints that the upper loop may move; 0 if there is none."""
-    movable = drive.tied[(drive.linked == 1) & (drive.may_couple == 1)]
+    """Return the number of links of the largest avatar that the upper loop may move; 0 if there is none."""
+    movable = drive.tied[drive.may_couple == 1]
     return int(np.bincount(movable).max(initial=0))
 
 

@@ -32,8 +32,6 @@ from avatarsim.rigid.state import (
     NOT_FINITE,
     OUT_OF_SEGMENTS,
     STATUS_NAMES,
-    WELD_BROKEN,
-    WELDS_BROKEN,
     WORKING,
     Events,
     Memory,
@@ -85,8 +83,6 @@ def advance(
             return NOT_FINITE
         # AGAIN is below all statuses; the worst is returned
         status = max(status, outcome)
-    if memory.counts[WELDS_BROKEN] > 0:
-        status = max(status, WELD_BROKEN)
     restore_deferred(velocities, memory, memory.all_bodies)
     show_zeno(velocities, memory, dt)
     for b in range(bodies):

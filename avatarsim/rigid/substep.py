@@ -13,15 +13,14 @@ from numpy.typing import NDArray
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Velocities, pull_on
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.rigid.attached import acts, add_welds
-from avatarsim.rigid.contacts import WELDED, Contacts, push_all, recall_forces, scale_impulses, speed_along, weigh_from
+from avatarsim.rigid.contacts import Contacts, push_all, recall_forces, scale_impulses, speed_along, weigh_from
 from avatarsim.rigid.driven import follow_arcs, strikes_with
 from avatarsim.rigid.energy_audit import kinetic_energy
 from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import has_linkage, is_linked, move_linkages, show_linkages, weigh_linkages
 from avatarsim.rigid.margin_rows import aim_rows, find_rows, stand_off_of
 from avatarsim.rigid.near_pieces import list_pieces_of, may_go
-from avatarsim.rigid.solver import BIAS, SLIDE, lay_out, passes, solve_contacts, take_motion
+from avatarsim.rigid.solver import BIAS, lay_out, passes, solve_contacts, take_motion
 from avatarsim.rigid.state import CONTACTS, GUARDED, SOLVES, WORK, Memory
 from avatarsim.rigid.swept_certificate import LEAST, least_of
 from avatarsim.rigid.ways import certify_all, set_ways, shared, shorten_ways, weigh_groups
@@ -83,7 +82,7 @@ def tolerance_of(memory: Memory, h: float, fine: bool) -> float:
     error *= (h / SUBSTEP) ** 2
     for k in range(memory.substeps.lasting[0]):
         gap = memory.contacts.gap[k]
-        if gap < 2.0 * LEAST and not (memory.contacts.target[k] > 0.0) and memory.contacts.friction[k] != WELDED:
+        if gap < 2.0 * LEAST and not (memory.contacts.target[k] > 0.0):
             error = min(error, max(0.5 * (gap - least_of(gap)), least))
     return error / h
 
@@ -148,7 +147,7 @@ def note_pushed(memory: Memory) -> None:
     """Mark the bodies on which a contact acts."""
     contacts, pushed = memory.contacts, memory.substeps.pushed
     for k in range(contacts.used[0]):
-        if acts(contacts, k):
+        if contacts.impulse[k, 0] > 0.0:
             pushed[contacts.body[k, 0]], pushed[contacts.body[k, 1]] = 1, 1
 
 
@@ -163,15 +162,11 @@ def solve(
     dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float, sweeps: int
 ) -> None:
     """Solve all rows that are laid out and have a target; ``linear_end`` and ``angular_end`` change."""
-    contacts, count, active, any_weld = memory.contacts, memory.contacts.used[0], 0, False
+    contacts, count, active = memory.contacts, memory.contacts.used[0], 0
     for k in range(count):
         active += 1 if contacts.rows[k, BIAS] != -inf else 0
-        any_weld = any_weld or contacts.friction[k] == WELDED
     visited = contacts.visits[0]
     sweeps = min(sweeps, max(LEAST_SWEEPS, visits_left(memory) // (2 * SHARE_OF_SOLVE * max(1, active))))
-    if any_weld:
-        # what a weld lacks comes back in the next substep
-        sweeps = sweeps_for(count)
     for _ in range(ROUNDS):
         passes(contacts, 0, count, tolerance, sweeps, True, memory.before, memory.direction)
         take_motion(contacts, 0, count, memory.linear_end, memory.angular_end)
@@ -282,10 +277,6 @@ def relax(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: f
     contacts, count = memory.contacts, memory.contacts.used[0]
     aim_rows(contacts, count, stand_off_of(memory), h, False)
     put_targets(contacts, 0, count)
-    for k in range(count):
-        if contacts.friction[k] == WELDED:
-            contacts.slide[k, 0], contacts.slide[k, 1] = 0.0, 0.0
-            contacts.rows[k, SLIDE], contacts.rows[k, SLIDE + 1] = 0.0, 0.0
     solve(dynamics, poses, memory, members, h, tolerance_of(memory, h, fine), sweeps_for(count) if fine else SWEEPS)
 
 
@@ -449,8 +440,6 @@ def solve_ways(
     if not list_pieces_of(geometry, poses, memory, members):
         return False, False
     find_rows(geometry, dynamics, poses, velocities, memory, h)
-    if not add_welds(dynamics, poses, memory, members, geometry.body.shape[0], h):
-        return False, False
     sub_.lasting[0] = contacts.used[0]
     count, d = contacts.used[0], stand_off_of(memory)
     fine = slow and sweeps_for(count) >= SWEEPS_OF_FINE

@@ -5,8 +5,9 @@ from numpy.typing import NDArray
 
 from avatarsim.collision.path import HELD, STILL
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities, pull_on
+from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities, holder_of, pull_on
 from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.rigid.attached import move_together, put_on_link
 from avatarsim.rigid.link_rows import weigh_links
 from avatarsim.rigid.linkages import even_shares, is_linked, leads_linkage, look_ahead
 from avatarsim.rigid.margin_rows import add_refused
@@ -35,6 +36,9 @@ def set_ways(
     """
     sub_, paths, wider = memory.substeps, memory.paths, False
     for m in range(members.shape[0]):
+        if leads_linkage(dynamics.drive, members[m]):
+            look_ahead(dynamics.drive, poses, memory, members[m], h)
+    for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 0:
             paths.kind[b] = STILL
@@ -44,8 +48,6 @@ def set_ways(
             continue
         paths.kind[b], paths.time[b] = HELD, -1.0
         put_row(paths.angular, b, (0.0, 0.0, 0.0))
-        if leads_linkage(dynamics.drive, b):
-            look_ahead(dynamics.drive, poses, memory, b, h)
         v, w = shared(dynamics, memory, b)
         if is_linked(dynamics.drive, b):
             v, w = way_ahead(dynamics, poses, b, h)
@@ -66,8 +68,11 @@ def set_ways(
 
 @kernel
 def way_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3, Vec3]:
-    """Constant velocities [m/s], [rad/s] from the pose of link b to that of forward kinematics h seconds later."""
+    """Constant velocities [m/s], [rad/s] from the pose of b, a link or attached to one, to that of forward kinematics h seconds
+    later."""
     ahead = dynamics.drive.linkage.ahead
+    if dynamics.drive.carrier[b] >= 0:
+        put_on_link(dynamics.drive, b, ahead)
     way = sub(row(ahead.position, b), row(poses.position, b))
     return scale(way, 1.0 / h), scale(turn_of(columns(poses.rotation, b), columns(ahead.rotation, b)), 1.0 / h)
 
@@ -105,12 +110,15 @@ def certify_all(
         a, b = geometry.body[sub_.pieces[q, 0]], geometry.body[sub_.pieces[q, 1]]
         if sub_.changed[a] + sub_.changed[b] + sub_.refused[q] == 0:
             continue
+        if move_together(dynamics.drive, a, b):
+            sub_.refused[q] = 0
+            continue
         refusal = certify_pieces(geometry, poses, memory, q, h)
         sub_.refused[q] = 0 if refusal.holds else 1
         if refusal.holds:
             continue
         refused += 1
-        sub_.near[a], sub_.near[b] = 1, 1
+        sub_.near[holder_of(dynamics.drive, a)], sub_.near[holder_of(dynamics.drive, b)] = 1, 1
         if error > 0.0:
             has_room = (
                 add_refused(geometry, dynamics, velocities, memory, memory.hold, q, refusal, h, d, error) and has_room

@@ -28,6 +28,7 @@ class Scene:
 
     Canonical order, used by every array in the project: `bodies` first, then the links of each avatar.
     `start` is the avatars' first posture and must be free of overlap (default: rest posture at the origin).
+    `attached` names pairs of a simulated body and the link, or moving body, that holds it from the first frame on.
     `exclude` names pairs that are never tested, `narrow` the effects that the author switches off, `require` those that the
     scene must call for, or it is refused. `force` runs effects that nothing calls for, which costs time and changes nothing:
     that is what it is there to show. Raises InvalidScene for parts that contradict one another, and InvalidSample for a start
@@ -40,6 +41,7 @@ class Scene:
     materials: PairTable = TABLE_1
     gravity: Vector = EARTH
     start: TrackerSample | None = field(default=None, compare=False)
+    attached: tuple[tuple[str, str], ...] = field(default=(), compare=False)
     exclude: tuple[tuple[str, str], ...] = ()
     narrow: tuple[str, ...] = ()
     require: tuple[str, ...] = ()
@@ -60,6 +62,7 @@ class Scene:
             for name in pair:
                 if name not in self.names:
                     raise InvalidScene("name in exclude", name, "a body or avatar/link of the scene")
+        self._require_attached()
         self._agree_on_effects()
         if self.start is not None:
             # in arrays, also if it was given in lists
@@ -71,9 +74,19 @@ class Scene:
         each(f"bodies of scene {self.name}", self.bodies, Body, "a Body; avatars have a place of their own")
         each(f"avatars of scene {self.name}", self.avatars, Avatar, "an Avatar; bodies have a place of their own")
         instance(f"materials of scene {self.name}", self.materials, PairTable, "a PairTable")
-        name_pairs(f"exclude of scene {self.name}", self.exclude)
+        for said in ("exclude", "attached"):
+            name_pairs(f"{said} of scene {self.name}", getattr(self, said))
         for said in ("narrow", "require", "force"):
             each(f"{said} of scene {self.name}", getattr(self, said), str, "the name of an effect")
+
+    def _require_attached(self) -> None:
+        """InvalidScene for a pair that is not a simulated body and a link, and for a body that two links hold."""
+        role = dict(zip(self.names, self.roles, strict=True))
+        for at, wanted, said in ((0, Role.SIMULATED, "a simulated body"), (1, Role.DRIVEN, "an avatar's link or a moving body")):
+            for name in (pair[at] for pair in self.attached):
+                if role.get(name) is not wanted:
+                    raise InvalidScene("name in attached", name, f"{said} of the scene")
+        distinct(f"attached body of scene {self.name}", tuple(body for body, _ in self.attached))
 
     def _agree_on_effects(self) -> None:
         """InvalidScene for an effect that is unknown, that is required and lacks its part, or is required and narrowed away."""

@@ -28,7 +28,7 @@ DT, K = 1.0 / 60.0, 1000.0
 LAW = PairTable({("m", "m"): ContactLaw(0.0, 0.6)})
 FLOOR = fixed("floor", (Piece(Box((6.0, 6.0, 0.1))),), "m", (0.0, 0.0, -0.05))
 CUBE, FIST = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Sphere(0.05)),)
-SLIPS = 1e-5
+SLIPS = 1e-9
 """Farthest that an attached body goes from its place [m]."""
 
 
@@ -237,8 +237,8 @@ def test_three_fingers_grip_a_mug_once_they_close_on_it() -> None:
 
 
 @pytest.mark.parametrize("count", [2, 4, 20])
-def test_a_row_of_cubes_holds_or_breaks(count: int) -> None:
-    """Twenty, 6 kg on a fist of 0.5 kg, are more than the solve can hold: none flies off at a speed that nothing has."""
+def test_a_row_of_cubes_keeps_its_places(count: int) -> None:
+    """Twenty weigh 6 kg, twelve times the fist."""
     row = [cube(0.3, (0.11 * k, 0.0, 0.0501), f"cube {k}") for k in range(count)]
     engine, scene = begun(*row)
     for body in row:
@@ -246,14 +246,10 @@ def test_a_row_of_cubes_holds_or_breaks(count: int) -> None:
     records = [engine.advance(waved(k), DT) for k in range(180)]
     hand = len(scene.names) - 1
     assert deepest(scene, records) <= JUDGED
-    assert max(float(np.abs(one.shown.velocities).max()) for one in records) < 100.0
-    broken = sum(one.counts["welds_broken"] for one in records)
-    assert len(engine.attached()) == count - broken and (broken > 0) == (count == 20)
-    assert any("motion weld broken" in one.statuses for one in records) == (broken > 0)
+    assert len(engine.attached()) == count
     for k in range(count):
-        if count < 20:
-            first = place_on(records[0], 1 + k, hand)
-            assert max(np.linalg.norm(place_on(one, 1 + k, hand) - first) for one in records) < 1e-3
+        first = place_on(records[0], 1 + k, hand)
+        assert max(np.linalg.norm(place_on(one, 1 + k, hand) - first) for one in records) < SLIPS
 
 
 @pytest.mark.parametrize("mass", [0.1, 1.0, 10.0])

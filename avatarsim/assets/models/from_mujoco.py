@@ -1,9 +1,10 @@
-"""A compiled model as avatar, room and loose bodies: one link a body, pieces of what collides, and which pairs never touch.
+"""A compiled model as avatar, room, moving and loose bodies: one link a body, pieces of what collides, which pairs never touch.
 
 Pairs are left out as MuJoCo does (geoms of one weld, of a weld and its parent, excluded pairs, masks), and besides those that
 overlap at the reference already (`overlaps`): an avatar with them could not be shown at all.
 """
 
+from collections.abc import Container
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -18,11 +19,13 @@ from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.pairs import Filter, Part
 from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
+from avatarsim.assets.models.welds import attaching_welds
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidScene, InvalidShape, UnknownName
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
 from avatarsim.scene.body import Body, Role, fixed, simulated
 from avatarsim.scene.checks import within
 from avatarsim.scene.joint import Hinges
+from avatarsim.scene.moving import moving
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 
@@ -73,6 +76,7 @@ class _Reading:
         self._title = model.model_name.strip() if model.model_name not in ("", UNNAMED) else path.stem
         self._filter = Filter(model, options.masks)
         self._parts: dict[str, Part] = {}
+        self._moving: list[Avatar] = []
 
     def model(self) -> Model:
         """The whole model."""
@@ -87,10 +91,14 @@ class _Reading:
             start = self._start(tree, avatar)
         bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
         exclude = self._excluded(tree, avatar)
-        self._say_equalities()
+        welds = self._welds(tree, avatar, start, bodies)
+        self._say_equalities(welds)
         self._said += [*self._geoms.said(), *self._masses.said()]
-        found = Model(avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start)
-        if not found.bodies and (avatar is None or not any(link.pieces for link in avatar.links)):
+        found = Model(
+            avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start,
+            moving=tuple(self._moving), attached=tuple(welds.values()),
+        )
+        if not found.room and (avatar is None or not any(link.pieces for link in avatar.links)):
             valid = "at least 1: <collision> of a URDF link; contype or conaffinity of an MJCF geom, or a pair that names it"
             raise InvalidFile(f"shapes of {self._file} that collide", 0, valid)
         said: tuple[str, ...] = ()
@@ -135,6 +143,8 @@ class _Reading:
             wanted = replace(wanted, root="free")
         tree = tree_of(self._m, bodies, wanted, self._file)
         self._said += tree.said
+        if self._m.body_mocapid[tree.root] >= 0 and not tree.is_free:
+            self._said.append(f'{self._names[tree.root]} is a mocap body and stays where it is; root="free" lets it go')
         return tree
 
     def _start(self, tree: Tree, avatar: Avatar) -> TrackerSample:
@@ -160,7 +170,9 @@ class _Reading:
         return found
 
     def _body(self, bodies: tuple[int, ...]) -> list[Body]:
-        """A tree that no user drives, rigid in its reference posture: loose if its root is free, else fixed."""
+        """A tree that no user drives, rigid in its reference posture: loose if its root is free, else fixed.
+
+        A mocap body becomes a moving one."""
         geoms = [g for b in bodies for g in self._geoms.of(b)]
         joints = [int(j) for j in np.flatnonzero(np.isin(self._m.jnt_bodyid, bodies))]
         is_loose = any(self._m.jnt_type[j] == JointKind.FREE for j in joints)
@@ -177,6 +189,11 @@ class _Reading:
         at, turn = vector_of(self._m.body_pos[bodies[0]]), quaternion_of(self._m.body_quat[bodies[0]])
         self._parts[name] = Part(name, bodies, tuple(geoms), bodies[0] if is_loose else 0)
         material = self._options.materials[1]
+        if self._m.body_mocapid[bodies[0]] >= 0:
+            mass = self._masses.of(bodies, poses, pieces).mass
+            self._moving.append(moving(name, pieces, material, position=at, orientation=turn, mass=mass))
+            self._said.append(f"{name} is a mocap body: it goes where its pose is given, as a moving body")
+            return []
         if is_loose:
             return [simulated(name, pieces, material, self._masses.of(bodies, poses, pieces), at, turn)]
         return [fixed(name, pieces, material, at, turn)]
@@ -234,11 +251,23 @@ class _Reading:
         alone = len(avatar.links) == 1
         return {b: avatar.name if alone else f"{avatar.name}/{self._names[b]}" for b in tree.bodies}
 
-    def _say_equalities(self) -> None:
+    def _welds(
+        self, tree: Tree | None, avatar: Avatar | None, start: TrackerSample | None, bodies: list[Body]
+    ) -> dict[int, tuple[str, str]]:
+        """Loose bodies and the links or moving bodies that welds attach them to, by the number of the equality."""
+        loose = {body.name for body in bodies if body.role is Role.SIMULATED}
+        carried = {part.bodies[0]: name for name, part in self._parts.items() if name in loose}
+        carrying = {self._parts[one.name].bodies[0]: one.name for one in self._moving}
+        if tree is not None and avatar is not None and start is not None and not start.angles.any():
+            carrying |= self._scene_names(tree, avatar)
+        return attaching_welds(self._m, carried, carrying)
+
+    def _say_equalities(self, welds: Container[int]) -> None:
         """What holds bodies together besides joints, and is left out."""
         left = [
             self._m.eq_name[k] or f"{EqualityKind(int(kind)).name.lower()} {k}"
-            for k, kind in enumerate(self._m.eq_type) if kind != EqualityKind.JOINT and self._m.eq_active0[k]
+            for k, kind in enumerate(self._m.eq_type)
+            if kind != EqualityKind.JOINT and self._m.eq_active0[k] and k not in welds
         ]
         if left:
             self._said.append(f"equalities of bodies and tendons are left out, loops stay open: {', '.join(left)}")

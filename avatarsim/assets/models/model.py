@@ -1,12 +1,16 @@
 """What one file of a robot, a hand or a room gives."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.body import Body
+from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.tracker import TrackerSample, rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -16,6 +20,8 @@ class Model:
     avatar       the driven tree of links; None for a file that is only a room
     coordinates  the avatar's generalized coordinates in the file's own order; None without an avatar
     bodies       the fixed room and loose bodies
+    moving       bodies that go where their poses are given: MJCF's mocap bodies; they belong into `Scene.avatars`
+    attached     loose bodies and the link or moving body that each is welded to, by their names in a scene
     said         sentences for the user: what was excluded, fixed, guessed
     exclude      pairs of names that never touch, besides those of the avatar itself, as in `Scene.exclude`
     start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar
@@ -29,8 +35,52 @@ class Model:
     exclude: tuple[tuple[str, str], ...] = ()
     start: TrackerSample | None = None
     at_rest: tuple[tuple[str, str], ...] = ()
+    moving: tuple[Avatar, ...] = ()
+    attached: tuple[tuple[str, str], ...] = ()
 
     def scene(self, name: str = "model") -> Scene:
         """All of it as a scene, at its start."""
-        avatars = () if self.avatar is None else (self.avatar,)
-        return Scene(name, self.bodies, avatars, start=self.start, exclude=self.exclude)
+        avatars = self.moving if self.avatar is None else (self.avatar, *self.moving)
+        start = self.start
+        if start is not None and self.moving:
+            one = Motion(np.array([start.time]), start.positions[None], start.rotations[None], start.angles[None])
+            start = followed_by(one, self.moving).sample(0)
+        return Scene(name, self.bodies, avatars, start=start, exclude=self.exclude, attached=self.attached)
+
+    @property
+    def room(self) -> tuple[Body, ...]:
+        """Fixed room and loose bodies, and moving ones as fixed where they begin: for what stands still meanwhile."""
+        return (*self.bodies, *(standing(one) for one in self.moving))
+
+
+def beside(model: Model, room: Model) -> Model:
+    """A model with what stands about it; of names that both have the room's are changed."""
+    taken = {body.name for body in model.room}
+    if model.avatar is not None:
+        taken |= {model.avatar.name}
+    names = {body.name: f"room_{body.name}" if body.name in taken else body.name for body in room.room}
+    bodies = tuple(replace(body, name=names[body.name]) for body in room.bodies)
+    moving = tuple(replace(one, name=names[one.name]) for one in room.moving)
+    exclude, at_rest, attached = (
+        tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.at_rest, room.attached)
+    )
+    return replace(
+        model, bodies=(*model.bodies, *bodies), moving=(*model.moving, *moving), exclude=(*model.exclude, *exclude),
+        at_rest=(*model.at_rest, *at_rest), attached=(*model.attached, *attached),
+    )
+
+
+def followed_by(motion: Motion, moving: Sequence[Avatar]) -> Motion:
+    """The motion of an avatar with moving bodies that stay where they begin."""
+    if not moving:
+        return motion
+    first = rest(moving)
+    columns = ((motion.positions, first.positions), (motion.rotations, first.rotations), (motion.angles, first.angles))
+    both = [np.concatenate((own, np.repeat(still[None], len(motion), axis=0)), axis=1) for own, still in columns]
+    return Motion(motion.times, *both)
+
+
+def standing(moving: Avatar) -> Body:
+    """A moving body as a fixed one, where it begins."""
+    link = moving.links[0]
+    return fixed(moving.name, link.pieces, link.material, link.anchor, link.orientation)

@@ -59,7 +59,7 @@ def _highest(model: Model, name: str) -> float:
 def _lifts(model: Model, pairs: Pairs, root_moves: bool) -> dict[str, float]:
     """How deep [m] each body that may be raised, and the avatar, stand in something fixed."""
     loose = {body.name for body in model.bodies if body.role is Role.SIMULATED}
-    fixed = {body.name for body in model.bodies} - loose
+    fixed = {body.name for body in model.room} - loose
     found: dict[str, float] = {}
     for a, b, depth in pairs:
         for one, other in ((a, b), (b, a)):
@@ -69,6 +69,12 @@ def _lifts(model: Model, pairs: Pairs, root_moves: bool) -> dict[str, float]:
                 found[one] = max(found.get(one, 0.0), depth)
             elif model.avatar is not None and root_moves:
                 found[model.avatar.name] = max(found.get(model.avatar.name, 0.0), depth)
+    if model.avatar is not None and root_moves:
+        # what is attached to the avatar is raised with it
+        own = model.avatar.name
+        together = {own, *(body for body, link in model.attached if link == own or link.startswith(f"{own}/"))}
+        if lift := max((found.get(name, 0.0) for name in together), default=0.0):
+            found |= dict.fromkeys(together, lift)
     return found
 
 

@@ -273,7 +273,7 @@ def replay(shown: Shown, moments: Sequence[Moment]) -> dict[str, object]:
         "frames": at.tolist(), "seconds": [float(f"{t:.6g}") for t in shown.before.times[at] - shown.before.times[0]],
         "least": _rounded(least), "size": size, "extent": float(f"{extent:.3g}"),
         "links": [_surface(surfaces[k]) for k in drawn],
-        "room": room_of([*shown.model.bodies, *shown.room]),
+        "room": room_of([*shown.model.room, *shown.room]),
         "before": coded[0], "after": coded[1],
         "depths": [[float(f"{depth:.3g}") if depth > OVERLAP else 0 for depth in audit.depths[at]]
                    for audit in (shown.audit_before, shown.audit_after)],

@@ -1,0 +1,57 @@
+"""Welds of MJCF that attach a loose body to a link or to a moving body."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.compiled import Compiled, EqualityKind
+from avatarsim.spatial import rotation
+
+Array = NDArray[np.float64]
+
+BODY = 1
+"""MuJoCo's mjOBJ_BODY: the equality names bodies, not sites."""
+
+SAME = 1e-4
+"""[m] and, as a part of a turn, by how much the pose that a weld holds may differ from that at the reference. Files state both in
+a few digits; more: the body would have to jump there."""
+
+
+def attaching_welds(
+    model: Compiled, carried: Mapping[int, str], carrying: Mapping[int, str]
+) -> dict[int, tuple[str, str]]:
+    """Return names of loose bodies and of what carries them, by the number of the weld.
+
+    carried   names of loose bodies, by their number
+    carrying  names of links and moving bodies, by the number of their body
+
+    The first weld of a body counts, and only one that holds the pose of the reference: others are left to the caller.
+    """
+    found: dict[int, tuple[str, str]] = {}
+    for k in np.flatnonzero((model.eq_type == EqualityKind.WELD) & (model.eq_objtype == BODY) & (model.eq_active0 != 0)).tolist():
+        one, two = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
+        for body, link in ((one, two), (two, one)):
+            taken = carried.get(body) in [name for name, _ in found.values()]
+            if body in carried and link in carrying and not taken and _holds_reference(model, k):
+                found[k] = carried[body], carrying[link]
+    return found
+
+
+def _holds_reference(model: Compiled, k: int) -> bool:
+    """Whether weld `k` holds its bodies as they are at the reference."""
+    (place, turn), (other_place, other_turn) = (_pose(model, int(body)) for body in (model.eq_obj1id[k], model.eq_obj2id[k]))
+    anchor, offset, relative = model.eq_data[k, :3], model.eq_data[k, 3:6], rotation.normalised(model.eq_data[k, 6:10])
+    away = place + rotation.rotate(turn, offset) - other_place - rotation.rotate(other_turn, anchor)
+    cosine = abs(float(np.dot(rotation.multiply(turn, relative), other_turn)))
+    return float(np.linalg.norm(away)) <= SAME and 1.0 - cosine <= SAME**2
+
+
+def _pose(model: Compiled, body: int) -> tuple[Array, Array]:
+    """Position [m] and orientation of a body in the world, at the reference."""
+    place, turn = np.zeros(3), np.array(rotation.IDENTITY)
+    while body > 0:
+        frame = rotation.normalised(model.body_quat[body])
+        place, turn = model.body_pos[body] + rotation.rotate(frame, place), rotation.multiply(frame, turn)
+        body = int(model.body_parentid[body])
+    return place, turn

@@ -1,0 +1,98 @@
+"""Mocap bodies and welds of MJCF: doors that move, tools that are attached, and nothing that is dropped without a word."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.assets.models.model import beside
+from scenarios.own_scenes import OwnScene
+from tests.assets.models.test_links_of_tree import written
+
+FLOOR = '<geom name="floor" type="plane" size="1 1 1"/>'
+ARM = (
+    '<body name="base" pos="0 0 .5"><joint type="hinge" axis="0 1 0" range="-115 115"/>'
+    '<geom type="capsule" fromto="0 0 0 .4 0 0" size=".04"/>'
+    '<body name="wrist" pos=".5 0 0"><joint type="hinge" axis="0 1 0"/><geom type="box" size=".05 .05 .02"/></body></body>'
+)
+TOOL = '<body name="tool" pos=".5 0 .575"><freejoint/><geom type="box" size=".02 .02 .05"/></body>'
+DOOR = '<body name="door" mocap="true" pos="1.5 0 .6"><geom type="box" size=".02 .4 .5"/></body>'
+HANDLE = '<body name="handle" pos="1.45 0 .6"><freejoint/><geom size=".02"/></body>'
+WELDS = '<equality><weld body1="wrist" body2="tool"/><weld body1="handle" body2="door"/></equality>'
+
+
+def model_of(folder: Path, rest: str = WELDS) -> av.Model:
+    """The arm with its tool, the door with its handle."""
+    return av.load_avatar(written(folder, ARM + TOOL + DOOR + HANDLE + FLOOR, rest))
+
+
+def test_a_mocap_body_goes_where_its_pose_is_given_and_carries_what_is_welded_to_it(tmp_path: Path) -> None:
+    model = model_of(tmp_path)
+    assert model.avatar is not None and model.start is not None
+    assert [one.name for one in model.moving] == ["door"]
+    assert not any("left out" in said for said in model.said)
+    scene = model.scene()
+    with av.AvatarsimEngine() as engine:
+        engine.load(scene, av.Settings(), 1 / 60)
+        assert engine.attached() == {"tool": f"{model.avatar.name}/wrist", "handle": "door"}
+        place = np.array(model.moving[0].links[0].anchor)
+        for frame in range(60):
+            place[0] -= 0.005
+            sample = av.TrackerSample(frame / 60, model.start.positions, model.start.rotations, np.array([0.2, 0.0]))
+            shown = engine.advance(sample, 1 / 60, moving={"door": (place, (1, 0, 0, 0))}).shown.positions
+    at = dict(zip(scene.names, shown, strict=True))
+    assert at["door"] == pytest.approx(place, abs=1e-4)
+    assert at["handle"] == pytest.approx(place - (0.05, 0.0, 0.0), abs=1e-4)
+    wrist = at[f"{model.avatar.name}/wrist"]
+    assert np.linalg.norm(at["tool"] - wrist) == pytest.approx(0.075, abs=1e-4)
+
+
+def test_a_weld_that_holds_another_pose_is_left_out_by_name(tmp_path: Path) -> None:
+    far = '<equality><weld name="far" body1="door" body2="handle" relpose="0 0 1 1 0 0 0"/></equality>'
+    model = model_of(tmp_path, far)
+    assert not model.attached
+    assert any("far" in said for said in model.said)
+
+
+def test_an_inactive_weld_attaches_nothing(tmp_path: Path) -> None:
+    assert not model_of(tmp_path, '<equality><weld body1="door" body2="handle" active="false"/></equality>').attached
+
+
+def test_a_tool_whose_free_avatar_is_raised_goes_up_with_it(tmp_path: Path) -> None:
+    man = '<body name="man" pos="0 0 .08"><freejoint/><geom size=".1"/><body><joint/><geom size=".05" pos="0 0 1"/></body></body>'
+    hat = '<body name="hat" pos="0 .2 .08"><freejoint/><geom size=".02"/></body>'
+    weld = '<equality><weld body1="man" body2="hat"/></equality>'
+    model = av.load_avatar(written(tmp_path, man + hat + FLOOR, weld))
+    assert model.start is not None
+    hat_height = next(body.position[2] for body in model.bodies if body.name == "hat")
+    assert hat_height == pytest.approx(float(model.start.positions[0, 2]), abs=1e-9) and hat_height > 0.09
+
+
+def test_the_moving_bodies_of_a_room_stand_beside_an_avatar(tmp_path: Path) -> None:
+    (tmp_path / "room").mkdir()
+    room = av.load_room(written(tmp_path / "room", DOOR + HANDLE + FLOOR, '<equality><weld body1="door" body2="handle"/></equality>'))
+    model = av.load_avatar(written(tmp_path, ARM + '<geom name="door" type="box" size=".1 .1 .1" pos="-1 0 0"/>'))
+    both = beside(model, room)
+    assert [one.name for one in both.moving] == ["room_door"] and both.attached == (("handle", "room_door"),)
+    assert {"door", "room_door", "handle", "floor"} <= set(both.scene().names)
+
+
+def test_what_moves_stands_still_where_clips_are_cleaned(tmp_path: Path) -> None:
+    model = model_of(tmp_path)
+    assert model.start is not None
+    rows = 5
+    motion = av.Motion(
+        np.arange(rows) / 60, np.repeat(model.start.positions[None], rows, axis=0),
+        np.repeat(model.start.rotations[None], rows, axis=0), np.zeros((rows, 2)),
+    )
+    assert {body.name for body in model.room} == {"floor", "tool", "handle", "door"}
+    assert len(av.clean(motion, model).motion) >= rows
+
+
+def test_a_scene_of_such_a_file_runs_in_the_comparison(tmp_path: Path) -> None:
+    path = written(tmp_path, ARM + TOOL + DOOR + HANDLE + FLOOR, WELDS)
+    own = OwnScene("own_door", str(path), "", "", "", 1.0, 1.0, 1.0, 1.0)
+    scene, _ = own.parts()
+    assert dict(scene.attached)["handle"] == "door"
+    assert len(scene.first_sample.positions) == 3
