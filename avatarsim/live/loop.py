@@ -169,7 +169,8 @@ class Loop:
         elif order is Order.SAVE:
             return self._saved()
         else:
-            return self._applied(command), ""
+            refused = self._applied(command)
+            return refused, self.world.told
         return "", ""
 
     def _applied(self, command: Command) -> str:
@@ -195,6 +196,8 @@ class Loop:
         path = Path(self.world.plan.logs) / f"{self._logs}.live"
         with suppress(OSError):
             self._log = Recorder(path, self.world.begun, self.world.shown.state_hash())
+            if self.world.pinches:
+                self._log.command(Command(Order.PINCH, True))
 
     def _saved(self) -> tuple[str, str]:
         """Why the log cannot be had, or where it is, with all that has been written in it on the disk."""

@@ -71,6 +71,10 @@ class Order(Enum):
     """Keep a snapshot of the state shown, the one to come back to."""
     BACK = "back"
     """Come back to the snapshot that was kept last, or to the start of the scene where none was."""
+    TAKE = "take"
+    """Attach what the first avatar touches to the link that touches it, or release all that it holds; the answer tells which."""
+    PINCH = "pinch"
+    """`value` True: from now on what the first avatar grips is attached, and released once it grips it no more; False: not."""
     SWITCH = "switch"
     """Another `Switch`: effects that are off, preset and options of the engine."""
     SAVE = "save"
@@ -101,7 +105,7 @@ class Command:
 @dataclass(frozen=True, eq=False)
 class Answer:
     """What became of a command: `refused` is empty, or the sentence that says why; `frame` the last one before it; `told` what
-    was asked for: of SAVE the path of the log."""
+    was asked for: of SAVE the path of the log, of TAKE what was taken or released."""
 
     number: int
     order: Order

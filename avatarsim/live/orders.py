@@ -33,6 +33,7 @@ class World:
         within("frames a second of a loop [1/s]", plan.rate, *RATES, InvalidInput)
         self.plan, self._make, self.dt = plan, make, 1.0 / plan.rate
         self.scene, self.settings, self._kept = narrowed(plan.scene, plan.scene, plan.off), plan.settings, b""
+        self.told, self.pinches, self._pinched, self._kept_pinched = "", False, set[str](), set[str]()
         self.engine = make()
         self.shown: FrameRecord = self.engine.load(self.scene, self.settings, self.dt)
 
@@ -45,18 +46,26 @@ class World:
     def advance(self, sample: TrackerSample) -> FrameRecord:
         """One frame."""
         self.shown = self.engine.advance(sample, self.dt)
+        if self.pinches and isinstance(self.engine, AvatarsimEngine):
+            self._pinch(self.engine, True)
         return self.shown
 
     def apply(self, command: Command) -> str:
-        """Do what a command says; empty, or the sentence that says why it was refused. Those of pauses, logs and the end are the
-        loop's own: no frame shows them, and they do nothing here."""
+        """Do what a command says; empty, or the sentence that says why it was refused; `told` is what it has to tell. Those of
+        pauses, logs and the end are the loop's own: no frame shows them, and they do nothing here."""
+        self.told = ""
         try:
             if command.order is Order.RESET:
                 self._reset()
             elif command.order is Order.KEEP:
-                self._kept = self._ours("to keep a state of").snapshot()
+                self._kept, self._kept_pinched = self._ours("to keep a state of").snapshot(), set(self._pinched)
             elif command.order is Order.BACK:
                 self._back()
+            elif command.order is Order.TAKE:
+                self.told = self._take(self._ours("to take things with"))
+            elif command.order is Order.PINCH:
+                self._pinch(self._ours("to pinch things with"), command.value is True)
+                self.pinches = command.value is True
             elif command.order is Order.SWITCH:
                 self._switch(command.value)
         except AvatarsimError as error:
@@ -68,6 +77,36 @@ class World:
             raise InvalidInput(f"engine {what}", self.plan.name, COMING_BACK)
         return self.engine
 
+    def _take(self, engine: AvatarsimEngine) -> str:
+        """Release all that the first avatar holds, or attach what it touches; a sentence of what was done."""
+        avatar, attached = self.scene.avatars[0], engine.attached()
+        first = len(self.scene.bodies)
+        links = self.scene.names[first : first + len(avatar.links)]
+        if held := [body for body, link in attached.items() if link in links]:
+            for body in held:
+                engine.detach(body)
+            self._pinched.clear()
+            return f"let go of {', '.join(held)}"
+        loose = {body.name for body in self.scene.bodies if body.role is Role.SIMULATED} - set(attached)
+        touched: dict[str, str] = {}
+        for contact in engine.contacts():
+            for body, link in ((contact.a, contact.b), (contact.b, contact.a)):
+                if body in loose and link in links:
+                    touched.setdefault(body, link)
+        if not touched:
+            raise InvalidInput("what the avatar touches", "nothing loose", "a loose body, to be taken")
+        for body, link in touched.items():
+            engine.attach(body, link)
+        return f"took {', '.join(touched)}"
+
+    def _pinch(self, engine: AvatarsimEngine, on: bool) -> None:
+        """Attach what the first avatar grips, and release what it grips no more; all of it unless ``on``."""
+        before = set(engine.attached())
+        gripped = set(engine.grip(self.scene.avatars[0].name)) if on else set[str]()
+        for body in self._pinched & (before - gripped):
+            engine.detach(body)
+        self._pinched = (self._pinched & gripped) | (gripped - before)
+
     def _reset(self) -> None:
         scene = replace(self.plan.scene, narrow=self.scene.narrow)
         self.shown, self._kept = self._loaded(scene, self.settings), b""
@@ -75,7 +114,7 @@ class World:
     def _back(self) -> None:
         engine = self._ours("to come back to a state of")
         if self._kept:
-            self.shown = engine.restore(self._kept)
+            self.shown, self._pinched = engine.restore(self._kept), set(self._kept_pinched)
         else:
             self._reset()
 
@@ -91,7 +130,8 @@ class World:
         if same and isinstance(self.engine, AvatarsimEngine):
             self.shown, self.scene = self.engine.change(scene), scene
         else:
-            self.shown = self._loaded(scene_at(scene, self.shown), settings)
+            attached = tuple(self.engine.attached().items()) if isinstance(self.engine, AvatarsimEngine) else ()
+            self.shown = self._loaded(replace(scene_at(scene, self.shown), attached=attached), settings)
         # a snapshot is of one scene and one set of settings
         self._kept = b""
 

@@ -52,7 +52,7 @@ HASH = re.compile(f"[0-9a-f]{{{2 * DIGEST}}}")
 VALID = "a recording of avatarsim live"
 OURS = "avatarsim.simulator:AvatarsimEngine"
 """The one engine whose recordings replay to the same bits, and the only one that a file can ask for."""
-KEPT = (Order.KEEP, Order.BACK, Order.SWITCH)
+KEPT = (Order.KEEP, Order.BACK, Order.TAKE, Order.PINCH, Order.SWITCH)
 """Orders that stand in a file: those that change what later frames show. With a reset begins another file."""
 
 
@@ -270,6 +270,8 @@ def _frame(payload: bytes, scene: Scene, place: str) -> Frame:
 def _order(command: Command) -> dict[str, Any]:
     """A command as JSON."""
     said: dict[str, Any] = {"order": command.order.name}
+    if command.order is Order.PINCH:
+        said["on"] = command.value is True
     if isinstance(command.value, Switch):
         said |= {"off": list(command.value.off), "preset": command.value.preset, "options": _options(command.value.options)}
     return said
@@ -281,6 +283,10 @@ def _command(payload: bytes, place: str) -> Command:
     if said.get("order") not in known:
         raise InvalidFile(f"order of {place}", said.get("order"), "one of " + ", ".join(known))
     order = Order[said["order"]]
+    if order is Order.PINCH:
+        if not isinstance(said.get("on"), bool):
+            raise InvalidFile(f"switch of {place}", said.get("on"), "true or false")
+        return Command(order, said["on"])
     if order is not Order.SWITCH:
         return Command(order)
     off, preset, options = said.get("off"), said.get("preset"), said.get("options")

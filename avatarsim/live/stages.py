@@ -22,6 +22,7 @@ from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, reach
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
@@ -307,6 +308,34 @@ def _playthings() -> tuple[Body, ...]:
     )
 
 
+def _house() -> Stage:
+    """The gallery's human and rooms, with a door on its hinges in the doorway, and a lift beside a ledge."""
+    human_stage = _gallery()
+    door = moving(
+        "door", (_box((0.0, 0.47, 1.02), (0.05, 0.94, 2.0)), _box((0.0, 0.85, 1.0), (0.18, 0.03, 0.12))), "wood",
+        position=(0.0, -0.47, 0.01), joint=Hinges((Hinge((0.0, 0.0, 1.0), radians(-110.0), radians(110.0)),)), stiffness=0.0,
+        mass=20.0, damping=10.0,
+    )
+    lift = moving("lift", (_box((0.0, 0.0, 0.05), (1.2, 1.2, 0.1)),), "wood", position=(2.6, -1.6, GAP), largest_force=3000.0)
+    ledge = fixed("ledge", (_box((0.0, 0.0, 0.5), (1.2, 1.2, 1.0)),), "wood", (3.4, 0.2, 0.0))
+    things = tuple(
+        _loose(name, (Piece(Box((size, size, size))),), mass, place) for name, size, mass, place in (
+            ("box", 0.3, 3.0, (-1.0, -0.9, 0.15)), ("box on the lift", 0.25, 2.0, (2.8, -1.3, 0.1 + 2.0 * GAP + 0.125)),
+            ("box behind the door", 0.4, 4.0, (0.9, 0.3, 0.2)),
+        )
+    )
+    avatar, start = human_stage.scene.avatars[0], human_stage.scene.start
+    assert start is not None
+    still = rest((door, lift))
+    both = TrackerSample(
+        0.0, np.concatenate((start.positions, still.positions)), np.concatenate((start.rotations, still.rotations)),
+        np.concatenate((start.angles, still.angles)),
+    )
+    scene = Scene("live house", (*_rooms(), ledge, *things), (avatar, door, lift), start=both)
+    what = "a human of 24 links, a door on its hinges between two rooms, a lift (keys y and n), and boxes to carry (key c)"
+    return Stage(scene, handles_of(scene), what, human_stage.camera)
+
+
 def _box(position: Vector, size: Vector) -> Piece:
     return Piece(Box(size), position)
 
@@ -322,6 +351,9 @@ def _first_root(avatar: Avatar, position: Vector) -> Array:
     return places
 
 
-_STAGES: dict[str, Callable[[], Stage]] = {"hand": cache(_hand_stage), "toys": cache(_toys_stage), "gallery": cache(_gallery)}
+_STAGES: dict[str, Callable[[], Stage]] = {
+    "hand": cache(_hand_stage), "toys": cache(_toys_stage), "gallery": cache(_gallery),
+    "house": cache(_house),
+}
 NAMES = tuple(_STAGES)
 """Built-in stages."""

@@ -10,6 +10,7 @@ from avatarsim.scene.body import Mass, Role
 from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
+from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.in_mujoco import three_hinges
 from reference.in_mujoco.laws import Law, Laws
@@ -75,6 +76,7 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
         if planes and body.role is Role.FIXED:
             _planes(made)
     _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature, servo, hinged)
+    _attached(spec, scene)
     pairs = _pairs(spec, scene, laws, geoms)
     model = spec.compile()
     if servo is not None:
@@ -126,6 +128,20 @@ def _avatars(
                 weld.data = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]
             geoms.append(_geoms(spec, body, k, link.pieces, laws))
             k += 1
+
+
+def _attached(spec: mujoco.MjSpec, scene: Scene) -> None:
+    """A weld of each attached body to its link, as the scene starts."""
+    positions, orientations = link_poses(scene.avatars, scene.first_sample)
+    for body, link in scene.attached:
+        k, at = scene.names.index(link), scene.names.index(link) - len(scene.bodies)
+        b = scene.names.index(body)
+        back = rotation.conjugate(orientations[at])
+        place = rotation.rotate(back, np.asarray(scene.bodies[b].position) - positions[at])
+        turn = rotation.multiply(back, np.asarray(scene.bodies[b].orientation))
+        weld = spec.add_equality(name=f"a{b}", type=mujoco.mjtEq.mjEQ_WELD, objtype=mujoco.mjtObj.mjOBJ_BODY)
+        weld.name1, weld.name2 = f"b{k}", f"b{b}"
+        weld.data = [0, 0, 0, *place, *turn, 1, 0]
 
 
 def _swing_limit(spec: mujoco.MjSpec, parent: mujoco.MjsBody, body: mujoco.MjsBody, k: int, anchor: tuple[float, ...],

@@ -19,6 +19,7 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.in_pybullet.shapes import collision_shape, parted, xyzw
 
@@ -80,7 +81,26 @@ def build_world(scene: Scene, client: int, maximal: bool, limits: bool, hulls: b
         _avatar(world, scene, avatar, first, limits, hulls, apart)
         first += len(avatar.links)
     _filter(world, scene)
+    _attach(world, scene)
     return world
+
+
+def _attach(world: World, scene: Scene) -> None:
+    """A fixed constraint between each attached body and its link, as the scene starts."""
+    positions, orientations = link_poses(scene.avatars, scene.first_sample)
+    for body, link in scene.attached:
+        at, b = scene.names.index(link) - len(scene.bodies), scene.names.index(body)
+        parent, child, loose = world.parts[scene.names.index(link)], world.parts[b], scene.bodies[b]
+        turn, own = orientations[at], np.asarray(loose.orientation)
+        place = np.asarray(loose.position) + rotation.rotate(own, child.centre)
+        frame = rotation.multiply(turn, parent.frame)
+        back = rotation.conjugate(frame)
+        away = rotation.rotate(back, place - positions[at] - rotation.rotate(turn, parent.centre))
+        turned = rotation.multiply(back, rotation.multiply(own, child.frame))
+        pybullet.createConstraint(
+            parent.body, parent.link, child.body, child.link, pybullet.JOINT_FIXED, [0.0, 0.0, 0.0], away.tolist(),
+            [0.0, 0.0, 0.0], xyzw(turned), [0.0, 0.0, 0.0, 1.0], physicsClientId=world.client,
+        )
 
 
 def principal(mass: Mass, pieces: tuple[Piece, ...]) -> tuple[Array, Array]:

@@ -55,7 +55,6 @@ LISTED = {
         "planner/state.py": "NONE GOAL_NODE",
         "planner/supervisor.py": "NEVER JOINTED",
         "pose_queries.py": "FARTHEST",
-        "rigid/attached.py": "POINTS",
         "rigid/contact_generation.py": "FOUND NO_ROOM BROKEN",
         "rigid/crowd_step.py": "CROWDED UNPROVED",
         "rigid/contact_law.py": "NO_SLIP",

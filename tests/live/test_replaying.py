@@ -145,7 +145,9 @@ def test_any_cut_is_refused_in_the_head_and_said_behind_it(
     (wrapped(FRAME, bytes(8) + np.full(16, np.nan).tobytes()), "row 2 of recording a.live"),
     (wrapped(FRAME, bytes(8 + 8 * 16)), "tracker rotation of link 0"),
     (wrapped(COMMAND, b"[" * 5000), "row 2"), (wrapped(COMMAND, b"\xff"), "not UTF-8"),
-    (wrapped(COMMAND, b'{"order": "RESET"}'), "KEEP, BACK, SWITCH"), (wrapped(COMMAND, b'{"order": ["KEEP"]}'), "order of row 2"),
+    (wrapped(COMMAND, b'{"order": "RESET"}'), "KEEP, BACK, TAKE, PINCH, SWITCH"),
+    (wrapped(COMMAND, b'{"order": ["KEEP"]}'), "order of row 2"),
+    (wrapped(COMMAND, b'{"order": "PINCH", "on": 1}'), "switch of row 2"),
     (wrapped(COMMAND, b'{"order": "SWITCH", "off": [1], "preset": "", "options": {}}'), "effects of row 2"),
     (wrapped(COMMAND, b'{"order": "SWITCH", "off": [], "preset": 1, "options": {}}'), "settings of row 2"),
 ])

@@ -236,6 +236,31 @@ def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> N
     assert running.page.panel.off == ()
 
 
+def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
+    one = Running("house", folder)
+    try:
+        with browser(1400, 900) as window:
+            window.visit(one.page.address)
+            window.until(HUD)
+            time.sleep(4.0)
+            window.picture(SCREENSHOTS / "live-house-start.png")
+            root, lift = len(one.session.scene.bodies), one.session.scene.names.index("lift")
+            end = time.monotonic() + 30.0
+            while one.state.positions[root][0] < 0.9 and time.monotonic() < end:
+                hold(window, "i", "KeyI", 0.1)
+            assert abs(one.state.angles[-1]) > 1.0
+            for _ in range(30):
+                hold(window, "y", "KeyY", 0.1)
+            assert one.state.positions[lift][2] > 0.3
+            window.picture(SCREENSHOTS / "live-house-through.png")
+            hold(window, "c", "KeyC", 0.1)
+            time.sleep(0.5)
+            assert "nothing loose" in window.value("document.body.innerText")
+            quiet(window, one)
+    finally:
+        one.close()
+
+
 @pytest.mark.parametrize(("name", "dark"), [("hand", True), ("gallery", False), ("gallery", True)])
 def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) -> None:
     one = Running(name, folder, dark)

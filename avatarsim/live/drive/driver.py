@@ -21,6 +21,7 @@ from avatarsim.live.drive.tree import Posture, Tree, posture_of
 from avatarsim.live.drive.turns import add, norm, normalised, rotate, scaled, shortened, sub, turned_by, way
 from avatarsim.scene.checks import Quaternion, Vector, bounded, unit_quaternion, vector, within
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 
@@ -38,6 +39,9 @@ LONGEST_TICK = 1.0
 
 PATIENCE = 0.1
 """[s] of stalling after which the root makes up for all that a limb misses. Less: roots stir at goals within reach."""
+
+LIFTING, HIGHEST = 0.5, 1.5
+"""[m/s] of the lift keys, and [m] above their first places that moving bodies rise to: a storey's half in three seconds."""
 
 TURNING = 1.5
 """[rad/s] of the turn keys: half a turn in two seconds."""
@@ -99,6 +103,9 @@ class Driver:
         self._gait = Gait(self._tree, limbs.legs, self._start, LEVER * self._span) if limbs.legs else None
         own = tuple(one for one in fingers_of(self._tree) if self._tree.nodes[one.hand].avatar == 0)
         self._closing = closing(self._tree, own)
+        self._lifts = [
+            k for k, node in enumerate(self._tree.nodes) if node.is_free and scene.avatars[node.avatar].moves
+        ]
         self._pulls: dict[tuple[int, ...], Pull] = {}
         self._stalls: dict[tuple[int, ...], float] = {}
         self._arm_joints = [k for arm in self._arms for k in self._tree.moving(arm.links)]
@@ -172,9 +179,11 @@ class Driver:
         said, axis = BY_NAME[key], BY_NAME[key].axis
         if axis == "fist" and not self._closing:
             return "this avatar has no fingers with hinges, so that there is no fist to open or close"
+        if axis == "lift" and not self._lifts:
+            return "nothing in this scene moves by itself, so that there is no lift"
         if key == "t" and not self._arms:
             return "this avatar has no pair of arms, so that none reaches out"
-        if not self._tree.nodes[0].is_free and (axis and axis != "fist" or key == " " and not self._arms):
+        if not self._tree.nodes[0].is_free and (axis and axis not in ("fist", "lift") or key == " " and not self._arms):
             return "the root of this avatar is not free, so that it stays where it is"
         if self._drags:
             return "a link is being dragged, which goes before keys"
@@ -220,9 +229,11 @@ class Driver:
             self._source = "still"
 
     def set_sample(self, sample: TrackerSample) -> None:
-        """The newest posture of all avatars from a tracker; it counts while nothing goes before it, within the joints' limits.
+        """The newest posture from a tracker, of all avatars or of all but moving bodies; it counts while nothing goes before it,
+        within the joints' limits.
 
         Raises InvalidSample for what is not finite, does not fit the avatars, or is no rotation; what was sent before stays."""
+        sample = with_moving(self._scene.avatars, sample, {}, self._base.sample(self._time))
         sample = checked(sample, self._scene.avatars)
         if not (np.abs(sample.positions) <= 1e6).all():
             raise InvalidSample("tracker positions [m]", float(np.abs(sample.positions).max()), "components up to 1e6")
@@ -355,6 +366,10 @@ class Driver:
         for h, opened, closed in self._closing:
             bent = self._base.angles[h] + now["fist"] * (closed - opened) / CLOSING * dt
             self._base.angles[h] = min(max(bent, min(opened, closed)), max(opened, closed))
+        for k in self._lifts:
+            x, y, z = self._base.roots[k]
+            low, high = self._start.roots[k][2], self._start.roots[k][2] + HIGHEST
+            self._base.roots[k] = (x, y, min(max(z + now["lift"] * LIFTING * dt, min(low, z)), max(high, z)))
         if self._swing is not None:
             self._swung(self._swing, dt)
         if not self._tree.nodes[0].is_free:

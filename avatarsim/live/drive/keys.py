@@ -41,12 +41,14 @@ KEYS: Final = (
     Key("t", "reach forward with both arms; again: arms back"),
     Key("g", "close the fist", "fist", 1.0),
     Key("h", "open the fist", "fist", -1.0),
+    Key("y", "raise the lift", "lift", 1.0),
+    Key("n", "lower the lift", "lift", -1.0),
     Key(" ", "flick: a quick strike of the right arm, or of the hand"),
 )
 """All keys, as the page lists them. The page's own camera flies by W A S D Q E and the arrow keys, which are none of these."""
 
 BY_NAME: Final = {key.key: key for key in KEYS}
-AXES: Final = ("forward", "side", "turn", "height", "fist")
+AXES: Final = ("forward", "side", "turn", "height", "fist", "lift")
 
 
 class Speeds:

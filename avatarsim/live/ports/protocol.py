@@ -57,34 +57,42 @@ QUOTED = 60
 
 @dataclass(frozen=True)
 class Shape:
-    """What a sample must fit: canonical names of `links` in the scene's order (`avatar/link`, or the avatar's name where it has
-    one link), and the number of `hinges`; of all `bodies` the names in the order of poses."""
+    """What a message must fit.
+
+    links    names of the links of a sample in the scene's order, `avatar/link`, or the avatar's name where it has one link
+    hinges   number of hinges of a sample
+    bodies   names of all bodies and links in the order of poses
+    handles  names of what may have goals: these links, and moving bodies, whose poses are no part of a sample
+    """
 
     links: tuple[str, ...]
     hinges: int
     bodies: tuple[str, ...]
+    handles: tuple[str, ...]
 
     @classmethod
     def of(cls, scene: Scene) -> Self:
         """The shape of a scene."""
-        links = sum(len(avatar.links) for avatar in scene.avatars)
-        names = scene.names
-        return cls(names[len(names) - links :], sum(avatar.hinge_count for avatar in scene.avatars), names)
+        handles = scene.names[len(scene.bodies) :]
+        moves = [avatar.moves for avatar in scene.avatars for _ in avatar.links]
+        links = tuple(name for name, its in zip(handles, moves, strict=True) if not its)
+        hinges = sum(avatar.hinge_count for avatar in scene.avatars if not avatar.moves)
+        return cls(links, hinges, scene.names, handles)
 
     @cached_property
     def canonical(self) -> Mapping[str, str]:
         """The canonical name of each name that a goal may have: that one, or a link's own where no other link has it."""
         names: dict[str, list[str]] = {}
-        for link in self.links:
+        for link in self.handles:
             names.setdefault(link.rpartition("/")[2], []).append(link)
         short = {name: found[0] for name, found in names.items() if len(found) == 1}
-        return {**short, **{link: link for link in self.links}}
+        return {**short, **{link: link for link in self.handles}}
 
     @cached_property
     def most_bytes(self) -> int:
         """Bytes of the longest message that is read: all numbers or all links with goals as JSON, at generous lengths."""
-        names = sum(len(json.dumps(link)) for link in self.links)
-        return KEY_BYTES * (len(self.links) + 1) + names + NUMBER_BYTES * (7 * len(self.links) + self.hinges)
+        names = sum(len(json.dumps(link)) for link in self.handles)
+        return KEY_BYTES * (len(self.handles) + 1) + names + NUMBER_BYTES * (7 * len(self.handles) + self.hinges)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,6 +26,8 @@ EFFECTS = {
 """Effects that can be switched, and what the panel calls them."""
 NAMED = {" ": "space"}
 """Keys that have a name."""
+TAKE: HotkeyKey = "C"
+"""Key that takes what the avatar touches, or lets go; it is none of the driver's keys nor of the camera's."""
 METHODS = {"default": "default: certified", "paper": "paper: equations as printed"}
 """Presets of the driven engine, and what the panel calls them."""
 PLOTTED = 300
@@ -65,6 +67,7 @@ class Panel:
             self._view_boxes(dark)
         with gui.add_folder("Keys", expand_by_default=False):
             gui.add_markdown("\n".join(f"- **{NAMED.get(key.key, key.key)}** {key.what}" for key in KEYS))
+            gui.add_markdown(f"- **{TAKE.lower()}** take what the avatar touches, or let go")
             gui.add_markdown("Drag any part of the avatar with the mouse; with shift it goes away from you and back.")
             gui.add_markdown("The keys w a s d q e and the arrows fly the camera; Home brings it back.")
             for key in KEYS:
@@ -113,10 +116,14 @@ class Panel:
                 "Keep": lambda: self._ordered(Order.KEEP), "Back": lambda: self._ordered(Order.BACK),
                 "Save recording": self._save,
             }),
+            ("Hands", {"Take or let go": self._take}),
         )
         for label, acts in rows:
             group = gui.add_button_group(label, tuple(acts))
             self._on(group.on_click, partial(self._chosen, group, acts))
+        pinch = gui.add_checkbox("Take what is pinched", False, hint="while fingers press on it from opposite sides")
+        self._on(pinch.on_update, lambda: self._ordered(Order.PINCH, pinch.value))
+        self._on(gui.add_command(f"{TAKE}: take what the avatar touches, or let go", hotkey=TAKE).on_trigger, self._take)
         for home in (
             gui.add_button("Home", hint="the first view again, also by the key Home").on_click,
             gui.add_command("Home: the first view again", hotkey="home").on_trigger,
@@ -150,8 +157,11 @@ class Panel:
     def _ordered(self, order: Order, value: object = None) -> bool:
         """Give a command to all loops; what the driven one refuses is said."""
         answer = self._page.session.command(order, value)[self._page.session.first.plan.name]
-        self._said(answer.refused)
+        self._said(answer.refused or answer.told)
         return not answer.refused
+
+    def _take(self) -> None:
+        self._ordered(Order.TAKE)
 
     @staticmethod
     def _chosen(group: viser.GuiButtonGroupHandle, acts: Mapping[str, Callable[[], object]]) -> None:

@@ -71,7 +71,8 @@ def test_a_tool_whose_free_avatar_is_raised_goes_up_with_it(tmp_path: Path) -> N
 
 def test_the_moving_bodies_of_a_room_stand_beside_an_avatar(tmp_path: Path) -> None:
     (tmp_path / "room").mkdir()
-    room = av.load_room(written(tmp_path / "room", DOOR + HANDLE + FLOOR, '<equality><weld body1="door" body2="handle"/></equality>'))
+    weld = '<equality><weld body1="door" body2="handle"/></equality>'
+    room = av.load_room(written(tmp_path / "room", DOOR + HANDLE + FLOOR, weld))
     model = av.load_avatar(written(tmp_path, ARM + '<geom name="door" type="box" size=".1 .1 .1" pos="-1 0 0"/>'))
     both = beside(model, room)
     assert [one.name for one in both.moving] == ["room_door"] and both.attached == (("handle", "room_door"),)

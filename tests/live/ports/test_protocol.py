@@ -25,7 +25,7 @@ from avatarsim.live.ports.refusals import Refusal, Refused
 from avatarsim.scene.tracker import TrackerSample
 
 LINKS = ("left/palm", "left/tip", "right/palm", "ball_hand")
-SHAPE = Shape(LINKS, 2, ("table", *LINKS))
+SHAPE = Shape(LINKS, 2, ("table", *LINKS), LINKS)
 TURNED = [[1.0, 0.0, 0.0, 0.0]] * 4
 GOOD = {"positions": [[0.0, 0.1, 0.2]] * 4, "rotations": TURNED, "angles": [0.1, -0.2]}
 GOOD_PACKED = packed_sample(TrackerSample(0.0, np.ones((4, 3)), np.array(TURNED), np.zeros(2)))
@@ -52,7 +52,7 @@ def test_a_sample_as_json_is_read() -> None:
 
 
 def test_whole_numbers_are_numbers_and_angles_may_be_missing_without_hinges() -> None:
-    sample = parse('{"positions": [[1, 2, 3]], "rotations": [[1, 0, 0, 0]]}', Shape(("hand",), 0, ("hand",)))
+    sample = parse('{"positions": [[1, 2, 3]], "rotations": [[1, 0, 0, 0]]}', Shape(("hand",), 0, ("hand",), ("hand",)))
     assert isinstance(sample, TrackerSample)
     assert sample.positions.tolist() == [[1.0, 2.0, 3.0]] and sample.angles.shape == (0,)
 
@@ -149,7 +149,7 @@ def test_what_is_wrong_is_refused_by_its_reason(data: bytes | str, reason: Refus
 
 
 def test_the_deepest_message_that_is_read_in_a_large_scene() -> None:
-    large = Shape(tuple(f"link {k}" for k in range(500)), 0, ())
+    large = Shape(tuple(f"link {k}" for k in range(500)), 0, (), tuple(f"link {k}" for k in range(500)))
     assert large.most_bytes > 100_000
     assert refused('{"links":' + "[" * 100_000, large) is Refusal.TOO_DEEP
     assert refused('{"links":' + '{"a":' * 20_000, large) is Refusal.TOO_DEEP

@@ -1,0 +1,124 @@
+"""Things that are taken, pinched, carried and let go in a driven world; doors and lifts; and that recordings hold all of it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from avatarsim.engine import Settings
+from avatarsim.live.drive.driver import Driver
+from avatarsim.live.messages import Command, Order, Plan, Switch
+from avatarsim.live.orders import World
+from avatarsim.live.ports.protocol import Shape, parse
+from avatarsim.live.recording import OURS, Recorder, read
+from avatarsim.live.replaying import replay
+from avatarsim.live.stages import stage
+from avatarsim.scene.tracker import TrackerSample
+from scenarios import catalog
+from scenarios.engines import opened
+from tests.live.small import plan, pushed
+
+DT = 1.0 / 60.0
+
+
+def toys() -> tuple[World, Driver, np.ndarray]:
+    """The hand among toys, its world, and where the mug stands."""
+    scene = stage("toys").scene
+    mug = next(body for body in scene.bodies if body.name == "mug")
+    return World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene), np.array(mug.position)
+
+
+def place_of(world: World, name: str) -> np.ndarray:
+    """Where a body is shown [m]."""
+    return np.asarray(world.shown.shown.positions[world.scene.names.index(name)])
+
+
+def test_a_mug_is_taken_by_a_key_carried_and_let_go() -> None:
+    world, driver, at = toys()
+    assert "nothing loose" in world.apply(Command(Order.TAKE))
+    for _ in range(60):
+        driver.drag("hand/palm", at + (-0.09, 0.0, 0.06))
+        world.advance(driver.tick(DT))
+    assert world.apply(Command(Order.TAKE)) == "" and world.told == "took mug"
+    for _ in range(60):
+        driver.drag("hand/palm", at + (-0.1, 0.0, 0.3))
+        world.advance(driver.tick(DT))
+    assert place_of(world, "mug")[2] > at[2] + 0.15
+    assert world.apply(Command(Order.TAKE)) == "" and world.told == "let go of mug"
+    for _ in range(60):
+        world.advance(driver.tick(DT))
+    assert place_of(world, "mug")[2] < at[2] + 0.05
+
+
+def pinching() -> tuple[World, list[TrackerSample]]:
+    """Three fingers that close on a mug, and open again."""
+    scenario = catalog.get("mug_in_fingers")
+    scene = scenario.build()
+    motion = scenario.motion(scene, 0)
+    closing = [motion(frame) for frame in range(40)]
+    return World(Plan(OURS, scene, Settings(), 60.0)), [*closing, *reversed(closing)]
+
+
+def test_what_is_pinched_is_attached_until_the_fingers_open() -> None:
+    world, samples = pinching()
+    assert world.apply(Command(Order.PINCH, True)) == ""
+    held = []
+    for sample in samples:
+        world.advance(sample)
+        held.append(bool(world.engine.attached()))  # type: ignore[attr-defined]
+    assert not held[0] and held[40] and not held[-1]
+
+
+def test_recordings_hold_what_was_taken_and_pinched(tmp_path: Path) -> None:
+    world, samples = pinching()
+    recorder = Recorder(tmp_path / "a.live", world.plan, world.shown.state_hash())
+    for frame, sample in enumerate(samples):
+        for at, order, value in ((0, Order.PINCH, True), (50, Order.KEEP, None), (60, Order.BACK, None), (45, Order.TAKE, None)):
+            if frame == at:
+                command = Command(order, value)
+                assert world.apply(command) == ""
+                recorder.command(command)
+        recorder.frame(sample, world.advance(sample).state_hash())
+    recorder.close()
+    done = replay(read(tmp_path / "a.live"))
+    assert done.difference is None and done.frames == len(samples)
+
+
+def test_a_switch_of_the_method_keeps_what_is_held() -> None:
+    world, samples = pinching()
+    world.apply(Command(Order.PINCH, True))
+    for sample in samples[:40]:
+        world.advance(sample)
+    held = dict(world.engine.attached())  # type: ignore[attr-defined]
+    assert world.apply(Command(Order.SWITCH, Switch((), "default", {"spring": 900.0}))) == ""
+    assert held and world.engine.attached() == held  # type: ignore[attr-defined]
+
+
+def test_a_rival_refuses_to_take() -> None:
+    world = World(plan(), lambda: opened("mujoco"))
+    world.advance(pushed(1))
+    assert "takes snapshots" in world.apply(Command(Order.TAKE))
+
+
+def test_a_human_walks_through_the_door_and_the_lift_raises_its_box() -> None:
+    scene = stage("house").scene
+    world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
+    for frame in range(540):
+        if frame % 10 == 0:
+            assert driver.press("i" if frame < 420 else "y") == ""
+        world.advance(driver.tick(DT))
+    assert place_of(world, "human/pelvis")[0] > 1.0
+    assert abs(world.shown.angles[-1]) > 1.0
+    assert place_of(world, "lift")[2] > 0.4
+    assert place_of(world, "box on the lift")[2] == pytest.approx(place_of(world, "lift")[2] + 0.225, abs=1e-3)
+
+
+def test_trackers_tell_of_all_but_moving_bodies() -> None:
+    scene = stage("house").scene
+    shape, driver = Shape.of(scene), Driver(scene)
+    assert "lift" not in shape.links and "lift" in shape.handles
+    start, links = scene.first_sample, len(shape.links)
+    driver.set_sample(TrackerSample(0.0, start.positions[:links], start.rotations[:links], start.angles[: shape.hinges]))
+    assert len(driver.tick(DT).positions) == links + 2
+    goals = parse('{"links": {"lift": {"position": [2.6, -1.6, 0.5]}}}', shape)
+    assert set(goals.links) == {"lift"}  # type: ignore[union-attr]
