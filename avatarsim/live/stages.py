@@ -318,9 +318,10 @@ def _house() -> Stage:
     )
     lift = moving("lift", (_box((0.0, 0.0, 0.05), (1.2, 1.2, 0.1)),), "wood", position=(2.6, -1.6, GAP), largest_force=3000.0)
     ledge = fixed("ledge", (_box((0.0, 0.0, 0.5), (1.2, 1.2, 1.0)),), "wood", (3.4, 0.2, 0.0))
+    stand = fixed("stand", (_box((0.0, 0.0, 0.35), (0.4, 0.4, 0.7)),), "wood", (-1.0, -0.9, 0.0))
     things = tuple(
         _loose(name, (Piece(Box((size, size, size))),), mass, place) for name, size, mass, place in (
-            ("box", 0.3, 3.0, (-1.0, -0.9, 0.15)), ("box on the lift", 0.25, 2.0, (2.8, -1.3, 0.1 + 2.0 * GAP + 0.125)),
+            ("box", 0.25, 2.0, (-1.0, -0.9, 0.7 + GAP + 0.125)), ("box on the lift", 0.25, 2.0, (2.8, -1.3, 0.1 + 2.0 * GAP + 0.125)),
             ("box behind the door", 0.4, 4.0, (0.9, 0.3, 0.2)),
         )
     )
@@ -331,9 +332,9 @@ def _house() -> Stage:
         0.0, np.concatenate((start.positions, still.positions)), np.concatenate((start.rotations, still.rotations)),
         np.concatenate((start.angles, still.angles)),
     )
-    scene = Scene("live house", (*_rooms(), ledge, *things), (avatar, door, lift), start=both)
+    scene = Scene("live house", (*_rooms(), ledge, stand, *things), (avatar, door, lift), start=both)
     what = "a human of 24 links, a door on its hinges between two rooms, a lift (keys y and n), and boxes to carry (key c)"
-    return Stage(scene, handles_of(scene), what, human_stage.camera)
+    return Stage(scene, handles_of(scene), what, Camera((-2.6, -7.0, 6.6), (0.3, -0.2, 0.6)))
 
 
 def _box(position: Vector, size: Vector) -> Piece:

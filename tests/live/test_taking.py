@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.engine import Settings
+from avatarsim.engine import Settings, Snapshot
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import Command, Order, Plan, Switch
 from avatarsim.live.orders import World
@@ -14,6 +14,8 @@ from avatarsim.live.recording import OURS, Recorder, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.stages import stage
 from avatarsim.scene.tracker import TrackerSample
+from avatarsim.tolerances import JUDGED
+from reference.judging.judge import Judge
 from scenarios import catalog
 from scenarios.engines import opened
 from tests.live.small import plan, pushed
@@ -111,6 +113,29 @@ def test_a_human_walks_through_the_door_and_the_lift_raises_its_box() -> None:
     assert abs(world.shown.angles[-1]) > 1.0
     assert place_of(world, "lift")[2] > 0.4
     assert place_of(world, "box on the lift")[2] == pytest.approx(place_of(world, "lift")[2] + 0.225, abs=1e-3)
+
+
+def test_a_human_carries_a_box_through_the_door() -> None:
+    scene = stage("house").scene
+    world, driver, shown = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene), list[Snapshot]()
+
+    def drag(link: str, place: tuple[float, float, float], frames: int) -> None:
+        for _ in range(frames):
+            driver.drag(link, place)
+            shown.append(world.advance(driver.tick(DT)).shown)
+        driver.release(link)
+
+    drag("human/right_hand", (-1.05, -0.8, 0.95), 150)
+    assert world.apply(Command(Order.TAKE)) == "" and world.told == "took box"
+    drag("human/right_hand", (-1.3, -0.4, 1.25), 90)
+    drag("human/pelvis", (-1.6, 0.0, 1.0), 120)
+    for frame in range(360):
+        if frame % 10 == 0:
+            driver.press("i")
+        shown.append(world.advance(driver.tick(DT)).shown)
+    assert place_of(world, "box")[0] > 1.5 and abs(world.shown.angles[-1]) > 1.0
+    depths = Judge(scene).depths(np.array([one.positions for one in shown]), np.array([one.orientations for one in shown]))
+    assert depths.max() <= JUDGED
 
 
 def test_trackers_tell_of_all_but_moving_bodies() -> None:
