@@ -321,7 +321,8 @@ def _house() -> Stage:
     stand = fixed("stand", (_box((0.0, 0.0, 0.35), (0.4, 0.4, 0.7)),), "wood", (-1.0, -0.9, 0.0))
     things = tuple(
         _loose(name, (Piece(Box((size, size, size))),), mass, place) for name, size, mass, place in (
-            ("box", 0.25, 2.0, (-1.0, -0.9, 0.7 + GAP + 0.125)), ("box on the lift", 0.25, 2.0, (2.8, -1.3, 0.1 + 2.0 * GAP + 0.125)),
+            ("box", 0.25, 2.0, (-1.0, -0.9, 0.7 + GAP + 0.125)),
+            ("box on the lift", 0.25, 2.0, (2.8, -1.3, 0.1 + 2.0 * GAP + 0.125)),
             ("box behind the door", 0.4, 4.0, (0.9, 0.3, 0.2)),
         )
     )
