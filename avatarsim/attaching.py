@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.coupling.coupled_bodies import link_together
-from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.errors import InvalidInput, UnknownName, UnsupportedScene
 from avatarsim.frame import Frames
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.world import World
@@ -22,7 +22,7 @@ def attach(frames: Frames, body: str, link: str) -> None:
     scene, drive, poses = frames.world.scene, frames.world.drive, frames.world.poses
     if not isinstance(frames.lower if frames.driven else None, IkLoop) or not frames.effects.coupling:
         valid = "one with avatars, simulated bodies and coupling, loaded with the preset default"
-        raise InvalidInput("scene to attach a body in", scene.name, valid)
+        raise UnsupportedScene("scene to attach a body in", scene.name, valid)
     for name, role, kind in ((body, Role.SIMULATED, "simulated body"), (link, Role.DRIVEN, "link")):
         known = [one for one, its in zip(scene.names, scene.roles, strict=True) if its is role]
         if name not in known:

@@ -87,6 +87,10 @@ class InvalidShape(InvalidInput):
     """A shape without volume or with a non-finite or non-positive size."""
 
 
+class UnsupportedScene(InvalidInput):
+    """A scene that an engine, or one of its presets, cannot run."""
+
+
 class InvalidSample(InvalidInput):
     """A tracker sample that is not finite or does not fit the avatars of the scene."""
 

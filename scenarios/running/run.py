@@ -8,7 +8,7 @@ from time import perf_counter
 import numpy as np
 
 from avatarsim.engine import Engine, FrameRecord, Snapshot
-from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps, described
+from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps, UnsupportedScene, described
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses_each
 from avatarsim.spatial import rotation
@@ -78,6 +78,8 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
             native.write_steps(engine, folder, job)
     except MissingPackage as error:
         return Outcome(job, "not-measured", str(error), about=about)
+    except UnsupportedScene as error:
+        return Outcome(job, "cannot-say", str(error), about=about)
     except StartOverlaps as error:
         return Outcome(job, "refused" if scenario.expects.get(REFUSAL) else "crashed", described(error), about=about)
     except Exception as error:

@@ -61,7 +61,6 @@ SCENARIO = Scenario(
     build=build,
     motion=motion,
     frames=345,
-    short=150,
     bounds=(
         NO_OVERLAP, RIGHT_SIDE, FINITE, replace(KEEPS_MOVING, limit=5.0), NO_LEAP,
         Bound("height_missing", 1.05 * SAG, "the mug rises with its user, less what eq. 6 sags and turns under its weight"),
