@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.coupling.coupled_bodies import link_together
-from avatarsim.errors import InvalidInput, UnknownName, UnsupportedScene
+from avatarsim.errors import InvalidInput, InvalidSnapshot, UnknownName, UnsupportedScene
 from avatarsim.frame import Frames
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.world import World
@@ -20,9 +20,7 @@ Array = NDArray[np.float64]
 def attach(frames: Frames, body: str, link: str) -> None:
     """Attach a simulated body to a link, where they are. Raises UnknownName and InvalidInput as `AvatarsimEngine.attach`."""
     scene, drive, poses = frames.world.scene, frames.world.drive, frames.world.poses
-    if not isinstance(frames.lower if frames.driven else None, IkLoop) or not frames.effects.coupling:
-        valid = "one with avatars, simulated bodies and coupling, loaded with the preset default"
-        raise UnsupportedScene("scene to attach a body in", scene.name, valid)
+    require_attaching(frames, "scene to attach a body in")
     for name, role, kind in ((body, Role.SIMULATED, "simulated body"), (link, Role.DRIVEN, "link")):
         known = [one for one, its in zip(scene.names, scene.roles, strict=True) if its is role]
         if name not in known:
@@ -38,11 +36,37 @@ def attach(frames: Frames, body: str, link: str) -> None:
     frames.upper.memory.asleep[b] = 0
 
 
-def attach_at_start(frames: Frames, known: Sequence[str]) -> None:
-    """Attach what the scene says, but for pairs that were `known` before it was changed. Raises InvalidInput as `attach`."""
+def require_attaching(frames: Frames, thing: str) -> None:
+    """Raise UnsupportedScene where bodies cannot be attached."""
+    able = isinstance(frames.lower if frames.driven else None, IkLoop) and frames.effects.coupling and frames.effects.dynamics
+    if not able:
+        valid = "one with avatars, simulated bodies, coupling and dynamics, loaded with the preset default"
+        raise UnsupportedScene(thing, frames.world.scene.name, valid)
+
+
+def attach_at_start(frames: Frames, old: World | None) -> None:
+    """Attach the pairs of the scene; of a scene that was changed those that the ``old`` one did not have.
+
+    Raises UnsupportedScene where the scene cannot hold what it says, or what is attached already, and InvalidInput as `attach`.
+    """
+    known = () if old is None else old.scene.attached
+    names = frames.world.scene.names
+    if old is not None and any(body in names and link in names for body, link in attached(old).items()):
+        require_attaching(frames, "scene to change to while bodies are attached")
+    held = attached(frames.world)
     for body, link in frames.world.scene.attached:
-        if body not in known or link not in known:
+        if (body, link) not in known and held.get(body) != link:
             attach(frames, body, link)
+
+
+def require_sound(world: World) -> None:
+    """Raise InvalidSnapshot for attached bodies that are no simulated ones, or on what is no link."""
+    roles = world.scene.roles
+    for b, k in enumerate(world.drive.carrier.tolist()):
+        sound = k < 0 or (roles[b] is Role.SIMULATED and roles[k] is Role.DRIVEN)
+        leader = int(world.drive.tied[k]) if k >= 0 else b
+        if not sound or (roles[b] is not Role.DRIVEN and int(world.drive.tied[b]) != leader):
+            raise InvalidSnapshot(f"link that {world.scene.names[b]} is attached to", k, "the number of a link, -1 for none")
 
 
 def release(world: World, body: str) -> None:

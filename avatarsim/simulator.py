@@ -12,7 +12,7 @@ from typing import NoReturn, Self, SupportsIndex, get_type_hints
 
 import numpy as np
 
-from avatarsim.attaching import attach, attach_at_start, attached, gripped, release
+from avatarsim.attaching import attach, attach_at_start, attached, gripped, release, require_sound
 from avatarsim.batch import Shown
 from avatarsim.contact_forces import contacts_with_forces, felt
 from avatarsim.engine import FrameRecord, Settings, Snapshot
@@ -353,6 +353,7 @@ class AvatarsimEngine:
             try:
                 for field, array in zip(kept, arrays, strict=True):
                     field.array[...] = array
+                require_sound(frames.world)
                 frames.go_on_from(time)
                 if frames.driven and isinstance(frames.lower, IkLoop):
                     require_within_limits(frames.world, NOTHING)
@@ -382,7 +383,7 @@ class AvatarsimEngine:
         )
         if old and both:
             carry_loops(old, frames, both)
-        attach_at_start(frames, old.world.scene.names if old else ())
+        attach_at_start(frames, old.world if old else None)
         self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
         self._before = shown_poses(world)
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling

@@ -349,7 +349,9 @@ def carry_attached(old: World, new: World, both: Shared) -> None:
         carrier = links.get(int(old.drive.carrier[before]), -1)
         if carrier >= 0:
             new.drive.carrier[now], new.drive.tied[now] = carrier, new.drive.tied[carrier]
-            new.drive.held_place[now], new.drive.held_turn[now] = old.drive.held_place[before], old.drive.held_turn[before]
+            # places are of centres of mass, which another body of the name may have elsewhere
+            turn, shift = old.drive.held_turn[before], new.centres[now] - old.centres[before]
+            new.drive.held_place[now], new.drive.held_turn[now] = old.drive.held_place[before] + turn @ shift, turn
     link_together(new.drive, new.skeleton)
 
 

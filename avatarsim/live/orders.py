@@ -47,7 +47,11 @@ class World:
         """One frame."""
         self.shown = self.engine.advance(sample, self.dt)
         if self.pinches and isinstance(self.engine, AvatarsimEngine):
-            self._pinch(self.engine, True)
+            try:
+                self._pinch(self.engine, True)
+            except AvatarsimError:
+                # after a switch to what attaches nothing
+                self.pinches = False
         return self.shown
 
     def apply(self, command: Command) -> str:

@@ -90,7 +90,7 @@ NOT_LINKED, AS_A = -1, -2
 """Instead of a block of responses: the body has no joints; it is a link of the avatar of A, whose block has both."""
 
 LINKED_ROOM = 512
-"""Room for contacts of links that respond with all of their avatar; further ones push on their own link alone."""
+"""Room for contacts of links that respond with all of their avatar; further ones take no impulse."""
 
 SHARP, ROUND_A, ROUND_B, NORMAL_OF_ANOTHER, TWO_BALLS = 0, 1, 2, 4, 8
 """Flags of smoothness at a contact: neither surface, A's, B's, and that the normal is that of a third body's face, which does not

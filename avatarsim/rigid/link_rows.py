@@ -12,18 +12,23 @@ from avatarsim.rigid.linkages import add_force, is_linked, links_of, rates_for, 
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.vec3 import Vec3, cross, dot, put_row, row, scale
 
+IMMOVABLE = 1e-6
+"""Response of a contact, as a share of that of its bodies without joints, below which joints let nothing move along it: it is
+rounding. Such a row takes no impulse. Larger: long chains count as walls; smaller: rounding is divided by."""
+
 
 @kernel
 def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) -> None:
     """Store the responses of links for the contacts from ``first`` on, and correct their effective masses.
 
-    A contact without room pushes on its link alone, see `lacks_responses`.
+    A contact without room, see `lacks_responses`, takes no impulse: the certificate stops what it would stop.
     """
     contacts, drive = memory.contacts, dynamics.drive
     responses = contacts.responses
     if first == 0:
         responses.used[0] = 0
     for k in range(first, contacts.used[0]):
+        lacking = False
         for side in range(2):
             contacts.linked[k, side] = NOT_LINKED
         for side in range(2):
@@ -31,6 +36,7 @@ def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) ->
             if not is_linked(drive, b) or contacts.linked[k, side] == AS_A:
                 continue
             if lacks_responses(contacts):
+                lacking = True
                 continue
             contacts.linked[k, side] = responses.used[0]
             responses.used[0] += 1
@@ -43,6 +49,9 @@ def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) ->
             respond(drive.linkage, poses, contacts, k, side, same, first_link, end)
         if contacts.linked[k, 0] != NOT_LINKED or contacts.linked[k, 1] != NOT_LINKED:
             weigh_linked(contacts, memory, k)
+        if lacking:
+            for i in range(2):
+                contacts.inverse_effective_mass[k, i], contacts.effective_mass[k, i] = 0.0, 0.0
 
 
 @kernel
@@ -98,8 +107,10 @@ def weigh_linked(contacts: Contacts, memory: Memory, k: int) -> None:
     contacts.inverse_effective_mass[k, 0] = speed_per_impulse(contacts, memory, k, 0, 0)
     one, other = speed_per_impulse(contacts, memory, k, 1, 1), speed_per_impulse(contacts, memory, k, 2, 2)
     contacts.inverse_effective_mass[k, 1] = largest_across(one, other, speed_per_impulse(contacts, memory, k, 1, 2))
+    least = IMMOVABLE * (memory.hold.inverse_mass[contacts.body[k, 0]] + memory.hold.inverse_mass[contacts.body[k, 1]])
     for i in range(2):
         contacts.cross_response[k, i] = speed_per_impulse(contacts, memory, k, i + 1, 0)
-        # 0: no joint between the two lets the contact move
-        responds = contacts.inverse_effective_mass[k, i] > 0.0
-        contacts.effective_mass[k, i] = 1.0 / contacts.inverse_effective_mass[k, i] if responds else 0.0
+        if not (contacts.inverse_effective_mass[k, i] > least):
+            contacts.inverse_effective_mass[k, i], contacts.effective_mass[k, i] = 0.0, 0.0
+        else:
+            contacts.effective_mass[k, i] = 1.0 / contacts.inverse_effective_mass[k, i]

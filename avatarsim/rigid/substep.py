@@ -206,10 +206,12 @@ def put_targets(contacts: Contacts, first: int, count: int) -> None:
 
 @kernel
 def apply_kept(memory: Memory, count: int) -> None:
-    """Add the impulses that rows hold to the velocities."""
+    """Add the impulses that rows hold to the velocities; rows along which nothing moves hold none."""
     contacts = memory.contacts
     for k in range(count):
-        if contacts.impulse[k, 0] != 0.0:
+        if contacts.inverse_effective_mass[k, 0] == 0.0:
+            put_row(contacts.impulse, k, (0.0, 0.0, 0.0))
+        elif contacts.impulse[k, 0] != 0.0:
             p = row(contacts.impulse, k)
             push_all(contacts, memory.hold, k, p, memory.linear_end, memory.angular_end)
 

@@ -1,18 +1,21 @@
 """Things that are taken, pinched, carried and let go in a driven world; doors and lifts; and that recordings hold all of it."""
 
 from pathlib import Path
+from random import Random
 
 import numpy as np
 import pytest
 
 from avatarsim.engine import Settings, Snapshot
 from avatarsim.live.drive.driver import Driver
+from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Command, Order, Plan, Switch
 from avatarsim.live.orders import World
 from avatarsim.live.ports.protocol import Shape, parse
 from avatarsim.live.recording import OURS, Recorder, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.stages import stage
+from avatarsim.scene.body import Role
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.tolerances import JUDGED
 from reference.judging.judge import Judge
@@ -84,6 +87,40 @@ def test_recordings_hold_what_was_taken_and_pinched(tmp_path: Path) -> None:
     recorder.close()
     done = replay(read(tmp_path / "a.live"))
     assert done.difference is None and done.frames == len(samples)
+
+
+@pytest.mark.parametrize("seed", [1, 5])
+def test_hands_that_take_at_random_stay_finite_and_free(seed: int) -> None:
+    """Things held by several links of one hand meet one another where no joint lets them give way."""
+    random, scene = Random(seed), stage("toys").scene
+    world, driver = World(Plan(OURS, scene, Settings(), 60.0)), Driver(scene)
+    loose = [body.name for body in scene.bodies if body.role is Role.SIMULATED]
+    links, pulled, shown = scene.names[len(scene.bodies):], "", list[Snapshot]()
+    goal = np.zeros(3)
+    for frame in range(160):
+        if frame % 40 == 0:
+            if pulled:
+                driver.release(pulled)
+            goal = place_of(world, random.choice(loose)) + [random.uniform(-0.05, 0.05) for _ in range(3)]
+            pulled = random.choice(links)
+        driver.drag(pulled, goal)
+        if frame % 15 == 0:
+            driver.press(random.choice(KEYS).key)
+        if random.random() < 0.06:
+            world.apply(Command(Order.TAKE))
+        shown.append(world.advance(driver.tick(DT)).shown)
+    assert all(np.isfinite(one.velocities).all() for one in shown)
+    depths = Judge(scene).depths(np.array([one.positions for one in shown]), np.array([one.orientations for one in shown]))
+    assert depths.max() <= JUDGED
+
+
+def test_pinching_ends_where_a_switch_allows_no_holding() -> None:
+    world, samples = pinching()
+    world.apply(Command(Order.PINCH, True))
+    assert world.apply(Command(Order.SWITCH, Switch((), "paper"))) == ""
+    for sample in samples[:45]:
+        world.advance(sample)
+    assert not world.pinches
 
 
 def test_a_switch_of_the_method_keeps_what_is_held() -> None:

@@ -58,7 +58,13 @@ def beside(model: Model, room: Model) -> Model:
     taken = {body.name for body in model.room}
     if model.avatar is not None:
         taken |= {model.avatar.name}
-    names = {body.name: f"room_{body.name}" if body.name in taken else body.name for body in room.room}
+    names = dict[str, str]()
+    for body in room.room:
+        name = body.name
+        while name in taken:
+            name = f"room_{name}"
+        names[body.name] = name
+        taken.add(name)
     bodies = tuple(replace(body, name=names[body.name]) for body in room.bodies)
     moving = tuple(replace(one, name=names[one.name]) for one in room.moving)
     exclude, at_rest, attached = (

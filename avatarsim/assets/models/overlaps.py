@@ -69,10 +69,14 @@ def _lifts(model: Model, pairs: Pairs, root_moves: bool) -> dict[str, float]:
                 found[one] = max(found.get(one, 0.0), depth)
             elif model.avatar is not None and root_moves:
                 found[model.avatar.name] = max(found.get(model.avatar.name, 0.0), depth)
-    if model.avatar is not None and root_moves:
+    own = model.avatar.name if model.avatar is not None and root_moves else ""
+    together = {own, *(body for body, link in model.attached if own and (link == own or link.startswith(f"{own}/")))}
+    for body, _ in model.attached:
+        if body not in together:
+            # it keeps its place on what it is welded to
+            found.pop(body, None)
+    if own:
         # what is attached to the avatar is raised with it
-        own = model.avatar.name
-        together = {own, *(body for body, link in model.attached if link == own or link.startswith(f"{own}/"))}
         if lift := max((found.get(name, 0.0) for name in together), default=0.0):
             found |= dict.fromkeys(together, lift)
     return found

@@ -40,6 +40,9 @@ def attaching_welds(
 
 def _holds_reference(model: Compiled, k: int) -> bool:
     """Whether weld `k` holds its bodies as they are at the reference."""
+    if not model.eq_data[k, 10] > 0.0:
+        # turns are free
+        return False
     (place, turn), (other_place, other_turn) = (_pose(model, int(body)) for body in (model.eq_obj1id[k], model.eq_obj2id[k]))
     anchor, offset, relative = model.eq_data[k, :3], model.eq_data[k, 3:6], rotation.normalised(model.eq_data[k, 6:10])
     away = place + rotation.rotate(turn, offset) - other_place - rotation.rotate(other_turn, anchor)

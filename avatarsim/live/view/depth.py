@@ -23,7 +23,7 @@ def still(scene: Scene) -> Scene:
     bodies = tuple(body for body in scene.bodies if body.role is Role.FIXED)
     names = {*(body.name for body in bodies), *scene.names[len(scene.bodies):]}
     exclude = tuple(pair for pair in scene.exclude if names.issuperset(pair))
-    return replace(scene, bodies=bodies, exclude=exclude, require=(), force=())
+    return replace(scene, bodies=bodies, exclude=exclude, attached=(), require=(), force=())
 
 
 class OwnOverlap:

@@ -55,6 +55,18 @@ def test_a_weld_that_holds_another_pose_is_left_out_by_name(tmp_path: Path) -> N
     assert any("far" in said for said in model.said)
 
 
+def test_a_welded_tool_in_something_fixed_keeps_its_place(tmp_path: Path) -> None:
+    shelf = '<geom name="shelf" type="box" size=".1 .1 .04" pos=".5 0 .65"/>'
+    model = av.load_avatar(written(tmp_path, ARM + TOOL + shelf, '<equality><weld body1="wrist" body2="tool"/></equality>'))
+    tool = next(body for body in model.bodies if body.name == "tool")
+    assert tool.position == (0.5, 0.0, 0.575) and ("tool", "shelf") in {*model.exclude, *((b, a) for a, b in model.exclude)}
+
+
+def test_a_weld_whose_turns_are_free_is_left_out(tmp_path: Path) -> None:
+    model = model_of(tmp_path, '<equality><weld name="loose" body1="door" body2="handle" torquescale="0"/></equality>')
+    assert not model.attached and any("loose" in said for said in model.said)
+
+
 def test_an_inactive_weld_attaches_nothing(tmp_path: Path) -> None:
     assert not model_of(tmp_path, '<equality><weld body1="door" body2="handle" active="false"/></equality>').attached
 
