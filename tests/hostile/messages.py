@@ -11,7 +11,8 @@ from tests.hostile import valid_files as valid
 from tests.hostile.doors import Door, FileDoor, Unsound, finite, of_files
 from tests.hostile.mutation import damaged, damaged_json
 
-SHAPE = Shape(("body/root", "body/arm", "hand"), 2, ("table", "body/root", "body/arm", "hand"))
+LINKS = ("body/root", "body/arm", "hand")
+SHAPE = Shape(LINKS, 2, ("table", *LINKS, "door"), (*LINKS, "door"))
 SAMPLE = TrackerSample(0.0, np.full((3, 3), 0.5), np.tile([0.5, -0.5, 0.5, 0.5], (3, 1)), np.array([0.25, -1.5]))
 GOALS = {"links": {"arm": {"position": [0.1, 0.2, 0.3]}, "hand": {"position": [1, 2, 3], "rotation": [0, 0, 1, 0]}}}
 
@@ -30,7 +31,7 @@ def read(folder: Path, path: Path) -> object:
     """What a message says: a sample that fits the scene, or goals of links that it has."""
     found = parse(path.read_bytes(), SHAPE)
     if isinstance(found, Goals):
-        if not set(found.links) <= set(SHAPE.links):
+        if not set(found.links) <= set(SHAPE.handles):
             raise Unsound("a goal of no link")
         return [finite(goal) for goal in found.links.values()]
     if found.positions.shape != (3, 3) or found.rotations.shape != (3, 4) or found.angles.shape != (2,):
