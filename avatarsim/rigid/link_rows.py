@@ -4,6 +4,8 @@ An impulse on one link moves all links of its avatar, within joints and limits. 
 of a contact gives them are stored per contact, so that a sweep of the solver never opens a joint.
 """
 
+import math
+
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import Dynamics, Linkage
 from avatarsim.model.geometry import Poses
@@ -11,10 +13,11 @@ from avatarsim.rigid.contacts import AS_A, NOT_LINKED, Contacts, axis, lacks_res
 from avatarsim.rigid.linkages import add_force, is_linked, links_of, rates_for, velocities_of
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.vec3 import Vec3, cross, dot, put_row, row, scale
+from avatarsim.tolerances import GRAIN
 
-IMMOVABLE = 1e-6
-"""Response of a contact, as a share of that of its bodies without joints, below which joints let nothing move along it: it is
-rounding. Such a row takes no impulse. Larger: long chains count as walls; smaller: rounding is divided by."""
+IMMOVABLE = math.sqrt(GRAIN)
+"""Response of a contact, as a share of that of its bodies without joints, below which joints let nothing move along it: half of its
+digits are rounding. Such a row takes no impulse."""
 
 
 @kernel
