@@ -16,8 +16,8 @@ from avatarsim.spatial.vec3 import Vec3, cross, dot, put_row, row, scale
 from avatarsim.tolerances import GRAIN
 
 IMMOVABLE = math.sqrt(GRAIN)
-"""Response of a contact, as a share of that of its bodies without joints, below which joints let nothing move along it: half of its
-digits are rounding. Such a row takes no impulse."""
+"""Response of a contact, as a share of that of its bodies without joints, below which joints let nothing move along it: half of
+its digits are rounding. Such a row takes no impulse."""
 
 
 @kernel
