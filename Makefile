@@ -34,7 +34,7 @@ ifneq ($(strip $(PYTHON)),)
 $(READY): FORCE
 endif
 
-compare: $(READY)  ## every scene in every engine at its short length, the report, the verdict table (FULL=1: full lengths)
+compare: $(READY)  ## every scene in every engine at its short length, the report, a summary (FULL=1: full lengths)
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios compare $(if $(FULL),--full)
 

@@ -1,95 +1,171 @@
 """Reports: pages and summaries from the files of one run. Reads files, runs nothing."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from avatarsim.errors import InvalidFile
 
 if TYPE_CHECKING:
-    from reports.deciding.verdict import Verdict
-    from reports.page.index import Extras
-    from reports.reading.load import Results
+    import pandas as pd
 
-Found = TypeVar("Found")
+    from reports.tables.changes import Changes
+    from reports.tables.checks import Checks
+    from reports.tables.run import Run
+
 PAGE, SUMMARY, JUNIT = "index.html", "summary.md", "junit.xml"
 
+FILES = (SUMMARY, "results.csv", "sweep.csv", "stability.csv", "ablation.json", "bench.csv")
+"""Files that the page links, where the run has them."""
 
-def write_report(run_dir: Path) -> tuple[str, ...]:
-    """Write index.html, a page per scene, summary.md and junit.xml beside `run_dir`/results.json.
+SHOWN = 5
+"""Scenes of which the index shows stills."""
 
-    Of other files of the run one that is damaged costs its scene or its section: the pages name it, and so does a sentence each
-    that is returned. All pages are made before one of them is replaced. Raises InvalidFile when results.json is missing,
-    truncated or of another schema; what stands in the folder then stays as it is.
+BASELINE = Path(__file__).with_name("baseline.csv")
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True, eq=False)
+class Judged:
+    """What all forms of a report show of a run."""
+
+    run: "Run"
+    checks: "Checks"
+    changes: "Sequence[Changes]"
+    losses: "pd.DataFrame"
+
+
+def judged(folder: Path, before: Path | None = None, baseline: Path | None = None) -> Judged:
+    """Judge a run; compare it with an earlier one, and with the committed baseline.
+
+    Raises InvalidFile where results.json is missing, truncated or of another schema. An earlier run that cannot be read is left
+    out.
     """
-    from reports.deciding.verdict import verdict
-    from reports.page.index import Extras
-    from reports.reading.load import load
-    from reports.sections import (
-        broad_phase,
-        closeness,
-        convergence,
-        effects,
-        figure_7,
-        growth,
-        judge,
-        law_map,
-        narrow_phase,
-        stability,
-        table_2,
-    )
-    from reports.sections.sweep import points as sweep
+    from reports.summaries.baseline import load
+    from reports.tables.changes import against_baseline, changes
+    from reports.tables.checks import checks
+    from reports.tables.losses import losses
+    from reports.tables.run import read
 
-    results = load(run_dir)
-    damage = list[str]()
-
-    def part(load: Callable[[Path], Found]) -> Found | None:
-        """What a room of the run has; None where its file is damaged."""
+    run, found = read(folder), []
+    if before is not None:
         try:
-            return load(run_dir)
-        except InvalidFile as error:
-            damage.append(str(error).replace(f"{run_dir}/", ""))
-            return None
+            found.append(changes(read(before), run))
+        except InvalidFile:
+            # an older layout is no reason to have no report
+            pass
+    if baseline is not None and baseline.exists():
+        kept = load(baseline)
+        if kept.scenario.isin(run.rows.scenario).any():
+            found.append(against_baseline(kept, run, "baseline"))
+    return Judged(run, checks(run), found, losses(run))
 
-    extras = Extras(
-        narrow=part(narrow_phase.load), broad=part(broad_phase.load), two=part(table_2.load), growth=part(growth.load),
-        close=part(closeness.load), ablation=part(effects.load), figure_7=part(figure_7.load) or (), sweep=part(sweep.load),
-        converging=part(convergence.load), law_map=part(law_map.load), steady=part(stability.load), judge=part(judge.load),
-        # this one is written together with the pages
-        files=frozenset({SUMMARY, *(entry.name for entry in run_dir.iterdir() if entry.is_file())}),
-    )
-    _replace(run_dir, _texts(run_dir, results, verdict(results), extras, damage))
+
+def write_report(folder: Path, before: Path | None = None, baseline: Path | None = None) -> tuple[str, ...]:
+    """Write index.html, the pages beside it, a page per scene, summary.md and junit.xml.
+
+    Files of the run that are damaged cost their scene or section: the pages name them, and so does a sentence each that is
+    returned.
+    All pages are made before one of them is replaced. Raises InvalidFile as `judged`; files in the folder then stay as they are.
+    """
+    found, damage = judged(folder, before, baseline), list[str]()
+    _replace(folder, _texts(found, damage))
     return tuple(damage)
 
 
-def _texts(
-    run_dir: Path, results: "Results", judged: "Verdict", extras: "Extras", damage: list[str],
-) -> Iterator[tuple[str, str]]:
-    """(path, text) of everything that is written; to `damage` comes what is left out of scenes."""
-    from reports.page.index import layout, page
-    from reports.page.scene_pages import scene_pages
-    from reports.sections.page_paths import path_of
+def said(folder: Path, before: Path | None = None, baseline: Path | None = None) -> str:
+    """Return the summary of a run for a terminal. Raises InvalidFile as `judged`."""
+    from reports.summaries.text import terminal
+
+    found = judged(folder, before, baseline)
+    return terminal(found.run, found.checks, found.changes, found.losses)
+
+
+def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
+    """(path, text) of all files of a report; ``damage`` gets a sentence for each part that is left out."""
+    from reports.pages.articles import articles
+    from reports.pages.index import page
+    from reports.pages.scene import scene_pages
     from reports.summaries.junit import junit
-    from reports.summaries.summary import summary
+    from reports.summaries.text import markdown
+    from reports.tables import effects, hard_cases, settings
 
-    laid_out = layout(results, judged)
-    yield SUMMARY, summary(results, judged, extras.two, extras.close, damage, extras.sweep)
-    yield JUNIT, junit(judged)
-    courses, pictures, instants = {}, {}, {}
-    for made in scene_pages(run_dir, results, judged, laid_out.by_scene()):
-        courses[made.scene], pictures[made.scene], instants[made.scene] = made.charts, made.picture, made.instants
-        damage += [f"{made.scene}: {said}" for said in made.damage]
-        yield path_of(made.scene), made.text
-    yield PAGE, page(results, judged, extras, courses, laid_out, pictures, damage, instants)
+    run = found.run
+
+    def part(load: "Callable[[Path], Found]") -> Found | None:
+        try:
+            return load(run.folder)
+        except InvalidFile as error:
+            damage.append(str(error).replace(f"{run.folder}/", ""))
+            return None
+
+    tried, trials = part(settings.settings), part(hard_cases.trials)
+    tables = {
+        "settings": tried,
+        "cases": None if trials is None else hard_cases.by_case(trials),
+        "effects": part(effects.effects),
+    }
+    shown = telling(found, [] if tried is None else list(dict.fromkeys(tried.scenario)))
+    stills, instants = {}, {}
+    for made in scene_pages(run, frozenset(shown)):
+        if made.stills:
+            stills[made.scene] = made.stills
+        instants[made.scene] = made.instants
+        damage += made.damage
+        yield made.path, made.text
+    beside = articles(run)
+    yield from beside.items()
+    yield JUNIT, junit(found.checks)
+    yield SUMMARY, markdown(run, found.checks, found.changes, found.losses, damage)
+    files = [name for name in FILES if name == SUMMARY or (run.folder / name).exists()] + [
+        name for name in beside if name == "bench.html"
+    ]
+    changes = next((one for one in found.changes if one.since != "baseline"), None)
+    yield (
+        PAGE,
+        page(
+            run,
+            found.checks,
+            changes,
+            tables,
+            found.losses,
+            {name: stills[name] for name in shown if name in stills},
+            instants,
+            damage,
+            files,
+        ),
+    )
 
 
-def _replace(run_dir: Path, texts: Iterable[tuple[str, str]]) -> None:
+def telling(found: Judged, scenes: Sequence[str]) -> list[str]:
+    """Return the scenes whose stills are shown: everyday ones, then avatars, then those in which other engines overlap most."""
+    run = found.run
+    depths = run.rows[
+        (run.rows.metric == "residual_overlap_max")
+        & run.rows.run.isin(run.runs)
+        & run.rows.scenario.isin(scenes or run.rows.scenario)
+    ]
+    depths = depths[~depths.run.str.startswith(("tracker/", run.gated.partition("/")[0] + "/"))].groupby("scenario").value.max()
+    order = sorted(
+        depths.index, key=lambda name: (name not in run.results.everyday, name not in run.avatars, -_number(depths[name]))
+    )
+    return [str(name) for name in order[:SHOWN]]
+
+
+def _number(value: float) -> float:
+    """A value, or zero for one that is no number."""
+    return value if value == value else 0.0
+
+
+def _replace(folder: Path, texts: Iterable[tuple[str, str]]) -> None:
     """Write each text beside its place; once all are there, move them in, the page that leads to the others last."""
     halves: list[tuple[Path, Path]] = []
     try:
         for name, text in texts:
-            place = run_dir / name
+            place = folder / name
             place.parent.mkdir(exist_ok=True)
             half_written = place.with_name(f".{place.name}.part")
             halves.append((half_written, place))

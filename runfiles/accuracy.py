@@ -63,7 +63,9 @@ def missing(found: Iterable[Reached], ours: str = "avatarsim") -> dict[tuple[str
         if one.step == one.step:
             finest[place] = min(finest.get(place, math.inf), one.step)
     return {
-        (scene, engine): finest[scene, engine] for (scene, engine), error in least.items()
-        if engine != ours and (scene, engine) in finest
+        (scene, engine): finest[scene, engine]
+        for (scene, engine), error in least.items()
+        if engine != ours
+        and (scene, engine) in finest
         and any(least.get((scene, ours), math.inf) <= level < error for level in LEVELS)
     }

@@ -19,14 +19,17 @@ CROWD_PREFIX = "crowd_"
 OWN_PREFIX = "own_"
 """How the names of scenes begin that a user brings as files."""
 BASE: Mapping[tuple[str, str], str] = {
-    ("mujoco", "sleeping"): "tuned", ("mujoco", "servos"): "tuned", ("mujoco", "hinges"): "tuned",
-    ("pybullet", "sleeping"): "tuned", ("pybullet", "follows"): "default",
+    ("mujoco", "sleeping"): "tuned",
+    ("mujoco", "servos"): "tuned",
+    ("mujoco", "hinges"): "tuned",
+    ("pybullet", "sleeping"): "tuned",
+    ("pybullet", "follows"): "default",
 }
 """(engine, variant) -> the preset that it changes."""
 
 
 def base_of(run: str) -> str:
-    """"engine/preset" of the preset that the variant `run` changes; "" for a run that is none."""
+    """ "engine/preset" of the preset that the variant `run` changes; "" for a run that is none."""
     engine, _, variant = run.partition("/")
     preset = BASE.get((engine, variant))
     return "" if preset is None else f"{engine}/{preset}"

@@ -33,14 +33,25 @@ OF_USER = ("raw_positions", "raw_orientations", "raw_angles")
 COUNTED = ("counts", "statuses")
 """The fields that hold numbers of frames by name."""
 LAYOUT: Mapping[str, tuple[str | int, ...]] = {
-    "times": ("f8", "states"), "positions": ("f8", "states", "bodies", 3), "orientations": ("f8", "states", "bodies", 4),
-    "velocities": ("f8", "states", "bodies", 3), "angular_velocities": ("f8", "states", "bodies", 3),
-    "angles": ("f8", "states", "angles"), "raw_positions": ("f8", "states", "links", 3),
-    "raw_orientations": ("f8", "states", "links", 4), "raw_angles": ("f8", "states", "hinges"),
-    "inside_time": ("f8", "snapshots"), "inside_frame": ("i8", "snapshots"), "inside_event": ("i8", "snapshots"),
-    "inside_positions": ("f8", "snapshots", "bodies", 3), "inside_orientations": ("f8", "snapshots", "bodies", 4),
-    "inside_velocities": ("f8", "snapshots", "bodies", 3), "inside_angular_velocities": ("f8", "snapshots", "bodies", 3),
-    "state_hashes": ("U", "states"), "counted": ("i8", "states"), "overlap": ("f8", "states"),
+    "times": ("f8", "states"),
+    "positions": ("f8", "states", "bodies", 3),
+    "orientations": ("f8", "states", "bodies", 4),
+    "velocities": ("f8", "states", "bodies", 3),
+    "angular_velocities": ("f8", "states", "bodies", 3),
+    "angles": ("f8", "states", "angles"),
+    "raw_positions": ("f8", "states", "links", 3),
+    "raw_orientations": ("f8", "states", "links", 4),
+    "raw_angles": ("f8", "states", "hinges"),
+    "inside_time": ("f8", "snapshots"),
+    "inside_frame": ("i8", "snapshots"),
+    "inside_event": ("i8", "snapshots"),
+    "inside_positions": ("f8", "snapshots", "bodies", 3),
+    "inside_orientations": ("f8", "snapshots", "bodies", 4),
+    "inside_velocities": ("f8", "snapshots", "bodies", 3),
+    "inside_angular_velocities": ("f8", "snapshots", "bodies", 3),
+    "state_hashes": ("U", "states"),
+    "counted": ("i8", "states"),
+    "overlap": ("f8", "states"),
     "frame_times_ns": ("i8", "repeats", "frames"),
 }
 """Kind of number and axes of every field, and of every array in COUNTED; axes of one name are equally long."""
@@ -185,8 +196,10 @@ def misfit(arrays: Mapping[str, Any]) -> str:
         for found in counted if name == "counted" else [arrays[name]] if name in arrays else []:
             if name == "overlap" and found.size == 0:
                 continue
-            expected = tuple(sizes.setdefault(axis, size) if isinstance(axis, str) else axis
-                             for axis, size in zip(axes, found.shape, strict=False))
+            expected = tuple(
+                sizes.setdefault(axis, size) if isinstance(axis, str) else axis
+                for axis, size in zip(axes, found.shape, strict=False)
+            )
             if not found.dtype.str[1:].startswith(kind) or found.ndim != len(axes) or found.shape != expected:
                 return name
     return ""

@@ -21,7 +21,7 @@ PHASE_FRAMES = 30
 
 
 def counted(number: int, noun: str) -> str:
-    """"1 frame", "3 frames"."""
+    """ "1 frame", "3 frames"."""
     return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
 
 

@@ -44,6 +44,7 @@ def parser() -> argparse.ArgumentParser:
     shared.add_argument("--out", type=path_option, default=OUT, metavar="DIR", help="folder for runs (default: reports/out)")
     goes_on = "go on with the run in this folder, of which all is asked for, or more; its recordings are kept"
     shared.add_argument("--resume", type=path_option, metavar="RUN", help=goes_on)
+    shared.add_argument("--verbose", action="store_true", help="a row per scene and engine after the run, instead of the summary")
     shared.add_argument("--json", action="store_true", help="rows as JSON instead of the table")
     # for tests: a scene cut short proves nothing about the scene
     shared.add_argument("--frames", type=int, default=None, help=argparse.SUPPRESS)

@@ -11,7 +11,7 @@ from pathlib import Path
 from sphinx.application import Sphinx
 
 from docs.extensions import public_names
-from reports.page.glossary import TERMS
+from runfiles.metrics import METRICS
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -23,9 +23,9 @@ def first_example() -> str:
 
 
 def terms_of_the_report() -> str:
-    """The glossary of a run's report as a table."""
-    rows = [f"| {words} | {meaning.replace('|', chr(92) + '|')} |" for words, meaning in TERMS]
-    return "\n".join(["| term | means |", "|---|---|", *rows])
+    """The metrics of a run's report as a table."""
+    rows = [f"| {one.label} | {one.definition.replace('|', chr(92) + '|')} |" for one in METRICS.values()]
+    return "\n".join(["| metric | means |", "|---|---|", *rows])
 
 
 def api() -> str:

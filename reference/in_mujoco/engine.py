@@ -24,10 +24,12 @@ from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
 from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
-from runfiles.explained import PINNED
 from runfiles.naming import COMPILED
 
 Array = NDArray[np.float64]
+
+PINNED = "pinned: 4.0.0 of 6 November 2026 has a wrong Hessian with sparse Jacobians, whose repair is not published"
+"""Reason of the version."""
 
 
 def _quiet(message: str) -> None:

@@ -155,7 +155,7 @@ def order(pieces: Sequence[Piece], outlines: Sequence[Array], towards: Array, si
     before: list[set[int]] = [set() for _ in pieces]
     waits = [0] * len(pieces)
     for first in range(len(pieces)):
-        meets = ((low[first] < high[first + 1:]) & (low[first + 1:] < high[first])).all(axis=1)
+        meets = ((low[first] < high[first + 1 :]) & (low[first + 1 :] < high[first])).all(axis=1)
         for second in (first + 1 + int(k) for k in np.flatnonzero(meets)):
             nearer = _nearer(pieces, sides, first, second, towards, TOUCHING * size)
             if nearer is not None:
@@ -180,8 +180,7 @@ def order(pieces: Sequence[Piece], outlines: Sequence[Array], towards: Array, si
 
 
 def _nearer(
-    pieces: Sequence[Piece], sides: Sequence[Sequence[tuple[Array, float]]], first: int, second: int, towards: Array,
-    slack: float,
+    pieces: Sequence[Piece], sides: Sequence[Sequence[tuple[Array, float]]], first: int, second: int, towards: Array, slack: float
 ) -> int | None:
     """Which of two pieces covers the other; None where no face separates them, or faces separate them in both ways."""
     found = set()

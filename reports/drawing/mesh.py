@@ -33,10 +33,14 @@ def ball(radii: Sequence[float], stretch: float = 0.0) -> Mesh:
     turns = np.linspace(0.0, 2.0 * np.pi, SECTORS, endpoint=False)
     shift = np.where(np.arange(len(rings)) <= RINGS // 2, 0.5, -0.5) * stretch
     across = np.cos(rings)[:, None]
-    points = np.stack([
-        radii[0] * across * np.cos(turns), radii[1] * across * np.sin(turns),
-        np.broadcast_to((radii[2] * np.sin(rings) + shift)[:, None], (len(rings), SECTORS)),
-    ], axis=-1)
+    points = np.stack(
+        [
+            radii[0] * across * np.cos(turns),
+            radii[1] * across * np.sin(turns),
+            np.broadcast_to((radii[2] * np.sin(rings) + shift)[:, None], (len(rings), SECTORS)),
+        ],
+        axis=-1,
+    )
     row, column = np.meshgrid(np.arange(len(rings) - 1), np.arange(SECTORS), indexing="ij")
     near, far = row * SECTORS + column, row * SECTORS + (column + 1) % SECTORS
     below, beyond = near + SECTORS, far + SECTORS

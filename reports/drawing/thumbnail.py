@@ -11,7 +11,6 @@ import numpy as np
 
 from reports.drawing.convex_picture import MOST_FACES, Array, Piece, order, placed
 from reports.reading.kept import Drawn, Shown
-from reports.reading.load import Series
 
 WIDTH, HEIGHT = 320, 200
 """Units of the picture, two per pixel of a card: whole numbers of them are as fine as a screen shows."""
@@ -21,8 +20,6 @@ ELEVATION = 0.4
 """Angle [rad] from which the eye looks down, as the replay does when it opens."""
 LEAST_OFFSET = 0.01
 """Distance [m] from which the place of a tracked link is drawn as a ghost: nearer ones cannot be told from what is shown."""
-LEAST_DEPTH = 1e-3
-"""Overlap [m] of the raw tracker from which its deepest state is the telling one; less is a touch."""
 MOST_FIXED = 60
 """Fixed pieces drawn at most, the largest in the picture: a room of two hundred plates is no clearer for all of them."""
 LIGHT = np.array([0.35, -0.5, 0.79])
@@ -31,21 +28,9 @@ SHADES = (0.75, 0.35)
 """Cosines to the light from which a face is light, and from which it is half light; below it is dark."""
 
 
-def telling(main: Shown, raw: Series | None) -> int:
-    """The state to draw: where the raw tracker is deepest inside something, else where most contacts are, else the middle."""
-    states = len(main.times)
-    if raw is not None and raw.overlap.size == states and np.isfinite(raw.overlap).any():
-        if float(np.nanmax(raw.overlap)) > LEAST_DEPTH:
-            return int(np.nanargmax(raw.overlap))
-    contacts = main.counts.get("contacts")
-    if contacts is not None and len(contacts) == states and contacts.max() > contacts.min():
-        return int(np.argmax(contacts))
-    return states // 2
-
-
-def thumbnail(scene: Drawn, main: Shown, state: int, turn: float, label: str) -> str:
-    """The picture of what `main` shows in a state, seen from the azimuth `turn` [rad] and described by `label`; "" where nothing
-    of it can be drawn."""
+def thumbnail(scene: Drawn, main: Shown, state: int, turn: float, label: str, view: tuple[Array, float] | None = None) -> str:
+    """Return the picture of what `main` shows in a state, seen from the azimuth `turn` [rad] and described by `label`; "" where
+    nothing of it can be drawn. `view`: corner and scale of another picture, to show the same part."""
     moving = [k for k, body in enumerate(scene.bodies) if body["role"] != "fixed"]
     bodies = _placed(scene, main, state)
     ghosts = _ghosts(scene, main, state)
@@ -53,7 +38,7 @@ def thumbnail(scene: Drawn, main: Shown, state: int, turn: float, label: str) ->
     if not seen:
         return ""
     axes, towards = _eye(turn)
-    low, scale = _frame([piece.outline(axes) for piece in seen])
+    low, scale = view or _frame([piece.outline(axes) for piece in seen])
     pieces, roles = _in_picture(scene, bodies, axes, low, scale)
     outlines = [piece.outline(axes) for piece in pieces]
     marks = []
@@ -64,8 +49,19 @@ def thumbnail(scene: Drawn, main: Shown, state: int, turn: float, label: str) ->
         marks += _marks(pieces[k], outlines[k], "veil" if veils else roles[k], axes, towards, low, scale)
         drawn.append(k)
     marks += [_path("g", piece.outline(axes), low, scale) for piece in ghosts]
-    return (f'<svg class="thumb" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(label, quote=True)}">'
-            + "".join(marks) + "</svg>")
+    return (
+        f'<svg class="still" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(label, quote=True)}">'
+        + "".join(marks)
+        + "</svg>"
+    )
+
+
+def framed(scene: Drawn, main: Shown, state: int, turn: float) -> tuple[Array, float] | None:
+    """Return corner and scale of the picture of what `main` shows in a state; None where nothing of it can be drawn."""
+    moving = [k for k, body in enumerate(scene.bodies) if body["role"] != "fixed"]
+    bodies = _placed(scene, main, state)
+    seen = [piece for k in moving for piece in bodies[k]] + _ghosts(scene, main, state)
+    return _frame([piece.outline(_eye(turn)[0]) for piece in seen]) if seen else None
 
 
 def _meet(one: Array, other: Array) -> bool:
@@ -113,7 +109,7 @@ def _frame(outlines: Sequence[Array]) -> tuple[Array, float]:
 
 
 def _in_picture(
-    scene: Drawn, bodies: Sequence[Sequence[Piece]], axes: Array, low: Array, scale: float,
+    scene: Drawn, bodies: Sequence[Sequence[Piece]], axes: Array, low: Array, scale: float
 ) -> tuple[list[Piece], list[str]]:
     """(pieces, role of each) that the picture shows: all that move, and the largest of the fixed ones."""
     moving: list[tuple[Piece, str]] = []

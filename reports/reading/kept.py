@@ -63,7 +63,7 @@ class Shown:
 def drawn(run_dir: Path, scene: str) -> Drawn | None:
     """The scene's file, None where the run has none. Raises InvalidFile for one that is damaged or of another layout."""
     path = run_dir / "scenes" / f"{scene}.json"
-    if not path.exists():
+    if not os.path.exists(path):
         return None
     found: Any = read_json(path, str(path), WRITTEN)
     try:
@@ -121,7 +121,7 @@ def fitting(one: Shown, scene: Drawn | None) -> Shown:
 
 def _pairs(path: Path, states: int, bodies: int) -> list[tuple[int, int, int, float]]:
     """Overlapping pairs of so many states shown of so many bodies and links."""
-    if not path.exists():
+    if not os.path.exists(path):
         return []
     stored = array_file.read(path)
     for name, kind, most in (("frame", "i", states), ("first", "i", bodies), ("second", "i", bodies), ("depth", "f", math.inf)):

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from runfiles.published import MOST_BYTES, check
-from runfiles.sayable import Unsaid
 
 Array = NDArray[np.float64]
 
@@ -104,11 +103,6 @@ class Results:
         return self._by_scene.get(scene, ())
 
     @cached_property
-    def unsaid(self) -> Unsaid:
-        """Which figures do not judge an engine, because it has no words for what they measure."""
-        return Unsaid(self.engines)
-
-    @cached_property
     def _by_scene(self) -> dict[str, list[Row]]:
         found: dict[str, list[Row]] = {}
         for row in self.rows:
@@ -137,8 +131,7 @@ def load(run_dir: Path) -> Results:
         return Results(
             rows=tuple(_row(raw) for raw in data["rows"]),
             series={
-                scene: {run: _series(raw) for run, raw in runs.items()}
-                for scene, runs in (data.get("series") or {}).items()
+                scene: {run: _series(raw) for run, raw in runs.items()} for scene, runs in (data.get("series") or {}).items()
             },
             engines=tuple(_engine_note(raw) for raw in data.get("engines") or ()),
             provenance=dict(data.get("provenance") or {}),
@@ -149,19 +142,23 @@ def load(run_dir: Path) -> Results:
                 name for name, raw in (data.get("scenes") or {}).items() if isinstance(raw, Mapping) and raw.get("everyday")
             ),
             families={
-                name: _text(raw["family"]) for name, raw in (data.get("scenes") or {}).items()
+                name: _text(raw["family"])
+                for name, raw in (data.get("scenes") or {}).items()
                 if isinstance(raw, Mapping) and raw.get("family")
             },
             frame_times={
-                name: float(raw["dt"]) for name, raw in (data.get("scenes") or {}).items()
+                name: float(raw["dt"])
+                for name, raw in (data.get("scenes") or {}).items()
                 if isinstance(raw, Mapping) and raw.get("dt")
             },
             scales={
-                name: float(raw["scale"]) for name, raw in (data.get("scenes") or {}).items()
+                name: float(raw["scale"])
+                for name, raw in (data.get("scenes") or {}).items()
                 if isinstance(raw, Mapping) and raw.get("scale")
             },
             lengths={
-                name: int(raw["frames"]) for name, raw in (data.get("scenes") or {}).items()
+                name: int(raw["frames"])
+                for name, raw in (data.get("scenes") or {}).items()
                 if isinstance(raw, Mapping) and raw.get("frames")
             },
         )

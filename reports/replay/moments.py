@@ -12,7 +12,7 @@ import numpy as np
 from avatarsim.spatial import rotation
 from reports.reading.kept import Array, Drawn, Shown
 from reports.reading.load import Results, Series
-from reports.words.wording import quantity
+from reports.tables.figures import quantity
 from runfiles.visible_motion import FAR, SHAKES, reversals, shaking
 
 LEAST = 1e-6
@@ -74,8 +74,12 @@ def _looks(one: Shown) -> Looks:
     steps = [np.linalg.norm(np.diff(places, axis=0), axis=2) for places in (links, one.raw_positions)]
     angles = [_angles(orientations) for orientations in (turns, one.raw_orientations)]
     return Looks(
-        np.nan_to_num(np.linalg.norm(links - one.raw_positions, axis=2)), states(back),
-        states(np.where(shaking(back, dt)[:, None], back, 0.0)), states(steps[0] - steps[1]), states(angles[0] - angles[1]), dt,
+        np.nan_to_num(np.linalg.norm(links - one.raw_positions, axis=2)),
+        states(back),
+        states(np.where(shaking(back, dt)[:, None], back, 0.0)),
+        states(steps[0] - steps[1]),
+        states(angles[0] - angles[1]),
+        dt,
     )
 
 
@@ -108,7 +112,7 @@ def _overlap(one: Shown, depth: Array | None) -> Moment | None:
 
 
 def called(link: int, names: Sequence[str]) -> str:
-    """"root" for the first link of an avatar, "link left_wrist" for another; "a link" where there are no names."""
+    """ "root" for the first link of an avatar, "link left_wrist" for another; "a link" where there are no names."""
     if not 0 <= link < len(names):
         return "a link"
     avatar, _, name = names[link].partition("/")
@@ -127,8 +131,11 @@ def _moments_of_links(seen: Looks, names: Sequence[str]) -> tuple[Moment | None,
     """Farthest from the user, shakes most, goes to and fro most, jumps most, changes its orientation most."""
     least = SHAKES * seen.dt
     told = (
-        (seen.apart, LEAST, "m", Kind.APART), (seen.shakes, LEAST, "m", Kind.SHAKES), (seen.back, least, "m", Kind.BACK),
-        (seen.beyond, least, "m", Kind.JUMP), (seen.turned, least / LEVER, "deg", Kind.ORIENTATION),
+        (seen.apart, LEAST, "m", Kind.APART),
+        (seen.shakes, LEAST, "m", Kind.SHAKES),
+        (seen.back, least, "m", Kind.BACK),
+        (seen.beyond, least, "m", Kind.JUMP),
+        (seen.turned, least / LEVER, "deg", Kind.ORIENTATION),
     )
     found = []
     for figures, enough, unit, kind in told:
@@ -147,8 +154,12 @@ def states_of_metrics(one: Shown, names: Sequence[str], parents: Sequence[int | 
         return {}
     seen = looks(one)
     figures = {
-        "link_jump_max": seen.beyond, "root_jump_max": seen.beyond[:, list(roots(names))], "reversal_max": seen.back,
-        "chatter_frames": seen.shakes, "tracker_offset_max": seen.apart, "pose_jump_max": _joints(one, parents),
+        "link_jump_max": seen.beyond,
+        "root_jump_max": seen.beyond[:, list(roots(names))],
+        "reversal_max": seen.back,
+        "chatter_frames": seen.shakes,
+        "tracker_offset_max": seen.apart,
+        "pose_jump_max": _joints(one, parents),
     }
     return {metric: int(np.argmax(each.max(axis=1))) for metric, each in figures.items() if each.size and each.max() > 0.0}
 
@@ -176,11 +187,16 @@ def remarks(one: Shown, step: int) -> list[tuple[int, str]]:
         return []
     seen = looks(one)
     least, found = SHAKES * seen.dt, []
-    told = ((seen.back, least, "to and fro"), (seen.beyond, least, "beyond its user in a frame"),
-            (seen.apart, FAR, "from its user"))
+    told = (
+        (seen.back, least, "to and fro"),
+        (seen.beyond, least, "beyond its user in a frame"),
+        (seen.apart, FAR, "from its user"),
+    )
     turned = np.maximum.reduceat(seen.turned.max(axis=1), np.arange(0, len(seen.turned), step))
-    worst = [(np.maximum.reduceat(figures.max(axis=1), np.arange(0, len(figures), step)), enough, words)
-             for figures, enough, words in told]
+    worst = [
+        (np.maximum.reduceat(figures.max(axis=1), np.arange(0, len(figures), step)), enough, words)
+        for figures, enough, words in told
+    ]
     for state in range(len(worst[0][0])):
         said = [f"{quantity(float(figures[state]), 'm')} {words}" for figures, enough, words in worst if figures[state] > enough]
         if turned[state] > least / LEVER:
@@ -229,7 +245,7 @@ def _longest_wait(one: Shown) -> tuple[float, float] | None:
 
 
 def address(time: float) -> str:
-    """"#t=0.341667": the part of a page's address that leads to a time [s]."""
+    """ "#t=0.341667": the part of a page's address that leads to a time [s]."""
     return f"#t={time:.6g}"
 
 

@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from avatarsim.spatial import rotation
-from reports.deciding.moments import Kind, Moment, moments, remarks
 from reports.drawing import mesh
 from reports.reading.kept import Array, Drawn, Shown
 from reports.replay import packed
+from reports.replay.moments import Kind, Moment, moments, remarks
 
 SEEN = 1e-6
 """Depth [m] from which a pair is marked, the bound on what may be shown."""
@@ -33,7 +33,7 @@ def stride(frames: Sequence[int], moving: int) -> int:
 
 
 def replay(
-    scene: Drawn, shown: Sequence[Shown], ours: str, depths: Mapping[str, Array] | None = None,
+    scene: Drawn, shown: Sequence[Shown], ours: str, depths: Mapping[str, Array] | None = None
 ) -> dict[str, object] | None:
     """The data of one scene's replay, ready for JSON; None when nothing was recorded. `ours` names the run that the view fits,
     `depths` are the judge's overlaps [m] by run, not a number where it found no pose to judge."""
@@ -60,25 +60,38 @@ def replay(
     ghost = _poses(main.raw_positions[::step], main.raw_orientations[::step], *box) if links else None
     return {
         "dt": float(main.times[1] - main.times[0]) * step if len(main.times) > 1 else 1.0 / 60.0,
-        "stride": step, "low": box[0].tolist(), "high": box[1].tolist(),
-        "focus": (0.5 * (low + high)).tolist(), "radius": radius,
-        "followed": followed, "near": near, "follow": near < FAR * radius, "leader": engines.index(main),
-        "reach": [reach[which[k]] for k in followed], "opens": opening(engines, worst, ours, step),
+        "stride": step,
+        "low": box[0].tolist(),
+        "high": box[1].tolist(),
+        "focus": (0.5 * (low + high)).tolist(),
+        "radius": radius,
+        "followed": followed,
+        "near": near,
+        "follow": near < FAR * radius,
+        "leader": engines.index(main),
+        "reach": [reach[which[k]] for k in followed],
+        "opens": opening(engines, worst, ours, step),
         "azimuth": azimuth(scene, shapes, which, main, 0.5 * (low + high), float(np.linalg.norm(high - low))),
         "meshes": [{"corners": packed.reals(points), "faces": packed.text(faces.astype(np.uint32))} for points, faces in shapes],
         "bodies": [{"name": body["name"], "role": body["role"], "mesh": which[k]} for k, body in enumerate(scene.bodies)],
         "still": [
             {"body": k, "place": main.positions[0, k].tolist(), "turn": main.orientations[0, k].tolist()}
-            for k in range(len(scene.bodies)) if k not in moving
+            for k in range(len(scene.bodies))
+            if k not in moving
         ],
-        "moving": moving, "links": list(range(len(scene.bodies) - links, len(scene.bodies))),
+        "moving": moving,
+        "links": list(range(len(scene.bodies) - links, len(scene.bodies))),
         "ghost": ghost,
         "runs": [
-            {"run": one.run, **_poses(one.positions[::step][:, moving], one.orientations[::step][:, moving], *box),
-             "pairs": _pairs(one, step),
-             "worst": [{"state": found.state // step, "said": found.said} for found in worst[one.run]],
-             "remarks": remarks(one, step),
-             "broken": _broken(one, step, (depths or {}).get(one.run))} for one in engines
+            {
+                "run": one.run,
+                **_poses(one.positions[::step][:, moving], one.orientations[::step][:, moving], *box),
+                "pairs": _pairs(one, step),
+                "worst": [{"state": found.state // step, "said": found.said} for found in worst[one.run]],
+                "remarks": remarks(one, step),
+                "broken": _broken(one, step, (depths or {}).get(one.run)),
+            }
+            for one in engines
         ],
     }
 
@@ -138,7 +151,7 @@ FIRST = (Kind.NO_NUMBER, Kind.OVERLAP, Kind.JUMP, Kind.ORIENTATION, Kind.BACK)
 
 
 def opening(
-    engines: Sequence[Shown], worst: Mapping[str, Sequence[Moment]], ours: str, step: int,
+    engines: Sequence[Shown], worst: Mapping[str, Sequence[Moment]], ours: str, step: int
 ) -> dict[str, dict[str, object]]:
     """The drawn states to open on, each with its run: "ours", where our engine looks worst (its overlap, or else its largest jump
     or change of orientation, or else its largest displacement to and fro, or what else there is), and "others", the deepest

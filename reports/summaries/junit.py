@@ -1,46 +1,51 @@
-"""`junit.xml`: one test case per scene and bound of the gate, and one for each run that crashed or was not measured."""
+"""`junit.xml`: a test case per check of the gated engine, and one for each run without figures."""
 
 from xml.etree import ElementTree
 
-from reports.deciding.verdict import WAIVED, Verdict
-from reports.reading.load import Row
-from reports.words.wording import limit, quantity
+import pandas as pd
+
+from reports.tables.checks import Checks
+from reports.tables.figures import quantity
+
+WAIVED = "waived"
 
 
-def junit(verdict: Verdict) -> str:
-    """The document as text. Failed checks are failures, crashes errors; skipped is what was waived, not measured, or cannot be
-    said. A waived check has the status `waived`, and its message says so."""
-    outcomes = (
-        *(("", row.status, row) for row in verdict.passed), *(("skipped", WAIVED, row) for row in verdict.waived),
-        *(("failure", row.status, row) for row in verdict.failed),
-        *(("error", row.status, row) for row in verdict.crashed), *(("skipped", row.status, row) for row in verdict.unmeasured),
-        *(("" if row.status == "refused" else "skipped", row.status, row) for row in verdict.neutral),
-    )
-    suite = ElementTree.Element("testsuite", {
-        "name": "avatarsim", "tests": str(len(outcomes)),
-        **{f"{kind}{'' if kind == 'skipped' else 's'}": str(sum(kind == outcome for outcome, *_ in outcomes))
-           for kind in ("failure", "error", "skipped")},
-    })
-    for kind, status, row in outcomes:
-        case = ElementTree.SubElement(suite, "testcase", {"classname": f"{row.scenario}.{row.run}", "name": _name(row)})
-        if status == WAIVED:
-            case.set("status", WAIVED)
+def junit(checks: Checks) -> str:
+    """Return the document. Failed checks are failures, crashes errors; waived and missing ones are skipped."""
+    suite = ElementTree.Element("testsuite", {"name": "avatarsim"})
+    counts = {"tests": 0, "failures": 0, "errors": 0, "skipped": 0}
+    for rows, kind, status in (
+        (checks.passed, "", "pass"),
+        (checks.waived, "skipped", WAIVED),
+        (checks.failed, "failure", "fail"),
+        (checks.crashed, "error", "crashed"),
+        (checks.unmeasured, "skipped", "not measured"),
+        (checks.refused, "", "refused"),
+    ):
+        counts["tests"] += len(rows)
         if kind:
-            ElementTree.SubElement(case, kind, {"message": _message(row, status)})
+            counts[{"failure": "failures", "error": "errors"}.get(kind, kind)] += len(rows)
+        for row in rows.itertuples():
+            _case(suite, row, kind, status)
+    for name, number in counts.items():
+        suite.set(name, str(number))
     ElementTree.indent(suite)
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def _name(row: Row) -> str:
-    name = row.metric or "run"
-    return f"{name} <= {limit(row.limit, row.unit)} (seed {row.seed})" if row.limit is not None else f"{name} (seed {row.seed})"
-
-
-def _message(row: Row, status: str) -> str:
-    text = status
-    if status in ("pass", "fail"):
-        text = f"{row.metric} is {quantity(row.value, row.unit)}, limit {limit(row.limit, row.unit)}"
-    elif status == WAIVED:
-        return (f"{WAIVED}: {row.metric} is {quantity(row.value, row.unit)}, bound {limit(row.bound, row.unit)}, waived up to "
-                f"{limit(row.limit, row.unit)}")
-    return f"{text}: {row.note}" if row.note else text
+def _case(suite: ElementTree.Element, row: object, kind: str, status: str) -> None:
+    scene, run, metric, seed = row.scenario, row.run, row.metric, row.seed  # type: ignore[attr-defined]
+    bound, waiver, unit = row.bound, row.waiver, row.unit  # type: ignore[attr-defined]
+    limit = waiver if pd.notna(waiver) else bound
+    name = f"{metric} <= {quantity(limit, unit)} (seed {seed})" if pd.notna(limit) else f"{metric} (seed {seed})"
+    case = ElementTree.SubElement(suite, "testcase", {"classname": f"{scene}.{run}", "name": name})
+    if status == WAIVED:
+        case.set("status", WAIVED)
+    if kind:
+        value = row.value  # type: ignore[attr-defined]
+        text = (
+            f"{status}: {metric} is {quantity(value, unit)}, limit {quantity(bound, unit)}"
+            if pd.notna(bound)
+            else f"{status}: {row.note}"  # type: ignore[attr-defined]
+        )
+        ElementTree.SubElement(case, kind, {"message": text})

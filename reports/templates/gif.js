@@ -1,5 +1,4 @@
 // An animated GIF (version 89a) from pictures in RGBA: one palette for all, pixels that stay are left out, packed by LZW.
-"use strict";
 const animatedGif = (width, height) => {
   const STAYS = 255, BINS = 32768, CLEAR = 256, END = 257, MOST_CODES = 4096, LONGEST_BLOCK = 255;
   const out = [];

@@ -1,9 +1,5 @@
 // Plays a scene again: one canvas, one view per engine, one timeline. Draws what was recorded, never between two states.
-"use strict";
-(() => {
-  const found = document.getElementById("replay-data");
-  if (!found || typeof THREE === "undefined") return;
-  const data = JSON.parse(found.textContent);
+function startReplay(data) {
   const root = document.getElementById("replay");
   const stage = root.querySelector(".stage");
   const say = (name) => root.querySelector(`[data-part="${name}"]`);
@@ -305,16 +301,19 @@
 
   // of what is shown above, at the chosen speed; nothing leaves the page but the file that is saved
   const film = say("film"), filmed = film.textContent;
-  const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12;
+  const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12, MOST_LINES = 3;
   let filming = false;
-  // words of a caption in lines that fit; a word that is wider than a line has one of its own
+  // words of a caption in few lines that fit, the rest left out; a word that is wider than a line has one of its own
   function wrapped(pen, text, wide) {
     const lines = [""];
     for (const word of text.split(" ")) {
       const longer = lines.at(-1) ? `${lines.at(-1)} ${word}` : word;
       if (lines.at(-1) && pen.measureText(longer).width > wide) lines.push(word); else lines[lines.length - 1] = longer;
     }
-    return lines;
+    if (lines.length <= MOST_LINES) return lines;
+    const words = lines.slice(0, MOST_LINES).at(-1).split(" ");
+    while (words.length > 1 && pen.measureText(`${words.join(" ")} …`).width > wide) words.pop();
+    return [...lines.slice(0, MOST_LINES - 1), `${words.join(" ")} …`];
   }
   function shot(pen, ratio) {
     draw(true);
@@ -336,11 +335,11 @@
       pen.strokeRect(x + 0.5, y + 0.5, wide - 1, tall - 1);
       if (view.cell.classList.contains("overlaps")) pen.strokeRect(x + 1.5, y + 1.5, wide - 3, tall - 3);
       pen.fillStyle = style.color;
-      pen.fillText(view.run.run, x + 7, y + 6);
+      pen.fillText(view.cell.querySelector(".called").textContent.trim(), x + 7, y + 6);
       pen.fillStyle = getComputedStyle(view.said).color;
       const lines = wrapped(pen, view.said.textContent, wide - 14);
-      // from where the page has them, or as much higher as more lines need
-      const begins = Math.min(top, top + deep - high * lines.length);
+      // below the picture where the page has them there, else at its lower edge
+      const begins = getComputedStyle(view.said).position === "static" ? top : top + deep - high * lines.length;
       lines.forEach((line, k) => pen.fillText(line, x + 7, begins + k * high, wide - 14));
     }
     return pen.getImageData(0, 0, pen.canvas.width, pen.canvas.height).data;
@@ -412,4 +411,4 @@
     show((data.opens.ours ?? data.opens.others ?? { state: 0 }).state);
     fit();
   }
-})();
+}

@@ -3,17 +3,15 @@
 import argparse
 import json
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from types import MappingProxyType
 
 import reports
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, described, likely
-from runfiles.files import clear_halves, plain, point_latest, run_folder
+from runfiles.files import clear_halves, latest, plain, point_latest, run_folder
 from runfiles.naming import GATED
-from runfiles.sayable import Unsaid
 from scenarios.cli.table import table
 from scenarios.engines import known
 from scenarios.job import Job, Outcome, State
@@ -152,7 +150,7 @@ def carried_out(
         code = studied(ran, also, code)
     if report:
         try:
-            trouble = reported(ran.folder)
+            trouble = reported(ran.folder, earlier_of(ran, asked))
         except KeyboardInterrupt:
             # Ctrl-C while the report is being written ends the writing too
             code, trouble = STOPPED, "the report was not written: stopped"
@@ -160,10 +158,9 @@ def carried_out(
             ran.note, code = trouble, code or INCOMPLETE
             ran.write(None if code == STOPPED else code)
             print(trouble, file=sys.stderr)
+    before = earlier_of(ran, asked)
     lead_to(ran, asked, code)
-    families = {name: scenario.family or name for name, scenario in made.scenarios.items()}
-    scales = {name: scenario.scale for name, scenario in made.scenarios.items()}
-    show(asked, ran.rows(), made.gated, families, ran.unsaid(), scales)
+    show(asked, ran.rows(), made.gated, ran.folder if report and not asked.verbose else None, before)
     for said in ran.remarks():
         print(said, file=sys.stderr)
     return finished(asked, words, made, ran, code)
@@ -244,11 +241,18 @@ def finished(asked: argparse.Namespace, words: Sequence[str], made: Plan, ran: R
     return code
 
 
-def reported(folder: Path) -> str:
-    """Write the report of a run; empty, or one sentence about why there is none, or what it is without. The figures are safe in
-    their files before."""
+def earlier_of(ran: Run, asked: argparse.Namespace) -> Path | None:
+    """The last run of the same command, to compare with; None without one."""
+    before = latest(asked.out, asked.command)
+    found = before.resolve() if before.exists() else None
+    return found if found is not None and found != ran.folder.resolve() else None
+
+
+def reported(folder: Path, before: Path | None = None) -> str:
+    """Write the report of a run, beside an earlier one; empty, or one sentence about why there is none, or what it is without.
+    The figures are safe in their files before."""
     try:
-        damage = reports.write_report(folder)
+        damage = reports.write_report(folder, before, reports.BASELINE)
     except (ImportError, AvatarsimError) as error:
         return f"the report was not written: {error}"
     except Exception as error:
@@ -258,14 +262,18 @@ def reported(folder: Path) -> str:
 
 
 def show(
-    asked: argparse.Namespace, rows: Sequence[Row], gated: frozenset[tuple[str, str]],
-    families: Mapping[str, str] = MappingProxyType({}), unsaid: Unsaid | None = None,
-    scales: Mapping[str, float] = MappingProxyType({}),
+    asked: argparse.Namespace, rows: Sequence[Row], gated: frozenset[tuple[str, str]], folder: Path | None = None,
+    before: Path | None = None,
 ) -> None:
-    """The table, or all rows as JSON."""
-    told = json.dumps(plain([asdict(row) for row in rows]), allow_nan=False) if asked.json else \
-        table(rows, gated, families, unsaid, scales)
-    print(told)
+    """All rows as JSON; else the summary of the report in ``folder``, or a line per scene and engine without one."""
+    if asked.json:
+        print(json.dumps(plain([asdict(row) for row in rows]), allow_nan=False))
+        return
+    try:
+        print(table(rows, gated) if folder is None else reports.said(folder, before, reports.BASELINE))
+    except (ImportError, AvatarsimError) as error:
+        print(table(rows, gated))
+        print(f"the summary was not made: {error}", file=sys.stderr)
 
 
 def say_last(asked: argparse.Namespace, code: int, folder: Path | None, means: str = "") -> None:

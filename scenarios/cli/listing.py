@@ -42,11 +42,11 @@ def entry_of(scenario: Scenario, effects: bool) -> dict[str, Any]:
 
 def metrics(asked: argparse.Namespace, words: Sequence[str]) -> int:
     """The definitions."""
-    known_metrics = {**METRICS, **FAMILIES}
+    known_metrics = (*METRICS.values(), *FAMILIES)
     if asked.json:
-        rows = [{"metric": name, "unit": unit, "meaning": says} for name, (unit, says) in known_metrics.items()]
+        rows = [{"metric": one.name, "unit": one.unit, "label": one.label, "meaning": one.definition} for one in known_metrics]
         print(json.dumps(rows, indent=1))
         return 0
-    for name, (unit, says) in known_metrics.items():
-        print(f"{name:26} {f'[{unit}]' if unit else '':9} {says}")
+    for one in known_metrics:
+        print(f"{one.name:26} {f'[{one.unit}]' if one.unit else '':9} {one.definition}")
     return 0

@@ -1,13 +1,10 @@
-"""The verdict table on the terminal: a row per scene and engine, what failed, and where another engine is ahead of ours."""
+"""The verdict table on the terminal: a row per scene and engine, and what failed."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 
-from runfiles.behind import by_family, compared
 from runfiles.naming import BASELINE
-from runfiles.sayable import Unsaid
 from scenarios.results.results import Row
 
 WIDTH = 140
@@ -88,12 +85,8 @@ def verdict(line: Line, gated: frozenset[tuple[str, str]]) -> str:
     return f"(breaks {len(broken)})" if broken else "(holds)"
 
 
-def table(
-    rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str] = MappingProxyType({}),
-    unsaid: Unsaid | None = None, scales: Mapping[str, float] = MappingProxyType({}),
-) -> str:
-    """The whole verdict, every line at most WIDTH wide; `families`: scene -> the scene that it is a variant of; `unsaid` and
-    `scales` as in `runfiles.behind.compared`."""
+def table(rows: Sequence[Row], gated: frozenset[tuple[str, str]]) -> str:
+    """The whole verdict, every line at most WIDTH wide."""
     found = lines(rows)
     raw = {(line.scenario, line.seed): line.value("residual_overlap_max") for line in found if _engine(line) == BASELINE}
     seeds: dict[str, set[int]] = {}
@@ -132,8 +125,7 @@ def table(
         "contact in which a link goes to and fro while its target does not;",
         "in brackets: information about engines that are not gated.",
     )
-    behind = (text[:WIDTH] for text in losing(rows, gated, families, unsaid, scales))
-    return "\n".join([*texts[:2], *body, rule, *legend, *remarks(found, gated), *behind])
+    return "\n".join([*texts[:2], *body, rule, *legend, *remarks(found, gated)])
 
 
 def _engine(line: Line) -> str:
@@ -150,21 +142,4 @@ def remarks(found: list[Line], gated: frozenset[tuple[str, str]]) -> list[str]:
                 shown = "" if row.value is None else f" {row.value:.4g}"
                 wanted = "" if limit is None else f" (limit {limit:g})"
                 said.append(f"{row.status}: {line.scenario} {line.run} {row.metric}{shown}{wanted} {row.note}".rstrip()[:WIDTH])
-    return said
-
-
-def losing(
-    rows: Sequence[Row], gated: frozenset[tuple[str, str]], families: Mapping[str, str], unsaid: Unsaid | None = None,
-    scales: Mapping[str, float] = MappingProxyType({}),
-) -> list[str]:
-    """One line per ranked metric in which another engine's figure is better than a gated engine's: in how many families of
-    scenes, and the worst scene."""
-    said = []
-    for engine, preset in sorted(gated):
-        for one in by_family(compared(rows, f"{engine}/{preset}", unsaid, scales), families):
-            if one.lost:
-                worst = one.lost[0].worst
-                run, value = worst.rivals[0]
-                said.append(f"losing: {one.metric} in {one.said}, worst {worst.row.scenario}: {figure(worst.value)} against "
-                            f"{figure(value)} {worst.row.unit} ({run})")
     return said

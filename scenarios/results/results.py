@@ -6,15 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
+import pandas as pd
+
+from runfiles.comparable import reasons
 from runfiles.files import plain, write_json, write_text
 from runfiles.published import SCHEMA_VERSION, check
 from scenarios.job import Outcome
 
 Status = Literal["pass", "waived", "fail", "info", "crashed", "not-measured", "cannot-say", "refused"]
 COLUMNS = ("scenario", "engine", "preset", "seed", "frames", "metric", "value", "unit", "bound", "status")
-"""Columns of results.csv, fixed: scripts of users read them."""
+"""First columns of results.csv, fixed: scripts of users read them."""
+MORE = ("waiver", "comparable", "why")
+"""Columns of results.csv behind those: up to which value a figure is waived; whether it compares engines, and why not."""
 
 
 @dataclass(frozen=True)
@@ -54,14 +59,40 @@ class Results:
     notes: Sequence[str] = ()
 
 
-def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS) -> str:
-    """Rows as CSV; a figure that was not measured is an empty field, one that is no number reads nan."""
+def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS, whys: Sequence[str] | None = None) -> str:
+    """Rows as CSV, with MORE columns where ``whys`` says of each why it does not compare engines, "" where it does.
+
+    A figure that was not measured is an empty field, one that is no number reads nan.
+    """
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
+    writer = csv.DictWriter(text, columns if whys is None else (*columns, *MORE), extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
-    for row in rows:
-        writer.writerow({name: "" if value is None else value for name, value in vars(row).items()})
+    for row, why in zip(rows, [""] * len(rows) if whys is None else whys, strict=True):
+        more = {"waiver": row.ceiling, "comparable": "no" if why else "yes", "why": why}
+        writer.writerow({name: "" if value is None else value for name, value in (vars(row) | more).items()})
     return text.getvalue()
+
+
+@dataclass(frozen=True, eq=False)
+class _Said:
+    """What one run says about itself."""
+
+    scenario: str
+    run: str
+    cannot_say: Mapping[str, str]
+    settings: Mapping[str, tuple[str, str]]
+
+
+def _whys(results: Results) -> list[str]:
+    """Of each row the reason why it does not compare engines, "" where it does."""
+    if not results.rows:
+        return []
+    table = pd.DataFrame([{**vars(row), "run": row.run} for row in results.rows])
+    said = []
+    for one in results.outcomes:
+        about: Mapping[str, Any] = one.about
+        said.append(_Said(one.job.scenario, one.job.run, about.get("cannot_say", {}), about.get("settings", {})))
+    return [str(why) for why in reasons(table, said)]
 
 
 def write(results: Results, folder: Path) -> None:
@@ -71,7 +102,7 @@ def write(results: Results, folder: Path) -> None:
     The results of a run that has ended are checked against their published layout, once they are safe in their file; raises
     InvalidFile if they break it.
     """
-    write_text(folder / "results.csv", csv_text(results.rows))
+    write_text(folder / "results.csv", csv_text(results.rows, whys=_whys(results)))
     times = [row for row in results.rows if is_time(row.metric)]
     if times:
         write_text(folder / "bench.csv", csv_text(times, (*COLUMNS, "note")))

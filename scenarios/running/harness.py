@@ -6,13 +6,11 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, UnknownName, described
 from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
 from runfiles.naming import BASELINE
-from runfiles.sayable import Unsaid
 from scenarios import unseen
 from scenarios.engines import PRESETS, TIDY, opened
 from scenarios.job import Job, Outcome
@@ -38,14 +36,6 @@ OFTEN = 3.0
 of hundreds of runs takes longer than the runs; what a kill loses is in the recordings."""
 SELDOM = 50.0
 """The same in multiples of what the last writing took: at most a fiftieth of a run is spent on writing."""
-
-
-class Said(NamedTuple):
-    """What one engine with one preset said that it cannot express of one scene."""
-
-    scenario: str
-    run: str
-    cannot_say: Mapping[str, str]
 
 
 @dataclass(frozen=True)
@@ -185,15 +175,6 @@ class Run:
 
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
-
-    def unsaid(self) -> Unsaid:
-        """Which figures do not judge an engine, because it has no words for what they measure."""
-        notes = []
-        for job, outcome in self._known():
-            cannot_say = outcome.about.get("cannot_say")
-            if isinstance(cannot_say, Mapping):
-                notes.append(Said(job.scenario, job.run, cannot_say))
-        return Unsaid(notes)
 
     def rows(self) -> list[Row]:
         """All rows known so far, in the order of the plan."""

@@ -1,16 +1,20 @@
-"""How far a pass has come: a bar on a terminal, plain lines elsewhere, on the error stream; and how long the rest will take."""
+"""How far a pass has come, on the error stream: a bar on a terminal, elsewhere a line at its end and one every few minutes."""
 
 import time
 from types import TracebackType
 from typing import Any, Self, TextIO
 
+QUIET = 300.0
+"""Longest time [s] without a line where there is no terminal: logs of CI stay short, and hosts do not take a run for dead."""
+
 
 class Progress:
-    """Counts steps of one pass. Without tqdm, or without a terminal, each step is a line."""
+    """Counts steps of one pass."""
 
     def __init__(self, name: str, total: int, stream: TextIO) -> None:
         self.name, self.total, self.stream = name, total, stream
         self.done, self.begun = 0, time.monotonic()
+        self.told = self.begun
         self.bar: Any = None
 
     def __enter__(self) -> Self:
@@ -28,13 +32,18 @@ class Progress:
         if self.bar is not None:
             self.bar.set_postfix_str(what)
             self.bar.update()
-            return
-        seconds = time.monotonic() - self.begun
-        print(f"{self.name} {self.done}/{self.total} {seconds:5.1f} s  {what}", file=self.stream, flush=True)
+        elif time.monotonic() - self.told > QUIET:
+            self._tell()
+
+    def _tell(self) -> None:
+        self.told = time.monotonic()
+        print(f"{self.name:<12} {self.done}/{self.total}  {span(self.told - self.begun)}", file=self.stream, flush=True)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         if self.bar is not None:
             self.bar.close()
+        else:
+            self._tell()
 
 
 class Estimate:

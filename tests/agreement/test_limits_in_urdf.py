@@ -13,7 +13,7 @@ pybullet = pytest.importorskip("pybullet", exc_type=ImportError)
 pybullet_data = pytest.importorskip("pybullet_data", exc_type=ImportError)
 
 from reference.in_pybullet.presets import DEFAULT  # noqa: E402
-from runfiles.explained import BOUNDS, EXPLAINED, Cause  # noqa: E402
+from runfiles.engines import about  # noqa: E402
 
 LIMIT = '<limit effort="1000.0" lower="0.2" upper=".8" twist=".3"/>'
 SECONDS, STEP = 5.0, 1.0 / 240.0
@@ -65,10 +65,11 @@ def test_a_body_made_by_calls_has_no_word_for_limits(client: int, word: str) -> 
 
 
 def test_limits_that_bullet_has_are_no_lack_of_the_engine() -> None:
-    """Of every sentence on PyBullet's joints that says why they are without limits, the cause is our adapter or the scene."""
-    found = [rule.why for rule in EXPLAINED if set(rule.metrics) & set(BOUNDS) and "spherical joints" in rule.why.sentence]
-    assert found and all(why.cause is Cause.ADAPTER and "createMultiBody" in why.sentence for why in found)
-    assert not any("have no limit" in rule.why.sentence for rule in EXPLAINED)
+    """Whose lack it is that PyBullet's ball joints go beyond their limits: our adapter's, which makes bodies by calls."""
+    lacking = about("pybullet").unsupported["ball limits"]
+    assert lacking.lacks == "adapter" and "joint_limit_excess_max" in lacking.metrics
+    found = [issue for issue in about("pybullet").issues if "createMultiBody" in issue.text]
+    assert found and all(issue.cause == "adapter" for issue in found)
 
 
 def test_a_constraint_as_it_is_made_has_the_force_that_its_reason_names(client: int) -> None:
@@ -77,9 +78,3 @@ def test_a_constraint_as_it_is_made_has_the_force_that_its_reason_names(client: 
     force = pybullet.getConstraintInfo(made, physicsClientId=client)[10]
     assert f"as it is made has {force:g}" in DEFAULT["root_force"].reason
     assert DEFAULT["root_force"].value != force and "our setting" in DEFAULT["root_force"].reason
-
-
-def test_what_rests_on_forces_and_motors_that_we_set_is_no_fault_of_the_engine() -> None:
-    for words in ("100 kN", "root_force", "target velocity"):
-        found = [rule.why for rule in EXPLAINED if words in rule.why.sentence]
-        assert found and all(why.cause is not Cause.ENGINE for why in found), words

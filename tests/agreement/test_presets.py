@@ -12,7 +12,7 @@ from avatarsim.engine import Engine, Settings
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
-from reference.in_mujoco.engine import MujocoEngine
+from reference.in_mujoco.engine import PINNED, MujocoEngine
 from reference.in_mujoco.presets import BETTER_ELSEWHERE as MUJOCO_BETTER
 from reference.in_mujoco.presets import SCENES as MUJOCO_SCENES
 from reference.in_mujoco.presets import presets as mujoco_presets
@@ -21,7 +21,6 @@ from reference.in_pybullet.presets import SCENES as PYBULLET_SCENES
 from reference.in_pybullet.presets import presets as pybullet_presets
 from reference.judging.judge import Judge
 from reference.presets import Chosen, Kind, kind_of, of_one_scene
-from runfiles.explained import PINNED
 from scenarios import catalog
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet

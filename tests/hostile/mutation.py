@@ -181,7 +181,8 @@ def damaged_csv(data: bytes, rng: Rng) -> bytes:
         return damaged(data, rng)
     table = [line.split(b",") for line in data.splitlines()]
     for _ in range(rng.choice((1, 1, 3))):
-        row = rng.choice(table)
+        # a line of a cell of several lines may have lost its only part
+        row = rng.choice([line for line in table if line] or [[b""]])
         if rng.random() < 0.15:
             column = rng.randrange(len(row))
             for line in table:

@@ -1,9 +1,8 @@
 """Doors for files: meshes, motion clips, models, settings, what a run leaves behind, what the caches keep."""
 
 import random
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -20,9 +19,13 @@ from avatarsim.clips.page.index_page import index_page
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.motion import Motion
 from reports import write_report
+from reports.pages import articles
 from reports.reading import kept
+from reports.reading.load import Results
 from reports.reading.load import load as load_results
-from reports.summaries import baseline, headline
+from reports.summaries import baseline
+from reports.tables import effects, hard_cases, settings
+from reports.tables.run import Run
 from runfiles import record
 from scenarios.building.avatars.mjcf import Mjcf, parsed
 from scenarios.building.avatars.stl import hull_of
@@ -40,14 +43,15 @@ from tests.hostile.mutation import damaged, damaged_csv, damaged_glb, damaged_js
 
 ENGINES = ("avatarsim", "mujoco", "pybullet", "tracker")
 
-TABLES = {
-    "narrow_phase": ("narrow_phase.csv", "narrow_phase_cells.csv", "narrow_phase.json"), "broad_phase": ("broad_phase.csv",),
-    "table_2": ("table_2.csv", "figure_8.csv"), "growth": ("growth.csv",), "closeness": ("nearest_free_scenes.csv", "beside.csv"),
-    "effects": ("ablation.json",), "figure_7": ("figure_7.csv", "figure_7_shares.csv"),
-    "sweep.points": ("sweep.csv", "sweep.json"),
-    "convergence": ("convergence.csv",), "law_map": ("law_map.csv",), "stability": ("stability.csv",), "judge": ("judge.json",),
+BARE = Results((), {}, (), {}, 0, {}, ())
+"""A run without a figure."""
+
+TABLES: Mapping[str, tuple[Callable[[Path], object], tuple[str, ...]]] = {
+    "settings": (settings.settings, (settings.FILE,)), "hard cases": (hard_cases.trials, (hard_cases.FILE,)),
+    "effects": (effects.effects, (effects.FILE,)),
+    "articles": (lambda folder: articles.articles(Run(folder, BARE)), ("growth.csv", articles.JUDGE)),
 }
-"""Modules of `reports.sections` that read files of a run besides results.json, and which."""
+"""Readers of files of a run besides results.json, and which."""
 
 
 def hull(folder: Path, path: Path) -> object:
@@ -157,13 +161,13 @@ def results(folder: Path, path: Path) -> object:
 
 
 def kept_figures(folder: Path, path: Path) -> object:
-    """The committed figures of the gate, or of the README's table."""
-    return (headline if path.name == "headline.csv" else baseline).load(path)
+    """The committed figures of the gate."""
+    return baseline.load(path)
 
 
-def table(module: str, folder: Path, path: Path) -> object:
-    """What a page says of one table."""
-    return import_module(f"reports.sections.{module}").load(folder)
+def table(read: Callable[[Path], object], folder: Path, path: Path) -> object:
+    """One table of a page."""
+    return read(folder)
 
 
 def page(folder: Path, path: Path) -> object:
@@ -292,11 +296,10 @@ def doors() -> tuple[Door, ...]:
         of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged_line, finished)),
         of_files("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed)),
         of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures)),
-        of_files("headline", 15.0, FileDoor(partial(committed, "headline.csv"), damaged_csv, kept_figures)),
         of_files("pages", 2.0, FileDoor(valid.run, damaged_by_name, page, valid.kept), slow=True, reserves=True),
     ]
-    for module, names in TABLES.items():
-        found.append(of_files(f"table {module}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, module))))
+    for name, (read, names) in TABLES.items():
+        found.append(of_files(f"table {name}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, read))))
     return tuple(found)
 
 

@@ -19,10 +19,8 @@ from tests.assets.meshes.solids import cube, ell, torus
 from tests.assets.motions.files import ASF, WALKER, amc, bvh
 from tests.assets.motions.robots import JOINTS, walk
 from tests.clips.entries import entry
-from tests.reports import recorded
+from tests.reports import recorded, small_runs
 from tests.reports.conftest import whole_run
-from tests.reports.sections import test_broad_phase, test_effects, test_judge, test_narrow_phase, test_stability
-from tests.reports.sections.sweep import test_sweep
 from tests.scenarios import examples
 
 Files = Mapping[str, bytes]
@@ -184,6 +182,10 @@ def settings() -> Files:
     return {"mine.toml": SETTINGS.encode()}
 
 
+JUDGED = {"pairs": 1000, "largest_depth_error": 1e-9, "misses": 0, "false_alarms": 0}
+"""What the judge's own test found."""
+
+
 @cache
 def run() -> Files:
     """results.json of three scenes and four engines, and one of each table that a page reads: path -> content."""
@@ -194,47 +196,9 @@ def run() -> Files:
         assert isinstance(rows, list)
         series = {"arm_wall": {"avatarsim/default": {"overlap_m": [0.0, 1e-7, None], "frame_time_us": [31.0, "Infinity", 40.0]}}}
         (folder / "results.json").write_text(json.dumps(whole | {"rows": rows[:12] + rows[-4:], "series": series}))
-        test_narrow_phase.fill(folder)
-        test_broad_phase.fill(folder, *test_broad_phase.rows(1.5), *test_broad_phase.rows(90.0, kernel="one axis"))
-        test_effects.fill(folder, test_effects.LINES, ("posture",))
-        test_judge.fill(folder, test_judge.kind("all"))
-        test_stability.found(folder)
-        test_sweep.loaded(folder, test_sweep.WON + test_sweep.SHORT)
-        (folder / "sweep.json").write_text(json.dumps({"form": "short", "seconds": 12.5, "scenes": ["wall"]}))
-        (folder / "convergence.csv").write_text(test_sweep.CONVERGENCE)
-        (folder / "law_map.csv").write_text(test_sweep.MAP)
-        (folder / "growth.csv").write_text(
-            "grows,mode,size,links,run,p50,p95,note\n" + "".join(
-                f"chain,held,{size},{size},{engine}/default,{size * 2.5},{size * 4},\n" for size in (8, 64, 199)
-                for engine in ("avatarsim", "mujoco")
-            )
-        )
-        for name, text in figures().items():
-            (folder / name).write_text(text)
+        small_runs.write_all(folder)
+        (folder / "judge.json").write_text(json.dumps({"all": JUDGED}))
         return {path.name: path.read_bytes() for path in sorted(folder.iterdir())}
-
-
-def figures() -> dict[str, str]:
-    """Tables that other commands add to a run: the paper's figures, what is nearest to the user."""
-    from reports.sections.closeness import Near, Pair
-    from reports.sections.table_2 import Line
-
-    times = "".join(f"avatarsim/default,{k},{20 if k > 4 else 10},{int(k > 4)}\n" for k in range(1, 9))
-    near = [name for name in Near.__dataclass_fields__ if name not in ("scenario", "frames", "lost")]
-    pair = [name for name in Pair.__dataclass_fields__ if name not in ("other", "scenario", "frames", "counted")]
-    numbers = {"offset", "their_offset", "angle", "their_angle", "body", "their_body"}
-    line = [name for name in Line.__dataclass_fields__ if name not in ("scene", "run", "frames", "timed")]
-    return {
-        "figure_7.csv": "run,frame,us,contact\n" + times,
-        "figure_7_shares.csv": "run,stage,share\navatarsim/default,posture,60\navatarsim/default,motion,40\n",
-        "figure_8.csv": "run,frame,us,iterations\n" + "".join(f"avatarsim/default,{k},{9 + k},2\n" for k in range(6)),
-        "table_2.csv": f"scene,run,frames,timed,{','.join(line)}\n" + "".join(
-            f"{scene},avatarsim/default,600,600,{','.join('1.5' for _ in line)}\n" for scene in ("two_arms", "self_collision")
-        ),
-        "nearest_free_scenes.csv": f"scenario,frames,lost,{','.join(near)}\nwall,12,0,{','.join('1.1' for _ in near)}\n",
-        "beside.csv": f"other,scenario,frames,counted,{','.join(pair)}\nmujoco.tuned,wall,300,250,"
-                      + ",".join("0.01" if name in numbers else "ours" for name in pair) + "\n",
-    }
 
 
 SCENE, RUN, TABLE_2 = "arm_wall", "avatarsim/default", "two_arms"

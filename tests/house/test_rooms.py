@@ -19,7 +19,8 @@ BROTHERS = ("ik", "rigid")
 LONGEST = 500
 """Most lines of an engine file. Longer ones answer more than one question."""
 HEAVY = (
-    "pandas", "trimesh", "coacd", "mujoco", "pybullet", "coal", "fcl", "altair", "jinja2", "gymnasium_robotics", "tqdm", "joblib",
+    "pandas", "trimesh", "coacd", "mujoco", "pybullet", "coal", "fcl",
+    "itables", "jinja2", "gymnasium_robotics", "tqdm", "joblib",
     "scipy.spatial", "scipy.optimize",
 )
 """Packages that cost more to import than the engine's first frame, or that the engine is compared with."""

@@ -7,134 +7,45 @@ screenshots in reports/out/look/ for eyes.
 import json
 import re
 import time
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy
 import pytest
 from PIL import Image, ImageSequence
 
 from reports import write_report
-from reports.words.wording import quantity as words_of
-from runfiles import array_file
-from runfiles.metrics import METRICS
+from reports.tables.figures import quantity
 from tests.look.browser import Browser
-from tests.look.conftest import SCREENSHOTS, SIZES, WINDOWS
-from tests.reports.conftest import whole_run
-from tests.reports.recorded import recording, scene
+from tests.look.conftest import SCREENSHOTS, SIZES
+from tests.look.shown_pages import (
+    BLANK,
+    COLOURS,
+    CONTRAST,
+    CONTROLS,
+    DIMMED,
+    DOT,
+    MARKUP,
+    SHOWN,
+    WRITTEN,
+    by_hand,
+    choose,
+    click,
+    narrow_enough,
+    quiet,
+    replayed,
+    scenes,
+    shortest,
+    show,
+)
 
 OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
-TALLEST = 12_000
+TALLEST = 6_000
 """Height [px] of the index of a full run that is still read to its end, at the width of `wide`."""
 LARGEST_GIF = 20_000_000
 """Bytes; a moving picture of a whole scene that is larger is too large to send."""
-
-COLOURS = """
-new Promise((done) => {
-  window.dispatchEvent(new Event("resize"));
-  // after the replay's own drawing, within the same frame, while the picture still is there
-  requestAnimationFrame(() => {
-    const from = document.querySelector(".stage canvas"), to = document.createElement("canvas");
-    to.width = from.width; to.height = from.height;
-    const pen = to.getContext("2d");
-    pen.drawImage(from, 0, 0);
-    const pixels = new Uint32Array(pen.getImageData(0, 0, to.width, to.height).data.buffer);
-    done(new Set(pixels).size);
-  });
-})
-"""
-"""How many different colours the replay's canvas has."""
-DRAWN = """
-new Promise((done) => {
-  const stage = document.querySelector(".stage"), canvas = stage.querySelector("canvas"), all = stage.getBoundingClientRect();
-  window.dispatchEvent(new Event("resize"));
-  requestAnimationFrame(() => {
-    const copy = document.createElement("canvas"), scale = canvas.width / all.width;
-    copy.width = canvas.width; copy.height = canvas.height;
-    const pen = copy.getContext("2d");
-    pen.drawImage(canvas, 0, 0);
-    const share = (part) => {
-      const box = part.getBoundingClientRect();
-      const place = [box.left - all.left + 1, box.top - all.top + 1, box.width - 2, box.height - 2];
-      const drawn = pen.getImageData(...place.map((length) => length * scale)).data;
-      return drawn.some((value, k) => k % 4 === 3 && value) ? 1 : 0;
-    };
-    done([".picture", ".said"].map((name) => share(document.querySelector(name))));
-  });
-})
-"""
-"""Whether anything is drawn in the picture of the first view, and in its caption."""
-WRITTEN = """
-(() => {
-  const pen = CanvasRenderingContext2D.prototype, write = pen.fillText;
-  window.written = [];
-  pen.fillText = function (text, x, y, most) {
-    window.written.push([text, this.measureText(text).width, most === undefined ? this.canvas.width - x : most]);
-    write.apply(this, arguments);
-  };
-})()
-"""
-"""Keeps the words that are written into pictures, the width of each, and the room that it has [px]."""
-BLANK = """
-[...document.querySelectorAll("figure svg")].filter((svg) => {
-  const box = svg.getBoundingClientRect();
-  return !(box.width > 50 && box.height > 30 && svg.querySelector("path, circle, rect, line")) || !svg.getAttribute("aria-label");
-}).length
-"""
-"""How many charts are not drawn, or have no words in place of the picture."""
-POINTED = """
-(() => {
-  const chart = document.querySelector("#courses-charts svg"), box = chart.getBoundingClientRect();
-  chart.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + 0.6 * box.width, clientY: box.top + 20 }));
-  return Number(document.getElementById("courses-charts").dataset.time);
-})()
-"""
-"""The time [s] to which the cursor goes when a pointer is over a chart."""
-LANDED = 40
-"""Distance [px] from the top of the screen at which a section is where its link leads."""
-SETTLED = """
-new Promise((done) => {
-  let before = NaN, same = 0;
-  const look = () => {
-    same = window.scrollY === before ? same + 1 : 0;
-    before = window.scrollY;
-    if (same > 5) done(); else requestAnimationFrame(look);
-  };
-  look();
-})
-"""
-"""Resolves once the page no longer scrolls."""
-
-
-LONG = 1300
-"""States of the run made by hand: more than a page draws, so that a drawn state stands for three."""
-
-
-def _aside(path: Path) -> None:
-    """Let all end after 200 states, before it has fallen out of sight, and put the hand aside by 37 mm and by 474 mm in states
-    that are not drawn themselves."""
-    arrays = array_file.read(path)
-    for name in ("positions", "raw_positions"):
-        arrays[name][200:] = arrays[name][199]
-    arrays["positions"][500, 2, 0] += 0.037
-    arrays["positions"][1001, 2, 1] += 0.4735
-    with path.open("wb") as file:
-        array_file.write(file, arrays)
-
-
-def by_hand(folder: Path) -> Path:
-    """A small run with recordings of one scene."""
-    folder.mkdir()
-    data, runs = whole_run(), ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default")
-    sinking, free = [0.0] * LONG, [0.0] * LONG
-    sinking[9], sinking[10] = 0.01, 0.02
-    series = {run: {"overlap_m": free if run == runs[0] else sinking, "frame_time_us": []} for run in runs}
-    (folder / "results.json").write_text(json.dumps(data | {"series": {"arm_wall": series}}))
-    scene(folder, "arm_wall")
-    for run in runs:
-        recording(folder, "arm_wall", run, states=LONG, sinks=run != runs[0])
-        _aside(folder / "recordings" / f"arm_wall.{run.replace('/', '.')}.0.npz")
-    write_report(folder)
-    return folder
+STRIPS = ("overlap", "bounce", "limits", "time")
 
 
 @pytest.fixture(scope="module", params=["by hand", "last"])
@@ -147,269 +58,316 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     return last
 
 
-def quiet(one: Browser, page: Path) -> None:
-    """Nothing on the console, and no address asked for but the page's own."""
-    assert one.errors == []
-    own = page.resolve().as_uri()
-    assert [address for address in one.requests if address != own and not address.startswith("data:")] == []
-
-
-def scenes(run: Path) -> list[Path]:
-    """Pages of scenes that can be played, at most three."""
-    found = [page for page in sorted((run / "scenes").glob("*.html")) if 'id="replay-data"' in page.read_text(encoding="utf-8")]
-    assert found
-    return found[:3]
-
-
-def shortest(run: Path) -> Path:
-    """The page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
-    lengths = {}
-    for page in (run / "scenes").glob("*.html"):
-        bar = re.search(r'data-part="bar" min="0" max="(\d+)"', page.read_text(encoding="utf-8"))
-        if bar and int(bar[1]) > 20:
-            lengths[page] = int(bar[1])
-    return min(sorted(lengths), key=lambda page: lengths[page])
-
-
 def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
     page = run / "index.html"
-    one.open(page)
-    assert one.value("document.querySelectorAll('figure svg').length") > 4
-    assert one.value(BLANK) == 0
-    assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
+    show(one, page)
+    assert set(one.value("Object.keys(views)")) >= {*STRIPS, "settings", "hard", "effects", "losses"}
+    assert one.value(BLANK) == []
+    narrow_enough(one)
     if name.startswith("wide"):
         assert one.value("document.documentElement.scrollHeight") < TALLEST
-    one.value("document.querySelector('#courses details').open = true")
-    for choice in one.value("[...document.querySelectorAll('#courses-scene option')].map((one) => one.value)"):
-        picked = f"""(() => {{
-            const box = document.getElementById("courses-scene");
-            box.value = {json.dumps(choice)};
-            box.dispatchEvent(new Event("change"));
-            return Number(document.getElementById("courses-charts").dataset.drawn);
-        }})()"""
-        assert one.value(picked) >= 1
-        assert one.value("document.querySelectorAll('#courses-charts svg path').length") >= 1
-    assert one.value(POINTED) > 0.0
-    quiet(one, page)
     one.picture(SCREENSHOTS / f"index-{run.name}-{name}.png")
+    quiet(one, page)
 
 
-def test_links_at_the_top_reach_every_section(run: Path, opened: tuple[Browser, str]) -> None:
+def test_pages_beside_it_are_quiet_and_every_link_leads_somewhere(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    one.open(run / "index.html")
-    sections = one.value("[...document.querySelectorAll('section')].map((one) => one.id)")
-    assert sections and all(sections)
-    assert one.value("[...document.querySelectorAll('nav a')].map((one) => one.getAttribute('href').slice(1))") == sections
-    for number, section in enumerate(sections):
-        # from the top of the page, and every third one from elsewhere, when nothing of the page has been drawn yet
-        if number % 3 or section == sections[-1]:
-            one.value("window.scrollTo({top: 0, behavior: 'instant'})")
-            one.value(f"document.querySelector('nav a[href=\"#{section}\"]').click()")
-        if number % 3 == 0:
-            one.open(scenes(run)[0])
-            one.open(run / "index.html", f"#{section}")
-        assert one.value("location.hash") == f"#{section}"
-        one.value(SETTLED)
-        top, left = one.value(f"[document.getElementById('{section}').getBoundingClientRect().top, "
-                              "document.documentElement.scrollHeight - window.innerHeight - window.scrollY]")
-        assert abs(top) <= LANDED or (top > 0 and left < 2), f"{section}: {top} px below the top, {left} px to the end"
+    for page in [*sorted(run.glob("*.html")), scenes(run)[0]]:
+        one.open(page)
+        time.sleep(0.5)
+        narrow_enough(one)
+        links = one.value("[...document.querySelectorAll('a[href]')].map((one) => one.getAttribute('href'))")
+        assert links
+        for path, _, place in (link.partition("#") for link in links if not link.startswith("https:")):
+            assert not path or (page.parent / path).exists(), path
+            assert path or not place or one.value(f"Boolean(document.getElementById({place!r}))"), place
+        quiet(one, page)
 
 
-def test_every_scene_has_a_card_and_the_filter_leaves_what_fits(run: Path, opened: tuple[Browser, str]) -> None:
-    one, name = opened
-    one.open(run / "index.html")
-    total = one.value("document.querySelectorAll('.scene-card').length")
-    assert total == one.value("document.querySelectorAll('#ranking tbody').length")
-    drawn = one.value("""[...document.querySelectorAll('svg.thumb')].filter((svg) => {
-        const box = svg.getBoundingClientRect();
-        return box.width > 100 && box.height > 60 && svg.querySelector('path, circle')
-            && getComputedStyle(svg.querySelector('path, circle')).fill !== 'rgb(0, 0, 0)';
-    }).length""")
-    assert drawn == sum('id="replay-data"' in page.read_text(encoding="utf-8") for page in (run / "scenes").glob("*.html"))
-    left = "[...document.querySelectorAll('.scene-card')].filter((card) => card.getBoundingClientRect().height > 0).length"
-    assert one.value(left) == total
+def answer(settings: Sequence[Mapping[str, Any]], engine: str, level: float) -> Mapping[str, Any] | None:
+    """The cheapest measured setting of an engine; of times within 3 % a preset."""
+    able = [one for one in settings if one["engine"] == engine and one["measured"] and one["error"] is not None]
+    able = sorted((one for one in able if one["error"] <= level), key=lambda one: float(one["median"]))
+    alike = [one for one in able if one["median"] <= 1.03 * able[0]["median"]]
+    return max(alike, key=lambda one: bool(one["preset"]), default=None)
 
-    def choose(control: str, value: str) -> int:
-        one.value(f"""(() => {{ const box = document.getElementById('gallery-{control}');
-            box.value = {json.dumps(value)}; box.dispatchEvent(new Event('input', {{bubbles: true}})); }})()""")
-        return int(one.value(left))
 
-    families = one.value("[...document.querySelectorAll('#gallery-family option')].map((one) => one.value)")
-    assert sum(choose("family", family) for family in families if family) == total
-    assert choose("family", "") == total
-    first = one.value("document.querySelector('.scene-card').id.slice(6)")
-    assert 1 <= choose("words", f"{first.split('_')[0]} {first.split('_')[-1]}") <= total
-    assert choose("words", "no scene has these words") == 0
-    assert one.value("document.getElementById('gallery-count').textContent") == f"0 of {total} scenes"
-    # a link to a scene that is filtered away brings it back
-    one.value(f"location.hash = 'scene-{first}'")
-    one.until(f"{left} === {total}")
-    one.value("document.getElementById('scenes').scrollIntoView({behavior: 'instant'})")
-    one.picture(SCREENSHOTS / f"scenes-{run.name}-{name}.png")
+def test_scene_and_accuracy_change_the_answers(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    show(one, run / "index.html")
+    settings, told = one.value("page.settings"), set()
+    for name in list(settings)[:4]:
+        choose(one, "scene", name)
+        engines = list(dict.fromkeys(each["engine"] for each in settings[name]))
+        for number, level in enumerate((1e-2, 1e-3, 1e-4, 1e-6)):
+            one.value(f"document.querySelectorAll('[data-level]')[{number}].click()")
+            pressed = one.value("[...document.querySelectorAll('[data-level]')].map((one) => one.ariaPressed)")
+            assert pressed == [str(k == number).lower() for k in range(4)]
+            rows = one.value(
+                "[...document.getElementById('cheapest-rows').rows].map((r) => [...r.cells].map((c) => c.innerText))"
+            )
+            for engine, cells in zip(engines, rows, strict=True):
+                best = answer(settings[name], engine, level)
+                expected = ("–", "–") if best is None else (quantity(best["median"], "us"), quantity(best["error"], "m"))
+                assert (cells[2].removesuffix(" asleep"), cells[3]) == expected, (name, engine, level)
+                assert cells[1].startswith("none of") if best is None else cells[1] == best["setting"]
+            told.add(json.dumps(rows))
+            one.value("views.settings.runAsync().then(() => 0)")
+            assert one.value("views.settings.data('limit')[0].place") == max(level, 1e-7)
+        drawn = one.value("views.settings.data('points').map((one) => one.text)")
+        measured = [each["error"] for each in settings[name] if each["measured"]]
+        assert drawn == ["does not follow" if error is None else quantity(error, "m") for error in measured]
+    assert len(told) > 2 and one.errors == []
+
+
+def test_the_shown_setting_is_copied(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    show(one, run / "index.html")
+    one.tell("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
+    one.tell("Emulation.setFocusEmulationEnabled", enabled=True)
+    for button in one.value("[...document.querySelectorAll('[data-copy]')].map((one) => one.dataset.copy)"):
+        one.value(f"document.querySelector('[data-copy=\"{button}\"]').click()")
+        shown = one.value("document.getElementById('setting').textContent")
+        one.value("document.getElementById('copy').click()")
+        one.until(f"navigator.clipboard.readText().then((text) => text === {json.dumps(shown)})")
+        chosen = one.value(f"[chosen()[{button}].label, chosen()[{button}].setting, chosen()[{button}].native]")
+        assert one.value("document.getElementById('copied-of').textContent") == " ".join(chosen[:2])
+        assert shown.startswith(f"# {chosen[0]}") and chosen[2] in shown
     assert one.errors == []
 
 
-def test_tables_are_cards_where_there_is_no_room(run: Path, opened: tuple[Browser, str]) -> None:
+def test_a_dot_dims_other_scenes_and_opens_the_player(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
-    one.open(run / "index.html")
-    shown = one.value("getComputedStyle(document.querySelector('#ranking tbody td'), '::before').content")
-    display = one.value("getComputedStyle(document.querySelector('#ranking tr')).display")
-    assert (display, shown != "none") == (("block", True) if name.startswith("narrow") else ("table-row", False))
+    show(one, run / "index.html")
+    x, y, picked = one.value(DOT)
+    dimmed = DIMMED.replace("NEAR", json.dumps(picked))
+    assert not one.value(dimmed)
+    one.mouse("Moved", x, y, is_down=False)
+    one.until(dimmed)
+    click(one, x, y)
+    one.until("document.getElementById('player').open")
+    one.until("window.frames.length === 1")
+    for part in ("player-frame').src", "player-page').href"):
+        assert one.value(f"document.getElementById('{part}").endswith(f"/scenes/{picked}.html")
+    time.sleep(1.5)
+    one.picture(SCREENSHOTS / f"player-{run.name}-{name}.png")
+    assert any(asked.endswith(f"/scenes/{picked}.html") for asked in one.requests) and one.errors == []
+    one.value("document.querySelector('#player form button').click()")
+    one.until("!document.getElementById('player').open && document.getElementById('player-frame').src === 'about:blank'")
+    one.mouse("Moved", 1, 1, is_down=False)
+    one.until("STRIPS.every((name) => views[name].signal('near') === '')")
 
 
-def test_labels_of_cards_are_inside_the_screen(run: Path, opened: tuple[Browser, str]) -> None:
-    """A label lies in the room that its cell keeps free at the left, and begins by so much before its content."""
-    one, name = opened
-    one.open(run / "index.html")
-    one.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
-    outside = one.value("""[...document.querySelectorAll('.scroll [data-label]')].filter((cell) => {
-        const box = cell.getBoundingClientRect(), label = getComputedStyle(cell, '::before');
-        if (!box.width || label.content === 'none') return false;
-        const left = box.left + parseFloat(getComputedStyle(cell).paddingLeft) + parseFloat(label.marginLeft || '0');
-        return left < -0.5 || left + parseFloat(label.width) > window.innerWidth + 0.5;
-    }).length""")
-    assert outside == 0, name
-
-
-def test_no_metric_is_called_by_its_identifier(run: Path, opened: tuple[Browser, str]) -> None:
+def test_stills_follow_the_chooser(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    one.open(run / "index.html")
-    one.value("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
-    one.value("document.querySelectorAll('code').forEach((one) => one.remove())")
-    text = str(one.value("document.querySelector('main').innerText"))
-    assert [metric for metric in METRICS if "_" in metric and re.search(rf"\b{metric}\b", text)] == []
+    show(one, run / "index.html")
+    stills = one.value("page.stills")
+    assert stills and len(stills) > 1
+    for name, pictures in stills.items():
+        choose(one, "replay-scene", name)
+        captions = one.value("[...document.querySelectorAll('#replays figcaption')].map((one) => one.textContent)")
+        assert captions == [f"{label} {words}" for label, _, words in pictures]
+        assert one.value("[...document.querySelectorAll('#replays svg')].every((one) => one.getBoundingClientRect().height > 50)")
+    one.value("document.getElementById('play').click()")
+    assert one.value("document.getElementById('player-frame').src").endswith(f"/scenes/{name}.html")
+
+
+def test_the_table_of_all_figures_is_filtered(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    page = run / "index.html"
+    show(one, page)
+    one.value("document.getElementById('load').click()")
+    one.until("document.querySelectorAll('#grid tbody tr').length > 1")
+    assert one.value(CONTRAST) > 250
+    narrow_enough(one)
+    one.value("document.getElementById('figures').scrollIntoView({behavior: 'instant'})")
+    one.picture(SCREENSHOTS / f"table-{run.name}-{name}.png")
+    total = int(one.value("document.querySelector('#figures h2').textContent").split()[1].replace(",", ""))
+
+    def left(words: str) -> int:
+        one.value(f"""(() => {{ const box = document.querySelector('#grid input'); box.value = {json.dumps(words)};
+            box.dispatchEvent(new Event('input', {{bubbles: true}})); }})()""")
+        time.sleep(0.6)
+        told = str(one.value("document.querySelector('#grid .dt-info').textContent"))
+        found = re.search(r"of ([\d,]+) entr", told)
+        assert found, told
+        return int(found[1].replace(",", ""))
+
+    assert left("") == total
+    first = one.value("document.querySelector('#grid tbody td').textContent")
+    assert 0 < left(first) < total
+    assert left("no figure has these words") == 0
+    if run.name == "run":
+        assert left("odd") == 1
+        assert MARKUP in one.value("[...document.querySelectorAll('#grid tbody td')].map((cell) => cell.textContent)")
+        assert one.value("document.querySelectorAll('#grid b, #grid img').length") == 0
+    quiet(one, page)
+
+
+def test_charts_follow_the_theme(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    before = name.partition("-")[2]
+    other = {"light": "dark", "dark": "light"}[before]
+    for page in (run / "index.html", scenes(run)[0]):
+        show(one, page)
+        for theme in (other, before):
+            assert one.value("document.getElementById('theme').textContent") == theme
+            one.value("document.getElementById('theme').click()")
+            muted = one.value(f"page.palette.{theme}.muted")
+            words = "document.querySelector('[data-chart=overlap] .role-axis-label text')"
+            one.until(f"{words}.getAttribute('fill') === '{muted}'")
+            assert one.value("document.documentElement.dataset.theme") == theme
+            ink = one.value("getComputedStyle(document.body).color")
+            assert (sum(map(int, re.findall(r"\d+", ink)[:3])) > 384) == (theme == "dark")
+        assert one.value(BLANK) == [] and one.errors == []
+
+
+def test_figures_of_the_scripts_are_those_of_the_tables(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    show(one, run / "index.html")
+    settings = [each for found in one.value("page.settings").values() for each in found if each["measured"]]
+    drawn = {"m": {each["error"] for each in settings}, "us": {each["median"] for each in settings}}
+    for unit, values in drawn.items():
+        known = [0.0, 3e-10, 3e-9, 1.68e-6, 1.68e-4, 9.996e-4, 0.02, 0.47351, 0.9996, 1.0, 12.3456, 900.0, 1234.5, 2.5e6, None]
+        asked = [*known, *sorted(value for value in values if value is not None)]
+        assert one.value(f"{json.dumps(asked)}.map((value) => quantity(value, '{unit}'))") == [quantity(v, unit) for v in asked]
+
+
+def _is_focusable(node: Mapping[str, Any]) -> bool:
+    return any(one["name"] == "focusable" and one["value"]["value"] for one in node.get("properties", ()))
+
+
+def test_every_control_is_reached_by_tab_and_has_a_name(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    for page in (run / "index.html", scenes(run)[0]):
+        show(one, page)
+        one.tell("Emulation.setFocusEmulationEnabled", enabled=True)
+        one.value(f"window.left = new Set({CONTROLS}); window.before = window.left.size")
+        for _ in range(one.value("window.before") + 40):
+            one.key("Tab", "Tab", 9)
+            one.value("window.left.delete(document.activeElement)")
+        assert one.value("window.before") > 8
+        assert one.value("[...window.left].map((one) => one.outerHTML.slice(0, 80))") == []
+        nodes = [node for node in one.tell("Accessibility.getFullAXTree")["nodes"] if _is_focusable(node)]
+        assert len(nodes) > 8
+        assert [node["role"]["value"] for node in nodes if not node.get("name", {}).get("value", "").strip()] == []
+
+
+def test_a_scene_plays(run: Path, opened: tuple[Browser, str]) -> None:
+    one, name = opened
+    for page in scenes(run):
+        replayed(one, page)
+        assert one.value(BLANK) == []
+        assert one.value(COLOURS) > 20
+        narrow_enough(one)
+        one.picture(SCREENSHOTS / f"{page.stem}-{run.name}-{name}.png")
+        one.value("document.dispatchEvent(new CustomEvent('seek-time', {detail: 0}))")
+        one.until(f"{SHOWN} === 0")
+        one.value("document.querySelector('[data-part=play]').click()")
+        assert one.value("document.getElementById('replay').dataset.state") == "playing"
+        one.until(f"{SHOWN} >= 3")
+        # a short scene may have come to its end by now, which pauses it too: a click would play it again
+        playing = "document.getElementById('replay').dataset.state === 'playing'"
+        one.value(f"{playing} && document.querySelector('[data-part=play]').click()")
+        assert one.value("document.getElementById('replay').dataset.state") == "paused"
+        one.until(f"Object.values(views).every((view) => Math.abs(view.signal('now') - {SHOWN} * page.replay.dt) < 1e-9)")
+        quiet(one, page)
+
+
+def test_a_click_on_a_chart_leads_to_its_time(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    replayed(one, scenes(run)[0])
+    one.value("document.querySelector('[data-chart=overlap]').scrollIntoView({block: 'center', behavior: 'instant'})")
+    wanted = float(one.value("views.overlap.scale('x').domain()[1]")) / 2
+    place = f"""(() => {{ const view = views.overlap, box = view.container().getBoundingClientRect(), [left, top] = view.origin();
+        return [box.left + left + view.scale('x')({wanted}), box.top + top + 60]; }})()"""
+    x, y = one.value(place)
+    click(one, x, y)
+    step, pixel = float(one.value("page.replay.dt")), 2 * wanted / float(one.value("views.overlap.width()"))
+    one.until(f"Math.abs({SHOWN} * {step} - {wanted}) <= {step + 2 * pixel}")
+    one.until(f"Math.abs(views.overlap.signal('now') - {SHOWN} * {step}) < 1e-9")
+
+
+def test_keys_lead_the_replay(run: Path, opened: tuple[Browser, str]) -> None:
+    one, _ = opened
+    replayed(one, scenes(run)[0])
+
+    def press(key: str) -> None:
+        one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {json.dumps(key)}, bubbles: true}}))")
+
+    for key, state in (("Home", "0"), ("ArrowRight", "1"), ("End", "Number(document.querySelector('[data-part=bar]').max)")):
+        press(key)
+        one.until(f"{SHOWN} === {state}")
+    for state in ("playing", "paused"):
+        press(" ")
+        assert one.value("document.getElementById('replay').dataset.state") == state
+    assert one.errors == []
 
 
 def test_a_link_leads_to_a_moment(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     page = scenes(run)[0]
-    one.open(page)
-    one.until("document.getElementById('replay').dataset.frame !== undefined")
-    step = float(one.value("JSON.parse(document.getElementById('replay-data').textContent).dt"))
-    shown = "Number(document.getElementById('replay').dataset.frame)"
+    replayed(one, page)
+    step = float(one.value("page.replay.dt"))
     one.value(f"location.hash = 't={7 * step:.6g}'")
-    one.until(f"{shown} === 7")
-    one.value("document.dispatchEvent(new CustomEvent('seek-time', {detail: %r}))" % (3 * step))
-    one.until(f"{shown} === 3")
+    one.until(f"{SHOWN} === 7")
+    one.value(f"document.dispatchEvent(new CustomEvent('seek-time', {{detail: {3 * step}}}))")
+    one.until(f"{SHOWN} === 3")
     one.value("document.querySelector('[data-part=link]').click()")
     linked = str(one.value("location.hash"))
     assert float(linked.removeprefix("#t=")) == pytest.approx(3 * step, rel=1e-5)
-    # and at load, as from a card of the index
-    one.open(run / "index.html")
-    one.open(page, linked)
-    one.until(f"{shown} === 3")
+    # and at load, as from the index
+    show(one, run / "index.html")
+    replayed(one, page, linked)
+    one.until(f"{SHOWN} === 3")
     one.value("location.hash = 't=nonsense'")
-    assert one.value(shown) == 3 and one.errors == []
+    assert one.value(SHOWN) == 3 and one.errors == []
 
 
 def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    for page in scenes(run):
-        one.open(page)
-        one.until("document.getElementById('replay').dataset.frame !== undefined")
-        runs = one.value("JSON.parse(document.getElementById('replay-data').textContent).runs.map((run) => run.worst)")
-        opens = one.value("JSON.parse(document.getElementById('replay-data').textContent).opens")
-        step = float(one.value("JSON.parse(document.getElementById('replay-data').textContent).dt"))
-        wanted = [*(opens[name]["state"] for name in ("ours", "others") if name in opens),
-                  *(moment["state"] for moments in runs for moment in moments)]
-        assert one.value("[...document.querySelectorAll('[data-worst]')].map((one) => Number(one.dataset.worst))") == wanted
-        # of the lists ours alone is open, and the button of the others says of which
-        lists = one.value("[...document.querySelectorAll('.worst details')].map((one) => [one.innerText, one.open])")
-        assert [told.split()[0].startswith("avatarsim") for told, is_open in lists if is_open] == [True]
-        if "others" in opens:
-            assert opens["others"]["run"] in one.value("document.querySelector('.worst > div').innerText")
+    for page in scenes(run)[:2]:
+        replayed(one, page)
+        data = one.value("({step: page.replay.dt, worst: page.replay.runs.map((run) => run.worst)})")
+        wanted = [(number, moment) for number, moments in enumerate(data["worst"]) for moment in moments]
+        assert one.value("[...document.querySelectorAll('[data-worst]')].map((one) => Number(one.dataset.worst))") == [
+            moment["state"] for _, moment in wanted
+        ]
         one.value("document.querySelectorAll('.worst details').forEach((one) => { one.open = true; })")
-        for number, state in enumerate(wanted):
-            button = f"document.querySelectorAll('[data-worst]')[{number}]"
-            one.value(f"{button}.scrollIntoView({{block: 'start', behavior: 'instant'}})")
-            # a page that still scrolls for the button before is no place to press the next
-            one.value(SETTLED)
-            one.value(f"{button}.click()")
-            one.until(f"document.getElementById('replay').dataset.frame === '{state}'")
-            assert float(one.value("location.hash").removeprefix("#t=")) == pytest.approx(state * step, rel=1e-5)
-            one.value(SETTLED)
+        for k, (number, moment) in list(enumerate(wanted))[:12]:
+            one.value(f"document.querySelectorAll('[data-worst]')[{k}].click()")
+            one.until(f"{SHOWN} === {moment['state']}")
+            linked = float(one.value("location.hash").removeprefix("#t="))
+            assert linked == pytest.approx(moment["state"] * data["step"], rel=1e-5)
             # the view of the engine that the button is about is on the screen
-            box = f"document.querySelectorAll('.view')[{button}.dataset.of].getBoundingClientRect()"
+            box = f"document.querySelectorAll('.view')[{number}].getBoundingClientRect()"
             assert one.value(f"{box}.top >= -1 && {box}.bottom <= window.innerHeight + 1")
+            if found := re.match(r"overlap of ([0-9.,]+ (?:nm|µm|mm|m)\b)", moment["said"]):
+                caption = str(one.value(f"document.querySelectorAll('.view')[{number}].querySelector('.said').textContent"))
+                assert caption.startswith(f"{found[1]}: "), caption
         assert one.errors == []
-
-
-def test_nothing_glides_where_less_motion_is_asked_for(run: Path, opened: tuple[Browser, str]) -> None:
-    one, name = opened
-    one.open(scenes(run)[0])
-    one.until("document.getElementById('replay').dataset.frame !== undefined")
-    one.tell("Emulation.setEmulatedMedia", features=[{"name": "prefers-reduced-motion", "value": "reduce"}])
-    try:
-        one.value("window.scrollTo(0, document.documentElement.scrollHeight)")
-        box = "document.querySelector('.view').getBoundingClientRect()"
-        assert one.value(f"{box}.bottom < 0")
-        seen = one.value(f"(() => {{ document.querySelector('[data-worst]').click(); return {box}.bottom; }})()")
-        assert 0 < seen <= SIZES["wide"][1] + 1
-    finally:
-        one.screen(*SIZES[name.partition("-")[0]], dark=name.endswith("dark"))
-
-
-def test_charts_and_captions_say_the_same_at_every_worst_moment(run: Path, opened: tuple[Browser, str]) -> None:
-    one, name = opened
-    # neither size nor colours matter here, and each moment is drawn in software: each window takes the next page
-    pages = scenes(run)
-    for page in [pages[WINDOWS.index(name) % len(pages)]]:
-        one.open(page)
-        one.until("document.getElementById('replay').dataset.frame !== undefined")
-        data = "JSON.parse(document.getElementById('replay-data').textContent)"
-        runs = one.value(f"{data}.runs.map((run) => [run.run, run.worst])")
-        for number, (called, moments) in enumerate(runs):
-            for k, moment in enumerate(moments):
-                figure = re.search(r"[0-9.,]+ (?:nm|µm|mm|m)\b", moment["said"])
-                title = "Overlap" if moment["said"].startswith("overlap") else "Distance from the user"
-                if not figure or not re.search("overlap of|from its user", moment["said"]):
-                    continue
-                one.value(f"document.querySelectorAll('[data-of=\"{number}\"]:not(.worst > div *)')[{k}].click()")
-                one.until(f"document.getElementById('replay').dataset.frame === '{moment['state']}'")
-                told = str(one.value(f"[...document.querySelectorAll('.course')].find((one) => "
-                                     f"one.querySelector('h4').textContent === '{title}').querySelector('.told').textContent"))
-                assert f"{called} {figure[0]}" in told.split(" · "), f"{page.stem}: {moment['said']}"
-                if title == "Overlap":
-                    caption = str(one.value(f"document.querySelectorAll('.view')[{number}].querySelector('.said').textContent"))
-                    assert caption.startswith(f"{figure[0]}: "), caption
-        assert one.errors == []
-
-
-def test_figures_of_the_scripts_are_those_of_the_pages_words(run: Path, opened: tuple[Browser, str]) -> None:
-    one, _ = opened
-    one.open(scenes(run)[0])
-    for unit in ("m", "us", "J"):
-        for value in (0.0, 3e-10, 3e-9, 1.68e-6, 1.68e-4, 9.996e-4, 0.02, 0.47351, 0.9996, 1.0, 12.3456, 900.0):
-            assert one.value(f"quantity({value!r}, '{unit}')") == words_of(value, unit), (value, unit)
 
 
 def test_captions_leave_the_picture_free_where_there_is_no_room(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
-    one.open(scenes(run)[0])
-    one.until("document.getElementById('replay').dataset.frame !== undefined")
+    replayed(one, scenes(run)[0])
     over = one.value("""[...document.querySelectorAll('.view')].map((view) => {
         const parts = ['.called', '.picture', '.said'];
         const [called, picture, said] = parts.map((one) => view.querySelector(one).getBoundingClientRect());
         return [picture.top - called.bottom, said.top - picture.bottom, picture.height / picture.width];
     })""")
     assert all(share == pytest.approx(0.75, abs=0.02) for _, _, share in over)
-    sticky = one.value("getComputedStyle(document.querySelector('.controls')).position")
-    if name.startswith("narrow"):
-        assert all(above >= -0.5 and below >= -0.5 for above, below, _ in over) and sticky == "static"
+    if SIZES[name.partition("-")[0]] == SIZES["narrow"]:
+        assert all(above >= -0.5 and below >= -0.5 for above, below, _ in over)
         assert one.value("[...document.querySelectorAll('.said')].every((said) => said.scrollHeight <= said.clientHeight)")
-        # what is drawn is where the pictures are, and nowhere else
-        assert one.value(DRAWN) == [1, 0]
-    else:
-        assert sticky == "sticky"
 
 
 def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, str], tmp_path: Path) -> None:
     one, _ = opened
     page = shortest(run)
     one.downloads(tmp_path)
-    one.open(page)
-    one.until("document.getElementById('replay').dataset.frame !== undefined")
+    replayed(one, page)
     one.value(WRITTEN)
     one.value("document.querySelector('[data-part=film]').click()")
     one.until("document.querySelector('[data-part=film]').textContent.startsWith('Stop: picture')")
@@ -418,10 +376,8 @@ def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, 
     words = one.value("window.written")
     assert words and all(width <= most + 0.5 for _, width, most in words)
     assert not [text for text, *_ in words if re.search(r"\d\.\d{3}", text)]
-    saved = tmp_path / f"{page.stem}.gif"
-    for _ in range(100):
-        if saved.exists():
-            break
+    saved, until = tmp_path / f"{page.stem}.gif", time.monotonic() + 10.0
+    while not saved.exists() and time.monotonic() < until:
         time.sleep(0.1)
     assert 1000 < saved.stat().st_size == int(one.value("document.getElementById('replay').dataset.filmed")) < LARGEST_GIF
     with Image.open(saved) as film:
@@ -431,59 +387,3 @@ def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, 
     assert len(numpy.unique(pictures[0].reshape(-1, 3), axis=0)) > 10
     assert any((later != pictures[0]).any() for later in pictures[1:])
     quiet(one, page)
-
-
-def test_the_index_leads_to_every_scene_and_back(run: Path, opened: tuple[Browser, str]) -> None:
-    one, _ = opened
-    one.open(run / "index.html")
-    every = "[...document.querySelectorAll('a[href*=\"scenes/\"]')].map((one) => one.getAttribute('href'))"
-    links = one.value(f"[...new Set({every})]")
-    assert links and all((run / link.partition("#")[0]).exists() for link in links)
-    one.open(run / links[0].partition("#")[0])
-    assert one.value("document.querySelector('.brand a').getAttribute('href')") == "../index.html"
-
-
-def test_a_scene_plays(run: Path, opened: tuple[Browser, str]) -> None:
-    one, name = opened
-    for page in scenes(run):
-        one.open(page)
-        one.until("['paused', 'no-webgl'].includes(document.getElementById('replay').dataset.state)")
-        assert one.value("document.getElementById('replay').dataset.state") == "paused", "the browser offers no WebGL"
-        one.until("document.getElementById('replay').dataset.frame !== undefined")
-        assert one.value(COLOURS) > 20
-        assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
-        one.picture(SCREENSHOTS / f"{page.stem}-{run.name}-{name}.png")
-        shown = "Number(document.getElementById('replay').dataset.frame)"
-        one.value("document.dispatchEvent(new CustomEvent('seek-time', {detail: 0}))")
-        one.until(f"{shown} === 0")
-        one.value("document.querySelector('[data-part=play]').click()")
-        assert one.value("document.getElementById('replay').dataset.state") == "playing"
-        one.until(f"{shown} >= 3")
-        # a short scene may have come to its end by now, which pauses it too: a click would play it again
-        one.value(
-            "document.getElementById('replay').dataset.state === 'playing' && document.querySelector('[data-part=play]').click()"
-        )
-        assert one.value("document.getElementById('replay').dataset.state") == "paused"
-        assert float(one.value("document.getElementById('courses-charts').dataset.time")) > 0.0
-        quiet(one, page)
-
-
-def test_keys_lead_the_replay(run: Path, opened: tuple[Browser, str]) -> None:
-    one, _ = opened
-    one.open(scenes(run)[0])
-    one.until("document.getElementById('replay').dataset.frame !== undefined")
-
-    def press(key: str) -> None:
-        one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {json.dumps(key)}, bubbles: true}}))")
-
-    press("Home")
-    one.until("document.getElementById('replay').dataset.frame === '0'")
-    press("ArrowRight")
-    one.until("document.getElementById('replay').dataset.frame === '1'")
-    press("End")
-    one.until("document.getElementById('replay').dataset.frame === document.querySelector('[data-part=bar]').max")
-    press("ArrowLeft")
-    press(" ")
-    assert one.value("document.getElementById('replay').dataset.state") == "playing"
-    press(" ")
-    assert one.errors == []

@@ -18,8 +18,8 @@ from pathlib import Path
 
 from avatarsim.errors import AvatarsimError
 from reports import write_report
-from reports.reading.load import load
-from reports.summaries import headline
+from reports.summaries import readme
+from reports.tables.run import read
 from tests.look.browser import Browser, browser
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,8 +36,8 @@ CELL = (360, 270)
 """Size [px] of a view on the page; in the strip each takes NARROW."""
 NARROW = 250
 MOVING, STRIP, REPORT_TOP, ABOUT = "moving.gif", "strip.png", "report.png", "about.json"
-LARGEST = 500_000
-"""Bytes of the moving picture at most: a README is read over slow lines too."""
+LARGEST, LARGEST_TOP = 500_000, 400_000
+"""Bytes at most of the moving picture and of the top of the page: a README is read over slow lines too."""
 SMALLER = ((240, 1.0), (200, 1.0), (200, 2.0), (170, 2.0), (140, 2.0))
 """(width of a view [px], speed) of the moving picture, tried in this order until it is small enough."""
 
@@ -46,7 +46,7 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
     """A picture of each engine's view at each instant: a row per engine."""
     one.open(page)
     one.until("document.getElementById('replay').dataset.frame !== undefined")
-    names = one.value("JSON.parse(document.getElementById('replay-data').textContent).runs.map((run) => run.run)")
+    names = one.value("page.replay.runs.map((run) => run.run)")
     wanted = [names.index(run) for run in RUNS if run in names]
     one.value(f"document.querySelector('.stage').style.gridTemplateColumns = 'repeat(3, {CELL[0]}px)'")
     for number in range(len(names)):
@@ -56,7 +56,7 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
     for key in TURNS:
         one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: '{key}', bubbles: true}}))")
     last = int(one.value("document.querySelector('[data-part=bar]').max"))
-    step = float(one.value("JSON.parse(document.getElementById('replay-data').textContent).dt"))
+    step = float(one.value("page.replay.dt"))
     one.value("document.querySelectorAll('.controls').forEach((one) => { one.style.display = 'none'; })")
     one.value("document.querySelector('.stage').scrollIntoView()")
     rows: list[list[Path]] = [[] for _ in wanted]
@@ -66,8 +66,10 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
         one.until(f"document.getElementById('replay').dataset.frame === '{frame}'")
         one.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
         for row, number in enumerate(wanted):
-            box = one.value(f"(() => {{ const box = document.querySelectorAll('.view')[{number}].getBoundingClientRect(); "
-                            "return [box.x + scrollX, box.y + scrollY, box.width, box.height]; })()")
+            box = one.value(
+                f"(() => {{ const box = document.querySelectorAll('.view')[{number}].getBoundingClientRect(); "
+                "return [box.x + scrollX, box.y + scrollY, box.width, box.height]; })()"
+            )
             place = folder / f"{row}-{frame}.png"
             one.picture(place, {"x": box[0], "y": box[1], "width": box[2], "height": box[3], "scale": NARROW / box[2]})
             rows[row].append(place)
@@ -76,13 +78,16 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
 
 def strip(one: Browser, rows: Sequence[Sequence[Path]], folder: Path, to: Path) -> None:
     """All pictures as one, rows under each other."""
+
     def line(row: Sequence[Path]) -> str:
         return "".join(f'<img src="data:image/png;base64,{base64.b64encode(path.read_bytes()).decode()}">' for path in row)
 
     page = folder / "strip.html"
     style = "body{margin:0;background:#fff;display:inline-block}div{display:flex;gap:4px;margin-bottom:4px}img{display:block}"
-    page.write_text(f"<!doctype html><title>{html.escape(to.name)}</title><style>{style}</style>"
-                    + "".join(f"<div>{line(row)}</div>" for row in rows))
+    page.write_text(
+        f"<!doctype html><title>{html.escape(to.name)}</title><style>{style}</style>"
+        + "".join(f"<div>{line(row)}</div>" for row in rows)
+    )
     one.open(page)
     box = one.value("[document.body.getBoundingClientRect().width, document.body.getBoundingClientRect().height]")
     one.picture(to, {"x": 0, "y": 0, "width": box[0], "height": box[1] - 4, "scale": 1})
@@ -94,13 +99,15 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
     for width, speed in SMALLER:
         one.open(page)
         one.until("document.getElementById('replay').dataset.frame !== undefined")
-        names = one.value("JSON.parse(document.getElementById('replay-data').textContent).runs.map((run) => run.run)")
+        names = one.value("page.replay.runs.map((run) => run.run)")
         for number, name in enumerate(names):
             if name not in RUNS:
                 one.value(f"document.querySelector('[data-view=\"{number}\"]').click()")
         columns = sum(name in RUNS for name in names)
-        one.value(f"document.querySelector('.stage').style.cssText += ';width:{columns * width + 8 * (columns - 1)}px;"
-                  f"grid-template-columns:repeat({columns}, {width}px)'")
+        one.value(
+            f"document.querySelector('.stage').style.cssText += ';width:{columns * width + 8 * (columns - 1)}px;"
+            f"grid-template-columns:repeat({columns}, {width}px)'"
+        )
         # from one place, so that what stands still need not be drawn again
         one.value("(() => { const box = document.querySelector('[data-part=follow]'); if (box.checked) box.click(); })()")
         for key in TURNS + NEARER:
@@ -121,7 +128,7 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
 
 def about(run: Path) -> str:
     """What about.json holds."""
-    told = headline.origin(load(run), run.resolve().name) | {"scene": SCENE, "pictures": [REPORT_TOP, STRIP, MOVING]}
+    told = readme.origin(read(run.resolve())) | {"scene": SCENE, "pictures": [REPORT_TOP, STRIP, MOVING]}
     return json.dumps(told, indent=1) + "\n"
 
 
@@ -141,9 +148,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             with browser(*REPORT) as one:
                 strip(one, views(one, page, folder), folder, made / STRIP)
                 one.open(chosen.run / "index.html")
+                one.until("Object.keys(page.specs).every((name) => views[name])")
                 one.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
                 one.picture(made / REPORT_TOP)
                 (made / MOVING).write_bytes(moving(one, page, folder).read_bytes())
+            if (size := (made / REPORT_TOP).stat().st_size) > LARGEST_TOP:
+                raise RuntimeError(f"{REPORT_TOP} has {size:,} bytes; at most {LARGEST_TOP:,} may be kept")
             (made / ABOUT).write_text(about(chosen.run), encoding="utf-8")
             _replace(made)
     except (AvatarsimError, RuntimeError) as error:

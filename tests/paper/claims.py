@@ -172,7 +172,7 @@ FIGURES = {
         "frame time of two arms: a spike for each push into the wall",
         (
             "paper/test_figure_8.py::test_a_spike_for_every_push_and_silence_between",
-            "reports/sections/test_sections.py::test_figure_8_has_a_panel_per_method",
+            "scenarios/table_2/test_rows.py::test_the_command_writes_table_and_trace",
         ),
         ("two_arms",),
     ),

@@ -9,12 +9,24 @@ from runfiles import array_file
 
 STATES = 20
 BODIES = [
-    {"name": "slab", "role": "fixed", "mass": None,
-     "pieces": [{"kind": "box", "size": [1.0, 1.0, 0.1], "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}]},
-    {"name": "ball", "role": "simulated", "mass": {"mass": 2.0, "centre": [0.0, 0.0, 0.0], "inertia": (0.1 * np.eye(3)).tolist()},
-     "pieces": [{"kind": "sphere", "radius": 0.1, "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}]},
-    {"name": "hand", "role": "driven", "mass": None,
-     "pieces": [{"kind": "sphere", "radius": 0.1, "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}]},
+    {
+        "name": "slab",
+        "role": "fixed",
+        "mass": None,
+        "pieces": [{"kind": "box", "size": [1.0, 1.0, 0.1], "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}],
+    },
+    {
+        "name": "ball",
+        "role": "simulated",
+        "mass": {"mass": 2.0, "centre": [0.0, 0.0, 0.0], "inertia": (0.1 * np.eye(3)).tolist()},
+        "pieces": [{"kind": "sphere", "radius": 0.1, "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}],
+    },
+    {
+        "name": "hand",
+        "role": "driven",
+        "mass": None,
+        "pieces": [{"kind": "sphere", "radius": 0.1, "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]}],
+    },
 ]
 """A hand, a ball and a slab, in canonical order."""
 
@@ -39,13 +51,24 @@ def recording(folder: Path, name: str, run: str, states: int = STATES, sinks: bo
     (folder / "recordings").mkdir(exist_ok=True)
     stem = f"{name}.{run.replace('/', '.')}.0.npz"
     arrays = {
-        "meta": np.array(json.dumps({"schema_version": 2})), "times": times, "positions": positions, "orientations": turns,
-        "velocities": velocities, "angular_velocities": np.zeros((states, 3, 3)), "raw_positions": positions[:, 2:],
-        "raw_orientations": turns[:, 2:], "counts:contacts": np.arange(states),
+        "meta": np.array(json.dumps({"schema_version": 2})),
+        "times": times,
+        "positions": positions,
+        "orientations": turns,
+        "velocities": velocities,
+        "angular_velocities": np.zeros((states, 3, 3)),
+        "raw_positions": positions[:, 2:],
+        "raw_orientations": turns[:, 2:],
+        "counts:contacts": np.arange(states),
     }
     with (folder / "recordings" / stem).open("wb") as file:
         array_file.write(file, arrays)
     if sinks:
         (folder / "overlaps").mkdir(exist_ok=True)
-        np.savez(folder / "overlaps" / stem, frame=np.array([9, 10, 10]), first=np.array([2, 2, 0]), second=np.array([0, 0, 1]),
-                 depth=np.array([0.01, 0.02, 5e-7]))
+        np.savez(
+            folder / "overlaps" / stem,
+            frame=np.array([9, 10, 10]),
+            first=np.array([2, 2, 0]),
+            second=np.array([0, 0, 1]),
+            depth=np.array([0.01, 0.02, 5e-7]),
+        )

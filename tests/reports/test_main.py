@@ -1,4 +1,4 @@
-"""The two commands, their exit codes and what they print."""
+"""The commands of reports: exit codes, files, and an error in one sentence for what cannot be read."""
 
 import subprocess
 import sys
@@ -8,46 +8,119 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reports import write_report
 from reports.__main__ import main
 from scenarios.job import Job, Outcome
 from scenarios.results.results import Results, Row, write
+from tests.reports.pages.conftest import filled
+from tests.reports.small_runs import HOST, OVERLAP
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
+Output = pytest.CaptureFixture[str]
 ROOT = Path(__file__).parents[2]
-HOST = {"cpu": "Abacus 9", "cpus": 2, "platform": "Linux", "python": "3.11"}
+PAGES = {"index.html", "method.html", "engines.html", "glossary.html", "summary.md", "junit.xml"}
 
 
-def test_write_prints_where_the_page_is(run_dir: Write, results: Json, capsys: pytest.CaptureFixture[str]) -> None:
+def worse_run(results: Json) -> Json:
+    """The run with our overlap in the first scene grown."""
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    return results | {"rows": [{**rows[0], "value": 1e-3}, *rows[1:]]}
+
+
+def test_write_makes_the_report_and_says_where(run_dir: Write, results: Json, capsys: Output) -> None:
     folder = run_dir(results)
     assert main(["write", str(folder)]) == 0
     assert Path(capsys.readouterr().out.strip()) == folder / "index.html"
-    assert {path.name for path in folder.iterdir()} == {"results.json", "index.html", "summary.md", "junit.xml", "scenes"}
+    assert {path.name for path in folder.iterdir()} == {"results.json", "scenes"} | PAGES
 
 
-def test_a_folder_without_results_is_a_usage_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["write", str(tmp_path)]) == 2
-    assert "results.json" in capsys.readouterr().err
+def test_write_needs_no_table_of_figures(run_dir: Write, results: Json) -> None:
+    folder = run_dir(results)
+    assert not (folder / "results.csv").exists() and write_report(folder) == ()
 
 
-def test_diff_fails_only_when_something_got_worse(run_dir: Write, results: Json, capsys: pytest.CaptureFixture[str]) -> None:
-    rows = results["rows"]
-    assert isinstance(rows, list)
-    old, worse = run_dir(results), run_dir(results | {"rows": [rows[0] | {"value": 1e-3}, *rows[1:]]})
+def test_a_damaged_part_is_named_and_the_exit_code_says_so(tmp_path: Path, capsys: Output) -> None:
+    folder = filled(tmp_path / "run")
+    (folder / "sweep.csv").write_bytes(b"\xff\xfe\x00")
+    assert main(["write", str(folder)]) == 2
+    told = capsys.readouterr()
+    assert "sweep.csv" in told.err and (folder / "index.html").exists() and "index.html" in told.out
+
+
+def unusable(tmp_path: Path, kind: str) -> Path:
+    """What is no folder of a run."""
+    place = tmp_path / "place"
+    if kind != "missing":
+        place.mkdir()
+    if kind == "half a file":
+        (place / "results.json").write_text('{"rows": [', encoding="utf-8")
+    if kind == "other bytes":
+        (place / "results.json").write_bytes(b"\xff\xfe\x00\x01")
+    if kind == "a file":
+        place.rmdir()
+        place.write_text("x", encoding="utf-8")
+    return place
+
+
+@pytest.mark.parametrize("kind", ["missing", "empty", "half a file", "other bytes", "a file"])
+@pytest.mark.parametrize("words", [["write"], ["diff"], ["baseline", "--to", "kept.csv"], ["headline"]])
+def test_what_is_no_run_is_an_error_of_one_line(
+    tmp_path: Path, kind: str, words: Sequence[str], capsys: Output, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    place = unusable(tmp_path, kind)
+    before = sorted(tmp_path.rglob("*"))
+    places = [str(place)] * (2 if words[0] == "diff" else 1)
+    assert main([words[0], *places, *words[1:]]) == 2
+    told = capsys.readouterr()
+    assert told.out == "" and str(place) in told.err and len(told.err.splitlines()) == 1 and "Traceback" not in told.err
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\x00\x01", b"scenario,run\na,b\n", b'"'])
+def test_a_baseline_that_cannot_be_read_is_an_error(
+    run_dir: Write, results: Json, tmp_path: Path, content: bytes, capsys: Output
+) -> None:
+    path = tmp_path / "kept.csv"
+    path.write_bytes(content)
+    assert main(["diff", str(path), str(run_dir(results))]) == 2
+    assert "kept.csv" in capsys.readouterr().err
+
+
+def test_diff_fails_only_when_something_got_worse(run_dir: Write, results: Json, capsys: Output) -> None:
+    old, worse = run_dir(results), run_dir(worse_run(results))
     assert main(["diff", str(old), str(old)]) == 0
-    assert main(["diff", str(old), str(worse)]) == 1
     assert main(["diff", str(worse), str(old)]) == 0
-    assert "residual_overlap_max: 300 nm -> 1.00 mm" in capsys.readouterr().out
-    assert main(["diff", str(old), str(old.parent)]) == 2
+    capsys.readouterr()
+    assert main(["diff", str(old), str(worse)]) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert sum(OVERLAP in line and "arm_wall" in line for line in lines) == 1
+
+
+def test_diff_takes_a_baseline_too(run_dir: Write, results: Json, tmp_path: Path) -> None:
+    kept = str(tmp_path / "kept.csv")
+    assert main(["baseline", str(run_dir(results)), "--to", kept]) == 0
+    assert main(["diff", kept, str(run_dir(results))]) == 0
+    assert main(["diff", kept, str(run_dir(worse_run(results)))]) == 1
+
+
+@pytest.mark.parametrize("words", [[], ["nothing"], ["write", "--no-such-option"], ["diff"]])
+def test_wrong_usage_is_exit_code_2(words: Sequence[str]) -> None:
+    with pytest.raises(SystemExit) as error:
+        main(words)
+    assert error.value.code == 2
 
 
 def timed_run(folder: Path, times: Sequence[float]) -> Path:
     """A run of one scene, as the harness writes it, with these frame times [us]."""
-    p50, p95, most = (float(time) for time in np.percentile(times, (50, 95, 100)))
-    figures = {"frame_time_p50": p50, "frame_time_p95": p95, "frame_time_max": most, "frame_time_python_p50": 1.1 * p50}
-    rows = [Row("drop", "avatarsim", "default", 0, len(times), "residual_overlap_max", 1e-7, "m", 1e-6, None, "pass")]
-    rows += [Row("drop", "avatarsim", "default", 0, len(times), metric, value, "us", None, None, "info")
-             for metric, value in figures.items()]
+    figures = {f"frame_time_{name}": float(np.percentile(times, at)) for name, at in (("p50", 50), ("p95", 95), ("max", 100))}
+    rows = [Row("drop", "avatarsim", "default", 0, len(times), OVERLAP, 1e-7, "m", 1e-6, None, "pass")]
+    rows += [
+        Row("drop", "avatarsim", "default", 0, len(times), metric, value, "us", None, None, "info")
+        for metric, value in figures.items()
+    ]
     series = {"drop": {"avatarsim/default": {"overlap_m": [0.0], "frame_time_us": list(times)}}}
     folder.mkdir()
     outcome = Outcome(Job("drop", "avatarsim", "default"), "measured")
@@ -55,25 +128,15 @@ def timed_run(folder: Path, times: Sequence[float]) -> Path:
     return folder
 
 
-def diffed(old: Path, new: Path) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run([sys.executable, "-m", "reports", "diff", str(old), str(new)], cwd=ROOT, capture_output=True, text=True,
-                          check=False)
-
-
-def test_two_runs_with_noisy_times_differ_in_nothing(tmp_path: Path) -> None:
-    """The slowest frame of the second run takes four times as long as the first one's, and the rest is noise."""
+@pytest.mark.parametrize("factor", [1.0, 3.0])
+def test_as_a_command_noise_is_nothing_and_a_slow_run_is_worse(tmp_path: Path, factor: float) -> None:
     draw = np.random.default_rng(3)
     old, new = (30.0 * draw.gamma(16.0, 1 / 16.0, 400) for _ in range(2))
     new[200] = 4.0 * old.max()
-    found = diffed(timed_run(tmp_path / "old", old.tolist()), timed_run(tmp_path / "new", new.tolist()))
-    assert (found.returncode, found.stderr) == (0, "")
-    assert found.stdout.splitlines()[0] == "worse 0, better 0"
-
-
-def test_a_run_that_is_slower_in_every_frame_is_worse_in_every_time(tmp_path: Path) -> None:
-    draw = np.random.default_rng(3)
-    old, new = (30.0 * draw.gamma(16.0, 1 / 16.0, 400) for _ in range(2))
-    found = diffed(timed_run(tmp_path / "old", old.tolist()), timed_run(tmp_path / "new", (3.0 * new).tolist()))
-    worse = [line.split()[3].strip(":") for line in found.stdout.splitlines()[1:]]
-    assert found.returncode == 1 and found.stderr == ""
-    assert worse == ["frame_time_p50", "frame_time_p95", "frame_time_max", "frame_time_python_p50"]
+    folders = timed_run(tmp_path / "old", old.tolist()), timed_run(tmp_path / "new", (factor * new).tolist())
+    found = subprocess.run(
+        [sys.executable, "-m", "reports", "diff", *map(str, folders)], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    named = {metric for metric in ("frame_time_p50", "frame_time_p95", "frame_time_max") if metric in found.stdout}
+    assert (found.returncode, found.stderr) == (int(factor > 1.0), "")
+    assert named == ({"frame_time_p50", "frame_time_p95"} if factor > 1.0 else set())

@@ -14,10 +14,20 @@ from runfiles.array_file import joined, planes
 RNG = np.random.default_rng(11)
 ODD = np.array([np.nan, -np.nan, 0.0, -0.0, np.inf, -np.inf, 5e-324, -1.7976931348623157e308, 1.0])
 ARRAYS = {
-    "numbers": RNG.normal(size=(7, 2, 3)), "odd": ODD, "nothing": np.zeros((0, 4, 3)), "no bodies": np.zeros((5, 0, 3)),
-    "one": np.array([3.5]), "column major": np.asfortranarray(RNG.normal(size=(4, 3))), "every other": np.arange(10.0)[::2],
-    "whole": np.array([2**63 - 1, -(2**63), 0, -1, 1]), "counts:pairs": np.arange(6), "texts": np.array(["a", "bb"]),
-    "alone": np.array("text"), "flags": np.array([True, False]), "small": np.arange(3, dtype=np.float32), "scalar": np.array(2.0),
+    "numbers": RNG.normal(size=(7, 2, 3)),
+    "odd": ODD,
+    "nothing": np.zeros((0, 4, 3)),
+    "no bodies": np.zeros((5, 0, 3)),
+    "one": np.array([3.5]),
+    "column major": np.asfortranarray(RNG.normal(size=(4, 3))),
+    "every other": np.arange(10.0)[::2],
+    "whole": np.array([2**63 - 1, -(2**63), 0, -1, 1]),
+    "counts:pairs": np.arange(6),
+    "texts": np.array(["a", "bb"]),
+    "alone": np.array("text"),
+    "flags": np.array([True, False]),
+    "small": np.arange(3, dtype=np.float32),
+    "scalar": np.array(2.0),
 }
 
 
@@ -94,17 +104,20 @@ def member(path: Path, name: str, header: str, data: bytes) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("name", "header", "data"), [
-    ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,)}", bytes(64)),
-    ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (2,)}", bytes(64)),
-    ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (-8,)}", bytes(64)),
-    ("x", "{'descr': '|O', 'fortran_order': False, 'shape': (8,)}", bytes(64)),
-    ("x", "{'descr': '<f8', 'fortran_order': True, 'shape': (8,)}", bytes(64)),
-    ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (((((", bytes(64)),
-    ("x@float64", "{'descr': '|u1', 'fortran_order': False, 'shape': (64,)}", bytes(64)),
-    ("x@float64", "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 16)}", bytes(64)),
-    ("x@float64", "{'descr': '<f8', 'fortran_order': False, 'shape': (8, 1)}", bytes(64)),
-])
+@pytest.mark.parametrize(
+    ("name", "header", "data"),
+    [
+        ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (1000000000000,)}", bytes(64)),
+        ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (2,)}", bytes(64)),
+        ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (-8,)}", bytes(64)),
+        ("x", "{'descr': '|O', 'fortran_order': False, 'shape': (8,)}", bytes(64)),
+        ("x", "{'descr': '<f8', 'fortran_order': True, 'shape': (8,)}", bytes(64)),
+        ("x", "{'descr': '<f8', 'fortran_order': False, 'shape': (((((", bytes(64)),
+        ("x@float64", "{'descr': '|u1', 'fortran_order': False, 'shape': (64,)}", bytes(64)),
+        ("x@float64", "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 16)}", bytes(64)),
+        ("x@float64", "{'descr': '<f8', 'fortran_order': False, 'shape': (8, 1)}", bytes(64)),
+    ],
+)
 def test_a_header_that_lies_is_an_invalid_file(tmp_path: Path, name: str, header: str, data: bytes) -> None:
     with pytest.raises(InvalidFile, match="a.npz"):
         array_file.read(member(tmp_path / "a.npz", name, header, data))

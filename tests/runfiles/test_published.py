@@ -15,7 +15,11 @@ from tests.reports.conftest import whole_run
 
 HERE = Path("results.json")
 ODD: st.SearchStrategy[object] = st.one_of(
-    st.none(), st.booleans(), st.integers(-3, 3), st.floats(allow_nan=False), st.sampled_from(["NaN", "Infinity", "pass", "x"]),
+    st.none(),
+    st.booleans(),
+    st.integers(-3, 3),
+    st.floats(allow_nan=False),
+    st.sampled_from(["NaN", "Infinity", "pass", "x"]),
     st.lists(st.integers(), max_size=2),
 )
 
@@ -55,10 +59,14 @@ def test_series_agree_too(numbers: list[object]) -> None:
     assert quick == slow
 
 
-@pytest.mark.parametrize(("change", "where"), [
-    (lambda data: data.pop("rows"), "top level"), (lambda data: data.update(exit_code=4), "exit_code"),
-    (lambda data: data["series"]["arm_wall"].update({"a/b": []}), "series.arm_wall.a/b"),
-])
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        (lambda data: data.pop("rows"), "top level"),
+        (lambda data: data.update(exit_code=4), "exit_code"),
+        (lambda data: data["series"]["arm_wall"].update({"a/b": []}), "series.arm_wall.a/b"),
+    ],
+)
 def test_the_place_is_named(change: Callable[[dict[str, object]], object], where: str) -> None:
     data = whole_run()
     change(data)

@@ -14,7 +14,7 @@ def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "site"
     folder.mkdir()
     monkeypatch.syspath_prepend(joined(folder))
-    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    monkeypatch.setattr("reports.write_report", lambda *_: None)
     return folder
 
 

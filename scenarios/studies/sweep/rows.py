@@ -7,8 +7,8 @@ from functools import cache
 from math import isfinite
 
 from avatarsim.scene.scene import Scene
+from runfiles.comparable import unsupported
 from runfiles.metrics import unit
-from runfiles.sayable import unsaid
 from scenarios import catalog
 from scenarios.results.store import Entry
 from scenarios.studies.sweep.cell import Cell
@@ -99,7 +99,8 @@ def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Ent
         error, of = float(values.get(metric, math.nan)), unit(metric)
         why = _state(state, metric, values)
         said = note or missing.get(metric, "") or ("" if clocked is None or clocked["p50"] else clocked["note"])
-        silent = unsaid(metric, f"{setting.engine}/{setting.base}", {} if found is None else found.get("cannot_say", {}))
+        features = {} if found is None else found.get("cannot_say", {})
+        silent = unsupported(f"{setting.engine}/{setting.base}", features).get(metric, "")
         if silent:
             error, why, said = math.nan, "cannot-say", silent
         rows.append(replace(base, metric=metric, unit=of, error=error, state=why, reached=REACHED.get(of, 0.0), note=said))

@@ -16,10 +16,10 @@ import numpy as np
 
 from runfiles import ladder
 from runfiles.accuracy import Reached, largest, missing
+from runfiles.comparable import unsupported
 from runfiles.csv_rows import csv_text
 from runfiles.files import write_json, write_text
 from runfiles.naming import BASELINE, stem
-from runfiles.sayable import unsaid
 from runfiles.timing_protocol import REPEATS, WARM_FRAMES
 from scenarios.job import Outcome
 from scenarios.results.store import Entry
@@ -177,7 +177,7 @@ def _tells(cell: Cell, request: Request) -> bool:
             return False
     said, run = base.about.get("cannot_say"), f"{setting.engine}/{setting.base}"
     errors = short_errors_of(cell.scenario, request.scenarios[cell.scenario])
-    return not (isinstance(said, Mapping) and any(unsaid(metric, run, said) for metric in errors))
+    return not (isinstance(said, Mapping) and set(unsupported(run, said)).intersection(errors))
 
 
 def _number(value: object) -> float:

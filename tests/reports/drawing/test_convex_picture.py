@@ -1,6 +1,7 @@
 """Projections agree with what sampling the surface gives, and what is nearer to the eye is drawn later."""
 
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -8,14 +9,14 @@ import pytest
 from reports.drawing import mesh
 from reports.drawing.convex_picture import MOST_FACES, Array, Piece, flat_hull, order, placed
 
-PIECES = {
+PIECES: dict[str, dict[str, Any]] = {
     "sphere": {"kind": "sphere", "radius": 0.3},
     "capsule": {"kind": "capsule", "radius": 0.1, "length": 0.6},
     "ellipsoid": {"kind": "ellipsoid", "radii": [0.1, 0.2, 0.4]},
     "box": {"kind": "box", "size": [0.2, 0.4, 0.6]},
     "hull": {"kind": "hull", "vertices": [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]},
 }
-OWN = {"position": [0.1, -0.2, 0.3], "orientation": [0.8, 0.0, 0.6, 0.0]}
+OWN: dict[str, Any] = {"position": [0.1, -0.2, 0.3], "orientation": [0.8, 0.0, 0.6, 0.0]}
 AXES = np.array([[1.0, 0.0, 0.0], [0.0, 0.6, 0.8]])
 TOWARDS = np.cross(AXES[0], AXES[1])
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -64,23 +65,37 @@ def drawn(pieces: list[Piece]) -> list[int]:
 
 def test_a_ball_before_a_large_wall_is_drawn_after_it() -> None:
     """The wall's centre is nearer to the eye than the ball's, and still the ball covers it."""
-    wall = placed({"kind": "box", "size": [4.0, 4.0, 0.1], "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]},
-                  np.array([0.0, -1.5, 0.0]), UPRIGHT)
+    wall = placed(
+        {"kind": "box", "size": [4.0, 4.0, 0.1], "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]},
+        np.array([0.0, -1.5, 0.0]),
+        UPRIGHT,
+    )
     below, above = (placed(PIECES["sphere"] | OWN, np.array([0.0, 0.0, height]), UPRIGHT) for height in (-0.9, 0.2))
     assert below.centre @ TOWARDS < above.centre @ TOWARDS
     assert drawn([above, wall, below]) == [2, 1, 0]
 
 
 def test_a_stack_is_drawn_from_below_and_a_ring_still_is_drawn_whole() -> None:
-    boxes = [placed({"kind": "box", "size": [0.3, 0.3, 0.3], "position": [0.0, 0.0, 0.0], "orientation": UPRIGHT.tolist()},
-                    np.array([0.0, 0.0, 0.3 * k]), UPRIGHT) for k in (3, 0, 2, 1)]
+    boxes = [
+        placed(
+            {"kind": "box", "size": [0.3, 0.3, 0.3], "position": [0.0, 0.0, 0.0], "orientation": UPRIGHT.tolist()},
+            np.array([0.0, 0.0, 0.3 * k]),
+            UPRIGHT,
+        )
+        for k in (3, 0, 2, 1)
+    ]
     assert drawn(boxes) == [1, 3, 2, 0]
     spokes = []
     for turn in (0.0, 2.0, 4.0):
         place = np.array([0.25 * np.cos(turn), 0.25 * np.sin(turn), 0.0])
         tilt = np.array([np.cos(0.2), 0.2 * np.cos(turn), 0.2 * np.sin(turn), 0.0])
-        spokes.append(placed({"kind": "box", "size": [1.0, 0.1, 0.1], "position": [0, 0, 0], "orientation": UPRIGHT.tolist()},
-                             place, tilt / np.linalg.norm(tilt)))
+        spokes.append(
+            placed(
+                {"kind": "box", "size": [1.0, 0.1, 0.1], "position": [0, 0, 0], "orientation": UPRIGHT.tolist()},
+                place,
+                tilt / np.linalg.norm(tilt),
+            )
+        )
     assert sorted(drawn(spokes)) == [0, 1, 2]
 
 

@@ -1,4 +1,4 @@
-"""The picture of a scene: small, described, inside its frame, at the instant in which most happens."""
+"""The picture of a scene is small, described and inside its frame."""
 
 import re
 from dataclasses import replace
@@ -8,10 +8,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from reports.drawing.thumbnail import HEIGHT, WIDTH, telling, thumbnail
+from reports.drawing.thumbnail import HEIGHT, WIDTH, thumbnail
 from reports.reading.kept import Drawn, Shown, drawn, shown
-from reports.reading.load import Series
-from tests.reports.recorded import STATES, recording, scene
+from tests.reports.recorded import recording, scene
 
 
 @pytest.fixture
@@ -54,18 +53,6 @@ def test_what_is_no_number_is_left_out(found: tuple[Drawn, Shown]) -> None:
     assert "s2" not in parts(thumbnail(made, main, 3, 0.0, "x"))
     main.positions[3, 2] = np.inf
     assert thumbnail(made, main, 3, 0.0, "x") == ""
-
-
-def test_the_telling_instant(found: tuple[Drawn, Shown]) -> None:
-    _, main = found
-    depth = np.zeros(STATES)
-    depth[8] = 0.05
-    assert telling(main, Series(depth, np.zeros(0))) == 8
-    # a touch tells nothing; then the state with most contacts, and where they are never more, the middle
-    assert telling(main, Series(depth * 1e-6, np.zeros(0))) == STATES - 1
-    level = replace(main, counts={"contacts": np.full(STATES, 2)})
-    assert telling(level, None) == STATES // 2
-    assert telling(replace(main, counts={}), Series(np.full(STATES, np.nan), np.zeros(0))) == STATES // 2
 
 
 def test_a_floor_of_a_kilometre_stays_in_the_frame(found: tuple[Drawn, Shown], tmp_path: Path) -> None:

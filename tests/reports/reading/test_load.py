@@ -70,10 +70,16 @@ def test_a_bare_nan_is_no_json(run_dir: Write, results: Json, number: float) -> 
         load(run_dir(results | {"rows": [*rows, rows[0] | {"value": number}]}))
 
 
-@pytest.mark.parametrize(("change", "where"), [
-    ({"status": "passed"}, "status"), ({"value": "high"}, "value"), ({"value": True}, "value"), ({"scenario": None}, "scenario"),
-    ({"seed": 0.5}, "seed"),
-])
+@pytest.mark.parametrize(
+    ("change", "where"),
+    [
+        ({"status": "passed"}, "status"),
+        ({"value": "high"}, "value"),
+        ({"value": True}, "value"),
+        ({"scenario": None}, "scenario"),
+        ({"seed": 0.5}, "seed"),
+    ],
+)
 def test_a_malformed_row_is_refused_and_its_place_named(run_dir: Write, results: Json, change: Json, where: str) -> None:
     rows = results["rows"]
     assert isinstance(rows, list)

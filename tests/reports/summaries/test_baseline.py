@@ -1,56 +1,101 @@
-"""A run is no worse than its own baseline; what is worse by more than another machine explains is found."""
+"""A run equals its own baseline; what is worse by more than another machine explains is found."""
 
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from avatarsim.errors import InvalidFile
-from reports.__main__ import COMMITTED, main
-from reports.reading.load import load
+from reports import BASELINE
+from reports.__main__ import main
 from reports.summaries import baseline
-from reports.summaries.diff import diff
+from reports.tables.changes import against_baseline
+from reports.tables.run import Run, read
+from runfiles.metrics import METRICS
+from tests.reports.small_runs import MUJOCO, OURS, OVERLAP, figure, run_of
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
+WATCHED = [name for name, one in METRICS.items() if one.watched]
 
 
-def changed(results: Json, metric: str, value: object) -> Json:
+def kept(run: Run, path: Path) -> Path:
+    """Write the baseline of a run."""
+    path.write_text(baseline.text(run), encoding="utf-8")
+    return path
+
+
+@given(st.lists(st.floats(0.0, 1e3), min_size=len(WATCHED), max_size=len(WATCHED)))
+def test_a_run_is_equal_to_its_own_baseline(tmp_path_factory: pytest.TempPathFactory, values: list[float]) -> None:
+    run = run_of([figure("a", OURS, name, value) for name, value in zip(WATCHED, values, strict=True)])
+    table = baseline.load(kept(run, tmp_path_factory.mktemp("kept") / "kept.csv"))
+    assert dict(zip(table.metric, table.value, strict=True)) == pytest.approx(dict(zip(WATCHED, values, strict=True)), rel=6e-3)
+    found = against_baseline(table, run, "kept")
+    assert found.table.empty and found.gone == ()
+
+
+def test_what_got_worse_since_is_found(run_dir: Write, results: Json, tmp_path: Path) -> None:
+    path = kept(read(run_dir(results)), tmp_path / "kept.csv")
     rows = results["rows"]
     assert isinstance(rows, list)
-    ours = [r["metric"] == metric and r["scenario"] == "arm_wall" and r["engine"] == "avatarsim" for r in rows]
-    return results | {"rows": [row | {"value": value} if own else row for row, own in zip(rows, ours, strict=True)]}
+    worse = [{**rows[0], "value": 2e-6}, *rows[1:]]
+    found = against_baseline(baseline.load(path), read(run_dir(results | {"rows": worse})), "kept")
+    assert [(row.scenario, row.run, row.metric, row.verdict) for row in found.table.itertuples()] == [
+        ("arm_wall", OURS, OVERLAP, "worse")
+    ]
 
 
-@pytest.mark.parametrize(("metric", "value", "worse", "better"), [
-    ("none", 0.0, 0, 0), ("residual_overlap_max", 9e-7, 0, 0), ("residual_overlap_max", 2e-6, 1, 0),
-    ("residual_overlap_max", "NaN", 1, 0), ("residual_overlap_max", None, 1, 0), ("frame_time_p50", 1e6, 0, 0),
-    ("tracker_offset_rms_free", 2.05e-3, 0, 0), ("tracker_offset_rms_free", 2.4e-3, 1, 0),
-    ("tracker_offset_rms_free", 1e-3, 0, 1),
-])
-def test_what_counts(run_dir: Write, results: Json, tmp_path: Path, metric: str, value: object, worse: int, better: int) -> None:
+def test_the_file_holds_watched_figures_of_the_gated_engine_and_nothing_else(tmp_path: Path) -> None:
+    rows = [
+        figure("a", run, name, 1.0) for run in (OURS, MUJOCO) for name in (*WATCHED, "frame_time_p50", "residual_overlap_mean")
+    ]
+    table = baseline.load(kept(run_of([*rows, figure("unseen_a", OURS, OVERLAP, 1.0)]), tmp_path / "kept.csv"))
+    assert set(table.run) == {OURS} and set(table.metric) == set(WATCHED) and set(table.scenario) == {"a"}
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), None])
+def test_what_is_no_number_is_never_committed(value: float | None, tmp_path: Path) -> None:
+    run = run_of([figure("a", OURS, OVERLAP, 0.0), figure("b", OURS, OVERLAP, value)])
+    assert baseline.load(kept(run, tmp_path / "kept.csv")).scenario.tolist() == ["a"]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        "",
+        "scenario,run,metric,unit,value\n",
+        "scenario,run\na,b\n",
+        "scenario,run,metric,unit,value\na,b/c,d,m,\n",
+        "scenario,run,metric,unit,value\na,b/c,d,m,much\n",
+        "scenario,run,metric,unit,value\na,b/c,d,m,inf\n",
+        '"',
+    ],
+)
+def test_a_damaged_baseline_is_named(tmp_path: Path, content: str) -> None:
     path = tmp_path / "kept.csv"
-    assert main(["baseline", str(run_dir(results)), "--to", str(path)]) == 0
-    found = diff(baseline.load(path), load(run_dir(changed(results, metric, value))))
-    assert (len(found.worse), len(found.better), found.only_new) == (worse, better, ())
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InvalidFile, match=r"kept\.csv"):
+        baseline.load(path)
 
 
-def test_the_file_holds_our_accuracy_and_nothing_else(run_dir: Write, results: Json) -> None:
-    written = baseline.text(load(run_dir(results)))
-    assert "arm_wall,avatarsim/default,residual_overlap_max,m,3e-07\n" in written
-    assert "mujoco" not in written and "frame_time" not in written
-
-
-@pytest.mark.parametrize("content", ["", "scenario,run,metric,unit,value\n", "scenario,run\na,b\n",
-                                     "scenario,run,metric,unit,value\na,b/c,residual_overlap_max,m,\n"])
-def test_a_damaged_baseline_is_said_to_be_damaged(tmp_path: Path, content: str) -> None:
-    (tmp_path / "kept.csv").write_text(content)
+def test_a_baseline_that_is_no_text_or_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile, match=r"none\.csv"):
+        baseline.load(tmp_path / "none.csv")
+    (tmp_path / "kept.csv").write_bytes(b"\xff\xfe\x00\x01")
     with pytest.raises(InvalidFile, match=r"kept\.csv"):
         baseline.load(tmp_path / "kept.csv")
-    assert main(["diff", str(tmp_path / "kept.csv"), str(tmp_path)]) == 2
+
+
+def test_the_command_writes_what_the_function_returns(run_dir: Write, results: Json, tmp_path: Path) -> None:
+    folder = run_dir(results)
+    assert main(["baseline", str(folder), "--to", str(tmp_path / "kept.csv")]) == 0
+    assert (tmp_path / "kept.csv").read_text(encoding="utf-8") == baseline.text(read(folder))
 
 
 def test_the_committed_baseline_keeps_the_promise() -> None:
-    rows = baseline.load(COMMITTED).rows
-    overlap = [row.value for row in rows if row.metric == "residual_overlap_max"]
-    assert len(overlap) > 50 and all(value is not None and value <= 1e-6 for value in overlap)
+    table = baseline.load(BASELINE)
+    overlap = table[table.metric == OVERLAP].value
+    assert len(overlap) > 50 and (overlap <= 1e-6).all()
+    assert set(table.metric) <= set(METRICS) and not table.duplicated(["scenario", "run", "metric"]).any()

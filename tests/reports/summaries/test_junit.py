@@ -1,44 +1,73 @@
-"""One test case per bound of the gate; what crashed is an error, what was not measured is skipped."""
+"""A document for CI has a case per check, and the counts of the table of checks."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
-from reports.deciding.verdict import verdict
-from reports.reading.load import load
+from hypothesis import given
+from hypothesis import strategies as st
+
+from reports.reading.load import Row
 from reports.summaries.junit import junit
+from reports.tables.checks import checks
+from reports.tables.run import read
+from tests.reports.small_runs import MUJOCO, OURS, OVERLAP, figure, run_of
 
 Json = dict[str, object]
 Write = Callable[[object], Path]
+STATUSES = ("pass", "waived", "fail", "crashed", "not-measured", "refused", "info")
+TAGS = {"failures": "failure", "errors": "error", "skipped": "skipped"}
 
 
-def test_cases_and_counts(run_dir: Write, results: Json) -> None:
-    suite = ElementTree.fromstring(junit(verdict(load(run_dir(results)))))
-    assert suite.attrib == {"name": "avatarsim", "tests": "5", "failures": "1", "errors": "1", "skipped": "2"}
+def some(status: str, k: int, note: str = "") -> Row:
+    """A row of each status."""
+    value = {"pass": 0.5, "waived": 1.5, "fail": 9.0, "info": 0.0}.get(status)
+    bound, ceiling = (1.0, 2.0) if status in ("pass", "waived", "fail") else (None, None)
+    metric = OVERLAP if value is not None else "run"
+    return figure(
+        f"s{k}", MUJOCO if k % 3 == 2 and status == "crashed" else OURS, metric, value, status, bound, ceiling, note=note
+    )
+
+
+@given(st.lists(st.sampled_from(STATUSES), min_size=1, max_size=12))
+def test_counts_are_those_of_the_checks(statuses: Sequence[str]) -> None:
+    found = checks(run_of([some(status, k) for k, status in enumerate(statuses)]))
+    suite = ElementTree.fromstring(junit(found))
+    parts = Counter(part.tag for case in suite for part in case)
+    assert {name: int(suite.attrib[name]) for name in TAGS} == {name: parts[tag] for name, tag in TAGS.items()}
+    assert int(suite.attrib["failures"]) == len(found.failed) and int(suite.attrib["errors"]) == len(found.crashed)
+    assert int(suite.attrib["skipped"]) == len(found.waived) + len(found.unmeasured)
+    assert (
+        int(suite.attrib["tests"])
+        == len(suite)
+        == found.total + sum(len(part) for part in (found.crashed, found.unmeasured, found.refused))
+    )
+
+
+def test_each_case_is_named_by_its_scene_and_run() -> None:
+    suite = ElementTree.fromstring(junit(checks(run_of([some("pass", 0), some("fail", 1), some("crashed", 2)]))))
     outcomes = {case.attrib["classname"]: [part.tag for part in case] for case in suite}
-    assert outcomes == {
-        "arm_wall.avatarsim/default": [], "hand_over_table.avatarsim/default": ["skipped"],
-        "ball_drop.avatarsim/default": ["failure"], "ball_drop.mujoco/default": ["error"], "ball_drop.mujoco/tuned": ["skipped"],
-    }
-    assert {case.attrib["classname"]: case.attrib["status"] for case in suite if "status" in case.attrib} == {
-        "hand_over_table.avatarsim/default": "waived"}
-    messages = [part.attrib["message"] for part in suite.iter() if part.tag in ("failure", "error", "skipped")]
-    assert messages[0].startswith("waived: residual_overlap_max") and messages[1:] == [
-        "restitution_error_max is 0.3, limit 0.01: pair wood-metal", "crashed: ValueError: <mesh> & volume",
-        "not-measured: not installed",
-    ]
+    assert outcomes == {f"s0.{OURS}": [], f"s1.{OURS}": ["failure"], f"s2.{MUJOCO}": ["error"], f"s2.{OURS}": ["skipped"]}
 
 
-def test_control_characters_do_not_break_the_document(run_dir: Write, results: Json) -> None:
+def test_seeds_are_cases_of_their_own() -> None:
+    rows = [figure("a", OURS, OVERLAP, 0.0, "pass", 1.0, seed=seed) for seed in range(3)]
+    names = [case.attrib["name"] for case in ElementTree.fromstring(junit(checks(run_of(rows))))]
+    assert len(set(names)) == 3
+
+
+@given(st.text(alphabet=st.characters(blacklist_categories=("Cs", "Cc")), max_size=60))
+def test_notes_of_any_text_leave_well_formed_xml(note: str) -> None:
+    suite = ElementTree.fromstring(junit(checks(run_of([some("crashed", 0, note)]))))
+    [part] = suite.iter("error")
+    assert part.attrib["message"].endswith(note)
+
+
+def test_signs_that_xml_forbids_are_gone_once_a_run_is_read(run_dir: Write, results: Json) -> None:
     rows = results["rows"]
     assert isinstance(rows, list)
-    noisy = [row | {"note": "\x1b[31mred\x00 \ud800" if row["status"] == "crashed" else ""} for row in rows]
-    text = junit(verdict(load(run_dir(results | {"rows": noisy}))))
-    assert "[31mred" in next(e.attrib["message"] for e in ElementTree.fromstring(text).iter("error"))
-    text.encode()
-
-
-def test_nothing_measured_gives_an_empty_suite(run_dir: Write, results: Json) -> None:
-    suite = ElementTree.fromstring(junit(verdict(replace(load(run_dir(results)), rows=()))))
-    assert suite.attrib["tests"] == "0" and len(suite) == 0
+    note = "\x00\x1b[31m\ud800\ufffe red"
+    changed = [{**one, "note": note} if one["status"] in ("crashed", "fail") else one for one in rows]
+    suite = ElementTree.fromstring(junit(checks(read(run_dir(results | {"rows": changed})))))
+    assert any("red" in part.attrib["message"] for part in suite.iter("error"))

@@ -15,7 +15,7 @@ def links(out: Path) -> dict[str, str]:
 def test_a_command_that_is_no_comparison_leaves_latest_where_it_is(
     tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    monkeypatch.setattr("reports.write_report", lambda *_: None)
     out, words = tmp_path / "out", ["--filter", "ball_drop", "--engine", "avatarsim", "--preset", "default"]
     called(tmp_path, command, *words, frames=2)
     (only,) = [path.name for path in out.iterdir() if not path.is_symlink()]

@@ -1,4 +1,4 @@
-"""The verdict table on the terminal: its rows, what failed, and where another engine is ahead."""
+"""The table of `--verbose`: its rows, and what failed."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ def test_a_row_per_run_with_the_raw_trackers_overlap_beside() -> None:
     assert text[0].split()[:3] == ["scene", "engine/preset", "overlap"]
     assert text[3].split() == ["drop", "avatarsim/default", "0.0002", "-", "185", *"-------", "PASS"]
     assert text[4].split() == ["mujoco/tuned", "0.3", "-", "185", *"-------", "(breaks", "1)"]
-    assert not any(line.startswith(("fail", "losing")) for line in text)
+    assert not any(line.startswith("fail") for line in text)
 
 
 def test_what_fails_is_named_with_its_limit_and_shown_as_failed() -> None:
@@ -46,18 +46,6 @@ def test_crashed_missing_and_wordless_runs_say_so() -> None:
     ], OURS)
     assert "crashed: drop mujoco/default run killed by signal 11" in text
     assert "not measured" in text and "cannot say" in text and max(map(len, text.splitlines())) <= WIDTH
-
-
-def test_where_another_engine_is_ahead_a_line_says_so() -> None:
-    rows = [
-        row("avatarsim/default", "frame_time_p50", 30.0), row("mujoco/default", "frame_time_p50", 12.0),
-        row("tracker/default", "frame_time_p50", 1.0),
-        row("avatarsim/default", "restitution_error_max", None, "fail", 1e-3, note="no impact"),
-        row("pybullet/tuned", "restitution_error_max", 1e-6),
-    ]
-    text = table(rows, OURS)
-    assert "losing: frame_time_p50 in 1 of 1 family, worst drop: 30 against 12  (mujoco/default)" in text
-    assert "losing: restitution_error_max in 1 of 1 family, worst drop: - against 1e-06" in text
 
 
 def test_seeds_are_told_apart() -> None:

@@ -50,7 +50,7 @@ def test_a_run_of_the_same_command_is_taken(tmp_path: Path) -> None:
 
 
 def test_latest_is_moved_in_out_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    monkeypatch.setattr("reports.write_report", lambda *_: None)
     folder = folder_with(tmp_path, GOOD)
     words = ["check", "--engine", "tracker", "--filter", "ball_drop", "--frames", "3", "--jobs", "0", "--resume", str(folder)]
     main([*words, "--out", str(tmp_path / "out")])

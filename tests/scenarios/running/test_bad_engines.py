@@ -33,7 +33,7 @@ def _strangers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.syspath_prepend(joined(tmp_path_factory.mktemp("site")))
         # the pages have their own tests, and take longer than these runs
-        patch.setattr("reports.write_report", lambda run_dir: None)
+        patch.setattr("reports.write_report", lambda *_: None)
         yield
 
 

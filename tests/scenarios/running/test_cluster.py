@@ -80,7 +80,7 @@ def test_what_is_left_early_leaves_the_cluster_to_the_next(address: str) -> None
 
 
 def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    monkeypatch.setattr("reports.write_report", lambda *_: None)
     words = ["compare", "--engine", "avatarsim", "tracker", "--preset", "default", "--filter", "hand_over_table", "--frames", "6"]
     here, there = tmp_path / "here", tmp_path / "there"
     codes = [main([*words, "--out", str(here), "--jobs", "2"]), main([*words, "--out", str(there), "--scheduler", address])]

@@ -76,7 +76,7 @@ def test_the_seed_follows_the_commit_and_without_a_repository_the_code(tmp_path:
 def test_a_comparison_of_both_kinds_has_a_row_per_scene_with_its_own_seed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    monkeypatch.setattr("reports.write_report", lambda *_: None)
     words = ["compare", "--filter", "ball_drop,unseen_floor", "--engine", "tracker", "avatarsim", "--preset", "default"]
     main([*words, "--jobs", "0", "--frames", "5", "--out", str(tmp_path)])
     found = json.loads((tmp_path / "latest" / "results.json").read_text())

@@ -1,5 +1,6 @@
 """The judge examined within a comparison: the pairs are this version's, and the file is the one that the report reads."""
 
+import json
 import sys
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import pytest
 from avatarsim.errors import MissingPackage
 from reference import judge_trust as examination
 from reference.judging.known_pairs import KINDS, REGIMES
-from reports.sections import judge
+from reports.pages import articles
 from scenarios.results import provenance
 from scenarios.studies import judge_trust as study
 from scenarios.studies.study import Request
@@ -18,10 +19,9 @@ def test_it_leaves_the_file_that_the_report_reads(tmp_path: Path, monkeypatch: p
     pairs = len(KINDS) * len(REGIMES)
     monkeypatch.setattr(examination, "PAIRS", pairs)
     assert study.ask(Request(tmp_path, tmp_path, {}, {}, 0, 0, False)) == []
-    found = judge.load(tmp_path)
-    assert found is not None and found.kept and found.whole.pairs == pairs
-    assert [kind.kind for kind in found.kinds] == list(KINDS)
-    assert found.command == f"python -m reference.judge_trust --pairs {pairs} --seed {study.seed()}"
+    found = json.loads((tmp_path / articles.JUDGE).read_text(encoding="utf-8"))
+    assert found["all"]["pairs"] == pairs and [kind["kind"] for kind in found["kinds"]] == list(KINDS)
+    assert found["command"] == f"python -m reference.judge_trust --pairs {pairs} --seed {study.seed()}"
 
 
 def test_other_sources_draw_other_pairs(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -19,7 +19,7 @@ def asked(tmp_path: Path) -> argparse.Namespace:
 
 
 def compared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *studies: Study) -> int:
-    monkeypatch.setattr("reports.write_report", lambda run_dir: None)
+    monkeypatch.setattr("reports.write_report", lambda *_: None)
     monkeypatch.setattr(comparison, "STUDIES", studies)
     return comparison.compare(asked(tmp_path), ["compare"])
 

@@ -54,7 +54,7 @@ def test_an_error_that_the_engine_has_no_words_for_is_none_and_says_why() -> Non
     found = {**entry(residual_overlap_max=0.0, course_error_max=0.4), "cannot_say": {"virtual coupling": "no spring"}}
     overlap, course = rows_of(CELL, ("residual_overlap_max", "course_error_max"), found, {"p50": 1.0, "note": ""})
     assert overlap.state == "measured" and overlap.p50 == course.p50 == 1.0
-    assert course.state == "cannot-say" and "no spring" in course.note and math.isnan(course.error)
+    assert course.state == "cannot-say" and "virtual coupling" in course.note and math.isnan(course.error)
 
 
 def test_a_row_says_whether_what_rests_sleeps_and_how_its_frames_differ() -> None:

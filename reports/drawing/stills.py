@@ -1,0 +1,61 @@
+"""One scene in several engines at one instant, as small pictures: bodies that overlap are red."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from reports.drawing.thumbnail import framed, thumbnail
+from reports.reading.kept import Drawn, Shown
+from reports.tables.figures import quantity
+from runfiles.engines import run_label
+
+VISIBLE = 1e-6
+"""Depth [m] from which a body is red."""
+
+CLEAR = 1e-3
+"""Depth or distance [m] that is seen in a picture."""
+
+
+def instant(shown: Sequence[Shown], gated: str) -> int:
+    """Return the state in which most engines but the gated one overlap clearly, and deepest; the middle where none does."""
+    states = min(len(one.times) for one in shown)
+    depths = np.zeros((len(shown), states))
+    for row, one in zip(depths, shown, strict=True):
+        for frame, _, _, depth in one.pairs:
+            if frame < states and one.run != gated:
+                row[frame] = max(row[frame], depth)
+    order = np.lexsort((np.arange(states)[::-1], depths.sum(axis=0), (depths > CLEAR).sum(axis=0)))
+    return int(order[-1]) if depths.any() else states // 2
+
+
+def across(main: Shown, state: int, turn: float) -> float:
+    """Return the azimuth [rad] nearest to ``turn`` from which the push of a contact on the avatar is seen from the side."""
+    links = main.raw_positions.shape[1]
+    push = (main.positions[state, -links:] - main.raw_positions[state]).sum(axis=0) if links else np.zeros(3)
+    if not np.isfinite(push).all() or np.hypot(push[0], push[1]) < CLEAR:
+        return turn
+    side = math.atan2(push[1], push[0]) + 0.5 * math.pi
+    return side if math.cos(side - turn) >= 0.0 else side + math.pi
+
+
+def stills(scene: Drawn, shown: Sequence[Shown], gated: str, turn: float) -> list[tuple[str, str, str]]:
+    """Return (label, SVG, caption) per engine, all of one instant and one part of the scene."""
+    state = instant(shown, gated)
+    main = next((one for one in shown if one.run == gated), shown[0])
+    turn = across(main, state, turn)
+    view = framed(scene, main, state, turn)
+    made = []
+    for one in shown:
+        pairs = [(first, second, depth) for frame, first, second, depth in one.pairs if frame == state and depth > VISIBLE]
+        red = {body for first, second, _ in pairs for body in (first, second) if scene.bodies[body]["role"] != "fixed"}
+        marked = replace(
+            scene, bodies=[{**body, "role": "overlapping"} if k in red else body for k, body in enumerate(scene.bodies)]
+        )
+        deepest = max((depth for _, _, depth in pairs), default=0.0)
+        label, caption = run_label(one.run), f"overlap {quantity(deepest, 'm', 2)}"
+        text = f"{label} at {float(one.times[state]):.3g} s, {caption}."
+        drawn = thumbnail(marked, one, state, turn, text, view) if np.isfinite(one.positions[state]).any() else ""
+        made.append((label, drawn, caption))
+    return made

@@ -1,1 +1,0 @@
-"""`index.html` and the pages of scenes."""

@@ -1,0 +1,54 @@
+"""Scripts and data inside a page, and the security policy that lets nothing else run or be fetched."""
+
+import base64
+import gzip
+import hashlib
+import json
+from collections.abc import Sequence
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+
+import vl_convert
+
+FOLDER = Path(__file__).parents[1] / "templates"
+
+SNIPPET = "window.vegaEmbed = vegaEmbed;"
+"""What makes the bundle's only name a name of the page."""
+
+
+def source(name: str) -> str:
+    """Return the text of a template folder's script or style sheet."""
+    return (FOLDER / name).read_text(encoding="utf-8")
+
+
+@cache
+def vega() -> str:
+    """Return Vega, Vega-Lite and Vega-Embed as one script that defines `vegaEmbed`."""
+    return str(vl_convert.javascript_bundle(SNIPPET)).replace("</script", "<\\/script")
+
+
+@cache
+def data_tables() -> tuple[str, str]:
+    """Return script (an ES module) and style sheet of DataTables, packed."""
+    folder = files("itables") / "html"
+    return packed((folder / "dt_bundle.js").read_bytes()), packed((folder / "dt_bundle.css").read_bytes())
+
+
+def packed(content: bytes) -> str:
+    """Return bytes compressed, as text that a page unpacks when it needs them."""
+    return base64.b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")
+
+
+def policy(scripts: Sequence[str], more: str = "") -> str:
+    """Return the content of a page's security policy: these scripts, inline styles, pictures from the page itself."""
+    hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'" for text in scripts)
+    return (
+        f"default-src 'none'; script-src {hashes or chr(39) + 'none' + chr(39)}{more}; style-src 'unsafe-inline'; "
+        "img-src data: blob:; frame-src 'self'; font-src data:"
+    )
+
+
+def data(value: object) -> str:
+    """Return JSON that cannot end the element it is in. Raises ValueError for a number that JSON cannot express."""
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")

@@ -1,1 +1,0 @@
-"""The sections of index.html, one question each."""

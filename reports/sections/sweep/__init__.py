@@ -1,1 +1,0 @@
-"""Work-precision sweep: points, fronts, the cheapest setting, ladders of steps, performance profiles."""

@@ -1,0 +1,1 @@
+"""Tables of a run: what pages, summaries and the terminal show, as pandas frames."""

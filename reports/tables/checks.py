@@ -1,0 +1,105 @@
+"""Checks of the gated engine: pass, waived, fail, and what was not measured."""
+
+from dataclasses import dataclass
+
+import pandas as pd
+
+from reports.tables.run import Run
+
+ROOM = 3
+"""Rows of the list of checks that pass with the least room."""
+
+
+@dataclass(frozen=True, eq=False)
+class Checks:
+    """Rows of a run's table by outcome.
+
+    passed, waived, failed   checks of the gated engine; waived ones are above their bound and within their waiver
+    crashed, unmeasured      runs without figures, one row each, of all engines
+    refused                  scenes that the gated engine refused, as they expect
+    finished                 flag: the run ended
+    """
+
+    passed: pd.DataFrame
+    waived: pd.DataFrame
+    failed: pd.DataFrame
+    crashed: pd.DataFrame
+    unmeasured: pd.DataFrame
+    refused: pd.DataFrame
+    finished: bool
+
+    @property
+    def total(self) -> int:
+        """Number of checks."""
+        return len(self.passed) + len(self.waived) + len(self.failed)
+
+    @property
+    def is_sound(self) -> bool:
+        """Whether nothing failed and nothing is missing."""
+        return self.finished and not (len(self.failed) or len(self.crashed) or len(self.unmeasured)) and self.total > 0
+
+    @property
+    def exit_code(self) -> int:
+        """Exit code of a gate over this table alone."""
+        if len(self.failed):
+            return 1
+        return 3 if len(self.crashed) or len(self.unmeasured) else 0 if self.total else 5
+
+
+def checks(run: Run) -> Checks:
+    """Judge a run by its rows alone: a pass needs a finite value within the bound."""
+    rows = run.rows
+    own = rows[
+        (rows.run == run.gated) & (rows.status.isin(("pass", "waived", "fail")) | ((rows.status == "info") & rows.bound.notna()))
+    ]
+    measured = own[own.measured]
+    limit = measured.waiver.fillna(measured.bound)
+    finite = measured.value.abs() < float("inf")
+    within = finite & (measured.value <= measured.bound)
+    waived = finite & ~within & (measured.value <= limit)
+    lost = ~within & ~waived & measured.bound.notna()
+    crashed = rows[rows.status == "crashed"].drop_duplicates(["scenario", "run", "seed"])
+    unmeasured = rows[rows.status == "not-measured"].drop_duplicates(["scenario", "run", "seed", "metric"])
+    missing = own[~own.measured & ~own.status.isin(("fail",))]
+    refused = rows[(rows.run == run.gated) & rows.status.isin(("refused", "cannot-say"))]
+    failed = pd.concat([measured[lost], own[~own.measured & (own.status == "fail")]])
+    order = (failed.value / failed.bound.where(failed.bound > 0.0)).fillna(float("inf")).sort_values(ascending=False)
+    return Checks(
+        measured[within & measured.bound.notna()],
+        measured[waived],
+        failed.loc[order.index],
+        crashed,
+        pd.concat([unmeasured, missing, _gaps(run)]),
+        refused,
+        run.results.exit_code is not None,
+    )
+
+
+def _gaps(run: Run) -> pd.DataFrame:
+    """A row for each scene without any row of the gated engine, which took part elsewhere."""
+    rows = run.rows
+    present = set(rows.scenario[rows.run == run.gated])
+    absent = [scene for scene in dict.fromkeys(rows.scenario) if scene not in present] if present else []
+    engine, _, preset = run.gated.partition("/")
+    return pd.DataFrame(
+        [
+            {
+                "scenario": scene,
+                "engine": engine,
+                "preset": preset,
+                "run": run.gated,
+                "seed": 0,
+                "metric": "run",
+                "status": "not-measured",
+                "note": "no row in results.json",
+            }
+            for scene in absent
+        ],
+        columns=rows.columns,
+    )
+
+
+def least_room(found: Checks, count: int = ROOM) -> pd.DataFrame:
+    """Return the checks that pass nearest to their bound, with the share of it in the column room."""
+    tight = found.passed[found.passed.bound > 0.0]
+    return tight.assign(room=tight.value / tight.bound).nlargest(count, "room")

@@ -1,0 +1,100 @@
+"""A run folder as one table: a row per scene, engine, preset, seed and metric."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import pandas as pd
+
+from avatarsim.errors import InvalidFile
+from reports.reading.load import Results, load
+from runfiles.comparable import AVATAR_METRIC, FEW_FRAMES, reasons
+from runfiles.engines import about, main_runs
+from runfiles.naming import GATED
+
+PLAIN = re.compile(r"\w[\w.-]{0,199}")
+"""What a scene may be called: its page's file has the same name."""
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """A run.
+
+    folder   of its files
+    results  the contents of results.json
+    """
+
+    folder: Path
+    results: Results
+
+    @cached_property
+    def rows(self) -> pd.DataFrame:
+        """The table.
+
+        scenario, engine, preset, run, seed, frames, metric, unit, status, note   as in results.csv; run is engine/preset
+        value          float, NaN where nothing was measured or the number was not finite
+        measured       flag: a number was measured, finite or not
+        bound, waiver  float, NaN without; a value above the bound passes up to the waiver
+        why            reason why the figure does not compare engines, "" where it does
+        even           flag: measured in the same way as the other engines' figures
+        """
+        rows = pd.DataFrame([{**vars(row), "run": row.run} for row in self.results.rows])
+        rows = rows.rename(columns={"ceiling": "waiver"})
+        rows["measured"] = rows.value.notna()
+        # a number that is not finite was measured all the same
+        rows["measured"] |= pd.Series([row.value is not None for row in self.results.rows], index=rows.index)
+        for name in ("value", "bound", "waiver"):
+            rows[name] = pd.to_numeric(rows[name], errors="coerce").astype(float)
+        rows["why"] = reasons(rows, self.results.engines)
+        rows["even"] = rows.why.isin(("", FEW_FRAMES))
+        return rows
+
+    @cached_property
+    def gated(self) -> str:
+        """Engine and preset that carry bounds."""
+        carrying = self.rows.run[self.rows.status.isin(("pass", "waived", "fail"))]
+        return str(carrying.iloc[0]) if len(carrying) else "/".join(GATED)
+
+    @cached_property
+    def avatars(self) -> frozenset[str]:
+        """Scenes with an avatar."""
+        return frozenset(self.rows.scenario[self.rows.metric == AVATAR_METRIC])
+
+    @cached_property
+    def runs(self) -> tuple[str, ...]:
+        """Rows of short tables that this run has, in their order: the gated one, the main presets, baselines."""
+        present = set(self.rows.run)
+        extra = sorted(run for run in present if run.partition("/")[0] not in {one.partition("/")[0] for one in main_runs()})
+        listed = [run for run in main_runs() if not about(run.partition("/")[0]).baseline] + extra
+        listed += [run for run in main_runs() if about(run.partition("/")[0]).baseline]
+        return tuple(run for run in dict.fromkeys([self.gated, *listed]) if run in present)
+
+    @cached_property
+    def rivals(self) -> tuple[str, ...]:
+        """All rows of engines that are compared with the gated one."""
+        own = self.gated.partition("/")[0]
+        names = {run: run.partition("/")[0] for run in dict.fromkeys(self.rows.run)}
+        return tuple(run for run, name in names.items() if name != own and not about(name).baseline)
+
+    @property
+    def titles(self) -> Mapping[str, str]:
+        """One sentence on each scene."""
+        return self.results.titles
+
+    @property
+    def name(self) -> str:
+        """Name of the folder."""
+        return self.folder.resolve().name
+
+
+def read(folder: Path) -> Run:
+    """Read a run folder. Raises InvalidFile."""
+    run = Run(folder, load(folder))
+    for scene in dict.fromkeys(row.scenario for row in run.results.rows):
+        if not PLAIN.fullmatch(scene):
+            raise InvalidFile(
+                "name of a scene in results.json", scene, "at most 200 letters and digits, and . _ - after the first"
+            )
+    return run

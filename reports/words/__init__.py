@@ -1,1 +1,0 @@
-"""Numbers, metrics and text as a reader has them."""

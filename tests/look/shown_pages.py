@@ -1,0 +1,191 @@
+"""What tests of report pages share: a small run made by hand, what to ask a page for, and when a page is ready."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from reports import write_report
+from runfiles import array_file
+from tests.look.browser import Browser
+from tests.reports.conftest import row, whole_run
+from tests.reports.recorded import recording, scene
+from tests.reports.small_runs import write_all, write_settings
+
+LONG = 1300
+"""States of the run made by hand: more than a page draws, so that a drawn state stands for three."""
+MARKUP = "<b>odd</b> & <img src=x onerror=alert(1)>"
+
+SHOWN = "Number(document.getElementById('replay').dataset.frame)"
+"""The state that the replay shows."""
+COLOURS = """
+new Promise((done) => {
+  window.dispatchEvent(new Event("resize"));
+  // after the replay's own drawing, within the same frame, while the picture still is there
+  requestAnimationFrame(() => {
+    const from = document.querySelector(".stage canvas"), to = document.createElement("canvas");
+    to.width = from.width; to.height = from.height;
+    const pen = to.getContext("2d");
+    pen.drawImage(from, 0, 0);
+    done(new Set(new Uint32Array(pen.getImageData(0, 0, to.width, to.height).data.buffer)).size);
+  });
+})
+"""
+"""How many different colours the replay's canvas has."""
+WRITTEN = """
+(() => {
+  const pen = CanvasRenderingContext2D.prototype, write = pen.fillText;
+  window.written = [];
+  pen.fillText = function (text, x, y, most) {
+    window.written.push([text, this.measureText(text).width, most === undefined ? this.canvas.width - x : most]);
+    write.apply(this, arguments);
+  };
+})()
+"""
+"""Keeps the words that are written into pictures, the width of each, and the room that it has [px]."""
+BLANK = """
+[...document.querySelectorAll("[data-chart]")].filter((place) => {
+  const svg = place.querySelector("svg"), box = svg && svg.getBoundingClientRect();
+  const marks = svg ? svg.querySelectorAll(".role-mark path, .role-mark line, .role-mark rect, .role-mark text") : [];
+  return !svg || box.width < 50 || box.height < 30 || !marks.length || !place.closest("[aria-label]")
+      && !place.querySelector("[aria-label]");
+}).map((place) => place.dataset.chart)
+"""
+"""Charts that are not drawn, or have no words in place of the picture."""
+PAGE_IS_DRAWN = """
+typeof page !== "undefined" && Object.keys(page.specs).every((name) => !document.querySelector(`[data-chart="${name}"]`)
+    || views[name] && document.querySelector(`[data-chart="${name}"] svg`))
+"""
+DOT = """
+(() => {
+  const place = document.querySelector('[data-chart="overlap"]');
+  place.scrollIntoView({ block: "center", behavior: "instant" });
+  for (const dot of place.querySelectorAll("path")) {
+    const box = dot.getBoundingClientRect(), at = [box.x + box.width / 2, box.y + box.height / 2];
+    if (dot.__data__?.datum?.scene && document.elementFromPoint(...at) === dot) return [...at, dot.__data__.datum.scene];
+  }
+  return null;
+})()
+"""
+"""Middle of a dot that nothing covers in the strip of overlaps [px], and its scene."""
+DIMMED = """
+STRIPS.map((name) => {
+  const dots = [...document.querySelectorAll(`[data-chart="${name}"] path`)].filter((dot) => dot.__data__?.datum?.scene);
+  return dots.every((dot) => (dot.__data__.opacity < 0.2) === (dot.__data__.datum.scene !== NEAR));
+}).every(Boolean)
+"""
+"""Whether in every strip the dots of scenes other than NEAR are dimmed, and only those."""
+CONTRAST = """
+(() => {
+  const numbers = (colour) => colour.match(/[\\d.]+/g).map(Number), bright = (colour) => numbers(colour)[0] + numbers(colour)[1];
+  let below = document.querySelector("#grid td");
+  const ink = getComputedStyle(below).color;
+  while (below.parentElement && numbers(getComputedStyle(below).backgroundColor)[3] === 0) below = below.parentElement;
+  return Math.abs(bright(ink) - bright(getComputedStyle(below).backgroundColor));
+})()
+"""
+"""How much brighter or darker the words of the table are than what is behind them, from 0 to 510."""
+CONTROLS = """
+[...document.querySelectorAll("a[href], button, select, input, summary, [tabindex='0']")].filter((one) => {
+  return one.checkVisibility({ visibilityProperty: true }) && one.getBoundingClientRect().height && !one.disabled;
+})
+"""
+
+
+def _aside(path: Path) -> None:
+    """Let all end after 200 states, and put the hand aside in states that are not drawn themselves."""
+    arrays = array_file.read(path)
+    for name in ("positions", "raw_positions"):
+        arrays[name][200:] = arrays[name][199]
+    arrays["positions"][500, 2, 0] += 0.037
+    arrays["positions"][1001, 2, 1] += 0.4735
+    with path.open("wb") as file:
+        array_file.write(file, arrays)
+
+
+def by_hand(folder: Path) -> Path:
+    """Write a small run: recordings of two scenes, settings of both, and a figure whose name is markup."""
+    folder.mkdir()
+    data, runs = whole_run(), ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default")
+    assert isinstance(data["rows"], list)
+    rows = [*data["rows"], row("arm_wall", "mujoco/tuned", MARKUP, 1.0, "m")]
+    sinking, free = [0.0] * LONG, [0.0] * LONG
+    sinking[9], sinking[10] = 0.01, 0.02
+    series = {run: {"overlap_m": free if run == runs[0] else sinking, "frame_time_us": []} for run in runs}
+    scenes = ("arm_wall", "hand_over_table")
+    (folder / "results.json").write_text(json.dumps(data | {"rows": rows, "series": {name: series for name in scenes}}))
+    for name in scenes:
+        scene(folder, name)
+        for run in runs:
+            recording(folder, name, run, states=LONG, sinks=run != runs[0])
+            _aside(folder / "recordings" / f"{name}.{run.replace('/', '.')}.0.npz")
+    write_all(folder)
+    fine = "[mujoco.fine]\npreset = 'tuned'\ndt = 0.001\n"
+    write_settings(
+        folder,
+        {"engine": "avatarsim", "setting": "default", "base": "default"},
+        {"engine": "mujoco", "setting": "tuned", "error": 4e-3},
+        {"engine": "mujoco", "setting": "tuned dt 1/1000", "options": fine, "p50": 70.0},
+        {"scenario": "hand_over_table", "engine": "avatarsim", "setting": "default", "base": "default", "error": 2e-7},
+        {"scenario": "hand_over_table", "engine": "mujoco", "setting": "tuned", "p50": 33.0},
+    )
+    write_report(folder)
+    return folder
+
+
+def show(one: Browser, page: Path, hash_: str = "") -> None:
+    """Open a page and wait until its charts are drawn."""
+    one.open(page, hash_)
+    one.until(PAGE_IS_DRAWN)
+
+
+def replayed(one: Browser, page: Path, hash_: str = "") -> None:
+    """Open a page of a scene and wait until its replay has drawn a state; skips the test without WebGL."""
+    show(one, page, hash_)
+    one.until("['paused', 'no-webgl'].includes(document.getElementById('replay').dataset.state)")
+    if one.value("document.getElementById('replay').dataset.state") == "no-webgl":
+        pytest.skip("the browser offers no WebGL")
+    one.until("document.getElementById('replay').dataset.frame !== undefined")
+
+
+def quiet(one: Browser, page: Path) -> None:
+    """Nothing on the console, and no address asked for but the page's own."""
+    assert one.errors == []
+    own = page.resolve().as_uri()
+    assert [asked for asked in one.requests if asked.partition("#")[0] != own and not asked.startswith(("data:", "blob:"))] == []
+
+
+def narrow_enough(one: Browser) -> None:
+    """Nothing is wider than the window."""
+    assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+def scenes(run: Path) -> list[Path]:
+    """Pages of scenes that can be played, at most three."""
+    found = [page for page in sorted((run / "scenes").glob("*.html")) if 'data-part="bar"' in page.read_text(encoding="utf-8")]
+    assert found
+    return found[:3]
+
+
+def shortest(run: Path) -> Path:
+    """The page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
+    lengths = {}
+    for page in (run / "scenes").glob("*.html"):
+        bar = re.search(r'data-part="bar" min="0" max="(\d+)"', page.read_text(encoding="utf-8"))
+        if bar and int(bar[1]) > 20:
+            lengths[page] = int(bar[1])
+    return min(sorted(lengths), key=lambda page: lengths[page])
+
+
+def choose(one: Browser, control: str, value: str) -> None:
+    """Choose a value of a select."""
+    one.value(f"""(() => {{ const box = document.getElementById({control!r}); box.value = {json.dumps(value)};
+        box.dispatchEvent(new Event('change')); }})()""")
+
+
+def click(one: Browser, x: float, y: float) -> None:
+    """Move to a place in the window [px] and click there."""
+    one.mouse("Moved", x, y, is_down=False)
+    one.mouse("Pressed", x, y)
+    one.mouse("Released", x, y)

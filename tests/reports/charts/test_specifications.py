@@ -1,0 +1,150 @@
+"""Every chart is a specification that Vega-Lite takes, of colours that both themes have."""
+
+import json
+import math
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import vl_convert
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.scene.effects import Effects
+from reports.charts import cells, curves, marks, strips
+from reports.pages.scripts import data, source
+from reports.tables.effects import effects
+from reports.tables.hard_cases import by_case, trials
+from reports.tables.losses import losses
+from reports.tables.run import Run
+from runfiles.engines import about
+from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of, write_all
+
+values = st.none() | st.sampled_from([math.nan, math.inf, -math.inf]) | st.floats(-1.0, 1e9)
+RUNS = (OURS, MUJOCO, BULLET, RAW, "newcomer/fast")
+TOKEN = re.compile(r"@(\w+)")
+
+
+def run(worst: float | None = 2e-3) -> Run:
+    """A run with one of each metric that a strip shows, in five engines; the last has the worst value."""
+    rows = [figure("a", one, chart.metric, 0.1 * k) for chart in strips.STRIPS.values() for k, one in enumerate(RUNS)]
+    return run_of([*rows, figure("b", OURS, OVERLAP, worst, "fail", 1e-6), figure("b", MUJOCO, OVERLAP, 0.0)])
+
+
+def specifications(folder: Path) -> dict[str, marks.Spec]:
+    """One of every chart."""
+    made = run()
+    write_all(folder)
+    table, switched = trials(folder), effects(folder)
+    assert table is not None and switched is not None
+    times = np.arange(5.0)
+    return {
+        **{name: strips.strip(made, chart, "some words") for name, chart in strips.STRIPS.items()},
+        "settings": curves.error_against_time(["avatarsim", "mujoco"]),
+        "time": curves.over_time({OURS: (times, times), MUJOCO: (times, times**2)}, "us", "some words", 0.1),
+        "energy": curves.over_time({OURS: (times, times), "avatarsim/paper": (times, -times)}, "J", "some words"),
+        "hard": cells.hard_cases(made, by_case(table)),
+        "effects": cells.effects(switched),
+        "losses": cells.bars(losses(made)),
+    }
+
+
+def texts(part: Any) -> Iterator[str]:
+    """All texts in a specification but those of its data."""
+    if isinstance(part, str):
+        yield part
+    elif isinstance(part, Mapping):
+        for name, one in part.items():
+            yield from () if name == "values" else texts(one)
+    elif isinstance(part, list):
+        for one in part:
+            yield from texts(one)
+
+
+def test_every_chart_can_be_drawn_in_both_themes(tmp_path: Path) -> None:
+    palettes = marks.palette({"newcomer": (about("newcomer").colour, about("newcomer").dark)})
+    for name, spec in specifications(tmp_path).items():
+        for colours in palettes.values():
+            drawn = marks.coloured(spec, colours) | {"width": 200}
+            svg = vl_convert.vegalite_to_svg(json.dumps(drawn))
+            assert svg.startswith("<svg") and not TOKEN.search("".join(texts(drawn))), name
+
+
+def test_colours_are_tokens_of_the_palette(tmp_path: Path) -> None:
+    palettes = marks.palette({"newcomer": ("#123456", "#654321")})
+    seen = set()
+    for name, spec in specifications(tmp_path).items():
+        tokens = {found[1] for text in texts(spec) if (found := TOKEN.fullmatch(text))}
+        assert all(tokens <= set(colours) for colours in palettes.values()), name
+        seen |= tokens
+    assert {"avatarsim", "mujoco", "ink", "muted"} <= seen
+
+
+def test_tokens_of_the_theme_are_in_the_palette() -> None:
+    tokens = set(re.findall(r'"@(\w+)"', "".join(map(source, ("theme.js", "index.js", "scene.js")))))
+    assert tokens and all(tokens <= set(colours) for colours in marks.palette({}).values())
+
+
+def test_both_themes_have_valid_colours_of_the_same_names() -> None:
+    light, dark = marks.palette({"newcomer": ("#123456", "#654321")}).values()
+    assert set(light) == set(dark) and (light["newcomer"], dark["newcomer"]) == ("#123456", "#654321")
+    assert all(re.fullmatch(r"#[0-9a-f]{6}", colour) for colour in [*light.values(), *dark.values()])
+
+
+def test_marks_are_tokens_and_not_colours(tmp_path: Path) -> None:
+    for name, spec in specifications(tmp_path).items():
+        plain = {text for text in texts(spec) if re.fullmatch(r"#[0-9a-fA-F]{3,8}", text)} - {"#ffffff"}
+        assert not plain, name
+
+
+@given(values)
+def test_a_strip_holds_whatever_an_engine_shows(value: float | None) -> None:
+    spec = strips.strip(run(value), strips.STRIPS["overlap"], "some words")
+    json.loads(data(spec))
+    low, high = strips.STRIPS["overlap"].low, strips.STRIPS["overlap"].high
+    dots = spec["data"]["values"]
+    assert len(dots) == len(RUNS) + 1 + (value is not None) and all(low <= dot["value"] <= high for dot in dots)
+
+
+@given(st.lists(st.sampled_from([math.nan, math.inf, 0.0, 1e-9, 3.0]), min_size=1, max_size=20), st.sampled_from([None, 1e-9]))
+def test_a_line_over_time_holds_whatever_an_engine_shows(found: list[float], floor: float | None) -> None:
+    spec = curves.over_time({MUJOCO: (np.arange(len(found)) / 60.0, np.array(found))}, "m", "some words", floor)
+    kept = json.loads(data(spec))["data"]["values"]
+    assert [point["v"] for point in kept] == [max(one, floor or 0.0) for one in found if math.isfinite(one)]
+
+
+@given(st.integers(1, 2000), st.data())
+def test_the_largest_value_survives_thinning(count: int, draw: st.DataObject) -> None:
+    peak = draw.draw(st.integers(0, count - 1))
+    line = np.zeros(count)
+    line[peak] = 7.0
+    kept = curves.over_time({OURS: (np.arange(count) / 60.0, line)}, "m", "some words")["data"]["values"]
+    assert [point["t"] for point in kept if point["v"] == 7.0] == [peak / 60.0] and len(kept) <= max(curves.POINTS, 1)
+
+
+def test_a_scene_has_one_height_in_every_chart() -> None:
+    places = {
+        name: {dot["place"] for dot in strips.strip(run(), chart, "x")["data"]["values"] if dot["scene"] == "a"}
+        for name, chart in strips.STRIPS.items()
+    }
+    assert len(set.union(*places.values())) == 1
+
+
+@given(st.text(max_size=40))
+def test_a_place_is_in_its_row(name: str) -> None:
+    assert -1.0 <= marks.place_of(name) <= 1.0
+
+
+def test_charts_of_nothing_are_charts(tmp_path: Path) -> None:
+    empty = run_of([figure("a", OURS, "run", None, "crashed")])
+    for spec in (strips.strip(empty, strips.STRIPS["time"], "x"), cells.bars(losses(empty)), curves.over_time({}, "m", "x")):
+        assert spec["height"] > 0 and vl_convert.vegalite_to_svg(
+            json.dumps(marks.coloured(spec, marks.palette({})["light"]) | {"width": 90})
+        )
+
+
+def test_every_effect_of_a_scene_has_a_row() -> None:
+    assert set(cells.EFFECTS) == {one.name for one in fields(Effects)} - {"kinematics"}

@@ -1,0 +1,133 @@
+"""A report is whole: its pages exist, lead to one another, fetch nothing and show no raw word for a missing number."""
+
+import base64
+import hashlib
+import json
+import re
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+from tests.reports.pages.reading import Page, read
+
+RAW_WORDS = {"nan", "inf", "-inf", "None", "null", "undefined", "<NA>", "NaT"}
+LARGEST = 3_000_000
+MOST_WORDS = 60
+SCENES = ("arm_wall", "hand_over_table", "ball_drop")
+
+
+@pytest.fixture(scope="session")
+def pages(report: Path) -> dict[str, Page]:
+    """All pages by path."""
+    return {str(path.relative_to(report)): read(path) for path in sorted(report.rglob("*.html"))}
+
+
+def test_a_page_for_each_question_and_scene(pages: dict[str, Page], report: Path) -> None:
+    beside = {"index.html", "method.html", "engines.html", "glossary.html", "bench.html"}
+    assert set(pages) == beside | {f"scenes/{name}.html" for name in SCENES}
+    assert all((report / name).stat().st_size for name in ("summary.md", "junit.xml"))
+    assert not list(report.rglob("*.part")) and not list(report.rglob(".*"))
+
+
+def test_tags_are_closed_and_ids_are_unique(pages: dict[str, Page]) -> None:
+    for name, page in pages.items():
+        assert page.unclosed == [] and len(set(page.ids)) == len(page.ids), name
+
+
+def test_every_link_leads_to_a_file_and_every_fragment_to_an_element(pages: dict[str, Page], report: Path) -> None:
+    followed = 0
+    for name, page in pages.items():
+        for _, _, address in page.links:
+            parts = urlsplit(address)
+            if parts.scheme == "data":
+                continue
+            assert not parts.scheme and not parts.netloc, (name, address)
+            target = ((report / name).parent / unquote(parts.path)).resolve() if parts.path else (report / name).resolve()
+            assert target.is_relative_to(report.resolve()) and target.is_file(), (name, address)
+            fragment = parts.fragment
+            if fragment and not fragment.startswith("t="):
+                assert fragment in pages[str(target.relative_to(report.resolve()))].ids, (name, address)
+            followed += 1
+    assert followed > 20
+
+
+def test_every_page_is_reached_from_the_index(pages: dict[str, Page]) -> None:
+    seen, queue = set(), ["index.html"]
+    while queue:
+        name = queue.pop()
+        if name in pages and name not in seen:
+            seen.add(name)
+            for _, _, address in pages[name].links:
+                path = urlsplit(address).path
+                if path and not address.startswith("data:"):
+                    queue.append(str((Path("/") / Path(name).parent / path).resolve()).lstrip("/"))
+    scenes = {one for one in pages if one.startswith("scenes/")}
+    assert set(pages) - scenes <= seen and scenes <= seen
+
+
+def test_nothing_is_fetched_from_a_network(pages: dict[str, Page]) -> None:
+    for name, page in pages.items():
+        assert page.policy.startswith("default-src 'none'") and "http" not in page.policy and "*" not in page.policy, name
+        for tag, attribute, address in page.links:
+            assert not re.match(r"\s*(\w+:)?//", address), (name, tag, attribute, address)
+            assert tag == "a" or address.startswith("data:"), (name, tag, address)
+
+
+def test_only_scripts_of_the_policy_are_in_a_page(pages: dict[str, Page]) -> None:
+    for name, page in pages.items():
+        for kind, text in page.scripts:
+            if kind in ("", "module", "text/javascript"):
+                digest = base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
+                assert f"'sha256-{digest}'" in page.policy, name
+            elif kind == "application/json":
+                json.loads(text)
+
+
+def test_the_index_is_small_and_says_little_before_its_charts(pages: dict[str, Page], report: Path) -> None:
+    assert (report / "index.html").stat().st_size < LARGEST
+    # the text before the first heading, and the first heading with what follows it
+    words = " ".join(pages["index.html"].blocks[:2]).split()
+    assert 3 < len(words) <= MOST_WORDS
+
+
+def test_no_cell_shows_a_raw_word_for_a_missing_number(pages: dict[str, Page]) -> None:
+    shown = 0
+    for name, page in pages.items():
+        shown += len(page.cells)
+        for cell in page.cells:
+            words = cell.split()
+            # a definition may speak of infinity; a figure has a value, a unit and a mark
+            assert len(words) > 3 or not RAW_WORDS & set(words), (name, cell)
+    assert shown > 100
+
+
+def test_charts_that_a_page_names_are_in_its_data(pages: dict[str, Page], report: Path) -> None:
+    for name in ("index.html", *(f"scenes/{scene}.html" for scene in SCENES)):
+        [data] = [json.loads(text) for kind, text in pages[name].scripts if kind == "application/json"]
+        named = set(re.findall(r'data-chart="(\w+)"', (report / name).read_text(encoding="utf-8")))
+        tokens = set(re.findall(r'"@(\w+)"', json.dumps(data["specs"])))
+        assert named == set(data["specs"]) and bool(named) == bool(tokens) == (name != "scenes/ball_drop.html"), name
+        assert all(tokens <= set(colours) for colours in data["palette"].values()), name
+
+
+def test_scenes_lead_to_their_neighbours(pages: dict[str, Page]) -> None:
+    for k, scene in enumerate(SCENES):
+        around = {f"{one}.html" for one in (*SCENES[max(k - 1, 0) : k], *SCENES[k + 1 : k + 2])}
+        links = {address for _, _, address in pages[f"scenes/{scene}.html"].links}
+        assert {one for one in links if re.fullmatch(r"\w+\.html", one)} == around and "../index.html" in links
+
+
+def test_the_recorded_scene_has_a_replay_and_stills_and_others_have_none(pages: dict[str, Page]) -> None:
+    found = {}
+    for scene in SCENES:
+        [data] = [json.loads(text) for kind, text in pages[f"scenes/{scene}.html"].scripts if kind == "application/json"]
+        found[scene] = data["replay"] is not None
+    assert found == {"arm_wall": True, "hand_over_table": False, "ball_drop": False}
+    [data] = [json.loads(text) for kind, text in pages["index.html"].scripts if kind == "application/json"]
+    assert set(data["stills"]) == {"arm_wall"}
+
+
+def test_what_changed_since_an_equal_run_is_nothing(pages: dict[str, Page], report: Path) -> None:
+    assert {"changes", "since"} <= set(pages["index.html"].ids)
+    assert "better" not in pages["index.html"].cells and "worse" not in pages["index.html"].cells

@@ -1,0 +1,108 @@
+"""What a run keeps of a scene is read whole, or refused with its name."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from avatarsim.errors import InvalidFile
+from reports.reading.kept import drawn, fitting, shown
+from runfiles import array_file
+from tests.reports.recorded import STATES, recording, scene
+from tests.reports.small_runs import OURS
+
+NAME, THEIRS = "arm_wall", "mujoco/default"
+FILE = f"{NAME}.mujoco.default.0.npz"
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    scene(tmp_path, NAME)
+    recording(tmp_path, NAME, OURS)
+    recording(tmp_path, NAME, THEIRS, states=12, sinks=True)
+    return tmp_path
+
+
+def replaced(path: Path, name: str, value: Any) -> None:
+    """Put another array in a file, or leave it out."""
+    arrays = {**array_file.read(path), name: value}
+    with path.open("wb") as file:
+        array_file.write(file, {key: array for key, array in arrays.items() if array is not None})
+
+
+def test_recordings_come_back_in_the_order_asked_for(folder: Path) -> None:
+    found = shown(folder, NAME, [THEIRS, "nobody/default", OURS])
+    assert [one.run for one in found] == [THEIRS, OURS] and [len(one.times) for one in found] == [12, STATES]
+    assert len(found[0].pairs) == 3 and found[1].pairs == [] and found[1].counts["contacts"].tolist() == list(range(STATES))
+    assert shown(folder, "x" * 5000, [OURS]) == [] and shown(folder, NAME, [OURS], seed=1) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("positions", np.zeros((12, 2, 3))),
+        ("velocities", np.zeros(3)),
+        ("counts:contacts", np.zeros(12)),
+        ("meta", np.array("[]")),
+        ("meta", np.array(json.dumps({"schema_version": 1}))),
+        ("raw_positions", None),
+    ],
+)
+def test_a_recording_that_contradicts_itself_is_named(folder: Path, name: str, value: Any) -> None:
+    replaced(folder / "recordings" / FILE, name, value)
+    with pytest.raises(InvalidFile, match=re.escape(FILE)):
+        shown(folder, NAME, [THEIRS])
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("frame", np.array([12, 0, 0])),
+        ("first", np.array([-1, 0, 0])),
+        ("second", np.array([3, 0, 0])),
+        ("depth", np.zeros(2)),
+        ("depth", np.full(3, np.nan)),
+        ("frame", np.zeros(3)),
+        ("first", None),
+        ("frame", None),
+    ],
+)
+def test_pairs_that_are_nowhere_are_named(folder: Path, name: str, value: Any) -> None:
+    replaced(folder / "overlaps" / FILE, name, value)
+    with pytest.raises(InvalidFile, match=rf"{name} in .*{re.escape(FILE)}"):
+        shown(folder, NAME, [THEIRS])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"bodies": [3]},
+        {"gravity": [10**400, 0, 0]},
+        {"gravity": [1.0]},
+        {"schema_version": 2},
+        {"parents": [5]},
+        {"parents": "x"},
+    ],
+)
+def test_a_file_of_a_scene_that_is_none_is_named(folder: Path, change: dict[str, object]) -> None:
+    scene(folder, NAME, **change)
+    with pytest.raises(InvalidFile, match=NAME):
+        drawn(folder, NAME)
+
+
+def test_a_recording_fits_its_scene_or_is_refused(folder: Path) -> None:
+    ours = shown(folder, NAME, [OURS])[0]
+    assert fitting(ours, drawn(folder, NAME)) is ours and fitting(ours, None) is ours
+    scene(folder, NAME, bodies=[])
+    with pytest.raises(InvalidFile, match="bodies"):
+        fitting(ours, drawn(folder, NAME))
+    ours.times[3] = np.nan
+    with pytest.raises(InvalidFile, match="times"):
+        fitting(ours, None)
+
+
+def test_a_scene_without_a_file_is_none(folder: Path) -> None:
+    assert drawn(folder, "no_such_scene") is None and drawn(folder, "x" * 5000) is None

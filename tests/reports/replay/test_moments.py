@@ -1,0 +1,115 @@
+"""The worst moments of a run are where its figures are largest."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from reports.reading.kept import Array, Shown, shown
+from reports.reading.load import Series
+from reports.replay.moments import Instants, Kind, Moment, instants, moment, moments, remarks, states_of_metrics
+from tests.reports.recorded import STATES, recording
+from tests.reports.small_runs import OURS, OVERLAP, figure, run_of
+
+
+@pytest.fixture
+def one(tmp_path: Path) -> Shown:
+    recording(tmp_path, "falls", "mine/default")
+    return shown(tmp_path, "falls", ["mine/default"])[0]
+
+
+def worst(one: Shown, depth: Array | None) -> Moment | None:
+    """The first of all that is wrong, or None."""
+    return next(iter(moments(one, depth)), None)
+
+
+def test_nothing_wrong_is_no_moment(one: Shown) -> None:
+    assert worst(one, np.zeros(STATES)) is None
+    assert worst(one, None) is None
+
+
+def test_the_deepest_overlap_by_the_judge_or_by_the_pairs(one: Shown, tmp_path: Path) -> None:
+    depth = np.zeros(STATES)
+    depth[[4, 7]] = 1e-3, 2e-3
+    found = worst(one, depth)
+    assert found is not None and (found.state, found.kind) == (7, Kind.OVERLAP) and "2 mm" in found.said
+    recording(tmp_path, "sinks", "mine/default", sinks=True)
+    found = worst(shown(tmp_path, "sinks", ["mine/default"])[0], None)
+    assert found is not None and (found.state, found.kind) == (10, Kind.OVERLAP)
+
+
+def test_without_overlap_the_farthest_from_the_user(one: Shown) -> None:
+    one.raw_positions[5, 0, 0] += 0.25
+    found = worst(one, np.full(STATES, 1e-7))
+    assert found is not None and (found.state, found.kind) == (5, Kind.APART)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_no_number_is_worst(one: Shown, value: float) -> None:
+    one.positions[12:, 1] = value
+    depth = np.full(STATES, 0.5)
+    depth[3] = np.nan
+    found = worst(one, depth)
+    assert found is not None and (found.state, found.kind) == (12, Kind.NO_NUMBER)
+
+
+def test_a_link_that_goes_to_and_fro_shakes_and_jumps(one: Shown) -> None:
+    one.positions[:] = one.positions[:1]
+    one.raw_positions[:] = one.positions[:, -one.raw_positions.shape[1] :]
+    # 20 mm to and fro from state 6 to state 11, 100 mm from state 14 on
+    one.positions[6:12:2, -1, 0] += 0.02
+    one.positions[14:, -1, 0] += 0.1
+    found = {moment.kind: moment.state for moment in moments(one, np.zeros(STATES))}
+    assert found == {Kind.APART: 14, Kind.SHAKES: 9, Kind.BACK: 7, Kind.JUMP: 14}
+    said = dict(remarks(one, 1))
+    assert 8 in said and 3 not in said
+    # of three states that are drawn as one the worst is told
+    assert dict(remarks(one, 3))[2] == said[8]
+
+
+def test_a_turn_is_a_turn(one: Shown) -> None:
+    one.orientations[9:, -1] = np.cos(np.radians(20.0)), 0.0, 0.0, np.sin(np.radians(20.0))
+    [found] = moments(one, np.zeros(STATES), ["hand"])
+    assert (found.state, found.kind) == (9, Kind.ORIENTATION) and "40°" in found.said
+    assert [state for state, _ in remarks(one, 1)] == [9]
+
+
+def test_each_metric_has_its_own_state_and_a_joint_is_no_link() -> None:
+    states, angle = 30, np.radians(20.0)
+    places, turns = np.zeros((states, 3, 3)), np.zeros((states, 3, 4))
+    turns[..., 0] = 1.0
+    raw_places, raw_turns = places.copy(), turns.copy()
+    # the root turns by 80 degrees and its arm stays where it is in the world, then the hand by 20; the hand jumps, the root too
+    turns[5:, 0] = np.cos(2.0 * angle), 0.0, 0.0, np.sin(2.0 * angle)
+    turns[9:, 2] = np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)
+    places[12, 2, 0], places[17:, 0, 0], places[20:, 1, 0] = 0.03, 0.02, 0.5
+    one = Shown("mine/default", np.arange(states) / 60.0, places, turns, places, places, raw_places, raw_turns)
+    names = ["human/root", "human/arm", "human/hand"]
+    found = {"link_jump_max": 20, "root_jump_max": 17, "reversal_max": 13, "tracker_offset_max": 20}
+    assert states_of_metrics(one, names) == found
+    assert states_of_metrics(one, names, (None, 0, 1))["pose_jump_max"] == 5
+    # a joint that turns against its parent's turn leaves its link where it was: of orientations nothing shows, of joints it does
+    turns[:, 0], turns[9:, 2] = turns[0, 0], turns[0, 0]
+    turns[7:, 1] = np.cos(angle), 0.0, 0.0, np.sin(angle)
+    assert states_of_metrics(one, names, (None, 0, 1))["pose_jump_max"] == 7
+
+
+def test_the_longest_wait_is_found(one: Shown) -> None:
+    waits = np.zeros(STATES, dtype=np.int64)
+    waits[2], waits[6:9] = 1, 2
+    counts: Mapping[str, np.ndarray] = {"waiting": waits, "planning": np.eye(1, STATES, 9, dtype=np.int64)[0]}
+    found = instants(Shown(**{**vars(one), "counts": counts}), None).wait
+    assert found == pytest.approx((4 / 60.0, 6 / 60.0)) and instants(one, None).wait is None
+
+
+def test_an_address_leads_to_the_time_of_the_largest_value() -> None:
+    rows = [figure("a", OURS, OVERLAP, 1.0)]
+    series = {"a": {OURS: Series(np.array([0.0, np.nan, 3.0, 1.0]), np.array([1.0, 9.0, 2.0]))}}
+    results = run_of(rows, series).results
+    assert moment(results, "a", OURS, OVERLAP) == ""
+    object.__setattr__(results, "frame_times", {"a": 0.5})
+    assert moment(results, "a", OURS, OVERLAP) == "#t=1"
+    assert moment(results, "a", OURS, "frame_time_p95") == "#t=1"
+    assert moment(results, "a", OURS, "course_error_max") == moment(results, "b", OURS, OVERLAP) == ""
+    assert moment(results, "a", OURS, OVERLAP, {"a": Instants({OVERLAP: 0.25})}) == "#t=0.25"

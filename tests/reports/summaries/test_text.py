@@ -1,0 +1,114 @@
+"""The short forms of a run hold its verdict, its failures and its changes."""
+
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from avatarsim.errors import InvalidFile
+from reports import Judged, judged, said
+from reports.reading.load import Row
+from reports.summaries.text import COLUMNS, LISTED, engines, headline, markdown, table, terminal
+from reports.tables.checks import checks
+from reports.tables.losses import losses
+from reports.tables.run import Run
+from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of
+
+Json = dict[str, object]
+Write = Callable[[object], Path]
+
+
+def both(run: Run) -> tuple[str, str]:
+    """The texts of a run for a terminal and as Markdown."""
+    found = Judged(run, checks(run), [], losses(run))
+    return terminal(run, found.checks, [], found.losses), markdown(run, found.checks, [], found.losses, [])
+
+
+def some(*statuses: str) -> list[Row]:
+    """A check per status, each in its own scene."""
+    values = {"pass": 0.0, "waived": 1.5, "fail": 9.0}
+    return [figure(f"scene_{k}", OURS, OVERLAP, values[one], one, 1.0, 2.0) for k, one in enumerate(statuses)]
+
+
+@given(st.lists(st.sampled_from(["pass", "waived", "fail"]), min_size=1, max_size=30), st.booleans())
+def test_a_headline_says_pass_only_of_a_sound_run(statuses: Sequence[str], ended: bool) -> None:
+    found = checks(run_of(some(*statuses), exit_code=0 if ended else None))
+    words = headline(found).split()
+    assert (words[0] == "PASS") == found.is_sound == ("fail" not in statuses and ended)
+    assert str(len(statuses)) in words and (words[0] == "FAIL") == ("fail" in statuses)
+
+
+def test_a_missing_run_is_no_pass() -> None:
+    found = checks(run_of([*some("pass"), figure("scene_0", MUJOCO, "run", None, "crashed", note="boom")]))
+    assert headline(found).split()[0] not in ("PASS", "FAIL")
+
+
+def test_what_failed_is_named_in_every_form() -> None:
+    for text in both(run_of(some("pass", "fail", "waived", "pass"))):
+        assert "scene_1" in text and "scene_2" in text
+
+
+def test_a_long_list_is_cut() -> None:
+    for text in both(run_of(some(*["fail"] * 40))):
+        assert len(re.findall(r"^ *scene_\d+", text, re.MULTILINE)) == LISTED - 1
+
+
+def test_a_message_of_many_lines_stays_one_line() -> None:
+    for text in both(
+        run_of([*some("pass"), figure("scene_9", MUJOCO, "run", None, "crashed", note="first\nsecond " + "x" * 500)])
+    ):
+        lines = [line for line in text.splitlines() if "first" in line]
+        assert len(lines) == 1 and "second" in lines[0] and len(lines[0]) < 200
+
+
+def test_the_table_has_a_row_per_engine_and_a_figure_per_column() -> None:
+    rows = [figure("a", run, OVERLAP, 10.0**-k) for k, run in enumerate((OURS, MUJOCO, BULLET, RAW), 2)]
+    run = run_of(rows)
+    found = engines(run)
+    assert len(found) == len(run.runs) == 4 and all(len(row) == 1 + len(COLUMNS) for row in found)
+    assert {row[1] for row in found} == {"10 mm", "1 mm", "100 µm", "10 µm"}
+    lines = table(run)
+    assert len(lines) == 6 and len({line.count("|") for line in lines}) == 1
+
+
+def test_a_figure_that_is_not_like_for_like_is_bracketed() -> None:
+    def cell(note: str) -> str:
+        rows = [figure("a", one, "frame_time_p50", 5.0, note=note) for one in (OURS, MUJOCO)]
+        rows += [figure("a", one, "frame_time_p95", 5.0, note=note) for one in (OURS, MUJOCO)]
+        rows += [figure("a", OURS, "resting_frames", 100.0 if note == "asleep" else 0.0)]
+        return dict(zip(("engine", *COLUMNS), engines(run_of(rows))[0], strict=True))["frame p95"]
+
+    assert cell("asleep").startswith("(") and not cell("").startswith("(")
+
+
+def test_times_of_scenes_with_an_avatar_are_left_out() -> None:
+    rows = [
+        figure("a", OURS, "frame_time_p95", 5.0),
+        figure("b", OURS, "frame_time_p95", 500.0),
+        figure("b", OURS, "tracker_offset_rms", 0.0),
+    ]
+    assert "5 µs" in engines(run_of(rows))[0]
+
+
+def test_said_is_the_summary_of_a_folder_and_names_what_changed(run_dir: Write, results: Json) -> None:
+    rows = results["rows"]
+    assert isinstance(rows, list)
+    old, new = run_dir(results), run_dir(results | {"rows": [{**rows[0], "value": 1e-3}, *rows[1:]]})
+    found = judged(new, old)
+    assert said(new, old) == terminal(found.run, found.checks, found.changes, found.losses)
+    assert [one.count("worse") for one in found.changes] == [1] and old.name in said(new, old)
+    assert [one.count("worse") for one in judged(old, old).changes] == [0] and judged(old).changes == []
+
+
+def test_said_of_no_run_is_an_error(tmp_path: Path) -> None:
+    with pytest.raises(InvalidFile):
+        said(tmp_path / "none")
+
+
+def test_damage_is_in_the_summary() -> None:
+    run = run_of(some("pass"))
+    text = markdown(run, checks(run), [], losses(run), ["sweep.csv is cut"])
+    assert "sweep.csv is cut" in text and "sweep.csv is cut" not in both(run)[1]

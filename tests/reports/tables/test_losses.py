@@ -1,0 +1,119 @@
+"""Where another engine is better, against a count by hand."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from reports.reading.load import EngineNote, Row
+from reports.tables.losses import losses
+from reports.tables.run import Run
+from runfiles.metrics import RANKED
+from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of
+
+METRICS = (OVERLAP, "course_error_max", "link_jump_max", "joint_limit_excess_max")
+numbers = st.sampled_from([0.0, 1e-7, 1e-6, 2e-6, 1e-4, 1.05e-4, 1e-2, 3.0, math.nan])
+tables = st.dictionaries(
+    st.tuples(st.sampled_from("abc"), st.sampled_from((OURS, MUJOCO, BULLET, RAW)), st.sampled_from(METRICS), st.integers(0, 1)),
+    numbers | st.none(),
+    min_size=1,
+)
+
+
+def by_hand(rows: list[Row]) -> dict[str, tuple[int, int]]:
+    """Scenes compared and lost, by metric: of several seeds the worst counts."""
+    found: dict[str, tuple[int, int]] = {}
+    for name in {row.metric for row in rows}:
+        compared = lost = 0
+        for scene in "abc":
+            values: dict[str, list[float]] = {}
+            for row in rows:
+                if (row.scenario, row.metric) == (scene, name):
+                    values.setdefault(row.run, []).append(math.nan if row.value is None else row.value)
+            if RANKED[name].optional and OURS in values:
+                values[OURS] = [
+                    one
+                    for row in rows
+                    if (row.scenario, row.metric, row.run) == (scene, name, OURS)
+                    for one in ([] if row.value is None else [row.value])
+                ]
+            rivals = [[one for one in values.get(run, []) if one == one] for run in (MUJOCO, BULLET)]
+            best = min((max(one) for one in rivals if one), default=None)
+            own = values.get(OURS)
+            if best is None or not own:
+                continue
+            compared += 1
+            mine = math.nan if any(one != one for one in own) else max(own)
+            lost += RANKED[name].better(best, mine)
+        if compared:
+            found[name] = (compared, lost)
+    return found
+
+
+@given(tables)
+def test_counts_are_those_of_a_count_by_hand(table: dict[tuple[str, str, str, int], float | None]) -> None:
+    rows = [figure(scene, run, metric, value, seed=seed) for (scene, run, metric, seed), value in table.items()]
+    rows.append(figure("z", OURS, "run", 0.0, "pass", 1.0))
+    found = losses(run_of(rows))
+    told = {row.metric: (row.scenes, row.lost) for row in found.itertuples()}
+    assert told == by_hand([row for row in rows if row.metric != "run"])
+    assert found.lost.is_monotonic_decreasing
+    for row in found.itertuples():
+        assert row.share == row.lost / row.scenes and (row.scene != "") == (row.lost > 0)
+
+
+def compared(*rows: Row) -> dict[str, int]:
+    """Lost scenes by metric."""
+    return {row.metric: row.lost for row in losses(run_of(rows)).itertuples()}
+
+
+def test_the_widest_loss_is_named() -> None:
+    values = {"a": (1e-3, 0.0), "b": (5e-2, 1e-2), "c": (0.0, 1.0)}
+    rows = [
+        figure(scene, run, OVERLAP, value)
+        for scene, pair in values.items()
+        for run, value in zip((OURS, MUJOCO), pair, strict=True)
+    ]
+    [row] = losses(run_of(rows)).itertuples()
+    assert (row.scenes, row.lost, row.scene, row.own, row.best) == (3, 2, "b", 5e-2, 1e-2)
+
+
+@pytest.mark.parametrize("order", [(0.0, math.nan), (math.nan, 0.0)])
+def test_of_several_seeds_the_worst_counts(order: tuple[float, float]) -> None:
+    rows = [figure("a", OURS, OVERLAP, value, seed=seed) for seed, value in enumerate(order)]
+    assert compared(*rows, figure("a", MUJOCO, OVERLAP, 1e-3)) == {OVERLAP: 1}
+
+
+def test_neither_a_baseline_nor_another_preset_of_ours_wins() -> None:
+    rows = [figure("a", OURS, OVERLAP, 1.0), figure("a", RAW, OVERLAP, 0.0), figure("a", "avatarsim/paper", OVERLAP, 0.0)]
+    assert compared(*rows) == {} and compared(*rows, figure("a", MUJOCO, OVERLAP, 2.0)) == {OVERLAP: 0}
+
+
+def test_who_left_its_region_does_not_win_but_loses() -> None:
+    rows = [figure("a", OURS, OVERLAP, 1.0), figure("a", MUJOCO, OVERLAP, 0.0)]
+    assert compared(*rows, figure("a", MUJOCO, "wrong_side_frames", 0.0)) == {OVERLAP: 1}
+    for frames in (1.0, math.nan):
+        assert OVERLAP not in compared(*rows, figure("a", MUJOCO, "wrong_side_frames", frames))
+    assert compared(*rows, figure("b", MUJOCO, "wrong_side_frames", 9.0))[OVERLAP] == 1
+
+
+def test_what_does_not_compare_is_not_counted() -> None:
+    rows = [figure("a", OURS, "reach_cone_excess_max", 9.0), figure("a", MUJOCO, "reach_cone_excess_max", 0.0)]
+    note = EngineNote(MUJOCO, "a", "1", {"reach cones": "ignored"}, {})
+    assert compared(*rows) == {"reach_cone_excess_max": 1}
+    assert losses(run_of(rows, notes=[note])).empty
+
+
+def test_a_world_of_another_size_is_compared_as_one_of_size_one() -> None:
+    rows = [figure("a", OURS, OVERLAP, 2e-5), figure("a", MUJOCO, OVERLAP, 0.0)]
+    assert compared(*rows) == {OVERLAP: 1}
+    large = run_of(rows)
+    large = replace(large, results=replace(large.results, scales={"a": 1000.0}))
+    assert losses(large).lost.tolist() == [0]
+
+
+def test_an_empty_run_has_an_empty_table() -> None:
+    one: Run = run_of([figure("a", OURS, "run", None, "crashed")])
+    assert losses(one).empty and "lost" in losses(one).columns

@@ -1,0 +1,46 @@
+"""A run as a table: which engine carries the checks, what is compared with it, and which figures are numbers."""
+
+import math
+
+from reports.tables.run import Run
+from runfiles.comparable import AVATAR_METRIC
+from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of
+
+
+def some(gated: str = OURS) -> Run:
+    """A run of five engines with checks of one."""
+    runs = (RAW, BULLET, "newcomer/fast", MUJOCO, "avatarsim/paper", OURS)
+    rows = [figure("a", run, OVERLAP, 0.0, "pass" if run == gated else "info", 1.0 if run == gated else None) for run in runs]
+    return run_of([*rows, figure("b", MUJOCO, AVATAR_METRIC, 0.0)])
+
+
+def test_the_gated_engine_is_the_one_with_checks() -> None:
+    assert some().gated == OURS and some(MUJOCO).gated == MUJOCO
+    assert run_of([figure("a", MUJOCO, OVERLAP, 0.0)]).gated == OURS
+
+
+def test_short_tables_begin_with_the_gated_engine_and_end_with_the_baseline() -> None:
+    runs = some(MUJOCO).runs
+    assert runs[0] == MUJOCO and runs[-1] == RAW and len(set(runs)) == len(runs)
+    assert {OURS, MUJOCO, BULLET, "newcomer/fast", RAW} <= set(runs)
+
+
+def test_rivals_are_other_engines_without_the_baseline() -> None:
+    assert set(some().rivals) == {MUJOCO, BULLET, "newcomer/fast"}
+    assert set(some(MUJOCO).rivals) == {OURS, "avatarsim/paper", BULLET, "newcomer/fast"}
+
+
+def test_scenes_with_an_avatar_are_those_with_its_metric() -> None:
+    assert some().avatars == {"b"}
+
+
+def test_no_number_is_measured_and_nothing_is_not() -> None:
+    values = [0.0, math.nan, math.inf, None]
+    rows = run_of([figure("a", OURS, OVERLAP, value, seed=k) for k, value in enumerate(values)]).rows
+    assert rows.measured.tolist() == [True, True, True, False]
+    assert rows.value.isna().tolist() == [False, True, False, True]
+
+
+def test_a_table_without_any_value_is_still_a_table() -> None:
+    rows = run_of([figure("a", OURS, "run", None, "crashed")]).rows
+    assert len(rows) == 1 and not rows.measured.any() and rows.bound.isna().all()
