@@ -74,11 +74,21 @@ def reasons(rows: pd.DataFrame, notes: Iterable[Note]) -> pd.Series:
         for note in notes
         for metric, reason in unsupported(note.run, note.cannot_say).items()
     }
+    for scene, engine in _refused(rows):
+        why[(rows.scenario == scene) & (why == "")] = f"{about(engine).label} refuses the scene"
     if lacking:
         keys = zip(rows.scenario, rows.run, rows.metric, strict=True)
         found = pd.Series([lacking.get(key, "") for key in keys], index=rows.index, dtype=object)
         why = why.where(found == "", found)
     return why
+
+
+def _refused(rows: pd.DataFrame) -> set[tuple[str, str]]:
+    """Scenes that an engine refuses, as the scene expects: others have no rival in them."""
+    if "status" not in rows:
+        return set()
+    refused = rows[rows.status == "refused"]
+    return {(scene, run.partition("/")[0]) for scene, run in zip(refused.scenario, refused.run, strict=True)}
 
 
 def _ranks(rows: pd.DataFrame) -> np.ndarray:

@@ -51,6 +51,7 @@ def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
     """Return the chart of a run; ``named``: with the names of the engines."""
     rows = run.rows[(run.rows.metric == chart.metric) & run.rows.run.isin(run.runs) & run.rows.measured]
     unit, dots = METRICS[chart.metric].unit, []
+    shares = rows.groupby("run").even.mean()
     for row in rows.itertuples():
         value = chart.high if row.value != row.value else min(max(row.value, chart.low), chart.high)
         dots.append(
@@ -61,7 +62,8 @@ def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
                 "value": value,
                 "text": "NaN" if row.value != row.value else quantity(row.value, unit),
                 "even": row.even,
-                "why": row.why or "yes",
+                "counted": bool(row.even and shares[row.run] >= 0.5),
+                "why": f"yes; {row.why}" if row.even and row.why else row.why or "yes",
                 "place": place_of(row.scenario),
             }
         )
@@ -107,7 +109,10 @@ def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
         },
     }
     median = {
-        "transform": [{"aggregate": [{"op": "median", "field": "value", "as": "middle"}], "groupby": ["label", "engine"]}],
+        "transform": [
+            {"filter": "datum.counted"},
+            {"aggregate": [{"op": "median", "field": "value", "as": "middle"}], "groupby": ["label", "engine"]},
+        ],
         "mark": {"type": "tick", "thickness": 3, "size": 24, "tooltip": None},
         "encoding": {"x": {**x, "field": "middle"}, "y": y, "color": colour},
     }

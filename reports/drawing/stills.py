@@ -53,8 +53,8 @@ def stills(scene: Drawn, shown: Sequence[Shown], gated: str, turn: float) -> lis
         marked = replace(
             scene, bodies=[{**body, "role": "overlapping"} if k in red else body for k, body in enumerate(scene.bodies)]
         )
-        deepest = max((depth for _, _, depth in pairs), default=0.0)
-        label, caption = run_label(one.run), f"overlap {quantity(deepest, 'm', 2)}"
+        deepest, ever = max((depth for _, _, depth in pairs), default=0.0), max((pair[3] for pair in one.pairs), default=0.0)
+        label, caption = run_label(one.run), f"overlap {quantity(deepest, 'm', 2)}, at most {quantity(ever, 'm', 2)}"
         text = f"{label} at {float(one.times[state]):.3g} s, {caption}."
         drawn = thumbnail(marked, one, state, turn, text, view) if np.isfinite(one.positions[state]).any() else ""
         made.append((label, drawn, caption))

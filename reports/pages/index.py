@@ -40,6 +40,7 @@ def linked(run: Run, rows: pd.DataFrame, instants: Mapping[str, Instants]) -> li
     return [
         {
             "scene": row.scenario,
+            "run": run_label(row.run),
             "label": label(row.metric),
             "value": quantity(row.value, row.unit) if row.value == row.value else "NaN",
             "limit": quantity(row.bound, row.unit),
@@ -165,6 +166,7 @@ def change_words(run: Run, changes: Changes | None, instants: Mapping[str, Insta
             "label": label(row.metric),
             "old": quantity(row.old, row.unit) if math.isfinite(row.old) else "NaN",
             "new": quantity(row.new, row.unit) if math.isfinite(row.new) else "missing",
+            "factor": f"×{row.new / row.old:.3g}" if row.old > 0.0 and math.isfinite(row.new / row.old) else "",
             "href": f"scenes/{row.scenario}.html{moment(run.results, row.scenario, row.run, row.metric, instants)}",
         }
         for row in own.table.itertuples()
@@ -193,6 +195,7 @@ def by_scene(settings: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:
                 "error": row.error if math.isfinite(row.error) else None,
                 "worst": label(row.worst) if row.worst else "",
                 "median": None if math.isnan(row.median) else row.median,
+                "p95": None if math.isnan(row.p95) else row.p95,
                 "asleep": bool(row.asleep),
                 "measured": bool(row.measured),
                 "native": row.native,

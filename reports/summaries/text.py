@@ -55,13 +55,15 @@ def engines(run: Run) -> list[list[str]]:
             if part.empty:
                 cells.append("–")
                 continue
+            even = float(part.even.mean()) >= 0.5
+            part = part[part.even] if even else part
             unit = str(part.unit.iloc[0])
             text = (
                 f"{int((~(part.value <= 1e-6)).sum())} of {len(part)}"
                 if column.how == "over"
                 else quantity(float(part.value.fillna(float("inf")).median()), unit, 2)
             )
-            cells.append(f"({text})" if part.even.mean() < 0.5 else text)
+            cells.append(text if even else f"({text})")
         table.append(cells)
     return table
 
@@ -82,7 +84,7 @@ def blocks(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Data
     """Return titles and lines of all parts below the headline; parts without a line are left out but for changes."""
     failed = [_line(row, f"{_limit(row)}   scenes/{row.scenario}.html") for row in checks.failed.itertuples()]
     lacking = pd.concat([checks.crashed, checks.unmeasured]).itertuples()
-    missing = [f"{row.scenario:<24}{run_label(row.run):<20}{_brief(row.note)}" for row in lacking]
+    missing = [f"{row.scenario:<24}{run_label(row.run):<18}{_brief(_lacking(row))}" for row in lacking]
     waived = [_line(row, f"{_limit(row)}, waived to {quantity(row.waiver, row.unit)}") for row in checks.waived.itertuples()]
     titled = (("failed", failed), ("not measured", missing), ("known exceptions", waived))
     found = [(title, _cut(lines)) for title, lines in titled if lines]
@@ -156,6 +158,11 @@ def table(run: Run) -> list[str]:
 
 def _line(row: object, after: str) -> str:
     return f"{row.scenario:<24}{label(row.metric):<30}{_value(row.value, row.unit):>10}   {after}"  # type: ignore[attr-defined]
+
+
+def _lacking(row: object) -> str:
+    name, note = str(row.metric), " ".join(str(row.note).split())  # type: ignore[attr-defined]
+    return note if name == "run" else f"{label(name)}: {note}"
 
 
 def _limit(row: object) -> str:

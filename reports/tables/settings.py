@@ -28,10 +28,10 @@ def settings(folder: Path) -> pd.DataFrame | None:
     """Read the settings of a run; None where none were tried.
 
     Returns:
-        A row per scene, engine and setting with the columns scenario, engine, setting, preset (flag), base, step [1/s], error:
-        the largest [m], inf where a free user is not followed, worst: the metric of it, median, p95, slowest [us], asleep (flag),
-        measured (flag), native: lines to copy, alone (flag): they are all that the setting changes in the preset's model,
-        options: the line of this project.
+        A row per scene, engine and setting with the columns scenario, engine, setting, preset (flag), base, step [1/s]: NaN
+        unless it alone differs from the preset, error: the largest [m], inf where a free user is not followed, worst: the metric
+        of it, median, moving, p95, slowest [us], asleep (flag), measured (flag), native: lines to copy, alone (flag): they are
+        all that the setting changes in the preset's model, options: the line of this project, avatar (flag).
 
     Raises:
         InvalidFile: for a damaged file.
@@ -85,8 +85,12 @@ def _setting(part: pd.DataFrame) -> dict[str, object]:
 
 
 def _step(engine: str, options: str, stated: float) -> float:
-    """Steps a second of a setting; NaN for an engine without a step of its own."""
-    given = _values(engine, options).get("dt")
+    """Steps a second of a setting that changes nothing else; NaN for an engine without a step of its own."""
+    values = _values(engine, options)
+    if set(values) - {"dt"}:
+        # more than the step differs from the preset
+        return math.nan
+    given = values.get("dt")
     step = (
         float(given) if isinstance(given, int | float) and given else float(stated) if pd.notna(stated) and stated else math.nan
     )

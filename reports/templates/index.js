@@ -41,6 +41,8 @@ function dots() {
   }));
 }
 function chooseScene() {
+  document.querySelectorAll("[data-scene]").forEach((one) => { one.textContent = find("scene").value; });
+  find("copied-page").href = `scenes/${find("scene").value}.html`;
   if (views.settings) views.settings.data("points", dots()).resize().runAsync();
   chooseLevel();
   const ladders = chosen().filter((one) => one.measured && one.step && (one.base === "tuned")).sort((a, b) => a.engine.localeCompare(b.engine) || a.step - b.step);
@@ -60,25 +62,33 @@ function chooseLevel() {
     const planned = all.filter((one) => one.engine === engine).length, tried = measured.filter((one) => one.engine === engine).length;
     const label = all.find((one) => one.engine === engine).label;
     if (!able.length) {
-      rows.push(row([`${dot(engine)}${escaped(label)}`, `none of ${tried} measured; ${planned - tried} not run`, "–", "–"]));
+      rows.push(row([`${dot(engine)}${escaped(label)}`, `none of ${tried} measured; ${planned - tried} not run`, "–", "–", "–", ""]));
       continue;
     }
     // of times within 3 % a preset is the simpler answer
-    const best = able.filter((one) => one.median <= 1.03 * able[0].median).sort((a, b) => b.preset - a.preset)[0];
+    const best = able.filter((one) => one.median <= 1.03 * able[0].median).sort((a, b) => rank(b) - rank(a))[0];
     if (!first || engine !== page.gated) first = first && first.engine !== page.gated ? first : best;
-    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${time(best.median)}${best.asleep ? " asleep" : ""}</td><td class="n">${length(best.error)}</td></tr>`);
+    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${fair(best, time(best.median))}${best.asleep ? " asleep" : ""}</td><td class="n">${best.p95 === null ? "–" : fair(best, time(best.p95))}</td><td class="n">${length(best.error)}</td><td>${escaped(best.worst)}</td></tr>`);
   }
   find("cheapest-rows").innerHTML = rows.join("");
   find("cheapest-rows").querySelectorAll("[data-copy]").forEach((one) => one.addEventListener("click", () => copyable(all[one.dataset.copy])));
   const avatar = all.some((one) => one.avatar);
-  find("planned").textContent = `${measured.length} of ${all.length} planned settings were run; make sweep runs the rest.${avatar ? " Times are not like for like here." : ""}`;
+  find("planned").textContent = `${measured.length} of ${all.length} planned settings were run; make sweep runs the rest.${avatar ? " In brackets: not like for like." : ""}`;
   if (first) copyable(first);
   if (views.settings) views.settings.data("limit", limit()).runAsync();
 }
+// times that do not compare engines stand in brackets
+function fair(one, text) { return one.avatar ? `(${text})` : text; }
+// of equal settings: default and tuned, then one that its engine's own words make whole
+function rank(one) { return ["default", "tuned"].includes(one.setting) ? 2 : one.alone ? 1 : 0; }
 function copyable(one) {
-  const preset = `# ${one.label}, preset ${one.base || one.setting}: compiled model and calls on the page of the scene`;
+  const base = `# ${one.label}, preset ${one.base || one.setting}: its compiled model or calls are among the files of the scene`;
+  const more = "# and contact constants that depend on it: our adapter sets them";
+  const native = one.alone || !one.native ? one.native : `${one.native.replace(/^/gm, "# ")}\n${more}`;
+  const ours = one.options.startsWith("--") ? `# here: python -m scenarios run ${find("scene").value} ${one.options}`
+    : one.options ? `# here, in a file for --settings:\n# ${one.options}` : "";
   find("copied-of").textContent = `${one.label} ${one.setting}`;
-  find("setting").textContent = [preset, one.native, one.native && !one.alone ? "# more follows from this in our adapter: the row below sets all of it" : "", one.options ? `# in this project: ${one.options}` : ""].filter(Boolean).join("\n");
+  find("setting").textContent = [base, native, ours].filter(Boolean).join("\n");
 }
 
 // ---------------------------------------------------------------- stills and player

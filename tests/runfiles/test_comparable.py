@@ -111,3 +111,14 @@ def test_the_engines_own_words_decide(scenario: str, metric: str, silent: Sequen
         finally:
             engine.close()
         assert (metric in unsupported(run, features)) == (run in silent), run
+
+
+def test_what_one_engine_refuses_compares_no_other() -> None:
+    lines = [
+        ("a", "avatarsim/default", "run", 0.0),
+        ("a", "mujoco/tuned", "residual_overlap_max", 0.2),
+        ("b", "mujoco/tuned", "residual_overlap_max", 0.2),
+    ]
+    rows = pd.DataFrame(lines, columns=["scenario", "run", "metric", "value"]).assign(note="", status=["refused", "info", "info"])
+    _, in_refused, elsewhere = reasons(rows, ())
+    assert "avatarsim" in in_refused and elsewhere == ""

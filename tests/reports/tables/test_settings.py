@@ -88,3 +88,12 @@ def test_a_damaged_file_is_named(tmp_path: Path, content: bytes) -> None:
     (tmp_path / "sweep.csv").write_bytes(content)
     with pytest.raises(InvalidFile, match=r"sweep\.csv"):
         settings(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("options", "steps"), [("dt = 0.001", 1000.0), ("dt = 0.001\nsleep = true", math.nan), ("sleep = true", math.nan)]
+)
+def test_a_setting_has_a_step_where_it_changes_nothing_else(tmp_path: Path, options: str, steps: float) -> None:
+    row = {"engine": "mujoco", "setting": "tuned x", "step": 0.002, "options": f"[mujoco.x]\npreset = 'tuned'\n{options}\n"}
+    (found,) = read(tmp_path, row).itertuples()
+    assert found.step == pytest.approx(steps, nan_ok=True)
