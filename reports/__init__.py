@@ -30,7 +30,7 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True, eq=False)
 class Judged:
-    """What all forms of a report show of a run."""
+    """A judged run, as all forms of a report show it."""
 
     run: "Run"
     checks: "Checks"

@@ -1,4 +1,4 @@
-"""Whether a figure compares engines, and why not."""
+"""Reasons why a figure does not compare engines."""
 
 from collections.abc import Iterable, Mapping
 from typing import Protocol
@@ -84,7 +84,7 @@ def reasons(rows: pd.DataFrame, notes: Iterable[Note]) -> pd.Series:
 
 
 def _refused(rows: pd.DataFrame) -> set[tuple[str, str]]:
-    """Scenes that an engine refuses, as the scene expects: others have no rival in them."""
+    """Return (scene, engine) of scenes that an engine refuses, as the scene expects."""
     if "status" not in rows:
         return set()
     refused = rows[rows.status == "refused"]
@@ -96,5 +96,5 @@ def _ranks(rows: pd.DataFrame) -> np.ndarray:
 
 
 def _sleeps(note: Note) -> bool:
-    """Whether a setting puts resting bodies to sleep."""
+    """Return whether a setting puts resting bodies to sleep."""
     return str(note.settings.get("sleep", ("False", ""))[0]).lower() in ("true", "1")

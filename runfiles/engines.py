@@ -3,6 +3,7 @@
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cache
 from pathlib import Path
 from types import MappingProxyType
@@ -43,7 +44,7 @@ class Issue:
 
 @dataclass(frozen=True)
 class About:
-    """What tables and charts need to know of an engine.
+    """Facts on an engine for tables and charts.
 
     name         in files
     label        on pages
@@ -52,8 +53,9 @@ class About:
     sleeps       flag: it puts resting bodies to sleep unless a scene forbids it
     baseline     flag: it handles no contact, and is ranked nowhere
     unsupported  features by the name that the adapter reports
-    native       options of the adapter in the engine's own words, {} is the value
-    unlike       what a scene has otherwise in this engine, a sentence each
+    native       options of the adapter in the engine's own words, {} is the value; of a flag one for each value
+    alone        options that are all that changes in a preset
+    unlike       differences of scenes in this engine, a sentence each
     issues       known ones
     """
 
@@ -65,9 +67,20 @@ class About:
     sleeps: bool = False
     baseline: bool = False
     unsupported: Mapping[str, Unsupported] = field(default_factory=dict)
-    native: Mapping[str, str] = field(default_factory=dict)
+    native: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
+    alone: tuple[str, ...] = ()
     unlike: tuple[str, ...] = ()
     issues: tuple[Issue, ...] = ()
+
+    def in_own_words(self, options: Mapping[str, object]) -> list[str]:
+        """Return a line per option in the engine's own words, a comment for one that has none."""
+        lines = []
+        for name, value in options.items():
+            # a step to its last digit, as a fraction
+            shown = str(Fraction(value).limit_denominator(100_000)) if name == "dt" and isinstance(value, float) else str(value)
+            words = self.native.get(name, f"# {name} = {{}}")
+            lines.append(words.format(shown) if isinstance(words, str) else words[shown.lower()])
+        return lines
 
     @property
     def both(self) -> str:
@@ -90,7 +103,7 @@ def _about(data: Mapping[str, object]) -> About:
         for name, one in dict(entries.pop("unsupported", {})).items()  # type: ignore[call-overload]
     }
     issues = tuple(Issue(**one) for one in entries.pop("issues", ()))  # type: ignore[attr-defined]
-    lists = {name: tuple(entries.pop(name, ())) for name in ("presets", "unlike")}  # type: ignore[call-overload]
+    lists = {name: tuple(entries.pop(name, ())) for name in ("presets", "unlike", "alone")}  # type: ignore[call-overload]
     return About(**entries, **lists, unsupported=lacking, issues=issues)  # type: ignore[arg-type]
 
 

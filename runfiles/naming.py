@@ -1,13 +1,9 @@
 """Names of engines, settings and scenes in the rows and files of a run, for its writer and its readers alike."""
 
-from collections.abc import Mapping
-
 GATED = ("avatarsim", "default")
 """The engine and preset that carry bounds unless `check --engine` names another."""
 BASELINE = "tracker"
 """The engine without contact handling: its overlap is how large the problem is."""
-SLEEPS_UNASKED = ("avatarsim",)
-"""Engines that put to sleep what rests unless the scene leaves that out."""
 COMPILED = "compiled: "
 """How the names of settings begin that are no choice of ours but what became of those in a scene, in numbers."""
 TUNED = "tuned"
@@ -18,21 +14,6 @@ CROWD_PREFIX = "crowd_"
 """How the names of scenes begin in which random bodies are drawn by a seed, which the name ends with."""
 OWN_PREFIX = "own_"
 """How the names of scenes begin that a user brings as files."""
-BASE: Mapping[tuple[str, str], str] = {
-    ("mujoco", "sleeping"): "tuned",
-    ("mujoco", "servos"): "tuned",
-    ("mujoco", "hinges"): "tuned",
-    ("pybullet", "sleeping"): "tuned",
-    ("pybullet", "follows"): "default",
-}
-"""(engine, variant) -> the preset that it changes."""
-
-
-def base_of(run: str) -> str:
-    """ "engine/preset" of the preset that the variant `run` changes; "" for a run that is none."""
-    engine, _, variant = run.partition("/")
-    preset = BASE.get((engine, variant))
-    return "" if preset is None else f"{engine}/{preset}"
 
 
 def stem(scenario: str, engine: str, preset: str, seed: int) -> str:

@@ -52,24 +52,8 @@ class Protocol:
         return f"{self.said}: fewer than {REPEATS} x {TAIL_FRAMES}"
 
 
-def repeats_of(note: str) -> int:
-    """How often the frames of a time were run, by the note of its row; 0 where it does not say."""
-    found = re.match(r"(\d+) x ", note)
-    return int(found[1]) if found else 0
-
-
 def may_rank(metric: str, note: str) -> bool:
     """Whether a figure ranks engines, by the note of its row: a time at the slow end only from RANKED_REPEATS x TAIL_FRAMES
     frames on. All else does, and so does a row that does not say how it was timed."""
     found = re.match(r"(\d+) x (\d+) frame", note) if metric in TAILS else None
     return found is None or (int(found[1]) >= RANKED_REPEATS and int(found[2]) >= TAIL_FRAMES)
-
-
-def least_of(repeats: int) -> str:
-    """What a figure of one frame is, in words that stand beside it: "each frame the least of 3 repeats"; "" where unknown."""
-    return "" if repeats < 1 else "each frame run once" if repeats == 1 else f"each frame the least of {repeats} repeats"
-
-
-def brief(note: str) -> str:
-    """The words of a row without the warm-up, for a cell of a table."""
-    return re.sub(r", \d+ warm-up frames?", "", note)

@@ -34,7 +34,7 @@ def cannot_say(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
             "found"
         )
     if any(any(link.surface_velocity) for link in links):
-        found["surface velocity"] = "not supported: a belt does not carry loose bodies"
+        found["surface velocity"] = "belts do not carry loose bodies"
     if scene.effects.coupling:
         found["virtual coupling"] = (
             "a weld is a spring that always pulls, where that of eq. 6 begins with a collision: with its K and R a link also "

@@ -42,7 +42,7 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
             "one joint per link: stand-in links of 0.1 % of the link's mass and inertia between hinges"
         )
     if any(any(link.surface_velocity) for link in links):
-        found["surface velocity"] = "not supported: a belt does not carry loose bodies"
+        found["surface velocity"] = "belts do not carry loose bodies"
     if scene.effects.coupling:
         found["virtual coupling"] = (
             "no spring of eq. 6: after a collision a link goes back to its user as constraints and motors have it"

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from reports.charts.marks import Spec
+from reports.charts.marks import Spec, tooltip
 from reports.tables.figures import quantity
 from reports.tables.run import Run
 from runfiles.engines import run_label
@@ -120,19 +120,16 @@ def hard_cases(run: Run, cases: pd.DataFrame) -> Spec:
         "legend": None,
         "scale": {"domain": [-4.5, -0.5], "range": ["@low", "@high"], "clamp": True},
     }
-    tip = [
-        {"field": name, "type": "nominal", "title": title}
-        for name, title in (
-            ("row", "case"),
-            ("column", "engine"),
-            ("text", "drift"),
-            ("trials", "trials"),
-            ("finite", "not finite"),
-            ("left", "left its region"),
-            ("overlap", "overlap, largest"),
-            ("energy", "energy gain, largest"),
-        )
-    ]
+    tip = tooltip(
+        row="case",
+        column="engine",
+        text="drift",
+        trials="trials",
+        finite="not finite",
+        left="left its region",
+        overlap="overlap, largest",
+        energy="energy gain, largest",
+    )
     return grid(values, [run_label(name) for name in shown], order, fill, tip, "Drift after a nudge, hard case by engine.", 29)
 
 
@@ -157,8 +154,8 @@ def effects(table: pd.DataFrame) -> Spec:
                 "shade": max(row.share, 0.0),
                 "saves": saves,
                 "bright": row.share > 0.4,
-                "with": quantity(row.with_us, "us"),
-                "without": quantity(row.without_us, "us"),
+                "present": quantity(row.with_us, "us"),
+                "absent": quantity(row.without_us, "us"),
                 "broken": lacking,
             }
         )
@@ -169,16 +166,7 @@ def effects(table: pd.DataFrame) -> Spec:
         "legend": None,
         "scale": {"domain": [0, 1], "range": ["@low", "@high"], "clamp": True},
     }
-    tip = [
-        {"field": name, "type": "nominal", "title": title}
-        for name, title in (
-            ("column", "scene"),
-            ("row", "effect"),
-            ("with", "frame with it"),
-            ("without", "frame without it"),
-            ("broken", "worse without it"),
-        )
-    ]
+    tip = tooltip(column="scene", row="effect", present="frame with it", absent="frame without it", broken="worse without it")
     rows = [name for effect, name in EFFECTS.items() if effect in set(table.effect)]
     return grid(
         values, [one.replace("_", " ") for one in scenes], rows, fill, tip, "Share of the frame that each effect takes.", 26
@@ -212,17 +200,7 @@ def bars(losses: pd.DataFrame) -> Spec:
         "scale": {"domain": [0, 1.12]},
         "axis": {"title": None, "format": "%", "values": [0, 0.25, 0.5, 0.75, 1], "domain": False, "tickSize": 0},
     }
-    tip = [
-        {"field": name, "type": "nominal", "title": title}
-        for name, title in (
-            ("label", "measure"),
-            ("text", "scenes"),
-            ("scene", "widest in"),
-            ("own", "avatarsim"),
-            ("best", "best"),
-            ("run", "of"),
-        )
-    ]
+    tip = tooltip(label="measure", text="scenes", scene="widest in", own="avatarsim", best="best", run="of")
     return {
         "width": "container",
         "height": 19 * max(len(values), 1),

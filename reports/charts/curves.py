@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from reports.charts.marks import LENGTH_LABEL, TIME_LABEL, Spec, by_engine
+from reports.charts.marks import LENGTH_LABEL, TIME_LABEL, Spec, by_engine, tooltip
 from reports.reading.load import Array
 from runfiles.engines import run_label
 
@@ -44,16 +44,7 @@ def error_against_time(names: Sequence[str]) -> Spec:
             "labelExpr": f"datum.value < 2e-7 ? '≤ 0.1 µm' : {LENGTH_LABEL}",
         },
     }
-    tip = [
-        {"field": name, "type": "nominal", "title": title}
-        for name, title in (
-            ("name", "setting"),
-            ("text", "largest error"),
-            ("which", "of"),
-            ("when", "frame time"),
-            ("state", "bodies"),
-        )
-    ]
+    tip = tooltip(name="setting", text="largest error", which="of", when="frame time", state="bodies")
     lines = {
         "mark": {"type": "line", "strokeWidth": 1.4, "opacity": 0.55},
         "encoding": {

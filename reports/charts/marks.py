@@ -48,6 +48,11 @@ def coloured(spec: Spec, colours: Mapping[str, str]) -> Spec:
     return found
 
 
+def tooltip(**titles: str) -> list[Spec]:
+    """Return the channel of fields that a pointed mark shows, by their titles."""
+    return [{"field": name, "type": "nominal", "title": title} for name, title in titles.items()]
+
+
 def by_engine(names: Sequence[str]) -> Spec:
     """Return the colour channel of a field `engine`."""
     return {

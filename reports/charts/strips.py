@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from reports.charts.marks import Spec, by_engine, labels, place_of
+from reports.charts.marks import Spec, by_engine, labels, place_of, tooltip
 from reports.tables.figures import quantity
 from reports.tables.run import Run
 from runfiles.engines import run_label
@@ -92,10 +92,7 @@ def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
     }
     colour = by_engine(list(dict.fromkeys(name.partition("/")[0] for name in run.runs)))
     off = {"field": "place", "type": "quantitative", "scale": {"domain": [-1.9, 1.9]}}
-    tip = [
-        {"field": name, "type": "nominal", "title": title}
-        for name, title in (("scene", "scene"), ("label", "engine"), ("text", METRICS[chart.metric].label), ("why", "comparable"))
-    ]
+    tip = tooltip(scene="scene", label="engine", text=METRICS[chart.metric].label, why="comparable")
     dot = {
         "mark": {"type": "point", "size": 34, "strokeWidth": 1.1, "cursor": "pointer"},
         "encoding": {

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -30,21 +30,33 @@ def instant(shown: Sequence[Shown], gated: str) -> int:
     return int(order[-1]) if depths.any() else states // 2
 
 
-def across(main: Shown, state: int, turn: float) -> float:
-    """Return the azimuth [rad] nearest to ``turn`` from which the push of a contact on the avatar is seen from the side."""
+def sides(main: Shown) -> tuple[float, ...]:
+    """Return the two azimuths [rad] from which the largest push on the avatar, away from its user, is seen from the side.
+
+    None without a push.
+    """
     links = main.raw_positions.shape[1]
-    push = (main.positions[state, -links:] - main.raw_positions[state]).sum(axis=0) if links else np.zeros(3)
-    if not np.isfinite(push).all() or np.hypot(push[0], push[1]) < CLEAR:
-        return turn
-    side = math.atan2(push[1], push[0]) + 0.5 * math.pi
-    return side if math.cos(side - turn) >= 0.0 else side + math.pi
+    pushes = (main.positions[:, -links:] - main.raw_positions).sum(axis=1)[:, :2] if links else np.zeros((1, 2))
+    sizes = np.nan_to_num(np.hypot(pushes[:, 0], pushes[:, 1]), nan=0.0, posinf=0.0)
+    state = int(np.argmax(sizes))
+    if sizes[state] < CLEAR:
+        return ()
+    side = math.atan2(pushes[state, 1], pushes[state, 0]) + 0.5 * math.pi
+    return side, side - math.pi
 
 
-def stills(scene: Drawn, shown: Sequence[Shown], gated: str, turn: float) -> list[tuple[str, str, str]]:
-    """Return (label, SVG, caption) per engine, all of one instant and one part of the scene."""
+@dataclass(frozen=True)
+class Stills:
+    """Pictures of one instant: its time [s], and (label, SVG, caption) per engine."""
+
+    time: float
+    pictures: Sequence[tuple[str, str, str]]
+
+
+def stills(scene: Drawn, shown: Sequence[Shown], gated: str, turn: float) -> Stills:
+    """Return pictures of all engines at one instant, of one part of the scene, from the azimuth ``turn`` [rad]."""
     state = instant(shown, gated)
     main = next((one for one in shown if one.run == gated), shown[0])
-    turn = across(main, state, turn)
     view = framed(scene, main, state, turn)
     made = []
     for one in shown:
@@ -58,4 +70,4 @@ def stills(scene: Drawn, shown: Sequence[Shown], gated: str, turn: float) -> lis
         text = f"{label} at {float(one.times[state]):.3g} s, {caption}."
         drawn = thumbnail(marked, one, state, turn, text, view) if np.isfinite(one.positions[state]).any() else ""
         made.append((label, drawn, caption))
-    return made
+    return Stills(float(main.times[state]), made)

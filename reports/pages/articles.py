@@ -78,7 +78,7 @@ def _method(run: Run) -> str:
 
 
 def _judge(folder: Path) -> dict[str, str] | None:
-    """What the judge's own test found; None where it did not run, or its file is damaged."""
+    """Return the results of the test of the judge; None without it, or for a damaged file."""
     path = folder / JUDGE
     if not path.exists():
         return None
@@ -115,7 +115,7 @@ def _engines(run: Run) -> str:
         )
         for feature, said in note.cannot_say.items():
             entry["features"].setdefault(feature, said)
-        # the everyday scene with most settings in force stands for the preset
+        # show the settings of a preset in an everyday scene, where it ran one
         kept = entry["presets"].get(note.run)
         if note.settings and (
             kept is None or (note.scenario in run.results.everyday and kept["scene"] not in run.results.everyday)

@@ -10,6 +10,7 @@ import pandas as pd
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from reports.charts import cells, curves, marks, strips
+from reports.drawing.stills import Stills
 from reports.pages import scripts
 from reports.replay.moments import Instants, moment
 from reports.tables.changes import Changes
@@ -19,9 +20,6 @@ from reports.tables.run import Run
 from reports.tables.settings import LEVELS
 from runfiles.engines import about, run_label
 from runfiles.metrics import label
-
-Stills = Mapping[str, Sequence[tuple[str, str, str]]]
-"""(label, SVG, caption) per engine, by scene."""
 
 DIGITS = 4
 """Significant digits of the figures in the table of the page; results.csv has all."""
@@ -71,7 +69,7 @@ def page(
     changes: Changes | None,
     tables: Mapping[str, pd.DataFrame | None],
     losses: pd.DataFrame,
-    stills: Stills,
+    stills: Mapping[str, Stills],
     instants: Mapping[str, Instants],
     damage: Sequence[str],
     files: Sequence[str],
@@ -95,7 +93,8 @@ def page(
         "specs": specs,
         "palette": marks.palette(extra),
         "gated": run.gated.partition("/")[0],
-        "stills": dict(stills) or None,
+        "stills": {name: one.pictures for name, one in stills.items()} or None,
+        "instants": {name: one.time for name, one in stills.items()},
         "settings": None if settings is None else by_scene(settings),
         "first": None if settings is None else first_scene(settings),
     }
@@ -123,7 +122,7 @@ def page(
             failed=linked(run, checks.failed, instants),
             waived=linked(run, checks.waived, instants),
             missing=missing(checks),
-            stills=dict(stills),
+            stills=list(stills),
             shown_first=next((name for name in stills if name in run.avatars), ""),
             titles=strips.TITLES,
             has_settings=settings is not None,

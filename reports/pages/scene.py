@@ -10,7 +10,7 @@ import pandas as pd
 
 from avatarsim.errors import InvalidFile
 from reports.charts import curves, marks
-from reports.drawing.stills import stills
+from reports.drawing.stills import Stills, stills
 from reports.pages import scripts
 from reports.pages.index import environment
 from reports.reading.kept import Drawn, Shown, drawn, fitting, shown
@@ -37,7 +37,7 @@ class Made:
     path: str
     text: str
     scene: str
-    stills: Sequence[tuple[str, str, str]] = ()
+    stills: Stills | None = None
     instants: Instants = Instants()
     damage: tuple[str, ...] = ()
 
@@ -64,7 +64,7 @@ def _made(run: Run, name: str, rows: pd.DataFrame, around: tuple[str | None, str
     series = run.results.series.get(name, {})
     seed = int(rows.seed.iloc[0])
     files = _files(run.folder, name, list(dict.fromkeys([*series, *rows.run])), seed)
-    played, pictures, times = None, list[tuple[str, str, str]](), Instants()
+    played, pictures, times = None, None, Instants()
     dt = run.results.frame_times.get(name, 1.0 / 60.0)
     depths = {one: own.overlap for one, own in series.items()}
     try:
@@ -90,7 +90,7 @@ def _made(run: Run, name: str, rows: pd.DataFrame, around: tuple[str | None, str
 
 
 def _files(folder: Path, name: str, runs: Sequence[str], seed: int) -> Files:
-    """The scene's file and its recordings, so far as they can be read. Paths of this machine are left out of what is reported."""
+    """Load the file of the scene and its recordings; report unreadable ones without paths of this machine."""
     scene, recorded, damage = None, list[Shown](), list[str]()
     try:
         scene = drawn(folder, name)
@@ -112,7 +112,7 @@ def _libraries() -> tuple[str, str]:
 
 
 def _as_module(library: str) -> str:
-    """A classic script as a module: what it declares stays global."""
+    """Return a classic script as a module whose declarations stay global."""
     return f"(0, (function () {{ {library}\nif (typeof THREE !== 'undefined') window.THREE = THREE; }}).call(window));"
 
 
@@ -162,7 +162,7 @@ def _page(
 
 
 def _cut(run: Run, name: str, rows: pd.DataFrame) -> str:
-    """How much of the scene ran, where it was cut short."""
+    """Return the simulated and the whole length of a scene that was cut short, "" for others."""
     whole, ran = run.results.lengths.get(name), int(rows.frames.max())
     dt = run.results.frame_times.get(name, 1.0 / 60.0)
     return f"Cut short: {ran * dt:.3g} s of {whole * dt:.3g} s." if whole and 0 < ran < whole else ""

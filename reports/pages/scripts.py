@@ -14,7 +14,7 @@ import vl_convert
 FOLDER = Path(__file__).parents[1] / "templates"
 
 SNIPPET = "window.vegaEmbed = vegaEmbed;"
-"""What makes the bundle's only name a name of the page."""
+"""Export of the bundle: the only name that pages use."""
 
 
 def source(name: str) -> str:

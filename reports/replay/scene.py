@@ -7,6 +7,7 @@ import numpy as np
 
 from avatarsim.spatial import rotation
 from reports.drawing import mesh
+from reports.drawing.stills import sides
 from reports.reading.kept import Array, Drawn, Shown
 from reports.replay import packed
 from reports.replay.moments import Kind, Moment, moments, remarks
@@ -22,6 +23,8 @@ BYTES_PER_POSE = 14
 AIR = 0.25
 """Share by which the box that holds what is drawn is wider than what our engine and the tracker do; what is thrown farther is
 drawn at its edge."""
+LEAST = 1.0 / 3.0
+"""Least share of the room of the whole motion that a view which follows shows: a fist alone says nothing of what it meets."""
 FAR = 0.85
 """The view follows what is driven where that needs less than this share of the room that the whole motion needs."""
 
@@ -55,8 +58,9 @@ def replay(
     worst = {one.run: moments(one, (depths or {}).get(one.run), names) for one in engines}
     # the user too is to be seen, whose place may be far from what is shown
     seen = np.concatenate([main.positions[:, followed], main.raw_positions], axis=1)
-    near = _near(seen, [reach[which[k]] for k in followed] * (2 if links else 1))
     radius = float(0.5 * np.linalg.norm(high - low))
+    least = LEAST * radius
+    near = max(_near(seen, [reach[which[k]] for k in followed] * (2 if links else 1)), least)
     ghost = _poses(main.raw_positions[::step], main.raw_orientations[::step], *box) if links else None
     return {
         "dt": float(main.times[1] - main.times[0]) * step if len(main.times) > 1 else 1.0 / 60.0,
@@ -67,11 +71,12 @@ def replay(
         "radius": radius,
         "followed": followed,
         "near": near,
+        "least": least,
         "follow": near < FAR * radius,
         "leader": engines.index(main),
         "reach": [reach[which[k]] for k in followed],
         "opens": opening(engines, worst, ours, step),
-        "azimuth": azimuth(scene, shapes, which, main, 0.5 * (low + high), float(np.linalg.norm(high - low))),
+        "azimuth": azimuth(scene, shapes, which, main, 0.5 * (low + high), 2.0 * radius, sides(main)),
         "meshes": [{"corners": packed.reals(points), "faces": packed.text(faces.astype(np.uint32))} for points, faces in shapes],
         "bodies": [{"name": body["name"], "role": body["role"], "mesh": which[k]} for k, body in enumerate(scene.bodies)],
         "still": [
@@ -176,8 +181,19 @@ def _broken(one: Shown, step: int, depth: Array | None) -> list[int]:
     return sorted({int(frame) // step for frame in np.flatnonzero(wrong)})
 
 
-def azimuth(scene: Drawn, shapes: Sequence[mesh.Mesh], which: Sequence[int], main: Shown, focus: Array, size: float) -> float:
-    """The direction [rad] from which the fewest fixed bodies stand between the eye and the middle of what moves."""
+def azimuth(
+    scene: Drawn,
+    shapes: Sequence[mesh.Mesh],
+    which: Sequence[int],
+    main: Shown,
+    focus: Array,
+    size: float,
+    sides: Sequence[float] = (),
+) -> float:
+    """Return the direction [rad] with the fewest fixed bodies between the eye and the middle of the moving ones.
+
+    Of equal directions it is the one nearest to ``sides``.
+    """
     boxes = []
     for k, body in enumerate(scene.bodies):
         points = shapes[which[k]][0]
@@ -185,7 +201,8 @@ def azimuth(scene: Drawn, shapes: Sequence[mesh.Mesh], which: Sequence[int], mai
             placed = rotation.rotate(main.orientations[0, k], points) + main.positions[0, k]
             boxes.append((placed.min(axis=0), placed.max(axis=0)))
     best, least = 0.0, math.inf
-    for turn in np.radians([-60.0, -30.0, -120.0, -90.0, 60.0, 120.0, 0.0, 180.0, 30.0, 150.0]):
+    turned = [side + offset for offset in np.radians([0.0, 15.0, -15.0, 30.0, -30.0, 45.0, -45.0]) for side in sides]
+    for turn in (*turned, *np.radians([-60.0, -30.0, -120.0, -90.0, 60.0, 120.0, 0.0, 180.0, 30.0, 150.0])):
         eye = focus + 1.3 * size * np.array([math.cos(turn), math.sin(turn), 0.45])
         hidden = sum(_between(low, high, eye, focus) for low, high in boxes)
         if hidden < least:

@@ -1,1 +1,1 @@
-"""What is said beside the pages: summary.md, junit.xml, the README's table, the baseline and what changed against it."""
+"""Short forms of a report: terminal, summary.md, junit.xml, the table of the README, the baseline."""

@@ -1,5 +1,6 @@
 """`junit.xml`: a test case per check of the gated engine, and one for each run without figures."""
 
+from typing import Any
 from xml.etree import ElementTree
 
 import pandas as pd
@@ -33,19 +34,19 @@ def junit(checks: Checks) -> str:
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
 
 
-def _case(suite: ElementTree.Element, row: object, kind: str, status: str) -> None:
-    scene, run, metric, seed = row.scenario, row.run, row.metric, row.seed  # type: ignore[attr-defined]
-    bound, waiver, unit = row.bound, row.waiver, row.unit  # type: ignore[attr-defined]
+def _case(suite: ElementTree.Element, row: Any, kind: str, status: str) -> None:
+    scene, run, metric, seed = row.scenario, row.run, row.metric, row.seed
+    bound, waiver, unit = row.bound, row.waiver, row.unit
     limit = waiver if pd.notna(waiver) else bound
     name = f"{metric} <= {quantity(limit, unit)} (seed {seed})" if pd.notna(limit) else f"{metric} (seed {seed})"
     case = ElementTree.SubElement(suite, "testcase", {"classname": f"{scene}.{run}", "name": name})
     if status == WAIVED:
         case.set("status", WAIVED)
     if kind:
-        value = row.value  # type: ignore[attr-defined]
+        value = row.value
         text = (
             f"{status}: {metric} is {quantity(value, unit)}, limit {quantity(bound, unit)}"
             if pd.notna(bound)
-            else f"{status}: {row.note}"  # type: ignore[attr-defined]
+            else f"{status}: {row.note}"
         )
         ElementTree.SubElement(case, kind, {"message": text})

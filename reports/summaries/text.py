@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import pandas as pd
 
@@ -156,21 +157,21 @@ def table(run: Run) -> list[str]:
     return [*lines, *("| " + " | ".join(row) + " |" for row in engines(run))]
 
 
-def _line(row: object, after: str) -> str:
-    return f"{row.scenario:<24}{label(row.metric):<30}{_value(row.value, row.unit):>10}   {after}"  # type: ignore[attr-defined]
+def _line(row: Any, after: str) -> str:
+    return f"{row.scenario:<24}{label(row.metric):<30}{_value(row.value, row.unit):>10}   {after}"
 
 
-def _lacking(row: object) -> str:
-    name, note = str(row.metric), " ".join(str(row.note).split())  # type: ignore[attr-defined]
+def _lacking(row: Any) -> str:
+    name, note = str(row.metric), " ".join(str(row.note).split())
     return note if name == "run" else f"{label(name)}: {note}"
 
 
-def _limit(row: object) -> str:
-    return f"limit {quantity(row.bound, row.unit)}"  # type: ignore[attr-defined]
+def _limit(row: Any) -> str:
+    return f"limit {quantity(row.bound, row.unit)}"
 
 
-def _step(row: object) -> str:
-    return f"{_value(row.old, row.unit):>10} -> {_value(row.new, row.unit)}"  # type: ignore[attr-defined]
+def _step(row: Any) -> str:
+    return f"{_value(row.old, row.unit):>10} -> {_value(row.new, row.unit)}"
 
 
 def _value(value: float, unit: str) -> str:

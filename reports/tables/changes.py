@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -62,12 +63,12 @@ class Changes:
 
 
 def seeded(scene: str) -> bool:
-    """Whether the content of a scene changes with the commit."""
+    """Return whether the content of a scene changes with the commit."""
     return scene.startswith((CROWD_PREFIX, UNSEEN_PREFIX))
 
 
 def figures(run: Run) -> pd.DataFrame:
-    """Return the worst value over seeds of every ranked metric, by scene, run and metric; what is no number is infinite."""
+    """Return the worst value over seeds of every ranked metric, by scene, run and metric; NaN becomes infinite."""
     rows = run.rows[run.rows.metric.isin(RANKED) & run.rows.measured & ~run.rows.scenario.map(seeded).astype(bool)]
     values = rows.assign(value=rows.value.fillna(math.inf))
     return values.groupby(KEYS, sort=False).agg(value=("value", "max"), unit=("unit", "first")).reset_index()
@@ -114,11 +115,11 @@ def against_baseline(baseline: pd.DataFrame, run: Run, name: str) -> Changes:
     return Changes(table.reset_index(drop=True), tuple(gone), (), "the baseline has no times", name)
 
 
-def _line(row: object, old: Run, new: Run, both: pd.DataFrame) -> tuple[object, ...] | None:
+def _line(row: Any, old: Run, new: Run, both: pd.DataFrame) -> tuple[object, ...] | None:
     """One row of the table; None where nothing changed."""
-    a, b = float(row.value_old), float(row.value_new)  # type: ignore[attr-defined]
-    scene, run, metric = str(row.scenario), str(row.run), str(row.metric)  # type: ignore[attr-defined]
-    unit, low, high = str(row.unit_old), math.nan, math.nan  # type: ignore[attr-defined]
+    a, b = float(row.value_old), float(row.value_new)
+    scene, run, metric = str(row.scenario), str(row.run), str(row.metric)
+    unit, low, high = str(row.unit_old), math.nan, math.nan
     if math.isnan(b):
         return scene, run, metric, unit, a, b, "worse", low, high
     if metric not in PERCENTILES:
@@ -130,7 +131,7 @@ def _line(row: object, old: Run, new: Run, both: pd.DataFrame) -> tuple[object, 
         )
         verdict = ""
         if found is not None:
-            # the same machine state hits all engines of a scene: what they share is no change of this one
+            # a loaded machine slows all engines of a scene: divide by their common factor
             shared = _shared(both, scene, run, metric)
             low, high = (end / shared for end in found)
             plain = b / a if a > 0.0 else math.inf

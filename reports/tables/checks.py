@@ -1,4 +1,4 @@
-"""Checks of the gated engine: pass, waived, fail, and what was not measured."""
+"""Checks of the gated engine: passed, waived, failed and not measured."""
 
 from dataclasses import dataclass
 
@@ -35,7 +35,7 @@ class Checks:
 
     @property
     def is_sound(self) -> bool:
-        """Whether nothing failed and nothing is missing."""
+        """True if no check failed and none is missing."""
         return self.finished and not (len(self.failed) or len(self.crashed) or len(self.unmeasured)) and self.total > 0
 
     @property

@@ -15,7 +15,7 @@ from runfiles.engines import about, main_runs
 from runfiles.naming import GATED
 
 PLAIN = re.compile(r"\w[\w.-]{0,199}")
-"""What a scene may be called: its page's file has the same name."""
+"""Valid names of scenes, which are file names of their pages."""
 
 
 @dataclass(frozen=True, eq=False)

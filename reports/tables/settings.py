@@ -2,7 +2,6 @@
 
 import math
 import tomllib
-from fractions import Fraction
 from pathlib import Path
 
 import pandas as pd
@@ -77,7 +76,7 @@ def _setting(part: pd.DataFrame) -> dict[str, object]:
         "slowest": first.slowest,
         "asleep": bool(first.sleeps) and pd.isna(moving) and first.rests >= ASLEEP_FROM,
         "measured": len(measured) > 0 and math.isfinite(first.p50),
-        "native": native(engine, setting, options),
+        "native": "\n".join(about(engine).in_own_words(_values(engine, options))),
         "alone": first.settable != "",
         "options": options,
         "avatar": bool(first.avatar),
@@ -104,13 +103,3 @@ def _values(engine: str, options: str) -> dict[str, object]:
     except tomllib.TOMLDecodeError:
         return {}
     return {str(name): value for row in rows.values() for name, value in row.items() if name != "preset"}
-
-
-def native(engine: str, setting: str, options: str) -> str:
-    """Return a setting in the engine's own words, one line per option."""
-    words, values = about(engine).native, _values(engine, options)
-    lines = []
-    for name, value in values.items():
-        shown = str(Fraction(value).limit_denominator(100_000)) if name == "dt" and isinstance(value, float) else str(value)
-        lines.append(words[name].format(shown) if name in words else f"# {name} = {shown}")
-    return "\n".join(lines)

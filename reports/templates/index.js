@@ -127,7 +127,7 @@ async function loadTable() {
 
 if (page.stills) {
   find("replay-scene").addEventListener("change", showStills);
-  find("play").addEventListener("click", () => play(find("replay-scene").value));
+  find("play").addEventListener("click", () => { const scene = find("replay-scene").value; play(scene, `#t=${page.instants[scene]}`); });
   showStills();
 }
 find("player").addEventListener("close", () => { find("player-frame").src = "about:blank"; });

@@ -144,7 +144,7 @@ function startReplay(data) {
   function fit() {
     if (!ghost) return;
     const middle = followed(), reach = Math.max(...data.reach);
-    const needed = Math.max(...places().map((place) => place.distanceTo(middle) + reach), 0);
+    const needed = Math.max(...places().map((place) => place.distanceTo(middle) + reach), data.least);
     const wanted = 2.6 * needed;
     if (follow.checked) eye.distance = wanted;
     else if (wanted < home.distance) { eye.distance = wanted; eye.focus.copy(middle); }

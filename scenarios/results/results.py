@@ -75,7 +75,7 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS, whys: Sequen
 
 @dataclass(frozen=True, eq=False)
 class _Said:
-    """What one run says about itself."""
+    """Unsupported features and settings of one run."""
 
     scenario: str
     run: str
@@ -84,7 +84,7 @@ class _Said:
 
 
 def _whys(results: Results) -> list[str]:
-    """Of each row the reason why it does not compare engines, "" where it does."""
+    """Return for each row why it does not compare engines, "" where it does."""
     if not results.rows:
         return []
     table = pd.DataFrame([{**vars(row), "run": row.run} for row in results.rows])

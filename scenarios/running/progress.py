@@ -1,4 +1,4 @@
-"""How far a pass has come, on the error stream: a bar on a terminal, elsewhere a line at its end and one every few minutes."""
+"""Progress of a pass on the error stream: a bar on a terminal, elsewhere a line at the end and one every few minutes."""
 
 import time
 from types import TracebackType

@@ -3,7 +3,6 @@
 import pytest
 
 from avatarsim.errors import UnknownName
-from runfiles.naming import BASE, base_of
 from scenarios import catalog
 from scenarios.__main__ import main, parser
 from scenarios.cli.commands import plan
@@ -11,6 +10,18 @@ from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.running.offered import scenarios
 from scenarios.variants import VARIANTS, variants_of
+
+CASES: list[tuple[str, str, str, set[str]]] = [
+    ("mujoco", "sleeping", "tuned", {"sleep"}),
+    ("mujoco", "servos", "tuned", {
+        "drive", "integrator", "contact", "contact_steps", "motor_force",
+        "weld_time", "welds",
+    }),
+    ("mujoco", "hinges", "tuned", {"ball_joints"}),
+    ("pybullet", "sleeping", "tuned", {"sleep"}),
+    ("pybullet", "follows", "default", {"feed_forward", "ball_gain"}),
+]
+"""Engine, variant, the preset that it changes, and the settings that differ."""
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
@@ -27,18 +38,9 @@ def test_a_variant_that_is_not_asked_for_does_not_run() -> None:
     assert list(variants_of("mujoco", stack, ["sleeping"])) == ["sleeping"]
 
 
-@pytest.mark.parametrize(("engine", "name", "changed"), [
-    ("mujoco", "sleeping", {"sleep"}),
-    ("mujoco", "servos", {
-        "drive", "integrator", "contact", "contact_steps", "motor_force",
-        "weld_time", "welds",
-    }),
-    ("mujoco", "hinges", {"ball_joints"}),
-    ("pybullet", "sleeping", {"sleep"}),
-    ("pybullet", "follows", {"feed_forward", "ball_gain"}),
-])
-def test_every_variant_loads_and_says_what_differs_from_its_base(engine: str, name: str, changed: set[str]) -> None:
-    made, base = opened(engine), BASE[engine, name]
+@pytest.mark.parametrize(("engine", "name", "base", "changed"), CASES)
+def test_every_variant_loads_and_says_what_differs_from_its_base(engine: str, name: str, base: str, changed: set[str]) -> None:
+    made = opened(engine)
     # a body on a wall is what follows; a stack is what rests
     where = "stack_ten" if name == "sleeping" else "driven_10cm_wall"
     scenario, scene, _ = Job(where, engine, name).asked()
@@ -52,9 +54,9 @@ def test_every_variant_loads_and_says_what_differs_from_its_base(engine: str, na
 
 
 def test_every_variant_has_a_base_that_its_engine_has() -> None:
-    assert set(BASE) == {(engine, name) for engine, names in VARIANTS.items() for name in names}
-    assert all(preset in opened(engine).presets for (engine, _), preset in BASE.items())
-    assert base_of("mujoco/servos") == "mujoco/tuned" and base_of("mujoco/tuned") == base_of("stranger/servos") == ""
+    every = {(engine, name) for engine, names in VARIANTS.items() for name in names}
+    assert {(engine, name) for engine, name, *_ in CASES} == every
+    assert all(base in opened(engine).presets for engine, _, base, _ in CASES)
 
 
 def test_bodies_of_many_links_follow_recorded_motion_in_rows_of_their_own_and_hands_do_not() -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from avatarsim.scene.scene import Scene
 from reference.presets import Kind, kind_of
-from runfiles.naming import SLEEPS_UNASKED
+from runfiles.engines import about
 from scenarios.running.own_settings import OwnSettings
 
 EVERYWHERE = tuple(Kind)
@@ -162,6 +162,6 @@ def applicable(setting: Setting, scene: Scene) -> bool:
 
 def sleeps(setting: Setting, scene: Scene) -> bool:
     """Whether what rests in `scene` falls asleep with the setting: in ours by itself, in the others where they are told to."""
-    if setting.engine in SLEEPS_UNASKED:
+    if about(setting.engine).sleeps:
         return scene.derived_effects.sleeping and "sleeping" not in setting.narrow
     return setting.base == "sleeping" or bool(setting.options.get("sleep", False))

@@ -8,13 +8,13 @@ from math import isfinite
 
 from avatarsim.scene.scene import Scene
 from runfiles.comparable import unsupported
+from runfiles.engines import about
 from runfiles.metrics import unit
 from scenarios import catalog
 from scenarios.results.store import Entry
 from scenarios.studies.sweep.cell import Cell
 from scenarios.studies.sweep.copyable import copyable
-from scenarios.studies.sweep.grid import sleeps
-from scenarios.studies.sweep.native import native
+from scenarios.studies.sweep.grid import Setting, sleeps
 
 Point = tuple[float, float]
 """Time and error; a point that is not finite is on no front and beats no point."""
@@ -107,6 +107,12 @@ def rows_of(cell: Cell, errors: Sequence[str], found: Entry | None, clocked: Ent
     return rows
 
 
+def settable(setting: Setting) -> str:
+    """Return a setting in the engine's own words, "" unless that is all that it changes in what its preset loads."""
+    one = about(setting.engine)
+    return "; ".join(one.in_own_words(setting.options)) if set(setting.options) <= set(one.alone) else ""
+
+
 def _beside(cell: Cell, found: Entry | None, clocked: Entry | None) -> Row:
     """A row with all that is the same for every error of a cell."""
     setting = cell.setting
@@ -114,7 +120,7 @@ def _beside(cell: Cell, found: Entry | None, clocked: Entry | None) -> Row:
     repeats, frames = (0 if clocked is None else int(clocked.get(name, 0)) for name in ("repeats", "frames"))
     return Row(
         cell.scenario, setting.engine, setting.name, "", "", math.nan, times["p50"], times["p99"], "", "", 0.0, "", setting.base,
-        copyable(setting), repeats, frames, native(setting), times["p95"], times["rests"], times["moving"], times["at_rest"],
+        copyable(setting), repeats, frames, settable(setting), times["p95"], times["rests"], times["moving"], times["at_rest"],
         int(sleeps(setting, scene_of(cell))), _number(found, "step"),
         int(bool(scene_of(cell).avatars)), times["slowest"],
         math.nan if found is None else float(found["values"].get(GAP, math.nan)),

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from reports.drawing.stills import across, instant, stills
+from reports.drawing.stills import instant, sides, stills
 from reports.reading.kept import Drawn, Shown, drawn, shown
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import MUJOCO, OURS
@@ -36,18 +36,18 @@ def test_without_overlap_it_is_the_middle_and_a_short_recording_is_not_left(foun
     assert instant([replace(ours, times=ours.times[:4]), other], OURS) in range(4)
 
 
-def test_it_is_seen_across_the_push_of_the_contact(found: tuple[Drawn, list[Shown]]) -> None:
+def test_sides_are_across_the_push_of_the_contact(found: tuple[Drawn, list[Shown]]) -> None:
     ours = found[1][0]
     links = ours.raw_positions.shape[1]
     for push in ((0.02, 0.0), (0.0, -0.02), (0.02, 0.02)):
         moved = ours.positions.copy()
         moved[:, -links:, :2] = ours.raw_positions[:, :, :2] + push
-        turn = across(replace(ours, positions=moved), 0, 0.3)
-        assert abs(np.cos(turn) * push[0] + np.sin(turn) * push[1]) < 1e-12
-        assert np.cos(turn - 0.3) >= 0.0
+        one, other = sides(replace(ours, positions=moved))
+        assert all(abs(np.cos(turn) * push[0] + np.sin(turn) * push[1]) < 1e-12 for turn in (one, other))
+        assert np.cos(one - other) == pytest.approx(-1.0)
     at_goal = ours.positions.copy()
     at_goal[:, -links:] = ours.raw_positions
-    assert across(replace(ours, positions=at_goal), 0, 0.3) == 0.3
+    assert sides(replace(ours, positions=at_goal)) == ()
 
 
 def _roles(svg: str) -> set[str]:
@@ -55,7 +55,9 @@ def _roles(svg: str) -> set[str]:
 
 
 def test_each_engine_has_a_picture_and_what_overlaps_has_a_role_of_its_own(found: tuple[Drawn, list[Shown]]) -> None:
-    made = stills(found[0], found[1], OURS, 0.4)
+    still = stills(found[0], found[1], OURS, 0.4)
+    made = still.pictures
+    assert still.time == found[1][0].times[instant(found[1], OURS)]
     assert [label for label, *_ in made] == ["avatarsim", "MuJoCo tuned"]
     (_, ours, calm), (_, other, deep) = made
     assert _roles(other) - _roles(ours) == {"o"} and calm != deep and "20 mm" in deep
@@ -66,5 +68,5 @@ def test_each_engine_has_a_picture_and_what_overlaps_has_a_role_of_its_own(found
 def test_a_state_that_is_no_number_has_no_picture_but_a_caption(found: tuple[Drawn, list[Shown]]) -> None:
     ours, other = found[1]
     gone = replace(other, positions=np.full_like(other.positions, np.nan))
-    made = stills(found[0], [ours, gone], OURS, 0.4)
+    made = stills(found[0], [ours, gone], OURS, 0.4).pictures
     assert made[0][1] and made[1][1] == "" and made[1][2]

@@ -12,8 +12,9 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from avatarsim.errors import InvalidFile
-from reports.tables.settings import native, settings
+from reports.tables.settings import settings
 from runfiles.accuracy import counts, follows, largest
+from runfiles.engines import about
 from runfiles.metrics import unit
 from tests.reports.small_runs import OVERLAP, write_settings
 
@@ -64,18 +65,18 @@ def test_what_was_not_run_is_not_measured(tmp_path: Path, error: object, measure
     assert row.measured == measured and math.isnan(row.error) != measured
 
 
-def test_options_come_back_in_the_engines_own_words() -> None:
+def test_options_come_back_in_the_engines_own_words(tmp_path: Path) -> None:
     options = "[mujoco.some]\npreset = 'tuned'\ndt = 0.00125\niterations = 7\nmystery = 3\n"
-    lines = native("mujoco", "some", options).splitlines()
-    assert len(lines) == len(tomllib.loads(options)["mujoco"]["some"]) - 1
-    assert any("1/800" in line for line in lines) and any("7" in line for line in lines)
-    assert [line for line in lines if "mystery" in line] == [line for line in lines if line.startswith("#")]
-    assert native("mujoco", "tuned", "") == native("mujoco", "tuned", "--preset tuned") == ""
+    rows = read(tmp_path, {"engine": "mujoco", "setting": "some", "options": options}, {"engine": "mujoco", "setting": "tuned"})
+    some, tuned = (row.native.splitlines() for row in rows.itertuples())
+    assert len(some) == len(tomllib.loads(options)["mujoco"]["some"]) - 1 and tuned == []
+    assert any("1/800" in line for line in some) and any("7" in line for line in some)
+    assert [line for line in some if "mystery" in line] == [line for line in some if line.startswith("#")]
 
 
 @given(st.integers(1, 20_000))
 def test_a_step_is_written_as_the_fraction_that_it_is(rate: int) -> None:
-    [line] = native("pybullet", "some", f"[pybullet.some]\npreset = 'tuned'\ndt = {1.0 / rate!r}\n").splitlines()
+    [line] = about("pybullet").in_own_words({"dt": 1.0 / rate})
     assert f"1/{rate}" in line if rate > 1 else line.rstrip(")").endswith("1")
 
 

@@ -1,5 +1,6 @@
 """Settings in the engines' own words: set in what the preset loaded, they make what the row loads."""
 
+import ast
 from collections.abc import Mapping
 
 import mujoco
@@ -10,7 +11,7 @@ from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from scenarios import catalog
 from scenarios.studies.sweep.grid import BY_ENGINE, Setting, applicable
-from scenarios.studies.sweep.native import native
+from scenarios.studies.sweep.rows import settable
 
 
 def model_of(scene: str, preset: str, options: Mapping[str, object]) -> mujoco.MjModel:
@@ -33,7 +34,7 @@ def all_that_differs(one: mujoco.MjModel, other: mujoco.MjModel) -> list[str]:
 
 
 SCENES = ("stop_distance", "stack_ten", "driven_10cm_wall")
-SAID = [setting for setting in BY_ENGINE["mujoco"] if native(setting)]
+SAID = [setting for setting in BY_ENGINE["mujoco"] if settable(setting)]
 
 
 @pytest.mark.parametrize("setting", SAID, ids=lambda setting: setting.run)
@@ -42,7 +43,7 @@ def test_words_of_mujoco_make_the_model_of_the_row_of_the_presets(setting: Setti
     for scene in (scene for scene in SCENES if applicable(setting, catalog.get(scene).as_run(False).build())):
         told, row = model_of(scene, setting.base, {}), model_of(scene, setting.base, setting.options)
         changed |= bool(all_that_differs(told, row))
-        exec(native(setting), {"opt": told.opt, "mujoco": mujoco})
+        exec(settable(setting), {"model": told, "mujoco": mujoco})
         assert all_that_differs(told, row) == []
     assert changed
 
@@ -54,18 +55,27 @@ def test_another_step_in_the_presets_model_is_not_the_model_of_the_row() -> None
 
 
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
+def test_a_flag_has_words_for_both_of_its_values(engine: str) -> None:
+    on, off = (settable(Setting(engine, "x", "tuned", {"sleep": value})) for value in (True, False))
+    assert on and off and on != off
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
 def test_what_others_follow_from_has_no_words(engine: str) -> None:
     follow = {"dt", "margin", "loose_margin", "weld_time", "contact_time", "contact_steps", "solimp", "contact_erp", "drive"}
-    assert not [setting.run for setting in BY_ENGINE[engine] if native(setting) and not follow.isdisjoint(setting.options)]
-    assert [setting.run for setting in BY_ENGINE[engine] if native(setting)]
+    assert not [setting.run for setting in BY_ENGINE[engine] if settable(setting) and not follow.isdisjoint(setting.options)]
+    assert [setting.run for setting in BY_ENGINE[engine] if settable(setting)]
 
 
 def test_words_of_pybullet_are_its_calls() -> None:
-    said = native(Setting("pybullet", "x", "tuned", {"solver_iterations": 10, "collision_margin": 0.001}))
-    assert said == "setPhysicsEngineParameter(numSolverIterations=10); changeDynamics(collisionMargin=0.001)"
+    said = settable(Setting("pybullet", "x", "tuned", {"solver_iterations": 10, "collision_margin": 0.001}))
+    calls = [ast.parse(call).body[0] for call in said.split("; ")]
+    functions = [ast.unparse(call).partition("(")[0] for call in calls]
+    assert functions == ["pybullet.setPhysicsEngineParameter", "pybullet.changeDynamics"]
+    assert "numSolverIterations=10)" in said and "collisionMargin=0.001)" in said
 
 
 def test_a_preset_and_what_only_the_adapter_knows_have_none() -> None:
-    assert native(Setting("mujoco", "tuned", "tuned")) == native(Setting("mujoco", "x", "tuned", {"kappa": 0.02})) == ""
-    assert native(Setting("mujoco", "x", "tuned", {"iterations": 10, "kappa": 0.02})) == ""
-    assert native(Setting("avatarsim", "x", "default", {"steps": 1})) == ""
+    assert settable(Setting("mujoco", "tuned", "tuned")) == settable(Setting("mujoco", "x", "tuned", {"kappa": 0.02})) == ""
+    assert settable(Setting("mujoco", "x", "tuned", {"iterations": 10, "kappa": 0.02})) == ""
+    assert settable(Setting("avatarsim", "x", "default", {"steps": 1})) == ""
