@@ -82,7 +82,7 @@ class World:
         return self.engine
 
     def _take(self, engine: AvatarsimEngine) -> str:
-        """Release all that the first avatar holds, or attach what it touches; a sentence of what was done."""
+        """Release all bodies attached to the first avatar or, without any, attach those in contact with it; return a report."""
         avatar, attached = self.scene.avatars[0], engine.attached()
         first = len(self.scene.bodies)
         links = self.scene.names[first : first + len(avatar.links)]
@@ -104,7 +104,7 @@ class World:
         return f"took {', '.join(touched)}"
 
     def _pinch(self, engine: AvatarsimEngine, on: bool) -> None:
-        """Attach what the first avatar grips, and release what it grips no more; all of it unless ``on``."""
+        """Attach bodies that the first avatar grips and release bodies that it no longer grips; release all unless ``on``."""
         before = set(engine.attached())
         gripped = set(engine.grip(self.scene.avatars[0].name)) if on else set[str]()
         for body in self._pinched & (before - gripped):

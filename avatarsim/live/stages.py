@@ -22,7 +22,7 @@ from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.motion import Motion
-from avatarsim.scene.moving import moving
+from avatarsim.scene.moving import moving, with_moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, reach
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
@@ -309,7 +309,7 @@ def _playthings() -> tuple[Body, ...]:
 
 
 def _house() -> Stage:
-    """The gallery's human and rooms, with a door on its hinges in the doorway, and a lift beside a ledge."""
+    """Return the human and the rooms of the gallery with a hinged door, a lift at a ledge, and boxes."""
     human_stage = _gallery()
     door = moving(
         "door", (_box((0.0, 0.47, 1.02), (0.05, 0.94, 2.0)), _box((0.0, 0.85, 1.0), (0.18, 0.03, 0.12))), "wood",
@@ -328,12 +328,9 @@ def _house() -> Stage:
     )
     avatar, start = human_stage.scene.avatars[0], human_stage.scene.start
     assert start is not None
-    still = rest((door, lift))
-    both = TrackerSample(
-        0.0, np.concatenate((start.positions, still.positions)), np.concatenate((start.rotations, still.rotations)),
-        np.concatenate((start.angles, still.angles)),
-    )
-    scene = Scene("live house", (*_rooms(), ledge, stand, *things), (avatar, door, lift), start=both)
+    avatars = avatar, door, lift
+    whole = with_moving(avatars, start, {}, rest(avatars))
+    scene = Scene("live house", (*_rooms(), ledge, stand, *things), avatars, start=whole)
     what = "a human of 24 links, a door on its hinges between two rooms, a lift (keys y and n), and boxes to carry (key c)"
     return Stage(scene, handles_of(scene), what, Camera((-2.6, -7.0, 6.6), (0.3, -0.2, 0.6)))
 

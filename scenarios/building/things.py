@@ -3,15 +3,33 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.body import Body, fixed, solid
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece
+from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
+from scenarios.building.cases import LAID, pair_table
 
 Array = NDArray[np.float64]
 
 CORNERS = 12
 """Directions in which a drawn hull has a corner: some four of them lie inside the others."""
+
+
+MUG_RADIUS, MUG_HEIGHT, MUG_MASS, MUG_FRICTION = 0.035, 0.09, 0.35, 0.7
+"""Of a mug, a prism of 24 sides without a handle [m, kg], and friction of all its pairs."""
+
+
+def mug_on_floor(name: str, hand: Avatar, start: TrackerSample, attached: tuple[tuple[str, str], ...] = ()) -> Scene:
+    """Return a scene of a mug on a floor and the hand that lifts it."""
+    mug = (prism(24, MUG_RADIUS, MUG_HEIGHT),)
+    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "floor", (0.0, 0.0, -0.1))
+    body = simulated("mug", mug, "mug", solid(mug, MUG_MASS), (0.0, 0.0, 0.5 * MUG_HEIGHT + LAID))
+    law = ContactLaw(0.0, MUG_FRICTION)
+    materials = pair_table(("floor", "mug", "hand"), {("floor", "mug"): law, ("mug", "hand"): law})
+    return Scene(name, (floor, body), (hand,), materials, start=start, attached=attached)
 
 
 def prism(sides: int, radius: float, height: float) -> Piece:

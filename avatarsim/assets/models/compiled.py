@@ -65,6 +65,13 @@ class EqualityKind(IntEnum):
     FLEX = 4
 
 
+class ObjectKind(IntEnum):
+    """MuJoCo's mjtObj, of what an equality connects."""
+
+    BODY = 1
+    SITE = 6
+
+
 @dataclass(frozen=True, eq=False)
 class Compiled:
     """A compiled model under MuJoCo's names: b bodies (the first is the world), j joints, g geoms, e equalities, m meshes.

@@ -9,6 +9,7 @@ from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, rest
 
@@ -39,22 +40,21 @@ class Model:
     attached: tuple[tuple[str, str], ...] = ()
 
     def scene(self, name: str = "model") -> Scene:
-        """All of it as a scene, at its start."""
+        """Return a scene of the model, at its start."""
         avatars = self.moving if self.avatar is None else (self.avatar, *self.moving)
         start = self.start
         if start is not None and self.moving:
-            one = Motion(np.array([start.time]), start.positions[None], start.rotations[None], start.angles[None])
-            start = followed_by(one, self.moving).sample(0)
+            start = with_moving(avatars, start, {}, rest(avatars))
         return Scene(name, self.bodies, avatars, start=start, exclude=self.exclude, attached=self.attached)
 
     @property
     def room(self) -> tuple[Body, ...]:
-        """Fixed room and loose bodies, and moving ones as fixed where they begin: for what stands still meanwhile."""
+        """Bodies of the room: fixed and loose ones, and moving ones as fixed at their first poses."""
         return (*self.bodies, *(standing(one) for one in self.moving))
 
 
 def beside(model: Model, room: Model) -> Model:
-    """A model with what stands about it; of names that both have the room's are changed."""
+    """Return a model in a room. Names of the room that the model has too get the prefix "room_"."""
     taken = {body.name for body in model.room}
     if model.avatar is not None:
         taken |= {model.avatar.name}
@@ -77,7 +77,7 @@ def beside(model: Model, room: Model) -> Model:
 
 
 def followed_by(motion: Motion, moving: Sequence[Avatar]) -> Motion:
-    """The motion of an avatar with moving bodies that stay where they begin."""
+    """Return a motion of an avatar and of moving bodies that stay at their first poses."""
     if not moving:
         return motion
     first = rest(moving)
@@ -87,6 +87,6 @@ def followed_by(motion: Motion, moving: Sequence[Avatar]) -> Motion:
 
 
 def standing(moving: Avatar) -> Body:
-    """A moving body as a fixed one, where it begins."""
+    """Return a moving body as a fixed one at its first pose."""
     link = moving.links[0]
     return fixed(moving.name, link.pieces, link.material, link.anchor, link.orientation)

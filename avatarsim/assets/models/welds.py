@@ -5,17 +5,14 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.models.compiled import Compiled, EqualityKind
+from avatarsim.assets.models.compiled import Compiled, EqualityKind, ObjectKind
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
-BODY = 1
-"""MuJoCo's mjOBJ_BODY: the equality names bodies, not sites."""
-
 SAME = 1e-4
-"""[m] and, as a part of a turn, by how much the pose that a weld holds may differ from that at the reference. Files state both in
-a few digits; more: the body would have to jump there."""
+"""Difference [m, and of half the angle, rad] up to which the pose of a weld equals that of the reference. Files give both in
+a few digits. Larger: the body jumps at the start; smaller: welds of such files do not attach."""
 
 
 def attaching_welds(
@@ -29,7 +26,8 @@ def attaching_welds(
     The first weld of a body counts, and only one that holds the pose of the reference: others are left to the caller.
     """
     found: dict[int, tuple[str, str]] = {}
-    for k in np.flatnonzero((model.eq_type == EqualityKind.WELD) & (model.eq_objtype == BODY) & (model.eq_active0 != 0)).tolist():
+    welds = (model.eq_type == EqualityKind.WELD) & (model.eq_objtype == ObjectKind.BODY) & (model.eq_active0 != 0)
+    for k in np.flatnonzero(welds).tolist():
         one, two = int(model.eq_obj1id[k]), int(model.eq_obj2id[k])
         for body, link in ((one, two), (two, one)):
             taken = carried.get(body) in [name for name, _ in found.values()]
@@ -39,7 +37,7 @@ def attaching_welds(
 
 
 def _holds_reference(model: Compiled, k: int) -> bool:
-    """Whether weld `k` holds its bodies as they are at the reference."""
+    """Return whether the pose that weld `k` asks for is that of the reference."""
     if not model.eq_data[k, 10] > 0.0:
         # turns are free
         return False

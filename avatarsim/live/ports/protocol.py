@@ -57,12 +57,12 @@ QUOTED = 60
 
 @dataclass(frozen=True)
 class Shape:
-    """What a message must fit.
+    """Shape of messages.
 
     links    names of the links of a sample in the scene's order, `avatar/link`, or the avatar's name where it has one link
     hinges   number of hinges of a sample
     bodies   names of all bodies and links in the order of poses
-    handles  names of what may have goals: these links, and moving bodies, whose poses are no part of a sample
+    handles  names that goals may have: these links, and moving bodies, whose poses are not in a sample
     """
 
     links: tuple[str, ...]

@@ -9,23 +9,20 @@ from dataclasses import replace
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import ContactLaw, fixed, simulated, solid
+from avatarsim.scene.body import solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, Piece
+from avatarsim.scene.shape import Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial import rotation
-from scenarios.building.cases import LAID, pair_table
 from scenarios.building.expected import Carried
 from scenarios.building.promises import FINITE, KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
-from scenarios.building.things import prism
+from scenarios.building.things import MUG_MASS, mug_on_floor, prism
 from scenarios.motion.rigid_hands import eased
 from scenarios.scenario import RENDERED, Bound, Motion, Region, Scenario
 
-RADIUS, HIGH, MASS, FRICTION = 0.035, 0.09, 0.35, 0.7
-"""Of the mug, a prism of 24 sides [m, kg], and friction of all pairs."""
 PALM, PALM_MASS, BOTTOM = (0.07, 0.02), 0.5, 0.125
 """Radius and thickness [m] and mass [kg] of the palm, and how high its face begins above the floor [m]."""
 FINGER, FINGER_MASS, KNUCKLE = (0.009, 0.08), 0.08, 0.062
@@ -69,12 +66,7 @@ def at(time: float) -> TrackerSample:
 
 def build() -> Scene:
     """The mug on a floor, and the open hand above it."""
-    mug = (prism(24, RADIUS, HIGH),)
-    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "floor", (0.0, 0.0, -0.1))
-    body = simulated("mug", mug, "mug", solid(mug, MASS), (0.0, 0.0, 0.5 * HIGH + LAID))
-    law = ContactLaw(0.0, FRICTION)
-    materials = pair_table(("floor", "mug", "hand"), {("floor", "mug"): law, ("mug", "hand"): law})
-    return Scene("mug_in_fingers", (floor, body), (hand(),), materials, start=at(0.0))
+    return mug_on_floor("mug_in_fingers", hand(), at(0.0))
 
 
 def motion(scene: Scene, seed: int) -> Motion:
@@ -92,7 +84,7 @@ SCENARIO = Scenario(
     short=126,
     bounds=(
         NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, NO_LEAP, NO_LEAP_OF_THE_ROOT, replace(KEEPS_MOVING, limit=5.0),
-        Bound("height_missing", 9.81 * MASS / CouplingSettings().spring + 1e-3,
+        Bound("height_missing", 9.81 * MUG_MASS / CouplingSettings().spring + 1e-3,
               "the mug rises with its user, less the sag m g / K of one link, to a millimetre; four links share it"),
         Bound("grip_slip_max", 1e-3, "what three fingers hold stays in them; as the palm tilts their springs yield a little"),
     ),

@@ -5,34 +5,32 @@ from dataclasses import replace
 import numpy as np
 
 from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import ContactLaw, fixed, simulated, solid
+from avatarsim.scene.body import solid
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial import rotation
-from scenarios.building.cases import LAID, pair_table
+from scenarios.building.cases import LAID
 from scenarios.building.expected import Carried
 from scenarios.building.promises import FINITE, KEEPS_MOVING, NO_LEAP, NO_OVERLAP, RIGHT_SIDE
-from scenarios.building.things import prism
+from scenarios.building.things import MUG_HEIGHT, MUG_MASS, mug_on_floor
 from scenarios.motion.rigid_hands import eased
 from scenarios.scenario import RENDERED, Bound, Motion, Region, Scenario
 
-RADIUS, HIGH, MASS = 0.035, 0.09, 0.35
-"""Of the mug [m, kg]."""
 FIST, FIST_MASS, ASIDE_OF = 0.045, 0.5, 0.082
-"""Radius [m] and mass [kg] of the hand, and how far it is beside the mug's axis [m]."""
-SAG = 9.81 * MASS / CouplingSettings().spring * (1.0 + (ASIDE_OF / FIST) ** 2)
-"""How far the mug hangs below its user [m]: m g / K, and its lever squared over the size of the hand, by which eq. 6 turns."""
+"""Radius [m] and mass [kg] of the hand, and its distance from the axis of the mug [m]."""
+SAG = 9.81 * MUG_MASS / CouplingSettings().spring * (1.0 + (ASIDE_OF / FIST) ** 2)
+"""Sag of the mug below its user [m]: m g / K, and a turn by eq. 6 with the squared ratio of lever and hand."""
 RISES, ASIDE, TILTS, UPRIGHT, SINKS, LIFTS = (0.2, 1.0), (1.2, 2.2), (2.2, 2.7), (2.7, 3.2), (3.3, 4.1), (5.0, 5.6)
-"""When the user does what [s]."""
+"""Begin and end [s] of each part of the user's motion."""
 RISE, CARRY, TILT, INTO = 0.2, 0.3, 0.6, 0.03
-"""How far up, aside [m], the tilt [rad], and how far into the floor the user sets the mug down [m]."""
+"""Height of the lift, distance aside [m], tilt [rad], and depth below the floor to which the user lowers the mug [m]."""
 
 
 def at(time: float) -> TrackerSample:
     """The user at a time [s]."""
-    height = 0.5 * HIGH + LAID + RISE * eased(time, *RISES) + (RISE + INTO) * (eased(time, *LIFTS) - eased(time, *SINKS))
+    height = 0.5 * MUG_HEIGHT + LAID + RISE * eased(time, *RISES) + (RISE + INTO) * (eased(time, *LIFTS) - eased(time, *SINKS))
     turn = rotation.from_axis_angle((0.0, 1.0, 0.0), TILT * (eased(time, *TILTS) - eased(time, *UPRIGHT)))
     place = (CARRY * eased(time, *ASIDE) - ASIDE_OF, 0.0, height)
     return TrackerSample(time, np.array([place]), turn[None], np.zeros(0))
@@ -40,17 +38,13 @@ def at(time: float) -> TrackerSample:
 
 def build() -> Scene:
     """Return the mug on a floor, and the hand beside it that holds it."""
-    mug, fist = (prism(24, RADIUS, HIGH),), (Piece(Sphere(FIST)),)
-    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "floor", (0.0, 0.0, -0.1))
-    body = simulated("mug", mug, "mug", solid(mug, MASS), (0.0, 0.0, 0.5 * HIGH + LAID))
-    law = ContactLaw(0.0, 0.7)
-    materials = pair_table(("floor", "mug", "hand"), {("floor", "mug"): law, ("mug", "hand"): law})
+    fist = (Piece(Sphere(FIST)),)
     hand = rigid_avatar("hand", fist, solid(fist, FIST_MASS), "hand")
-    return Scene("carried_mug", (floor, body), (hand,), materials, start=at(0.0), attached=(("mug", "hand"),))
+    return mug_on_floor("carried_mug", hand, at(0.0), (("mug", "hand"),))
 
 
 def motion(scene: Scene, seed: int) -> Motion:
-    """The same with every seed."""
+    """Return the motion, equal for all seeds."""
     return lambda frame: at((frame + 1) * RENDERED)
 
 
