@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare live test docs look headline fuzz hostile soak wheel check ablate bench sweep map stability nearness postures sensitivity report lint lock prune clean FORCE
+.PHONY: help setup compare live test docs look headline fuzz hostile soak wheel check ablate bench sweep map stability report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -73,24 +73,6 @@ stability: $(READY)  ## hard cases under other starts, seeds, frame times, sizes
 	@$(COMPILED)
 	@$(VENV_PYTHON) -m scenarios.stability; code=$$?; \
 	  [ ! -e reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
-
-# What is found is no error of a command; a command that could not ask is.
-nearness: $(READY)  ## the last comparison (compare, if it lacks MuJoCo): beside MuJoCo, the nearest free posture (ten minutes), 100 orders of chains
-	@$(COMPILED)
-	@ls reports/out/latest/recordings/*.mujoco.tuned.0.npz >/dev/null 2>&1 || $(MAKE) compare
-	@failed=0; export OMP_NUM_THREADS=1; \
-	for question in beside spread nearest; do \
-	  $(VENV_PYTHON) -m scenarios.$$question || [ $$? = 1 ] || failed=1; \
-	done; $(VENV_PYTHON) -m reports write || failed=1; exit $$failed
-
-# RIVALS='mujoco/tuned pybullet/tuned', CLIPS=FOLDER of clips as probes; ARGS: whatever else the command takes.
-postures: $(READY)  ## how postures are shown: presets and other engines, catalogue and motions drawn afresh (PRESETS=, RIVALS=, CLIPS=, ARGS=)
-	@$(COMPILED)
-	@$(VENV_PYTHON) -m scenarios.posture_table --presets $(or $(PRESETS),default) \
-	  $(if $(RIVALS),--rivals $(RIVALS)) $(if $(CLIPS),--clips '$(CLIPS)') $(ARGS)
-
-sensitivity: $(READY)  ## each tuned number of the posture solver a fifth less and more, on motions drawn afresh (ARGS='--only NAME', --list)
-	@$(VENV_PYTHON) -m scenarios.sensitivity $(ARGS)
 
 report: $(READY)  ## the pages again, from the files of the last comparison
 	@$(VENV_PYTHON) -m reports write

@@ -30,9 +30,6 @@ BENCHES: Mapping[str, str] = {
     "narrow_phase_cells.csv": "Narrow phase",
     "broad_phase.csv": "Broad phase",
     "law_map.csv": "Restitution and friction, asked and obtained",
-    "nearest_free_scenes.csv": "Distance from the nearest free posture",
-    "beside.csv": "Scenes side by side",
-    "chain_order.csv": "Order of chains",
 }
 """Files of benchmarks that a run folder may hold, and their titles."""
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from avatarsim.errors import InvalidFile, UnknownName
-from runfiles.record import Recording, load
+from avatarsim.errors import InvalidFile
+from runfiles.record import Recording
 from scenarios import catalog
 from scenarios.scenario import Scenario
 
@@ -17,17 +17,6 @@ def scenes_of(run: Path, who: str, pattern: str = "*") -> list[str]:
     ending = f".{who}.0.npz"
     names = [path.name.removesuffix(ending) for path in sorted((run / "recordings").glob(f"*{ending}"))]
     return [name for name in names if fnmatchcase(name, pattern)]
-
-
-def recordings(run: Path, name: str, first: str) -> list[Recording]:
-    """All recordings of a scene, seed 0, that of `first` (engine.preset) at the front. UnknownName without that one; InvalidFile
-    where one is not of the scene, or shows in the first what is no number."""
-    found = {path.name.removeprefix(f"{name}.").removesuffix(".0.npz"): path for path in
-             sorted((run / "recordings").glob(f"{name}.*.0.npz"))}
-    if first not in found:
-        raise UnknownName(f"recording of {name} in {run}", first, found)
-    paths = found.pop(first), *found.values()
-    return [fitting(load(path), path, path is paths[0]) for path in paths]
 
 
 def fitting(recording: Recording, path: Path, finite: bool = False) -> Recording:

@@ -1,7 +1,7 @@
 """Thinning of a recording once it has been measured: every pose shown is kept with all its bits, few of those inside frames.
 
 Sub-steps and events are nine tenths of what an engine gives, and what they are for is measured while the run has them. Later
-questions (`scenarios.beside`) ask only in which frames something was on the wrong side inside: one snapshot of each such frame is
+questions ask only in which frames something was on the wrong side inside: one snapshot of each such frame is
 kept. Velocities of links are measured too by then, and are a quarter of a recording: no later question asks for them, and no
 number stands in their place. Those of bodies stay, for the energy that pages draw.
 """

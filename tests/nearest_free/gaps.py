@@ -8,7 +8,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from reference.judging.distances import EPA_ITERATIONS, TOLERANCE
 from reference.judging.geometry import Pieces
-from reference.nearest_free.tree import Placed, Tree
+from tests.nearest_free.tree import Placed, Tree
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.joint import Ball, ReachCone
 from avatarsim.spatial import rotation
-from reference.nearest_free.tree import turn_by
+from tests.nearest_free.tree import turn_by
 
 Array = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.spatial import rotation
-from reference.nearest_free.tree import Placed, Tree, skew
+from tests.nearest_free.tree import Placed, Tree, skew
 
 Array = NDArray[np.float64]
 

@@ -6,9 +6,9 @@ import pytest
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
-from reference.nearest_free.search import Problem, descend, nearest, scattered
-from reference.nearest_free.tree import Tree, posture_of
-from tests.reference.nearest_free.arm import RADIUS, WALL, fist, mixed, planar_arm, posed, wall_scene
+from tests.nearest_free.arm import RADIUS, WALL, fist, mixed, planar_arm, posed, wall_scene
+from tests.nearest_free.search import Problem, descend, nearest, scattered
+from tests.nearest_free.tree import Tree, posture_of
 
 
 def problem_of(scene, sample, low=-np.inf, high=np.inf, arm=None):

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import reach
-from reference.nearest_free.ball_limits import BallLimits
-from reference.nearest_free.closeness import Closeness
-from reference.nearest_free.gaps import Gaps
-from reference.nearest_free.least_squares import giving_way, least_squares
-from reference.nearest_free.tree import Placed, Posture, Tree
+from tests.nearest_free.ball_limits import BallLimits
+from tests.nearest_free.closeness import Closeness
+from tests.nearest_free.gaps import Gaps
+from tests.nearest_free.least_squares import giving_way, least_squares
+from tests.nearest_free.tree import Placed, Posture, Tree
 
 Array = NDArray[np.float64]
 
