@@ -14,40 +14,12 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from runfiles.published import MOST_BYTES, check
+from runfiles.table import STATUSES, Row
 
 Array = NDArray[np.float64]
 
 # The layout of results.json that this reader knows. Raising it without teaching `load` the new layout refuses every file.
 SCHEMA_VERSION = 1
-STATUSES = ("pass", "waived", "fail", "info", "crashed", "not-measured", "cannot-say", "refused")
-
-
-@dataclass(frozen=True)
-class Row:
-    """One measured number of one run; `value` is None where nothing was measured, NaN where the number was not finite."""
-
-    scenario: str
-    engine: str
-    preset: str
-    seed: int
-    frames: int
-    metric: str
-    value: float | None
-    unit: str
-    bound: float | None
-    ceiling: float | None
-    status: str
-    note: str
-
-    @property
-    def run(self) -> str:
-        """Engine and preset as every table and chart names them."""
-        return f"{self.engine}/{self.preset}"
-
-    @property
-    def limit(self) -> float | None:
-        """Above this a check fails: up to where its bound is waived, else the bound."""
-        return self.bound if self.ceiling is None else self.ceiling
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,9 +162,9 @@ def _text(raw: object) -> str:
 
 
 def _row(raw: Mapping[str, object]) -> Row:
-    status = str(raw["status"])
-    if status not in STATUSES:
-        raise ValueError(f"status {status!r} is none of {', '.join(STATUSES)}")
+    status = next((one for one in STATUSES if one == raw["status"]), None)
+    if status is None:
+        raise ValueError(f"status {raw['status']!r} is none of {', '.join(STATUSES)}")
     return Row(
         scenario=_text(raw["scenario"]),
         engine=_text(raw["engine"]),

@@ -12,12 +12,13 @@ import reports
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, described, likely
 from runfiles.files import clear_halves, latest, plain, point_latest, run_folder
 from runfiles.naming import GATED
+from runfiles.table import Row
 from scenarios.cli.table import table
 from scenarios.engines import known
 from scenarios.job import Job, Outcome, State
 from scenarios.results.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
 from scenarios.results.provenance import provenance
-from scenarios.results.results import Row, is_time
+from scenarios.results.results import is_time
 from scenarios.results.resume import check_plan, earlier_run, has_ended, how_to_go_on, write_plan
 from scenarios.running import offered as scenes_offered
 from scenarios.running.cluster import workers_of

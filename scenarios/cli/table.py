@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from runfiles.naming import BASELINE
-from scenarios.results.results import Row
+from runfiles.table import Row
 
 WIDTH = 140
 """Columns of the terminal that every line fits."""

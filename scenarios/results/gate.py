@@ -9,9 +9,9 @@ from pathlib import Path
 from avatarsim.console import FAULT
 from avatarsim.errors import InvalidFile, UnknownName
 from runfiles.metrics import unit
+from runfiles.table import Row, Status
 from scenarios.job import Outcome
 from scenarios.measure.value import Missing, Value
-from scenarios.results.results import Row, Status
 from scenarios.scenario import Bound, Scenario
 
 CEILINGS = Path(__file__).parents[1] / "ceilings.toml"

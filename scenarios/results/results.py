@@ -1,49 +1,23 @@
 """Files of a run for reports and other readers: results.json, results.csv, bench.csv."""
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import pandas as pd
 
 from runfiles.comparable import reasons
 from runfiles.files import plain, write_json, write_text
 from runfiles.published import SCHEMA_VERSION, check
+from runfiles.table import RESULTS, Row, csv_text
 from scenarios.job import Outcome
 
-Status = Literal["pass", "waived", "fail", "info", "crashed", "not-measured", "cannot-say", "refused"]
-COLUMNS = ("scenario", "engine", "preset", "seed", "frames", "metric", "value", "unit", "bound", "status")
-"""First columns of results.csv, fixed: scripts of users read them."""
+FIELDS = (*RESULTS, "ceiling", "note")
+"""Fields of a row in results.json."""
 MORE = ("waiver", "comparable", "why")
-"""Columns of results.csv behind those: up to which value a figure is waived; whether it compares engines, and why not."""
-
-
-@dataclass(frozen=True)
-class Row:
-    """One figure of one run. `value` is None where nothing was measured; `bound` is the promise, `ceiling` up to where
-    it is waived; `note` says why a status is what it is."""
-
-    scenario: str
-    engine: str
-    preset: str
-    seed: int
-    frames: int
-    metric: str
-    value: float | None
-    unit: str
-    bound: float | None
-    ceiling: float | None
-    status: Status
-    note: str = ""
-
-    @property
-    def run(self) -> str:
-        """Engine and preset as tables name them."""
-        return f"{self.engine}/{self.preset}"
+"""Columns of results.csv behind its first ones: limit up to which a figure is waived, whether it compares engines, why not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,20 +31,6 @@ class Results:
     provenance: Mapping[str, object]
     exit_code: int | None
     notes: Sequence[str] = ()
-
-
-def csv_text(rows: Sequence[Row], columns: Sequence[str] = COLUMNS, whys: Sequence[str] | None = None) -> str:
-    """Rows as CSV, with MORE columns where ``whys`` says of each why it does not compare engines, "" where it does.
-
-    A figure that was not measured is an empty field, one that is no number reads nan.
-    """
-    text = io.StringIO()
-    writer = csv.DictWriter(text, columns if whys is None else (*columns, *MORE), extrasaction="ignore", lineterminator="\n")
-    writer.writeheader()
-    for row, why in zip(rows, [""] * len(rows) if whys is None else whys, strict=True):
-        more = {"waiver": row.ceiling, "comparable": "no" if why else "yes", "why": why}
-        writer.writerow({name: "" if value is None else value for name, value in (vars(row) | more).items()})
-    return text.getvalue()
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,16 +62,21 @@ def write(results: Results, folder: Path) -> None:
     The results of a run that has ended are checked against their published layout, once they are safe in their file; raises
     InvalidFile if they break it.
     """
-    write_text(folder / "results.csv", csv_text(results.rows, whys=_whys(results)))
+    why = _whys(results)
+    more = [
+        {"waiver": row.ceiling, "comparable": "no" if one else "yes", "why": one}
+        for row, one in zip(results.rows, why, strict=True)
+    ]
+    write_text(folder / "results.csv", csv_text(results.rows, (*RESULTS, *MORE), more))
     times = [row for row in results.rows if is_time(row.metric)]
     if times:
-        write_text(folder / "bench.csv", csv_text(times, (*COLUMNS, "note")))
+        write_text(folder / "bench.csv", csv_text(times, (*RESULTS, "note")))
     whole = {
         "schema_version": SCHEMA_VERSION,
         "provenance": results.provenance,
         "exit_code": results.exit_code,
         "scenes": results.scenes,
-        "rows": [vars(row) for row in results.rows],
+        "rows": [{name: getattr(row, name) for name in FIELDS} for row in results.rows],
         "engines": [
             {
                 "name": outcome.job.engine, "preset": outcome.job.preset, "scenario": outcome.job.scenario,

@@ -11,6 +11,7 @@ from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, Unkno
 from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
 from runfiles.naming import BASELINE
+from runfiles.table import Row
 from scenarios import unseen
 from scenarios.engines import PRESETS, TIDY, opened
 from scenarios.job import Job, Outcome
@@ -20,7 +21,7 @@ from scenarios.results import results
 from scenarios.results.effects_said import lapse_said
 from scenarios.results.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.results.machine import Meter, load_average
-from scenarios.results.results import Results, Row
+from scenarios.results.results import Results
 from scenarios.running.glance import MANY, PATIENCE, glance
 from scenarios.running.phenomena import repeats_of, short_errors_of
 from scenarios.running.processes import side_by_side

@@ -1,7 +1,8 @@
 """The accuracy pass: run one engine through one scenario, record everything, measure it, keep the recording."""
 
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
 
@@ -15,7 +16,7 @@ from avatarsim.spatial import rotation
 from runfiles import overlapping, record
 from runfiles.record import EVENTS, Integers, Recording
 from scenarios.engines import opened
-from scenarios.job import Job, Outcome
+from scenarios.job import Job, Outcome, State
 from scenarios.measure.everything import measured
 from scenarios.measure.overlap import INSIDE_JUDGED
 from scenarios.measure.phases import resting
@@ -31,73 +32,114 @@ FRAME_SECONDS = "frame_seconds"
 a glance can take."""
 
 
+@dataclass(frozen=True, eq=False)
+class Shown:
+    """Frames of a job, the first of the load.
+
+    state  measured, or the reason that there are no further frames, which the note explains
+    about  version, cannot_say and settings of the engine, and its median time of a frame [s]
+    """
+
+    state: State
+    frames: list[FrameRecord]
+    about: dict[str, object]
+    note: str = ""
+
+
+def show(
+    job: Job, what: Asked, inside: bool = True, loaded: Callable[[Engine], object] = id, ended: Callable[[Engine], object] = id,
+) -> Shown:
+    """Run the engine of a job through all its frames. An exception of the engine becomes the state of what is returned.
+
+    Args:
+        inside: record snapshots inside frames.
+        loaded: called with the engine once it has loaded the scene.
+        ended: called with the engine after its last frame.
+    """
+    scene, dt, frames, about = what.scene, what.scenario.dt, list[FrameRecord](), dict[str, object]()
+    try:
+        engine = opened(job.engine)
+        cannot_say = dict(engine.cannot_say(scene))
+        about |= {"version": engine.version, "cannot_say": cannot_say, "settings": {}}
+        if "scene" in cannot_say:
+            return Shown("cannot-say", [], about, cannot_say["scene"])
+        settings = job.settings(engine, inside=inside)
+    except MissingPackage as error:
+        return Shown("not-measured", [], about, str(error))
+    except Exception as error:
+        # an engine may raise anything: that is its result, not the end of the comparison
+        return Shown("crashed", [], about, f"before loading: {described(error)}")
+    try:
+        frames.append(engine.load(scene, settings, dt))
+        about |= {"settings": dict(engine.settings_as_run()), "cannot_say": dict(engine.cannot_say(scene))}
+        loaded(engine)
+        spent = []
+        for sample in what.samples:
+            begun = perf_counter()
+            frames.append(engine.advance(sample, dt))
+            spent.append(perf_counter() - begun)
+        about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
+        ended(engine)
+    except MissingPackage as error:
+        return Shown("not-measured", frames, about, str(error))
+    except UnsupportedScene as error:
+        return Shown("cannot-say", frames, about, str(error))
+    except StartOverlaps as error:
+        return Shown("refused" if what.scenario.expects.get(REFUSAL) else "crashed", frames, about, described(error))
+    except Exception as error:
+        note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
+        return Shown("crashed", frames, about, note)
+    finally:
+        _close(engine)
+    return Shown("measured", frames, about)
+
+
 def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
     """Run `job`, save its recording below `folder` and measure it, judging so many snapshots inside frames (all if the job is in
     full). Whatever goes wrong becomes an outcome of its own."""
     try:
         what = asked(job)
-        scenario, scene, samples = what.scenario, what.scene, what.samples
+        scenario, scene = what.scenario, what.scene
+        # an invalid sample is found here and is no fault of an engine
+        what.samples  # noqa: B018
     except (AvatarsimError, ImportError) as error:
         return Outcome(job, "not-measured", f"the scene could not be made: {described(error)}")
-    try:
-        engine = opened(job.engine)
-        cannot_say = dict(engine.cannot_say(scene))
-        about: dict[str, object] = {"version": engine.version, "cannot_say": cannot_say, "settings": {}}
-        if "scene" in cannot_say:
-            return Outcome(job, "cannot-say", cannot_say["scene"], about=about)
-        settings = job.settings(engine, inside=True)
-    except MissingPackage as error:
-        return Outcome(job, "not-measured", str(error))
-    except Exception as error:
-        # an engine may raise anything: that is its result, not the end of the comparison
-        return Outcome(job, "crashed", f"before loading: {described(error)}")
     path = folder / "recordings" / f"{job.stem}.npz"
     judging = None if job.full else judged
     identity = {
-        "scene_hash": what.scene_hash, "code": code_hash(), "version": engine.version, "frames": scenario.frames,
-        "full": job.full, "dt": scenario.dt, "base": job.base, "options": repr(sorted(job.options.items())),
-        "judged": judging,
+        "scene_hash": what.scene_hash, "code": code_hash(), "frames": scenario.frames, "full": job.full, "dt": scenario.dt,
+        "base": job.base, "options": repr(sorted(job.options.items())), "judged": judging,
     }
     drawn.write(scene, folder, scenario.name)
-    if (earlier := kept(path, identity)) is not None:
+    if path.exists() and (earlier := kept(path, identity | {"version": _version(job.engine)})) is not None:
         return outcome_of(job, earlier, what, path)
-    about |= identity
-    frames: list[FrameRecord] = []
-    try:
-        frames.append(engine.load(scene, settings, scenario.dt))
-        about["settings"], about["cannot_say"] = dict(engine.settings_as_run()), dict(engine.cannot_say(scene))
+    keeps = False
+
+    def loaded(engine: Engine) -> None:
+        nonlocal keeps
         native.write(engine, folder, job)
         keeps = native.keeps_steps(engine, job, scenario.everyday)
-        spent = []
-        for sample in samples:
-            begun = perf_counter()
-            frames.append(engine.advance(sample, scenario.dt))
-            spent.append(perf_counter() - begun)
-        about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
+
+    def ended(engine: Engine) -> None:
         if keeps:
             native.write_steps(engine, folder, job)
-    except MissingPackage as error:
-        return Outcome(job, "not-measured", str(error), about=about)
-    except UnsupportedScene as error:
-        return Outcome(job, "cannot-say", str(error), about=about)
-    except StartOverlaps as error:
-        return Outcome(job, "refused" if scenario.expects.get(REFUSAL) else "crashed", described(error), about=about)
-    except Exception as error:
-        note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
-        if frames:
-            left = gathered(job, scenario, scene, what.states, frames, {**about, "error": note})
-            record.save(thinned(left, scenario, scene), path, folder / record.MOTIONS)
-        return Outcome(job, "crashed", note, len(frames), about=about, recording=path if frames else None)
-    finally:
-        _close(engine)
-    recording = concluded(gathered(job, scenario, scene, what.states, frames, about, what.raw), what, judging, path)
-    return outcome_of(job, recording, what, path)
+
+    shown = show(job, what, loaded=loaded, ended=ended)
+    frames, about = shown.frames, shown.about
+    if shown.state == "crashed" and frames:
+        left = gathered(job, scenario, scene, what.states, frames, {**about, **identity, "error": shown.note})
+        record.save(thinned(left, scenario, scene), path, folder / record.MOTIONS)
+        return Outcome(job, "crashed", shown.note, len(frames), about=about, recording=path)
+    if shown.state != "measured":
+        return Outcome(job, shown.state, shown.note, len(frames) if shown.state == "crashed" else 0, about=about)
+    recording = gathered(job, scenario, scene, what.states, frames, {**about, **identity}, what.raw)
+    return outcome_of(job, concluded(recording, what, judging, path), what, path)
 
 
 def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
     """The recording that an earlier, unfinished run left at `path`: whole, without error, of the same scene by the same code, and
     measured as it would be now."""
-    if not path.exists() or not overlapping.path(path.parent.parent, path.stem).exists():
+    if not overlapping.path(path.parent.parent, path.stem).exists():
         return None
     try:
         found = record.load(path)
@@ -127,6 +169,16 @@ def outcome_of(job: Job, recording: Recording, what: Asked, path: Path) -> Outco
     cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
     rests = tuple(resting(recording, what.scene).tolist())
     return Outcome(job, "measured", "", recording.frames, values, notes, overlap, about, path, hashes, cost, rests)
+
+
+def _version(name: str) -> str:
+    """Version of an engine, "" of one that does not open."""
+    try:
+        with closing(opened(name)) as engine:
+            return engine.version
+    except Exception:
+        # running the engine finds the cause again
+        return ""
 
 
 def _close(engine: Engine) -> None:

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
+from runfiles.table import Row, Status
 from scenarios.cli.table import WIDTH, figure, table
-from scenarios.results.results import Row, Status
 
 OURS = frozenset({("avatarsim", "default")})
 

@@ -8,11 +8,11 @@ import pytest
 
 from avatarsim.scene.scene import Scene
 from runfiles.record import Recording, load, save
+from runfiles.table import Row
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.known import Known
 from scenarios.results.gate import rows_of
-from scenarios.results.results import Row
 from scenarios.scenario import Bound, Scenario
 from tests.scenarios.examples import RADIUS, WALL_FACE, arm_scene, drop, drop_scene, fist, fist_scene, nobody, resting
 from tests.scenarios.measure.bodies.test_bounce import by_events

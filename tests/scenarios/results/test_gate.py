@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidFile, UnknownName
+from runfiles.table import Row
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing, Value
 from scenarios.results.gate import CEILINGS, bounds_of, ceilings, exit_code, judged, meaning, rows_of
-from scenarios.results.results import Row
 from scenarios.scenario import Bound
 from tests.scenarios.examples import drop, fist
 

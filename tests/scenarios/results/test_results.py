@@ -9,8 +9,9 @@ import pytest
 
 from avatarsim.errors import InvalidFile
 from runfiles.files import last_comparison, latest, plain, point_latest, run_folder, write_json
+from runfiles.table import RESULTS, Row, csv_text
 from scenarios.job import Job, Outcome
-from scenarios.results.results import COLUMNS, MORE, Results, Row, csv_text, write
+from scenarios.results.results import MORE, Results, write
 
 ROWS = [
     Row("drop", "e", "default", 0, 90, "residual_overlap_max", 1.5e-7, "m", 1e-6, 1e-3, "pass"),
@@ -26,8 +27,8 @@ def results(rows: list[Row], code: int | None = 1) -> Results:
 
 
 def test_csv_has_the_promised_columns_and_an_empty_field_for_nothing(tmp_path: Path) -> None:
-    found = list(csv.DictReader(csv_text(ROWS).splitlines()))
-    assert tuple(found[0]) == COLUMNS
+    found = list(csv.DictReader(csv_text(ROWS, RESULTS).splitlines()))
+    assert tuple(found[0]) == RESULTS
     assert [row["value"] for row in found] == ["1.5e-07", "nan", ""]
     assert [row["bound"] for row in found] == ["1e-06", "0.0", ""]
     assert [row["status"] for row in found] == ["pass", "fail", "crashed"]
@@ -38,7 +39,7 @@ def test_the_file_says_which_figures_compare_engines_and_why_not(tmp_path: Path)
     bounces = Outcome(Job("drop", "mujoco", "default"), "measured", about={"cannot_say": {"restitution": "no coefficient"}})
     write(replace(results(rows), outcomes=[bounces]), tmp_path)
     found = list(csv.DictReader((tmp_path / "results.csv").read_text().splitlines()))
-    assert tuple(found[0]) == (*COLUMNS, *MORE)
+    assert tuple(found[0]) == (*RESULTS, *MORE)
     assert [row["comparable"] for row in found] == ["yes", "no"] and [row["waiver"] for row in found] == ["0.001", ""]
     assert found[0]["why"] == "" and "restitution" in found[1]["why"]
 
