@@ -1,19 +1,31 @@
-"""Facts on engines: one `reference/*/about.toml` each."""
+"""Facts on engines: one `reference/*/about.toml` each, or one in the package of an engine that joins by an entry point."""
 
-import tomllib
+import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from fractions import Fraction
 from functools import cache
+from importlib import metadata
+from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
 
+from avatarsim.errors import InvalidFile
+from runfiles.metrics import METRICS
 from runfiles.naming import GATED
+from runfiles.toml_table import Table
 
 FOLDER = Path(__file__).parent.parent / "reference"
+FILE = "about.toml"
+GROUP = "avatarsim.engines"
+"""Entry-point group through which other engines join: a class that is constructed without arguments."""
+EXTRA = "compare"
+"""The extra that brings the packages of an engine whose file names no other."""
+COLOUR, CLASS = "#[0-9a-f]{6}", r"[\w.]+:\w+"
+LACKING, CAUSES = ("engine", "adapter"), ("engine", "adapter", "setting")
 
 SPARE = (("#b0498d", "#f08fce"), ("#9a7400", "#e6c04a"), ("#3c8fb3", "#7fd0ef"), ("#7a5cc4", "#b7a0ff"))
-"""Colours, light and dark, of engines that no file describes: those that join through the entry-point group."""
+"""Colours, light and dark, of engines that no file describes."""
 
 
 @dataclass(frozen=True)
@@ -44,19 +56,27 @@ class Issue:
 
 @dataclass(frozen=True)
 class About:
-    """Facts on an engine for tables and charts.
+    """Facts on an engine.
 
-    name         in files
-    label        on pages
-    colour, dark  of its marks on light and dark pages
-    presets      in the order of tables; others are shown only on pages of scenes
-    sleeps       flag: it puts resting bodies to sleep unless a scene forbids it
-    baseline     flag: it handles no contact, and is ranked nowhere
-    unsupported  features by the name that the adapter reports
-    native       options of the adapter in the engine's own words, {} is the value; of a flag one for each value
-    alone        options that are all that changes in a preset
-    unlike       differences of scenes in this engine, a sentence each
-    issues       known ones
+    name            in files
+    label           on pages
+    colour, dark    of its marks on light and dark pages
+    presets         in the order of tables; others are shown only on pages of scenes
+    adapter         "module:class" behind the Engine protocol
+    packages        distributions whose versions can change its figures
+    extra           that installs them
+    when_missing    hint that is shown where one of them is not installed
+    reuses_process  flag: it leaves nothing behind in its process, so that one serves for many runs
+    has_time_step   flag: it has a time step of its own, by an option "dt"; of others the frame is cut
+    sleeps          flag: it puts resting bodies to sleep unless a scene forbids it
+    baseline        flag: it handles no contact, and is ranked nowhere
+    variants        further presets by name: the condition, in scenarios/variants.py, of the scenes that they run in
+    unsupported     features by the name that the adapter reports
+    native          options of the adapter in the engine's own words, {} is the value; of a flag one for each value
+    alone           options that are all that changes in a preset
+    unlike          differences of scenes in this engine, a sentence each
+    issues          known ones
+    path            of the file; None where there is none
     """
 
     name: str
@@ -64,13 +84,21 @@ class About:
     colour: str
     dark: str
     presets: tuple[str, ...]
+    adapter: str = ""
+    packages: tuple[str, ...] = ()
+    extra: str = EXTRA
+    when_missing: str = ""
+    reuses_process: bool = False
+    has_time_step: bool = False
     sleeps: bool = False
     baseline: bool = False
+    variants: Mapping[str, str] = field(default_factory=dict)
     unsupported: Mapping[str, Unsupported] = field(default_factory=dict)
     native: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     alone: tuple[str, ...] = ()
     unlike: tuple[str, ...] = ()
     issues: tuple[Issue, ...] = ()
+    path: Path | None = None
 
     def in_own_words(self, options: Mapping[str, object]) -> list[str]:
         """Return a line per option in the engine's own words, a comment for one that has none."""
@@ -89,30 +117,116 @@ class About:
 
 
 @cache
-def engines() -> Mapping[str, About]:
-    """Return the engines that files describe: the gated one first, baselines last."""
-    found = [_about(tomllib.loads(path.read_text(encoding="utf-8"))) for path in sorted(FOLDER.glob("*/about.toml"))]
+def engines(folder: Path = FOLDER) -> Mapping[str, About]:
+    """Return the engines in the folders of `folder`: the gated one first, baselines last. Raises InvalidFile."""
+    found = [_read(path) for path in sorted(folder.glob(f"*/{FILE}"))]
     found.sort(key=lambda one: (one.name != GATED[0], one.baseline, one.name))
-    return MappingProxyType({one.name: one for one in found})
+    named = {one.name: one for one in found}
+    for one in found:
+        if named[one.name] is not one:
+            raise InvalidFile(f"name in {one.path}", one.name, f"a name that {named[one.name].path} does not have")
+    return MappingProxyType(named)
 
 
-def _about(data: Mapping[str, object]) -> About:
-    entries = dict(data)
-    lacking = {
-        name: Unsupported(tuple(one["metrics"]), one["lacks"], tuple(one.get("presets", ())))
-        for name, one in dict(entries.pop("unsupported", {})).items()  # type: ignore[call-overload]
-    }
-    issues = tuple(Issue(**one) for one in entries.pop("issues", ()))  # type: ignore[attr-defined]
-    lists = {name: tuple(entries.pop(name, ())) for name in ("presets", "unlike", "alone")}  # type: ignore[call-overload]
-    return About(**entries, **lists, unsupported=lacking, issues=issues)  # type: ignore[arg-type]
+def joined() -> Mapping[str, str]:
+    """Return the engines that join by an entry point: name -> "module:class"."""
+    return _entries(tuple(sys.path))
+
+
+@cache
+def _entries(path: tuple[str, ...]) -> Mapping[str, str]:
+    """Return the entry points of all packages on a path, looked for once."""
+    return MappingProxyType({entry.name: entry.value for entry in metadata.entry_points(group=GROUP)})
 
 
 def about(name: str) -> About:
-    """Return the facts on an engine, made up for one that no file describes."""
-    if name in engines():
-        return engines()[name]
+    """Return the facts on an engine, made up for one that no file describes. Raises InvalidFile."""
+    return engines()[name] if name in engines() else _of_joined(name, tuple(sys.path))
+
+
+@cache
+def _of_joined(name: str, path: tuple[str, ...]) -> About:
+    adapter = _entries(path).get(name, "")
+    file = _file_beside(adapter.partition(":")[0])
+    if file is not None:
+        return _read(file, name, adapter)
     colour, dark = SPARE[sum(map(ord, name)) % len(SPARE)]
-    return About(name, name, colour, dark, ("default",))
+    return About(name, name, colour, dark, ("default",), adapter)
+
+
+def _file_beside(module: str) -> Path | None:
+    """Return the file of facts in the package of a module; nothing of the package is imported."""
+    top, *inner = module.split(".")
+    try:
+        spec = find_spec(top) if top else None
+    except (ImportError, ValueError):
+        return None
+    for place in (spec.submodule_search_locations or ()) if spec else ():
+        folder = Path(place).joinpath(*inner)
+        file = (folder if folder.is_dir() else folder.parent) / FILE
+        if file.is_file():
+            return file
+    return None
+
+
+def _read(path: Path, name: str = "", adapter: str = "") -> About:
+    """Read a file of facts; `name` and `adapter` are those of an entry point. Raises InvalidFile."""
+    table = Table.read(path)
+    found = About(
+        name=table.one_of("name", (name,)) if name else table.text("name"),
+        label=table.text("label"),
+        colour=table.text("colour", None, COLOUR, "#rrggbb, lower case"),
+        dark=table.text("dark", None, COLOUR, "#rrggbb, lower case"),
+        presets=table.texts("presets", required=True),
+        adapter=table.text("adapter", adapter or None, CLASS, "module:class"),
+        packages=table.texts("packages"),
+        extra=table.text("extra", EXTRA),
+        when_missing=table.text("when_missing", ""),
+        reuses_process=table.flag("reuses_process"),
+        has_time_step=table.flag("has_time_step"),
+        sleeps=table.flag("sleeps"),
+        baseline=table.flag("baseline"),
+        variants={variant: _scenes(one) for variant, one in table.tables("variants").items()},
+        unsupported={feature: _unsupported(one) for feature, one in table.tables("unsupported").items()},
+        native=_native(table),
+        alone=table.texts("alone"),
+        unlike=table.texts("unlike"),
+        issues=tuple(map(_issue, table.rows("issues"))),
+        path=path,
+    )
+    table.end([one.name for one in fields(About)])
+    return found
+
+
+def _scenes(table: Table) -> str:
+    scenes = table.text("scenes")
+    table.end(("scenes",))
+    return scenes
+
+
+def _unsupported(table: Table) -> Unsupported:
+    found = Unsupported(table.texts("metrics", METRICS), table.one_of("lacks", LACKING), table.texts("presets"))
+    table.end([one.name for one in fields(Unsupported)])
+    return found
+
+
+def _native(table: Table) -> dict[str, str | Mapping[str, str]]:
+    found: dict[str, str | Mapping[str, str]] = {}
+    for option, words in table.options("native").items():
+        if isinstance(words, dict) and set(words) == {"true", "false"}:
+            found[option] = {value: str(text) for value, text in words.items()}
+        elif isinstance(words, str):
+            found[option] = words
+        else:
+            raise table.invalid(f"native.{option}", words, "a text, or a table with a text for true and one for false")
+    return found
+
+
+def _issue(table: Table) -> Issue:
+    texts = {name: table.text(name) for name in ("title", "version", "date", "scenes", "text")}
+    found = Issue(cause=table.one_of("cause", CAUSES), **texts)
+    table.end([one.name for one in fields(Issue)])
+    return found
 
 
 def run_label(run: str) -> str:

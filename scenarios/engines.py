@@ -1,49 +1,46 @@
-"""Engines by name: four that the project knows, and whatever joined through the entry-point group."""
+"""Engines by name: those that `reference/*/about.toml` describe, and those that join through the entry-point group."""
 
 import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from functools import cache
-from importlib import import_module, metadata
+from importlib import import_module
 from multiprocessing import parent_process
 
 from avatarsim.engine import Engine
 from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
-from runfiles.naming import BASELINE
+from runfiles.engines import EXTRA as EXTRA
+from runfiles.engines import about, engines, joined
 
-GROUP = "avatarsim.engines"
-"""Entry-point group through which other engines join: a class that is constructed without arguments."""
-BUILT_IN = {
-    "avatarsim": "avatarsim.simulator:AvatarsimEngine",
-    "mujoco": "reference.in_mujoco.engine:MujocoEngine",
-    "pybullet": "reference.in_pybullet.engine:PybulletEngine",
-    "tracker": "reference.raw_tracker:RawTracker",
-}
-TIDY = ("avatarsim", "mujoco", "pybullet", BASELINE)
-"""Engines that leave nothing behind in their process: one serves for many runs. The timing pass compares the state hashes of runs
-that others went before with those of runs that had other ones before them. PyBullet's contactBreakingThreshold, which belongs to
-the process and not to a world, and its time step, which outlives a reset, are set at each load."""
-STEPPED = ("mujoco", "pybullet")
-"""Engines with a step of their own, by an option "dt". Ours has none but the frame, which is cut instead."""
-PRESETS = {"mujoco": ("default", "tuned"), "pybullet": ("default", "tuned")}
-"""Presets of engines whose package may be missing, so that every row that is missing then can be named."""
-EXTRA = "compare"
-"""The extra that brings the packages of the engines we compare with."""
+BUILT_IN = {one.name: one.adapter for one in engines().values()}
+
+
+class Flagged:
+    """Engines whose facts set a flag, those that joined included: `name in Flagged("sleeps")`."""
+
+    def __init__(self, flag: str) -> None:
+        self._flag = flag
+
+    def __contains__(self, name: str) -> bool:
+        return bool(getattr(about(name), self._flag))
+
+
+TIDY = Flagged("reuses_process")
+"""Engines that leave nothing behind in their process. The timing pass compares the state hashes of runs that others went before
+with those of runs that had other ones before them."""
+STEPPED = Flagged("has_time_step")
+"""Engines with a step of their own, by an option "dt"."""
 
 
 def known() -> dict[str, str]:
-    """Every engine that can be asked for: name -> "module:class", ours first, then in order of name.
+    """Return all engines, name -> "module:class": the gated one first, those that joined last, in order of name.
 
     An entry point may not take the name of an engine that is built in."""
-    joined = _joined(tuple(sys.path))
-    return {**BUILT_IN, **{name: joined[name] for name in sorted(joined) if name not in BUILT_IN}}
+    return {**BUILT_IN, **{name: adapter for name, adapter in sorted(joined().items()) if name not in BUILT_IN}}
 
 
-@cache
-def _joined(path: tuple[str, ...]) -> dict[str, str]:
-    """The entry points of every package on a path: looked for once, since every package there is asked."""
-    return {entry.name: entry.value for entry in metadata.entry_points(group=GROUP)}
+def known_presets(name: str) -> tuple[str, ...]:
+    """Return the presets of an engine that cannot be opened: those of its facts, the default first."""
+    return tuple(sorted(about(name).presets, key=lambda preset: preset != "default"))
 
 
 @contextmanager
@@ -78,7 +75,7 @@ def opened(name: str) -> Engine:
         if (error.name or module).partition(".")[0] == module.partition(".")[0]:
             # a hole in the engine itself is a fault, which no installing mends
             raise
-        raise MissingPackage(error.name or module, EXTRA, f"engine {name}") from error
+        raise MissingPackage(error.name or module, about(name).extra, f"engine {name}") from error
     if not isinstance(made, Engine):
         valid = "a class with every part of avatarsim.engine.Engine"
         raise InvalidInput(f"engine {name} ({paths[name]})", type(made).__name__, valid)

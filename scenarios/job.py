@@ -9,10 +9,10 @@ from typing import Literal
 from avatarsim.engine import Engine, Settings
 from avatarsim.errors import UnknownName
 from avatarsim.scene.scene import Scene
+from runfiles.engines import about
 from runfiles.naming import stem
 from scenarios.measure.value import Value
 from scenarios.scenario import Motion, Scenario
-from scenarios.variants import VARIANTS
 
 State = Literal["measured", "crashed", "not-measured", "cannot-say", "refused"]
 
@@ -63,7 +63,7 @@ class Job:
     def settings(self, engine: Engine, *, inside: bool = False, stages: bool = False) -> Settings:
         """Settings to load `engine` with; UnknownName for a preset that it does not have."""
         preset = self.base or self.preset
-        offered = (*engine.presets, *VARIANTS.get(self.engine, {}))
+        offered = (*engine.presets, *about(self.engine).variants)
         if preset not in offered:
             raise UnknownName(f"preset of engine {self.engine}", preset, offered)
         return Settings(preset, self.options, self.seed, record_inside=inside, time_stages=stages)

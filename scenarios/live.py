@@ -21,8 +21,9 @@ from avatarsim.live.view.depth import Depth
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from reference.judging.judge import Judge
+from runfiles.engines import about
 from scenarios.catalog import get
-from scenarios.engines import PRESETS, known
+from scenarios.engines import known
 from scenarios.results.gate import USAGE
 from scenarios.scenario import RENDERED, Scenario
 
@@ -77,7 +78,7 @@ def plan_of(words: str, scene: Scene, rate: float) -> Plan:
     paths = known()
     if name not in paths:
         raise UnknownName("engine", name, paths)
-    preset = preset or PRESETS.get(name, ("default",))[-1]
+    preset = preset or about(name).presets[0]
     return Plan(paths[name], scene, Settings(preset=preset), rate, name=f"{name}/{preset}")
 
 

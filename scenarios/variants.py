@@ -1,7 +1,9 @@
-"""Variants of other engines beside their presets, as a maintainer would ask for them, each only in scenes of its question."""
+"""Variants: presets that run only in scenes that meet a condition. An engine's `about.toml` names them."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
+from avatarsim.errors import InvalidFile
+from runfiles.engines import about, engines
 from scenarios.scenario import Scenario
 
 RECORDED = ("mocap_", "unseen_")
@@ -30,21 +32,30 @@ def in_a_room(scenario: Scenario) -> bool:
     return scenario.name.startswith(RECORDED[1])
 
 
-VARIANTS: Mapping[str, Mapping[str, Callable[[Scenario], bool]]] = {
-    "mujoco": {"sleeping": may_sleep, "servos": body_follows, "hinges": in_a_room},
-    "pybullet": {"sleeping": may_sleep, "follows": body_follows},
+CONDITIONS: Mapping[str, Callable[[Scenario], bool]] = {
+    "rests": something_rests, "bodies may sleep": may_sleep, "follows recorded motion": body_follows,
+    "in a drawn room": in_a_room,
 }
-"""Engine -> variant -> whether it takes part in a scenario. The settings are the engine's own, under that name."""
+"""Conditions that `scenes` of a variant can name."""
+
+VARIANTS: Mapping[str, Mapping[str, str]] = {one.name: one.variants for one in engines().values()}
+"""Built-in engine -> variant -> its condition."""
 
 
 def takes_part(engine: str, preset: str, scenario: Scenario) -> bool:
-    """Whether a row is of this scenario: a preset always is, a variant where its question is."""
-    condition = VARIANTS.get(engine, {}).get(preset)
-    return condition is None or condition(scenario)
+    """Return whether a preset runs in a scenario: a variant does where its condition is met, others always do. Raises InvalidFile
+    for a condition that is not known."""
+    one = about(engine)
+    if preset not in one.variants:
+        return True
+    condition = one.variants[preset]
+    if condition not in CONDITIONS:
+        raise InvalidFile(f"variants.{preset}.scenes in {one.path}", condition, f"one of {', '.join(CONDITIONS)}")
+    return CONDITIONS[condition](scenario)
 
 
 def variants_of(engine: str, scenario: Scenario, asked: Sequence[str]) -> Iterator[str]:
-    """Variants of `engine` that take part in `scenario`: those `asked` for by name, all where nothing is asked for."""
-    for name, takes_part in VARIANTS.get(engine, {}).items():
-        if (not asked or name in asked) and takes_part(scenario):
+    """Yield the variants of `engine` that take part in `scenario`: those `asked` for by name, all where nothing is asked for."""
+    for name in about(engine).variants:
+        if (not asked or name in asked) and takes_part(engine, name, scenario):
             yield name

@@ -15,13 +15,12 @@ from pkgutil import walk_packages
 
 from avatarsim.errors import MissingPackage
 from avatarsim.running.sources import version
+from runfiles.engines import about
 from scenarios import catalog
 from scenarios.engines import BUILT_IN, EXTRA, known, opened
 from scenarios.job import Job
 from scenarios.results.provenance import CODE, ROOT, scene_hash
 
-PACKAGES = {"avatarsim": ("numba",), "mujoco": ("mujoco",), "pybullet": ("pybullet",)}
-"""Distributions whose version can change what a built-in engine shows. An engine that joined says its own (`joined_part`)."""
 JUDGES = ("numpy", "scipy", "coal")
 """Distributions that decide what is measured."""
 MEASURES = ("scenarios/running/run.py", "scenarios/studies/sweep/measure.py")
@@ -68,7 +67,7 @@ def engine_part(name: str) -> str:
         return name
     if name not in BUILT_IN:
         return joined_part(name, module)
-    versions = ",".join(f"{package} {version(package)}" for package in PACKAGES.get(name, ()))
+    versions = ",".join(f"{package} {version(package)}" for package in about(name).packages)
     try:
         return f"{name} {versions} {sources([find(module)])}"
     except MissingPackage:

@@ -16,9 +16,12 @@ import numpy as np
 from avatarsim.running.sources import cpu, digest_of, version
 from avatarsim.scene.scene import Scene
 from avatarsim.version import VERSION
+from runfiles.engines import engines
 from scenarios.results.machine import clock, usable_cpus
 
-PACKAGES = ("numpy", "numba", "scipy", "mujoco", "pybullet", "coal", "python-fcl")
+PACKAGES = tuple(dict.fromkeys([
+    "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl",
+]))
 """Distributions beside our own, which runs uninstalled too, whose versions can change a figure."""
 
 ROOT = Path(__file__).resolve().parents[2]

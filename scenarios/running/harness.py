@@ -10,10 +10,11 @@ from pathlib import Path
 from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, UnknownName, described
 from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
+from runfiles.engines import about
 from runfiles.naming import BASELINE
 from runfiles.table import Row
 from scenarios import unseen
-from scenarios.engines import PRESETS, TIDY, opened
+from scenarios.engines import known_presets, opened
 from scenarios.job import Job, Outcome
 from scenarios.measure.overlap import SEEN
 from scenarios.measure.timing import frame_times, time_notes
@@ -30,7 +31,6 @@ from scenarios.running.run import accuracy
 from scenarios.running.seat import Seats
 from scenarios.running.timing import MOST_FRAMES, Clocked, compared, timed_pass, timing_facts
 from scenarios.scenario import Scenario
-from scenarios.variants import VARIANTS
 
 OFTEN = 3.0
 """Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
@@ -57,9 +57,9 @@ def offer(name: str) -> Offer:
     try:
         return Offer(tuple(opened(name).presets))
     except MissingPackage as error:
-        # the only package whose absence can be beyond the user's power: there is not a wheel for every system
-        said = f"{name} is not installed: `make setup` says why" if error.package == "pybullet" == name else str(error)
-        return Offer(PRESETS.get(name, ()), said)
+        one = about(name)
+        hint = one.when_missing if error.package in one.packages else ""
+        return Offer(known_presets(name), f"{name} is not installed: {hint}" if hint else str(error))
     except AvatarsimError as error:
         return Offer(trouble=str(error))
     except Exception as error:
@@ -68,6 +68,9 @@ def offer(name: str) -> Offer:
 
 def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     """What each engine offers, asked in processes of their own: importing an engine may print, leak or crash."""
+    for name in names:
+        # a malformed file of facts ends a command before anything has run
+        about(name)
     found = {}
     for name, answer in side_by_side(offer, names, workers):
         found[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer
@@ -81,7 +84,7 @@ def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
     # in processes of their own: what another engine prints or leaves on import stays there
     found = offers(list(dict.fromkeys(engine for engine, _ in runs)), 1)
     for (engine, preset), word in zip(runs, words, strict=True):
-        offered = (*found[engine].presets, *VARIANTS.get(engine, {}))
+        offered = (*found[engine].presets, *about(engine).variants)
         if found[engine].trouble:
             raise InvalidInput(option, word, f"an engine that can be opened ({found[engine].trouble})")
         if preset not in offered:
@@ -91,7 +94,7 @@ def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
 
 def tidy(job: Job) -> bool:
     """Whether the next run may have this one's process."""
-    return job.engine in TIDY
+    return about(job.engine).reuses_process
 
 
 def outcomes(jobs: Sequence[Job], folder: Path, workers: Workers) -> Iterator[Outcome]:

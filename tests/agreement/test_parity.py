@@ -15,7 +15,7 @@ from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
-from reference.raw_tracker import RawTracker
+from reference.in_tracker.engine import RawTracker
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.scenes import (
     FRAME,

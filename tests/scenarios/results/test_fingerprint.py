@@ -77,7 +77,7 @@ def test_an_edit_changes_the_hash_of_who_imports_it(tmp_path: Path, monkeypatch:
 
 ENGINE = """
 from importlib import import_module
-from reference.raw_tracker import RawTracker
+from reference.in_tracker.engine import RawTracker
 
 class Engine(RawTracker):
     version = import_module("simulator_of_a_stranger").VERSION

@@ -1,0 +1,1 @@
+"""The raw tracker as an engine: no contact handling."""
