@@ -1,17 +1,31 @@
-"""Every engine's settings that are swept, named by what they change against one of its own presets."""
+"""Settings of engines that are swept, each named by the difference from one of its engine's presets.
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+`reference/*/sweep.toml` has them: a list `sweep` of tables with the keys
 
+    name    of the setting; its first word is the preset beneath, unless `base` names that
+    steps   steps a second: a setting for each, in place of a name
+    short   flag: a short sweep takes it (true)
+    groups  names of tables [groups.NAME] of options
+
+and those of `Setting`.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields
+from functools import cache
+from pathlib import Path
+
+from avatarsim.scene.effects import Effects
 from avatarsim.scene.scene import Scene
 from reference.presets import Kind, kind_of
 from runfiles.engines import about
+from runfiles.toml_table import Table
 from scenarios.running.own_settings import OwnSettings
 
 EVERYWHERE = tuple(Kind)
-TRACKED = (Kind.DRIVEN, Kind.MIXED)
-UNTRACKED = (Kind.BOUNCING, Kind.RESTING)
-LOOSE = (*UNTRACKED, Kind.MIXED)
+FILE = "sweep.toml"
+EFFECTS = tuple(effect.name for effect in fields(Effects))
+KEYS = ("name", "base", "steps", "short", "options", "groups", "narrow", "cut", "kinds", "calls")
 
 
 @dataclass(frozen=True)
@@ -48,110 +62,49 @@ class Setting:
         return f"{self.engine}/{self.name}"
 
 
-def _ours(name: str, base: str = "default", kinds: tuple[Kind, ...] = TRACKED, **options: float) -> Setting:
-    return Setting("avatarsim", f"{base} {name}", base, options, kinds=kinds)
+def _grid(engine: str) -> tuple[tuple[Setting, bool], ...]:
+    """Return the settings that an engine's file lists, each with its flag `short`. Raises InvalidFile."""
+    path = about(engine).path
+    return () if path is None else _read(engine, path.with_name(FILE))
 
 
-OURS = (
-    Setting("avatarsim", "default", "default"),
-    Setting("avatarsim", "paper", "paper"),
-    _ours("stand_off=2e-5", stand_off=2e-5),
-    _ours("stand_off=1e-3", stand_off=1e-3),
-    _ours("steps=1", steps=1),
-    _ours("steps=4", steps=4),
-    _ours("damping_time=0", damping_time=0.0),
-    _ours("damping_time=0.05", damping_time=0.05),
-    _ours("work=300", work=300),
-    _ours("sweeps=6", "paper", sweeps=6),
-    _ours("rounds=4", "paper", rounds=4),
-    Setting("avatarsim", "default continuous=off", "default", narrow=("continuous",), kinds=LOOSE),
-    Setting("avatarsim", "default frame=1/120", "default", cut=2),
-    Setting("avatarsim", "default frame=1/240", "default", cut=4),
-)
-"""Tolerances, caps, method, continuous detection, and the frame, which is the only step there is. What bounces and slides is
-computed from event to event in closed form and has no tolerance to sweep."""
+@cache
+def _read(engine: str, path: Path) -> tuple[tuple[Setting, bool], ...]:
+    if not path.is_file():
+        return ()
+    table = Table.read(path)
+    groups = {name: one.rest() for name, one in table.tables("groups").items()}
+    found = tuple(each for row in table.rows("sweep") for each in _settings(engine, row, groups))
+    table.end(("sweep", "groups"))
+    return found
 
 
-def _steps(engine: str, base: str, rates: Iterable[int], kinds: tuple[Kind, ...] = EVERYWHERE) -> tuple[Setting, ...]:
-    return tuple(Setting(engine, f"{base} dt=1/{rate}", base, {"dt": 1.0 / rate}, kinds=kinds) for rate in rates)
-
-
-def _mujoco(name: str, kinds: tuple[Kind, ...] = EVERYWHERE, **options: object) -> Setting:
-    return Setting("mujoco", f"tuned {name}", "tuned", options, kinds=kinds)
-
-
-DISCRETE = {"integrator": "DISCRETE", "refsafe": False, "contact": "soft", "contact_steps": 0.1, "limit_steps": 0.1}
-"""MuJoCo's stiffest stop, for scenes in which nothing needs to bounce."""
-
-MARGINS = (0.0, 2e-4, 4e-4, 1e-3)
-"""Distances [m] from which on MuJoCo makes contact: of links, and of loose things. Ours has one of its own, `stand_off`, and
-that is swept as well."""
-
-MUJOCO = (
-    Setting("mujoco", "default", "default"),
-    Setting("mujoco", "tuned", "tuned"),
-    *_steps("mujoco", "default", (60, 240, 1920)),
-    *_steps("mujoco", "tuned", (60, 120, 240, 480, 1920)),
-    _mujoco("iterations=10", iterations=10),
-    _mujoco("cone=PYRAMIDAL", cone="PYRAMIDAL"),
-    _mujoco("kappa=0.02", LOOSE, kappa=0.02),
-    _mujoco("contact_time=0.004", contact="soft", contact_time=0.004, solimp=(0.95, 0.99, 0.001)),
-    _mujoco("DISCRETE dt=1/240", TRACKED, dt=1.0 / 240.0, **DISCRETE),
-    _mujoco("DISCRETE", TRACKED, **DISCRETE),
-    _mujoco("motors DISCRETE", (Kind.DRIVEN,), drive="motors", motor_force=100.0, **DISCRETE),
-    _mujoco("motors DISCRETE dt=1/240", (Kind.DRIVEN,), dt=1.0 / 240.0, drive="motors", armature=4.0, lead=0.0, weld_time=0.04,
-            **DISCRETE),
-    _mujoco("weld_time=0.01", TRACKED, weld_time=0.01),
-    *(_mujoco(f"margin={margin:g}", TRACKED, margin=margin) for margin in MARGINS),
-    *(_mujoco(f"loose_margin={margin:g}", LOOSE, loose_margin=margin) for margin in MARGINS),
-    *_steps("mujoco", "tuned", (3840,), LOOSE),
-    *_steps("mujoco", "tuned", (7680,), UNTRACKED),
-    Setting("mujoco", "tuned sleep=true", "tuned", {"sleep": True}, kinds=LOOSE, calls=("sleeping",)),
-    Setting("mujoco", "tuned sleep=true margin=0", "tuned", {"sleep": True, "margin": 0.0}, kinds=(Kind.MIXED,),
-            calls=("sleeping",)),
-)
-"""Step, iterations, cone, stiffness of contacts and welds, margins, integrator, motors in place of welds, sleep."""
-
-
-def _pybullet(name: str, kinds: tuple[Kind, ...] = EVERYWHERE, **options: object) -> Setting:
-    return Setting("pybullet", f"tuned {name}", "tuned", options, kinds=kinds)
-
-
-PYBULLET = (
-    Setting("pybullet", "default", "default"),
-    Setting("pybullet", "tuned", "tuned"),
-    *_steps("pybullet", "default", (60, 960)),
-    *_steps("pybullet", "tuned", (60, 120, 240, 1920)),
-    *_steps("pybullet", "tuned", (480,), LOOSE),
-    *_steps("pybullet", "tuned", (960,), TRACKED),
-    _pybullet("solver_iterations=10", solver_iterations=10),
-    _pybullet("solver_iterations=200", solver_iterations=200),
-    _pybullet("contact_erp=0.1", set_contact_erp=True, contact_erp=0.1),
-    _pybullet("drive=velocity", TRACKED, drive="velocity"),
-    _pybullet("force=30", TRACKED, hinge_force=30.0, ball_force=30.0),
-    _pybullet("multibody erp=0", (Kind.BOUNCING,), maximal=False, split_impulse=False, contact_erp=0.0),
-    _pybullet("processing_threshold=1", (Kind.BOUNCING,), processing_threshold=1.0),
-    _pybullet("slop=1e-4", contact_slop=1e-4),
-    _pybullet("margin=0.001", collision_margin=0.001),
-    _pybullet("breaking_threshold=0.02", TRACKED, breaking_threshold=0.02),
-    _pybullet("pieces_as_links=off", TRACKED, pieces_as_links=False),
-    Setting("pybullet", "default feed_forward", "default", {"feed_forward": True, "ball_gain": 0.5}, kinds=TRACKED),
-    *_steps("pybullet", "tuned", (3840,), LOOSE),
-    *_steps("pybullet", "tuned", (7680,), UNTRACKED),
-    Setting("pybullet", "tuned sleep=true", "tuned", {"sleep": True}, kinds=LOOSE, calls=("sleeping",)),
-)
-"""Step, iterations, how hard contacts push and how early, margins, how the hand is driven, which solver bodies are in,
-motors that know the user's velocity, sleep."""
-
-BY_ENGINE = {"avatarsim": OURS, "mujoco": MUJOCO, "pybullet": PYBULLET}
-"""Engines of which we know what to turn; of all others their presets are taken."""
+def _settings(engine: str, row: Table, groups: Mapping[str, Mapping[str, object]]) -> Iterator[tuple[Setting, bool]]:
+    """Yield the setting of a row, or one for each of its steps."""
+    rates, short = row.numbers("steps"), row.flag("short", True)
+    name = "" if rates else row.text("name")
+    base = row.text("base", name.partition(" ")[0] or None)
+    options = row.options("options")
+    for group in row.texts("groups", groups):
+        options |= groups[group]
+    narrow, calls, cut = row.texts("narrow", EFFECTS), row.texts("calls", EFFECTS), row.whole("cut", 1)
+    kinds = tuple(map(Kind, row.texts("kinds", [kind.value for kind in Kind]))) or EVERYWHERE
+    row.end(KEYS)
+    for named, step in [(f"{base} dt=1/{rate}", {"dt": 1.0 / rate}) for rate in rates] or [(name, {})]:
+        yield Setting(engine, named, base, step | options, narrow, cut, kinds, calls), short
 
 
 def settings_of(engine: str, presets: Iterable[str], own: Iterable[OwnSettings] = ()) -> tuple[Setting, ...]:
-    """What is swept of one engine: the grid, or its presets where there is no grid, and a reader's own rows."""
-    known = BY_ENGINE.get(engine) or tuple(Setting(engine, preset, preset) for preset in presets)
-    rows = tuple(Setting(engine, row.name, row.base, dict(row.options)) for row in own if row.engine == engine)
+    """Return the settings of an engine that are swept: its grid, or its presets where it has none, and a reader's own rows."""
+    known = [setting for setting, _ in _grid(engine)] or [Setting(engine, preset, preset) for preset in presets]
+    rows = (Setting(engine, row.name, row.base, dict(row.options)) for row in own if row.engine == engine)
     return (*known, *rows)
+
+
+def short_order(engine: str, presets: Iterable[str]) -> tuple[str, ...]:
+    """Return the names of the settings that a short sweep takes, in the order in which it spends its time: those of the grid that
+    span cost and accuracy, presets first, or the presets where there is no grid."""
+    return tuple(setting.name for setting, short in _grid(engine) if short) or tuple(presets)
 
 
 def applicable(setting: Setting, scene: Scene) -> bool:

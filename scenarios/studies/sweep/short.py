@@ -32,35 +32,11 @@ from scenarios.running.timing import MOST_FRAMES
 from scenarios.studies.study import Request, Study
 from scenarios.studies.sweep import clock, measure
 from scenarios.studies.sweep.cell import Cell
-from scenarios.studies.sweep.grid import Setting, applicable, settings_of
+from scenarios.studies.sweep.grid import Setting, applicable, settings_of, short_order
 from scenarios.studies.sweep.rows import Row, rows_of, scene_of, with_fronts
 
 ROWS, ABOUT = "sweep.csv", "sweep.json"
 """Points, and how they came about: which sweep, how long it took, what was left out."""
-
-SHORT: Mapping[str, tuple[str, ...]] = {
-    "avatarsim": (
-        "default", "paper", "default stand_off=1e-3", "default frame=1/120", "default stand_off=2e-5", "default steps=1",
-        "default work=300", "default frame=1/240", "paper rounds=4",
-    ),
-    "mujoco": (
-        "default", "tuned", "tuned sleep=true", "tuned loose_margin=0", "tuned loose_margin=0.0002", "tuned loose_margin=0.0004",
-        "tuned loose_margin=0.001", "tuned dt=1/240", "tuned dt=1/480", "tuned motors DISCRETE dt=1/240", "tuned margin=0.001",
-        "tuned dt=1/60", "tuned DISCRETE dt=1/240", "tuned dt=1/120", "default dt=1/240", "tuned DISCRETE", "default dt=1/60",
-        "default dt=1/1920", "tuned iterations=10", "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680", "tuned margin=0",
-        "tuned margin=0.0002", "tuned margin=0.0004", "tuned sleep=true margin=0",
-    ),
-    "pybullet": (
-        "default", "tuned", "tuned sleep=true", "tuned dt=1/240", "default feed_forward", "tuned dt=1/60", "tuned dt=1/120",
-        "default dt=1/60",
-        "tuned dt=1/480", "tuned solver_iterations=10", "default dt=1/960", "tuned dt=1/960", "tuned solver_iterations=200",
-        "tuned dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680",
-    ),
-}
-"""Names of the grid's settings that span cost and accuracy, in the order in which a budget is spent on them: presets, then,
-before anything else, the ladder of steps of all rivals, coarse rungs first, since the question is which cheap setting is accurate
-enough, and, without an avatar, what turns a solver before the fine rungs; then what else is cheap. What leaves out an effect, and
-with it a promise, is not among them."""
 
 BUDGET = 35.0
 """Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
@@ -118,7 +94,7 @@ def cells_of(request: Request) -> list[Cell]:
                 continue
             rows = own.get(name, ())
             known, more = settings_of(engine, presets, rows), variants_of(name, engine, request)
-            rank = {named: k for k, named in enumerate(SHORT.get(engine, presets))} | {s.name: 0 for s in (*rows, *more)}
+            rank = {named: k for k, named in enumerate(short_order(engine, presets))} | {s.name: 0 for s in (*rows, *more)}
             for setting in (*known, *more):
                 cell = Cell(name, setting, request.seed, request.full, most=MOST_FRAMES)
                 if setting.name in rank and setting.base in presets and applicable(setting, scene) and _tells(cell, request):

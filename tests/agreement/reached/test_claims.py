@@ -8,12 +8,12 @@ from reference.narrow_phase.field import ROOMS, contenders
 from runfiles.metrics import unit
 from scenarios import catalog
 from scenarios.results.results import is_time
-from scenarios.studies.sweep.grid import BY_ENGINE
 from tests.agreement.reached.claims import HERE, KNOWN, Claim
 from tests.agreement.reached.unmatched import UNMATCHED
 from tests.named_tests import exists, names_in
+from tests.scenarios.studies.sweep.grids import GRIDS
 
-SETTINGS = {setting.run for settings in BY_ENGINE.values() for setting in settings}
+SETTINGS = {setting.run for settings in GRIDS.values() for setting in settings}
 THERE, ABSENT = contenders(ROOMS)
 
 

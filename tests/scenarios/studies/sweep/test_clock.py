@@ -10,7 +10,8 @@ from scenarios.running.seat import Seats
 from scenarios.running.timing import Clocked
 from scenarios.studies.sweep.cell import Cell
 from scenarios.studies.sweep.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times
-from scenarios.studies.sweep.grid import BY_ENGINE, Setting
+from scenarios.studies.sweep.grid import Setting
+from tests.scenarios.studies.sweep.grids import GRIDS
 
 
 def test_parts_are_added_up() -> None:
@@ -49,11 +50,11 @@ def test_a_tail_needs_frames_and_repeats_behind_it(repeats: int, frames: int, st
 
 
 def test_every_group_has_every_engine() -> None:
-    cells = [Cell("stop_distance", setting) for settings in BY_ENGINE.values() for setting in settings]
+    cells = [Cell("stop_distance", setting) for settings in GRIDS.values() for setting in settings]
     groups = tables(cells)
     assert sorted(cell.setting.run for group in groups for cell in group) == sorted(cell.setting.run for cell in cells)
     assert all(len(group) <= AT_ONE_TABLE for group in groups)
-    assert all({cell.setting.engine for cell in group} == set(BY_ENGINE) for group in groups[:-1])
+    assert all({cell.setting.engine for cell in group} == set(GRIDS) for group in groups[:-1])
 
 
 def test_all_settings_of_a_scene_are_timed_over_the_same_rendered_frames() -> None:

@@ -17,6 +17,7 @@ from scenarios.results.gate import INCOMPLETE, NOTHING, STOPPED, USAGE
 from scenarios.results.store import Entry
 from scenarios.studies.sweep import clock, measure
 from scenarios.studies.sweep.cell import Cell
+from tests.scenarios.studies.sweep.grids import GRIDS
 
 ASKED = ["sweep", "--filter", "stop_distance", "--engine", "mujoco", "--jobs", "0", "--frames", "3"]
 
@@ -143,7 +144,5 @@ def test_a_real_cell_from_end_to_end(tmp_path: Path) -> None:
 
 
 def test_cells_are_named_apart() -> None:
-    from scenarios.studies.sweep.grid import BY_ENGINE
-
-    cells = [Cell("stop_distance", setting) for settings in BY_ENGINE.values() for setting in settings]
+    cells = [Cell("stop_distance", setting) for settings in GRIDS.values() for setting in settings]
     assert len({cell.job.stem for cell in cells}) == len(cells) == len({cell.key for cell in cells})

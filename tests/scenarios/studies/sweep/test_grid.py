@@ -8,9 +8,10 @@ from scenarios.engines import opened
 from scenarios.running.harness import offer
 from scenarios.running.own_settings import NAME, OwnSettings
 from scenarios.running.telling import TELLING
-from scenarios.studies.sweep.grid import BY_ENGINE, Setting, applicable, settings_of
+from scenarios.studies.sweep.grid import Setting, applicable, settings_of
+from tests.scenarios.studies.sweep.grids import GRIDS
 
-GRID = [setting for settings in BY_ENGINE.values() for setting in settings]
+GRID = [setting for settings in GRIDS.values() for setting in settings]
 SMALL = ("stop_distance", "bounce_ladder", "driven_10cm_wall", "squeeze")
 """A scene of each kind."""
 
@@ -20,9 +21,9 @@ def test_names_are_unique_and_fit_file_names() -> None:
     assert all(NAME.fullmatch(setting.slug) for setting in GRID)
 
 
-@pytest.mark.parametrize("engine", list(BY_ENGINE))
+@pytest.mark.parametrize("engine", list(GRIDS))
 def test_the_presets_come_first_and_there_are_a_dozen_settings_in_a_driven_scene(engine: str) -> None:
-    settings = BY_ENGINE[engine]
+    settings = GRIDS[engine]
     assert [s.name for s in settings[:2]] == list(offer(engine).presets)
     scene = catalog.get("driven_10cm_wall").build()
     assert 11 <= sum(applicable(setting, scene) for setting in settings) <= 23
@@ -57,7 +58,7 @@ def test_of_a_stranger_the_presets_and_of_a_reader_the_rows() -> None:
 
 def test_what_changes_nothing_is_not_asked() -> None:
     alone, driven = catalog.get("stop_distance").build(), catalog.get("driven_10cm_wall").build()
-    by_name = {setting.name: setting for setting in BY_ENGINE["avatarsim"]}
+    by_name = {setting.name: setting for setting in GRIDS["avatarsim"]}
     assert not applicable(by_name["default steps=1"], alone) and applicable(by_name["default steps=1"], driven)
     assert applicable(by_name["default continuous=off"], alone) and not applicable(by_name["default continuous=off"], driven)
 

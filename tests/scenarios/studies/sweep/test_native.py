@@ -10,8 +10,9 @@ import pytest
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from scenarios import catalog
-from scenarios.studies.sweep.grid import BY_ENGINE, Setting, applicable
+from scenarios.studies.sweep.grid import Setting, applicable
 from scenarios.studies.sweep.rows import settable
+from tests.scenarios.studies.sweep.grids import GRIDS
 
 
 def model_of(scene: str, preset: str, options: Mapping[str, object]) -> mujoco.MjModel:
@@ -34,7 +35,7 @@ def all_that_differs(one: mujoco.MjModel, other: mujoco.MjModel) -> list[str]:
 
 
 SCENES = ("stop_distance", "stack_ten", "driven_10cm_wall")
-SAID = [setting for setting in BY_ENGINE["mujoco"] if settable(setting)]
+SAID = [setting for setting in GRIDS["mujoco"] if settable(setting)]
 
 
 @pytest.mark.parametrize("setting", SAID, ids=lambda setting: setting.run)
@@ -63,8 +64,8 @@ def test_a_flag_has_words_for_both_of_its_values(engine: str) -> None:
 @pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
 def test_what_others_follow_from_has_no_words(engine: str) -> None:
     follow = {"dt", "margin", "loose_margin", "weld_time", "contact_time", "contact_steps", "solimp", "contact_erp", "drive"}
-    assert not [setting.run for setting in BY_ENGINE[engine] if settable(setting) and not follow.isdisjoint(setting.options)]
-    assert [setting.run for setting in BY_ENGINE[engine] if settable(setting)]
+    assert not [setting.run for setting in GRIDS[engine] if settable(setting) and not follow.isdisjoint(setting.options)]
+    assert [setting.run for setting in GRIDS[engine] if settable(setting)]
 
 
 def test_words_of_pybullet_are_its_calls() -> None:

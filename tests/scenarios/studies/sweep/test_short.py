@@ -17,9 +17,10 @@ from scenarios.results.store import Entry
 from scenarios.running import phenomena
 from scenarios.running.timing import Clocked
 from scenarios.studies.study import Request
-from scenarios.studies.sweep import clock, grid, measure, short
+from scenarios.studies.sweep import clock, measure, short
 from scenarios.studies.sweep.cell import Cell
-from scenarios.studies.sweep.grid import BY_ENGINE
+from scenarios.studies.sweep.grid import short_order
+from tests.scenarios.studies.sweep.grids import GRIDS
 
 PRESETS = {"mujoco": ("default", "tuned"), "tracker": ("default",)}
 VALUES = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0, "course_error_max": 0.5}
@@ -82,10 +83,10 @@ def about(folder: Path) -> dict[str, object]:
 
 
 def test_its_names_are_the_grids_and_the_presets_come_first() -> None:
-    for engine, names in short.SHORT.items():
-        grid = [setting.name for setting in BY_ENGINE[engine]]
+    for engine in GRIDS:
+        names, grid = short_order(engine, ()), [setting.name for setting in GRIDS[engine]]
         assert set(names) <= set(grid) and list(names[:2]) == grid[:2] and len(set(names)) == len(names)
-        assert not any(setting.narrow for setting in BY_ENGINE[engine] if setting.name in names)
+        assert not any(setting.narrow for setting in GRIDS[engine] if setting.name in names)
 
 
 def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other() -> None:
@@ -204,7 +205,7 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
     left = [cell for cell in cells if cell not in errors]
     names = [cell.setting.name for cell in short.refined(left, errors, ran)]
     finer = ["tuned dt=1/1920", "default dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
-    margins = [f"tuned loose_margin={margin:g}" for margin in grid.MARGINS]
+    margins = [f"tuned loose_margin={margin:g}" for margin in (0.0, 2e-4, 4e-4, 1e-3)]
     coarse = ["default", "tuned", "tuned dt=1/120", "tuned dt=1/480"]
     solver = ["tuned sleep=true", "tuned iterations=10"]
     assert names[:6] == coarse + solver and names[6:10] == finer and names[10:14] == margins
@@ -269,6 +270,6 @@ def test_long_scenes_are_timed_once_and_short_ones_thrice() -> None:
 
 
 def test_cut_frames_are_timed_over_the_same_rendered_frames() -> None:
-    whole = Cell("stop_distance", BY_ENGINE["avatarsim"][0], most=short.MOST_FRAMES)
-    cut = next(s for s in BY_ENGINE["avatarsim"] if s.cut == 2)
+    whole = Cell("stop_distance", GRIDS["avatarsim"][0], most=short.MOST_FRAMES)
+    cut = next(s for s in GRIDS["avatarsim"] if s.cut == 2)
     assert Cell("stop_distance", cut, most=short.MOST_FRAMES).timed_frames == 2 * whole.timed_frames
