@@ -8,15 +8,18 @@ FOLDER = "native"
 """Where these files lie in a run's folder."""
 STEPS = "steps.npz"
 """How the names of files end that have what an engine was told in every step."""
-REPLAY = "replay.py"
-"""The program that plays them."""
+
+
+def replay(engine: str) -> str:
+    """Return the path, below a run's folder, of the program that plays the steps of an engine."""
+    return f"{FOLDER}/replay_{engine}.py"
 
 
 def steps_written(folder: Path, scene: str, run: str, seed: int) -> tuple[str, ...]:
     """Paths, below a run's `folder`, of those two files; none where there are none."""
     engine, _, preset = run.partition("/")
-    name = f"{FOLDER}/{stem(scene, engine, preset, seed)}.{STEPS}"
-    return (name, f"{FOLDER}/{REPLAY}") if (folder / name).exists() else ()
+    names = f"{FOLDER}/{stem(scene, engine, preset, seed)}.{STEPS}", replay(engine)
+    return names if all((folder / name).exists() for name in names) else ()
 
 
 def written(folder: Path, scene: str, run: str, seed: int) -> str:

@@ -1,6 +1,7 @@
 """MuJoCo behind the Engine protocol."""
 
 from collections.abc import Mapping
+from pathlib import Path
 from time import perf_counter_ns
 
 import mujoco
@@ -28,6 +29,8 @@ from runfiles.naming import COMPILED
 
 Array = NDArray[np.float64]
 
+REPLAY = Path(__file__).with_name("replay.py")
+"""The program that plays a run's steps; it is copied into the run's folder."""
 PINNED = "pinned: 4.0.0 of 6 November 2026 has a wrong Hessian with sparse Jacobians, whose repair is not published"
 """Reason of the version."""
 
@@ -70,7 +73,7 @@ class MujocoEngine:
             f"<!-- {self._scene.name} as mujoco/{self._settings.preset} ran it, MuJoCo {self.version}. A frame of "
             f"{self._count * self._step!r} s is cut into {self._count} equal steps of {self._step!r} s: error of the frame "
             "time: none. Numbers have 17 digits. The tracker moves mocap bodies and controls in every step: in everyday "
-            "scenes the file .steps.npz beside this one has them, and replay.py plays them. -->\n"
+            "scenes the file .steps.npz beside this one has them, and replay_mujoco.py plays them. -->\n"
         )
         return "xml", head + mjcf(self._world.spec, self._model, self._data)
 
@@ -79,13 +82,14 @@ class MujocoEngine:
         self._kept.clear()
         self._keeps = True
 
-    def steps_told(self) -> Mapping[str, Array]:
-        """What was told since `keep_steps`: mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and
-        steps_per_frame; empty where nothing was led."""
+    def steps_told(self) -> tuple[Mapping[str, Array], str]:
+        """Return what was told since `keep_steps`, mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and
+        steps_per_frame, empty where nothing was led, and the program that plays it."""
         if not self._kept:
-            return {}
+            return {}, ""
         places, turns, controls = (np.concatenate(part) for part in zip(*self._kept, strict=True))
-        return {"mocap_pos": places, "mocap_quat": turns, "ctrl": controls, "steps_per_frame": np.array(float(self._count))}
+        told = {"mocap_pos": places, "mocap_quat": turns, "ctrl": controls, "steps_per_frame": np.array(float(self._count))}
+        return told, REPLAY.read_text(encoding="utf-8")
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the model, put everything at its first pose, show it."""

@@ -16,23 +16,8 @@ from numpy.typing import NDArray
 from runfiles.files import write_whole
 from runfiles.naming import COMPILED as COMPILED
 from runfiles.naming import TUNED
-from runfiles.native_files import FOLDER, REPLAY, STEPS
+from runfiles.native_files import FOLDER, STEPS, replay
 from scenarios.job import Job
-
-PROGRAM = '''"""python replay.py MODEL.xml.gz MODEL.steps.npz: plays what the tracker told; prints depth and time."""
-import gzip, sys, time
-import mujoco, numpy as np
-model = mujoco.MjModel.from_xml_string(gzip.open(sys.argv[1]).read().decode())
-data, told, deepest, spent = mujoco.MjData(model), np.load(sys.argv[2]), 0.0, []
-mujoco.mj_resetDataKeyframe(model, data, 0)
-for places, turns, controls in zip(told["mocap_pos"], told["mocap_quat"], told["ctrl"]):
-    data.mocap_pos[:], data.mocap_quat[:], data.ctrl[:] = places, turns, controls
-    begun = time.perf_counter(); mujoco.mj_step(model, data); spent.append(time.perf_counter() - begun)
-    deepest = max([deepest, *(-data.contact.dist)])  # [m], of MuJoCo's own contacts, sub-steps included
-frames = np.reshape(spent, (-1, int(told["steps_per_frame"]))).sum(axis=1)
-print(f"deepest {1e3 * deepest:.6g} mm; median frame {1e6 * np.median(frames):.4g} us; qpos ends at {data.qpos}")
-'''
-"""Ten lines of Python that need MuJoCo and numpy alone."""
 
 Array = NDArray[np.float64]
 
@@ -44,8 +29,8 @@ class TellsSteps(Protocol):
     def keep_steps(self) -> None:
         """After `load`: keep it from now on."""
 
-    def steps_told(self) -> Mapping[str, Array]:
-        """What was kept, by name; empty if nothing was told."""
+    def steps_told(self) -> tuple[Mapping[str, Array], str]:
+        """Return the steps by name, empty if there are none, and the text of a Python program that plays them."""
 
 
 @runtime_checkable
@@ -76,11 +61,11 @@ def keeps_steps(engine: object, job: Job, everyday: bool) -> bool:
 
 def write_steps(engine: object, folder: Path, job: Job) -> None:
     """Write what `engine` was told in every step, and the program that plays it; nothing where nothing was told."""
-    told = engine.steps_told() if isinstance(engine, TellsSteps) else {}
-    if told:
+    steps, program = engine.steps_told() if isinstance(engine, TellsSteps) else ({}, "")
+    if steps:
         packed = io.BytesIO()
-        np.savez_compressed(packed, allow_pickle=False, **told)
+        np.savez_compressed(packed, allow_pickle=False, **steps)
         write_whole(folder / FOLDER / f"{job.stem}.{STEPS}", lambda file: file.write(packed.getvalue()))
-        write_whole(folder / FOLDER / REPLAY, lambda file: file.write(PROGRAM.encode("utf-8")))
+        write_whole(folder / replay(job.engine), lambda file: file.write(program.encode("utf-8")))
 
 
