@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 PAGE, SUMMARY, JUNIT = "index.html", "summary.md", "junit.xml"
 
-FILES = (SUMMARY, "results.csv", "sweep.csv", "stability.csv", "ablation.json", "bench.csv")
+FILES = (SUMMARY, "results.csv", "settings.csv", "hard_cases.csv", "effects.csv", "contact_law.csv", "bench.csv")
 """Files that the page links, where the run has them."""
 
 SHOWN = 5
@@ -102,12 +102,8 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
             damage.append(str(error).replace(f"{run.folder}/", ""))
             return None
 
-    tried, trials = part(settings.settings), part(hard_cases.trials)
-    tables = {
-        "settings": tried,
-        "cases": None if trials is None else hard_cases.by_case(trials),
-        "effects": part(effects.effects),
-    }
+    tried = part(settings.settings)
+    tables = {"settings": tried, "cases": part(hard_cases.by_case), "effects": part(effects.effects)}
     shown = telling(found, [] if tried is None else list(dict.fromkeys(tried.scenario)))
     stills, instants = {}, {}
     for made in scene_pages(run, frozenset(shown)):

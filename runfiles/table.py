@@ -18,12 +18,9 @@ STATUSES: tuple[Status, ...] = get_args(Status)
 RESULTS = ("scenario", "engine", "preset", "seed", "frames", "metric", "value", "unit", "bound", "status")
 """First columns of results.csv, fixed: scripts of users read them."""
 
-STUDIES = "studies.csv"
-"""File of all studies of a run."""
-
 STUDIED = ("study", "scenario", "engine", "preset", "change", "seed", "frames", "metric", "value", "unit", "bound", "status",
            "note", "options")
-"""Columns of STUDIES."""
+"""Columns of the file of a study, NAME.csv."""
 
 NUMBERS = ("seed", "frames", "value", "bound")
 
@@ -83,7 +80,7 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str], more: Iterable[Mapping
     return text.getvalue()
 
 
-def read_studies(folder: Path, study: str) -> pd.DataFrame | None:
+def read_study(folder: Path, study: str) -> pd.DataFrame | None:
     """Read the rows of a study; None where the run has none.
 
     Returns:
@@ -93,19 +90,18 @@ def read_studies(folder: Path, study: str) -> pd.DataFrame | None:
     Raises:
         InvalidFile: for a damaged file.
     """
-    path = folder / STUDIES
+    path = folder / f"{study}.csv"
     if not path.exists():
         return None
     texts = [name for name in STUDIED if name not in NUMBERS]
+    empty = dict.fromkeys(NUMBERS, ["", "nan"])
     try:
-        empty = dict.fromkeys(NUMBERS, ["", "nan"])
         table = pd.read_csv(path, dtype=dict.fromkeys(texts, str), keep_default_na=False, na_values=empty)
         table = table[list(STUDIED)].astype(dict.fromkeys(NUMBERS, float))
-    except (ValueError, KeyError, OverflowError, UnicodeDecodeError, pd.errors.ParserError) as error:
+    except (ValueError, KeyError, OverflowError, AttributeError, pd.errors.ParserError) as error:
         raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the whole file that a study wrote") from error
     if not table.status.isin(STATUSES).all():
         raise InvalidFile(f"status in {path}", sorted(set(table.status) - set(STATUSES)), f"one of {', '.join(STATUSES)}")
-    table = table[table.study == study]
     return table.assign(run=table.engine + "/" + table.preset) if len(table) else None
 
 
@@ -113,5 +109,6 @@ def wide(table: pd.DataFrame) -> pd.DataFrame:
     """Turn rows into one row per scenario, run and change with a column per metric, NaN where nothing was measured."""
     keys = ["scenario", "engine", "preset", "run", "change", "options"]
     listed = table[keys].drop_duplicates()
-    values = table.drop_duplicates([*keys, "metric"]).pivot(index=keys, columns="metric", values="value")
+    figures = table[table.metric != "run"].drop_duplicates([*keys, "metric"])
+    values = figures.pivot(index=keys, columns="metric", values="value")
     return values.reindex(pd.MultiIndex.from_frame(listed)).reset_index()

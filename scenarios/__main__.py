@@ -1,4 +1,4 @@
-"""`python -m scenarios`: list, metrics, run, compare, check, bench, ablate, sweep, stability."""
+"""`python -m scenarios`: list, metrics, run, compare, check, bench, study."""
 
 import argparse
 import os
@@ -10,18 +10,16 @@ from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
-from scenarios.cli import ablate, commands, comparison, listing, sweep
+from scenarios.cli import commands, comparison, listing
+from scenarios.cli import study as studies
 from scenarios.results.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.running import cluster, own_settings
-from scenarios.stability import __main__ as stability
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": comparison.compare,
-    "check": commands.check, "bench": commands.bench, "ablate": ablate.ablate, "sweep": sweep.sweep,
+    "check": commands.check, "bench": commands.bench, "study": studies.study,
 }
 """What each word of the command line does."""
-STABILITY = "stability"
-"""The word whose options are none of the others'; its own command line reads them."""
 
 
 def parser() -> argparse.ArgumentParser:
@@ -31,7 +29,7 @@ def parser() -> argparse.ArgumentParser:
     chosen = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     shared = argparse.ArgumentParser(add_help=False)
     shared.add_argument("--engine", nargs="+", action="extend", default=[], metavar="NAME", help="engines; all by default")
-    names = "scenes whose name matches, several patterns with commas; otherwise all, in bench and ablate the everyday ones"
+    names = "scenes whose name matches, several patterns with commas; otherwise all, in bench and study the usual ones"
     shared.add_argument("--filter", metavar="GLOB,...", help=names)
     usual = "presets; by default all but those that run on request only"
     shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help=usual)
@@ -64,19 +62,17 @@ def parser() -> argparse.ArgumentParser:
     brought.add_argument("--seconds", type=float, default=5.0, help="how long (default 5; with a motion, of it at most)")
     chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
     chosen.add_parser("bench", help="frame times only", parents=[shared])
-    chosen.add_parser("ablate", help="what each effect of a scene costs, and what leaving it out changes", parents=[shared])
-    sweep = chosen.add_parser("sweep", help="accuracy against time over every engine's own settings, resumable", parents=[shared])
-    for many in (compare, sweep):
+    study = chosen.add_parser("study", help="a study at length, added to the last comparison", parents=[shared])
+    study.add_argument("name", nargs="+", metavar="NAME", help=f"{', '.join(studies.STUDIES)}")
+    study.add_argument("--run", type=path_option, metavar="RUN", help="run to add it to (default: the last comparison)")
+    for many in (compare, study):
         many.add_argument(cluster.OPTION, metavar="ADDRESS", help=cluster.HELP)
-    chosen.add_parser(STABILITY, help="hard cases under other starts, frame times, sizes and places; options of its own")
     return top
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; whatever was wrong with the input is said in one line."""
     words = list(sys.argv[1:] if argv is None else argv)
-    if words[:1] == [STABILITY]:
-        return stability.main(words[1:])
     try:
         asked = parser().parse_args(words)
     except SystemExit as end:

@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -95,7 +95,7 @@ def page(
         "gated": run.gated.partition("/")[0],
         "stills": {name: one.pictures for name, one in stills.items()} or None,
         "instants": {name: one.time for name, one in stills.items()},
-        "settings": None if settings is None else by_scene(settings),
+        "settings": None if settings is None else by_scene(settings, run.avatars),
         "first": None if settings is None else first_scene(settings),
     }
     info, js = run.results.provenance, "".join(map(scripts.source, ("theme.js", "quantity.js", "index.js")))
@@ -179,7 +179,7 @@ def change_words(run: Run, changes: Changes | None, instants: Mapping[str, Insta
     }
 
 
-def by_scene(settings: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:
+def by_scene(settings: pd.DataFrame, avatars: Collection[str]) -> dict[str, list[dict[str, Any]]]:
     """Return the settings of each scene for the page's script; an error of null does not follow its user."""
     found: dict[str, list[dict[str, Any]]] = {}
     for row in settings.itertuples():
@@ -200,7 +200,7 @@ def by_scene(settings: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:
                 "native": row.native,
                 "alone": bool(row.alone),
                 "options": row.options,
-                "avatar": bool(row.avatar),
+                "avatar": row.scenario in avatars,
             }
         )
     return found

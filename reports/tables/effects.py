@@ -1,16 +1,13 @@
 """Effects of scenes: which are simulated, what they cost, and what breaks without them."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
-from avatarsim.errors import InvalidFile
-from avatarsim.files import read_json
-from runfiles.published import MOST_BYTES
+from runfiles.table import read_study
 
-FILE = "ablation.json"
+STUDY = "effects"
+WITHOUT = "without "
 
 
 def effects(folder: Path) -> pd.DataFrame | None:
@@ -18,32 +15,32 @@ def effects(folder: Path) -> pd.DataFrame | None:
 
     Returns:
         Columns scenario, effect, share (of the frame time, negative where the effect saves time), with_us, without_us [us],
-        broken: metrics that get worse without it. Effects that a scene does not call for have no row.
+        broken: metrics whose bound holds with the effect only. Effects that a scene does not call for have no row.
 
     Raises:
         InvalidFile: for a damaged file.
     """
-    path = folder / FILE
-    if not path.exists():
+    table = read_study(folder, STUDY)
+    if table is None:
         return None
-    valid = "the whole file that one command wrote"
-    data: Any = read_json(path, str(path), valid, MOST_BYTES)
-    try:
-        found = [_effect(line) for line in data["lines"] if line["share"] is not None]
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, OverflowError) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", valid) from error
+    found = []
+    for scenario, part in table.groupby("scenario", sort=False):
+        plain = part[part.change == ""].drop_duplicates("metric").set_index("metric")
+        for change, other in part[part.change.str.startswith(WITHOUT)].groupby("change", sort=False):
+            without = other.drop_duplicates("metric").set_index("metric")
+            times = [float(one.value.get("frame_time_p50", float("nan"))) for one in (plain, without)]
+            if not times[0] > 0.0 or not times[1] >= 0.0:
+                continue
+            held = plain[plain.value <= plain.bound]
+            broken = [name for name in held.index if not without.value.get(name, float("nan")) <= held.bound[name]]
+            found.append(
+                {
+                    "scenario": scenario,
+                    "effect": str(change).removeprefix(WITHOUT),
+                    "share": (times[0] - times[1]) / times[0],
+                    "with_us": times[0],
+                    "without_us": times[1],
+                    "broken": broken,
+                }
+            )
     return pd.DataFrame(found) if found else None
-
-
-def _effect(line: Mapping[str, Any]) -> dict[str, object]:
-    share = float(line["share"])
-    if not share <= 1.0:
-        raise ValueError(f"a share of {share} of the frame")
-    return {
-        "scenario": str(line["scenario"]),
-        "effect": str(line["effect"]),
-        "share": share,
-        "with_us": float(line["with_us"]),
-        "without_us": float(line["without_us"]),
-        "broken": [str(name) for name, *_ in line["broken"]],
-    }

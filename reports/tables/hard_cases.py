@@ -5,53 +5,47 @@ from pathlib import Path
 
 import pandas as pd
 
-from avatarsim.errors import InvalidFile
+from runfiles.table import read_study, wide
 
-FILE = "stability.csv"
-
-NUMBERS = ("overlap", "energy", "bad", "moved")
-"""Columns of numbers."""
+STUDY = "hard_cases"
+METRICS = ("residual_overlap_max", "energy_added_max", "not_finite_frames", "wrong_side_frames", "end_distance")
 
 
-def trials(folder: Path) -> pd.DataFrame | None:
-    """Read the trials of a run; None where none were made. Raises InvalidFile for a damaged file."""
-    path = folder / FILE
-    if not path.exists():
-        return None
-    try:
-        table = pd.read_csv(path)
-        table = table.astype(dict.fromkeys(("case", "run", "kind", "state"), str)).astype(dict.fromkeys(NUMBERS, float))
-    except (ValueError, KeyError, OverflowError, pd.errors.ParserError) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the file of one command") from error
-    return table if len(table) else None
-
-
-def by_case(table: pd.DataFrame) -> pd.DataFrame:
-    """Summarise trials by case and run.
+def by_case(folder: Path) -> pd.DataFrame | None:
+    """Read the trials of a run by case and run; None where none were made.
 
     Returns:
         Columns case, run, trials, not_finite, left: trials with a value that is no number, and trials that left their region;
         drift [m]: largest distance of the end from that of the unchanged trial, NaN where that one left its region;
-        overlap [m] and energy [J]: largest; unsupported: trials that the engine cannot express.
+        overlap [m] and energy [J]: largest; unsupported: trials without figures.
+
+    Raises:
+        InvalidFile: for a damaged file.
     """
+    table = read_study(folder, STUDY)
+    if table is None:
+        return None
     found = []
-    for (case, run), part in table.groupby(["case", "run"], sort=False):
-        tried = part[part.state.isin(("survived", "lost"))]
-        plain, lost = tried[tried.kind == "plain"], tried[tried.state == "lost"]
-        broken = lost[lost.bad > 0]
-        inside = tried[tried.state == "survived"]
-        anchored = len(plain) > 0 and bool((plain.state == "survived").all())
+    for (case, run), part in wide(table).groupby(["scenario", "run"], sort=False):
+        part = part.reindex(columns=[*part.columns, *(name for name in METRICS if name not in part)])
+        broken = part.not_finite_frames > 0.0
+        left = part.wrong_side_frames > 0.0
+        inside = part[(part.wrong_side_frames == 0.0) & (part.not_finite_frames == 0.0)]
         found.append(
             {
                 "case": case,
                 "run": run,
-                "trials": len(tried),
-                "not_finite": len(broken),
-                "left": len(lost) - len(broken),
-                "drift": float(inside.moved.max()) if anchored and len(inside) else math.nan,
-                "overlap": float(inside.overlap.max()) if len(inside) else math.nan,
-                "energy": float(inside.energy.max()) if len(inside) else math.nan,
-                "unsupported": len(part) - len(tried),
+                "trials": int(part.not_finite_frames.notna().sum()),
+                "not_finite": int(broken.sum()),
+                "left": int(left.sum()),
+                "drift": _largest(inside.end_distance) if (inside.change == "").any() else math.nan,
+                "overlap": _largest(inside.residual_overlap_max),
+                "energy": _largest(inside.energy_added_max),
+                "unsupported": int(part.not_finite_frames.isna().sum()),
             }
         )
     return pd.DataFrame(found)
+
+
+def _largest(values: pd.Series) -> float:
+    return float(values.max()) if len(values) else math.nan

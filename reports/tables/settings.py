@@ -6,21 +6,21 @@ from pathlib import Path
 
 import pandas as pd
 
-from avatarsim.errors import InvalidFile
 from runfiles.accuracy import FOLLOWING, counts, follows, length
 from runfiles.engines import about
+from runfiles.metrics import unit
+from runfiles.table import read_study, wide
 
-FILE = "sweep.csv"
-
-TEXTS = ("scenario", "engine", "setting", "base", "options", "metric", "unit", "state", "settable")
-NUMBERS = ("error", "p50", "p95", "slowest", "moving", "step", "rests", "sleeps", "avatar")
-"""Columns of texts and of numbers."""
+STUDY = "settings"
 
 LEVELS = (("10 mm", 1e-2), ("1 mm", 1e-3), ("0.1 mm", 1e-4), ("1 µm", 1e-6))
 """Accuracies that a reader chooses from [m]."""
 
-ASLEEP_FROM = 0.5
-"""Share of resting frames from which on the median is that of a sleeping frame."""
+SPOILS = ("wrong_side_frames", "not_finite_frames")
+"""Metrics that must be 0, or a small error means nothing."""
+
+ASLEEP_FROM = 50.0
+"""Share of resting frames [%] from which on the median is that of a sleeping frame."""
 
 
 def settings(folder: Path) -> pd.DataFrame | None:
@@ -30,74 +30,64 @@ def settings(folder: Path) -> pd.DataFrame | None:
         A row per scene, engine and setting with the columns scenario, engine, setting, preset (flag), base, step [1/s]: NaN
         unless it alone differs from the preset, error: the largest [m], inf where a free user is not followed, worst: the metric
         of it, median, moving, p95, slowest [us], asleep (flag), measured (flag), native: lines to copy, alone (flag): they are
-        all that the setting changes in the preset's model, options: the line of this project, avatar (flag).
+        all that the setting changes in the preset's model, options: the line of this project.
 
     Raises:
         InvalidFile: for a damaged file.
     """
-    path = folder / FILE
-    if not path.exists():
+    table = read_study(folder, STUDY)
+    if table is None:
         return None
-    try:
-        table = pd.read_csv(path, keep_default_na=True, dtype={name: str for name in TEXTS})
-        table = table.astype(dict.fromkeys(NUMBERS, float)).fillna(dict.fromkeys(TEXTS, ""))
-        found = [_setting(part) for _, part in table.groupby(["scenario", "engine", "setting"], sort=False)]
-    except (ValueError, KeyError, AttributeError, OverflowError, pd.errors.ParserError) as error:
-        raise InvalidFile(str(path), f"{type(error).__name__}: {error}", "the file of one sweep") from error
-    return pd.DataFrame(found) if found else None
+    return pd.DataFrame([_setting(row) for row in wide(table).to_dict("records")])
 
 
-def _setting(part: pd.DataFrame) -> dict[str, object]:
-    first, measured = part.iloc[0], part[part.state == "measured"]
-    engine, setting = str(first.engine), str(first.setting)
-    errors = {
-        row.metric: length(row.metric, row.error)
-        for row in measured.itertuples()
-        if counts(row.metric, row.unit if isinstance(row.unit, str) else "")
-    }
-    offsets = [row.error for row in measured.itertuples() if row.metric in FOLLOWING]
-    error = max(errors.values(), default=math.nan)
-    if any(not follows(float(one)) for one in offsets):
+def _setting(row: dict[str, object]) -> dict[str, object]:
+    def number(metric: str) -> float:
+        value = row.get(metric)
+        return float(value) if isinstance(value, int | float) else math.nan
+
+    engine, base, change, options = (str(row[name]) for name in ("engine", "preset", "change", "options"))
+    values = _values(engine, options)
+    sound = all(number(metric) == 0.0 for metric in SPOILS if metric in row and not math.isnan(number(metric)))
+    names = [name for name in row if name.endswith(("_max", "_rms", "_rms_free")) and not name.startswith("frame_time_")]
+    errors = {name: length(name, number(name)) for name in names if counts(name, unit(name)) and not math.isnan(number(name))}
+    error = max(errors.values(), default=math.nan) if sound else math.nan
+    if sound and not all(follows(number(name)) for name in FOLLOWING):
         error = math.inf
-    options = first.options if isinstance(first.options, str) else ""
-    moving = first.moving if pd.notna(first.moving) else math.nan
+    moving, one = number("frame_time_moving_p50"), about(engine)
+    sleeps = one.sleeps and "sleeping" not in options or base == "sleeping" or values.get("sleep") is True
     return {
-        "scenario": first.scenario,
+        "scenario": row["scenario"],
         "engine": engine,
-        "setting": setting,
-        "preset": setting == first.base,
-        "base": first.base,
-        "step": _step(engine, options, first.step),
+        "setting": change or base,
+        "preset": not change,
+        "base": base,
+        "step": _step(engine, values, number("time_step")),
         "error": error,
         "worst": max(errors, key=errors.__getitem__, default=""),
-        "median": first.p50,
+        "median": number("frame_time_p50"),
         "moving": moving,
-        "p95": first.p95,
-        "slowest": first.slowest,
-        "asleep": bool(first.sleeps) and pd.isna(moving) and first.rests >= ASLEEP_FROM,
-        "measured": len(measured) > 0 and math.isfinite(first.p50),
-        "native": "\n".join(about(engine).in_own_words(_values(engine, options))),
-        "alone": first.settable != "",
+        "p95": number("frame_time_p95"),
+        "slowest": number("frame_time_max"),
+        "asleep": sleeps and math.isnan(moving) and number("resting_frames") >= ASLEEP_FROM,
+        "measured": sound and not math.isnan(error) and math.isfinite(number("frame_time_p50")),
+        "native": "\n".join(one.in_own_words(values)),
+        "alone": bool(values) and set(values) <= set(one.alone),
         "options": options,
-        "avatar": bool(first.avatar),
     }
 
 
-def _step(engine: str, options: str, stated: float) -> float:
-    """Steps a second of a setting that changes nothing else; NaN for an engine without a step of its own."""
-    values = _values(engine, options)
-    if set(values) - {"dt"}:
-        # more than the step differs from the preset
+def _step(engine: str, values: dict[str, object], stated: float) -> float:
+    """Return the steps a second of a setting that changes nothing else; NaN for an engine without a step of its own."""
+    if set(values) - {"dt"} or not about(engine).has_time_step:
         return math.nan
     given = values.get("dt")
-    step = (
-        float(given) if isinstance(given, int | float) and given else float(stated) if pd.notna(stated) and stated else math.nan
-    )
-    return 1.0 / step if step > 0.0 and "dt" in about(engine).native else math.nan
+    step = float(given) if isinstance(given, int | float) else stated
+    return 1.0 / step if step > 0.0 else math.nan
 
 
 def _values(engine: str, options: str) -> dict[str, object]:
-    """Options of a line of TOML of this project; empty for a preset."""
+    """Return the options of a line of TOML of this project; empty for a preset."""
     try:
         rows = tomllib.loads(options).get(engine, {})
     except tomllib.TOMLDecodeError:

@@ -43,23 +43,22 @@ class Plan:
     jobs: list[Job]
     ready: list[Outcome]
     gated: frozenset[tuple[str, str]]
+    own: tuple[OwnSettings, ...] = ()
 
 
 def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
     """Scenes that the filter lets through, or the one that is named. Raises UnknownName; their bounds are known metrics.
 
-    Without a filter a measurement of times, or of what effects cost, takes the everyday scenes, with `--full` all.
+    Without a filter a measurement of times takes the everyday scenes, with `--full` all.
     """
     name = getattr(asked, "scene", None)
     found = {name: scenes_offered.get(name)} if name else scenes_offered.scenarios(asked.command, asked.filter)
     if asked.filter is not None:
         found = filtered(found, asked.filter)
-    elif asked.command in ("bench", "ablate") and not asked.full:
-        also = (*SCENES, *PILES) if asked.command == "bench" else ()
-        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in also}
-        kinds = "everyday scenes, piles and those of Table 2" if also else "everyday scenes"
-        said = f"{len(everyday)} {kinds} of {len(found)}; --full (make: FULL=1) or --filter '*' takes all"
-        print(said, file=sys.stderr)
+    elif asked.command == "bench" and not asked.full:
+        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in (*SCENES, *PILES)}
+        said = f"{len(everyday)} everyday scenes, piles and those of Table 2 of {len(found)}"
+        print(f"{said}; --full (make: FULL=1) or --filter '*' takes all", file=sys.stderr)
         found = everyday
     for scenario in found.values():
         bounds_of(scenario)
@@ -121,7 +120,7 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
                     base, options = ("", {}) if chosen is None else (chosen.base, chosen.options)
                     jobs.append(Job(**common, preset=preset, base=base, options=options))
     firsts = {name: offer.presets[0] if offer.presets else "default" for name, offer in offered.items()}
-    return Plan(found, jobs, ready, frozenset(firsts.items()))
+    return Plan(found, jobs, ready, frozenset(firsts.items()), own)
 
 
 def check(asked: argparse.Namespace, words: Sequence[str]) -> int:

@@ -11,15 +11,13 @@ from scenarios import own_scenes
 from scenarios.cli.commands import Plan, carried_out, plan
 from scenarios.engines import known
 from scenarios.running.harness import Run
-from scenarios.stability import slice as stability
-from scenarios.studies import ablation, judge_trust
-from scenarios.studies.study import Request, Study, asked_in_turn
-from scenarios.studies.sweep import short
+from scenarios.studies import contact_law, effects, hard_cases, judge_trust, settings
+from scenarios.studies.study import Request, Study, in_turn
 
-STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, stability.STUDY, judge_trust.STUDY)
+STUDIES: tuple[Study, ...] = (settings.STUDY, effects.STUDY, hard_cases.STUDY, contact_law.STUDY, judge_trust.STUDY)
 """The studies of a comparison, in the order in which they run."""
-OWN_STUDIES: tuple[Study, ...] = (short.STUDY, ablation.STUDY, judge_trust.STUDY)
-"""Those of a comparison in scenes that a user brings; hard cases are the catalogue's."""
+OWN_STUDIES: tuple[Study, ...] = (settings.STUDY, effects.STUDY, judge_trust.STUDY)
+"""Those of a comparison in scenes that a user brings; hard cases and the contact law are in scenes of the catalogue."""
 
 SCALES = {"scene": "scene_scale", "avatar": "avatar_scale", "room": "room_scale"}
 """Files of a scene of one's own, and the option that says how many metres a unit of length has in each."""
@@ -38,7 +36,7 @@ def compare(asked: argparse.Namespace, words: Sequence[str]) -> int:
 
     def studied(ran: Run) -> list[str]:
         studies = OWN_STUDIES if asked.own else STUDIES
-        return [] if asked.frames is not None else asked_in_turn(studies, request_of(asked, ran))
+        return [] if asked.frames is not None else in_turn(studies, request_of(asked, ran))
 
     gated = Plan(made.scenarios, made.jobs, made.ready, frozenset({GATED}))
     return carried_out(asked, words, gated, timed=True, report=True, also=studied)
@@ -80,11 +78,10 @@ def _word(option: str) -> str:
 
 
 def request_of(asked: argparse.Namespace, ran: Run) -> Request:
-    """What the studies of this run may ask about: its scenes, and the engines and presets that brought a recording."""
+    """Return what the studies of this run are about: its scenes, and the engines and presets that brought a recording."""
     presets: dict[str, tuple[str, ...]] = {}
     for outcome in ran.outcomes.values():
         job = outcome.job
         if outcome.state == "measured" and not job.base and job.preset not in presets.get(job.engine, ()):
             presets[job.engine] = (*presets.get(job.engine, ()), job.preset)
-    return Request(ran.folder, asked.out.resolve(), ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full,
-                   ran.outcomes, ran.clocked)
+    return Request(ran.folder, ran.scenarios, presets, asked.jobs, asked.seed[0], asked.full, ran.outcomes, ran.clocked)

@@ -1,13 +1,35 @@
-"""Test problems of the short sweep: which scenes it takes, by which errors, and how often their frames are timed.
+"""Test problems of the study of settings: its scenes, the errors in each, and how often their frames are timed.
 
-The timing pass of a comparison times these scenes in the same way, so that a setting has one time on a page.
+The timing pass of a comparison times the scenes of its short form in the same way, so that a setting has one time on a page.
 """
 
 from collections.abc import Mapping
 
 from runfiles.timing_protocol import REPEATS
-from scenarios.running.telling import OFFSET, OVERLAP
 from scenarios.scenario import Scenario
+
+OVERLAP, LIMITS, OFFSET = "residual_overlap_max", "joint_limit_excess_max", "tracker_offset_rms_free"
+
+TELLING: Mapping[str, tuple[str, ...]] = {
+    "mocap_punch_wall": (OVERLAP, LIMITS, OFFSET),
+    "hand_grasp": (OVERLAP, LIMITS, OFFSET),
+    "limit_torture_hinges": (LIMITS,),
+    "hand_in_corner_rigid": (OVERLAP, OFFSET),
+    "thin_wall_hand": (OVERLAP, "wrong_side_frames"),
+    "stack_ten": (OVERLAP, "drift_max"),
+    "bounce_ladder": ("restitution_error_max", "apex_error_max", OVERLAP),
+    "oblique_bounce": ("velocity_error_max", "spin_error_max"),
+    "stop_distance": ("stop_distance_error_max", "stop_direction_error_max", OVERLAP),
+}
+"""Scene -> metrics: recorded motion against a wall, an articulated hand with loose things, limits alone, the paper's rigid hand,
+a thin wall, rest, bounce, bounce with friction, friction. Each at most ten seconds in its quick length."""
+
+ERRORS = (
+    OVERLAP, "wrong_side_frames", LIMITS, "reach_cone_excess_max", OFFSET, "restitution_error_max", "bounce_time_error_max",
+    "apex_error_max", "course_error_max", "velocity_error_max", "spin_error_max", "stop_distance_error_max",
+    "stop_direction_error_max", "drift_max", "energy_drift_max", "energy_gain_max",
+)
+"""What counts as error in a scene that is not listed above, if it is measured there."""
 
 PHENOMENA: Mapping[str, tuple[str, ...]] = {
     "bounce_ladder": ("apex_error_max", OVERLAP),
@@ -26,10 +48,15 @@ many it had, and has no 99th percentile."""
 
 
 def short_errors_of(name: str, scenario: Scenario) -> tuple[str, ...]:
-    """The errors of a scene in the short sweep; none for a scene that is not in it. Those of a whole one: `telling.errors_of`."""
+    """The errors of a scene in the short form; none for a scene that is not in it."""
     if name in PHENOMENA:
         return PHENOMENA[name]
     return ALSO.get(name, (OVERLAP, OFFSET)) if scenario.everyday else ()
+
+
+def long_errors_of(name: str) -> tuple[str, ...]:
+    """Return the errors of a scene in the long form."""
+    return TELLING.get(name, ERRORS)
 
 
 def repeats_of(frames: int) -> int:

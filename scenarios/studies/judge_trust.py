@@ -3,6 +3,7 @@
 import sys
 
 from avatarsim.errors import MissingPackage
+from runfiles.table import Row
 from scenarios.results.provenance import code_hash
 from scenarios.running.progress import Progress
 from scenarios.studies.study import Request, Study
@@ -16,7 +17,7 @@ def seed() -> int:
     return int(code_hash(), 16) % SEEDS
 
 
-def ask(request: Request) -> list[str]:
+def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Examine the judge and write judge.json into the run's folder. Raises MissingPackage without the judge's packages."""
     try:
         from reference.judge_trust import PAIRS, command, trust, write
@@ -26,7 +27,7 @@ def ask(request: Request) -> list[str]:
     drawn = seed()
     with Progress("judge", len(KINDS), sys.stderr) as progress:
         write(trust(PAIRS, drawn, progress.step), request.folder, command(PAIRS, drawn))
-    return []
+    return [], []
 
 
 STUDY = Study("judge", ask)

@@ -1,59 +1,105 @@
-"""Short studies that are part of every comparison: each answers one question about the run and leaves files in its folder.
+"""Studies: questions about a run beyond its scenes. Each leaves one file of rows, `NAME.csv`, in the folder of the run.
 
-A study is the short form of a command of its own (`sweep`, `stability`, `ablate`, ...), which asks the same at length.
+A comparison carries them out in their short form, `python -m scenarios study` in their long one, which goes on where it was
+stopped.
 """
 
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
 from avatarsim.errors import AvatarsimError, described
+from avatarsim.running.processes import PATIENCE, Died, Workers
+from runfiles.files import write_text
+from runfiles.metrics import unit
+from runfiles.table import STUDIED, Row, Status, csv_text
 from scenarios.job import Outcome
+from scenarios.running.own_settings import OwnSettings
+from scenarios.running.processes import side_by_side
+from scenarios.running.progress import Progress
 from scenarios.running.timing import Clocked
 from scenarios.scenario import Scenario
+from scenarios.studies.checkpoint import Checkpoint, Entry
+
+Task = TypeVar("Task")
 
 
 @dataclass(frozen=True)
 class Request:
-    """What a study may ask about: `scenarios` by name and `presets` by engine (those that took part and could be opened).
+    """Run that a study is about.
 
-    `folder` is the run's own, `out` that of all runs, in which a store may live; `seed` that of motions and engines; `jobs` how
-    many processes may run side by side; `full` asks for full lengths. `outcomes` and `clocked` are what both passes of the run
-    gave, by the stem of the job.
+    folder     of the run
+    scenarios  by name
+    presets    of each engine that took part and can be opened
+    workers    processes that run side by side, or a cluster
+    seed       of motions and engines
+    full       full lengths
+    outcomes, clocked  what both passes of the run gave, by the stem of the job
+    kept       folder of checkpoints of the long form; None for the short one
+    own        settings of the reader's own
+    frames     most frames of a scene; None for all
     """
 
     folder: Path
-    out: Path
     scenarios: Mapping[str, Scenario]
     presets: Mapping[str, tuple[str, ...]]
-    jobs: int
-    seed: int
-    full: bool
+    workers: Workers
+    seed: int = 0
+    full: bool = False
     outcomes: Mapping[str, Outcome] = field(default_factory=dict)
     clocked: Mapping[str, Clocked] = field(default_factory=dict)
+    kept: Path | None = None
+    own: tuple[OwnSettings, ...] = ()
+    frames: int | None = None
+
+    @property
+    def long(self) -> bool:
+        """Whether the long form is asked for."""
+        return self.kept is not None
+
+    def checkpoint(self, study: str) -> Checkpoint:
+        """Return the checkpoint of a study: in a file in its long form only, since a comparison's figures are all its own."""
+        return Checkpoint(None if self.kept is None else self.kept / f"{study}.jsonl")
 
 
 @dataclass(frozen=True)
 class Study:
-    """One question: its `name` in progress lines, and what asks it. `ask` writes its files into the request's folder, whole or
-    not at all, and returns a sentence for each thing that it could not do."""
+    """One question.
+
+    name  of the study and of its file
+    ask   carries it out: returns its rows, and a sentence for each thing that could not be done
+    usual whether the long form takes a scene unless others are named
+    """
 
     name: str
-    ask: Callable[[Request], Sequence[str]]
+    ask: Callable[[Request], tuple[Sequence[Row], Sequence[str]]]
+    usual: Callable[[Scenario], bool] = bool
+
+    def carry_out(self, request: Request) -> tuple[Sequence[Row], Sequence[str]]:
+        """Carry it out and write its file, whole or not at all; none where it has no rows."""
+        rows, troubles = self.ask(request)
+        if rows:
+            write_text(request.folder / f"{self.name}.csv", csv_text(rows, STUDIED))
+        return rows, troubles
 
 
-def asked_in_turn(studies: Sequence[Study], request: Request) -> list[str]:
-    """Ask every study, one after the other: what one of them could not do costs neither the run nor the others.
+def in_turn(studies: Sequence[Study], request: Request) -> list[str]:
+    """Carry out all studies; a fault of one costs neither the run nor the others.
 
-    Returns a sentence per trouble, each with the name of its study. Raises KeyboardInterrupt when the run is stopped.
+    Returns:
+        A sentence per trouble, each with the name of its study.
+
+    Raises:
+        KeyboardInterrupt: when the run is stopped.
     """
     troubles = []
     for study in studies:
         begun = time.monotonic()
         try:
-            troubles += [f"{study.name}: {said}" for said in study.ask(request)]
+            troubles += [f"{study.name}: {said}" for said in study.carry_out(request)[1]]
         except AvatarsimError as error:
             troubles.append(f"{study.name}: {error}")
         except Exception as error:
@@ -61,3 +107,53 @@ def asked_in_turn(studies: Sequence[Study], request: Request) -> list[str]:
             troubles.append(f"{study.name}: {described(error)}")
         print(f"{study.name} {time.monotonic() - begun:5.1f} s", file=sys.stderr, flush=True)
     return troubles
+
+
+def answers(
+    function: Callable[[Task], Entry], tasks: Mapping[str, Task], request: Request, checkpoint: Checkpoint, name: str,
+    tidy: Callable[[Task], bool], died: Callable[[Task, Died], Entry], patience: float = PATIENCE,
+) -> Iterator[tuple[str, Entry]]:
+    """Yield the answer to each task by its key: those of the checkpoint first, then new ones as they come, which it keeps.
+
+    Args:
+        function: answers one task, in a process of its own unless the task is `tidy`.
+        died: answer to a task whose process ended without one. It is not kept, nor is what was not measured: that may be the
+            machine's fault.
+    """
+    missing = {key: task for key, task in tasks.items() if checkpoint.get(key) is None}
+    yield from ((key, checkpoint.known[key]) for key in tasks if key not in missing)
+    keys = {id(task): key for key, task in missing.items()}
+    with Progress(name, len(missing), sys.stderr) as progress:
+        for task, answer in side_by_side(function, list(missing.values()), request.workers, tidy, patience):
+            key = keys[id(task)]
+            if isinstance(answer, Died):
+                answer = died(task, answer)
+            elif answer["state"] != "not-measured":
+                checkpoint.put(key, answer)
+            progress.step(name)
+            yield key, answer
+
+
+@dataclass(frozen=True)
+class Head:
+    """Columns that the rows of one run of a study share."""
+
+    study: str
+    scenario: str
+    engine: str
+    preset: str
+    change: str = ""
+    options: str = ""
+    seed: int = 0
+    frames: int = 0
+
+    def row(self, metric: str, value: float | None, note: str = "", bound: float | None = None, status: Status = "info") -> Row:
+        """Return the row of one figure."""
+        return Row(
+            self.scenario, self.engine, self.preset, self.seed, self.frames, metric, value, unit(metric), bound, None, status,
+            note, self.study, self.change, self.options,
+        )
+
+    def without(self, status: Status, note: str) -> Row:
+        """Return the row of a run without figures."""
+        return self.row("run", None, note, status=status)

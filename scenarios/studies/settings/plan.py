@@ -1,15 +1,8 @@
-"""The short sweep of a comparison: a few settings of every engine in the everyday scenes and in scenes with a closed form.
-
-All figures are of the run itself: errors of presets, and times of those whose every frame was timed, are taken from its two
-passes; everything else is measured here. The store of the long sweep is not read. A budget of time decides what is asked: first
-settings in a fixed order, then, errors being known, finer steps where another engine misses an accuracy that ours reaches.
-"""
+"""Plan of the study of settings: which settings of which engines are run in which scenes, in which order, and at what cost."""
 
 import math
-import sys
-import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -17,44 +10,22 @@ import numpy as np
 from runfiles import ladder
 from runfiles.accuracy import Reached, largest, missing
 from runfiles.comparable import unsupported
-from runfiles.csv_rows import csv_text
-from runfiles.files import write_json, write_text
 from runfiles.naming import BASELINE, stem
-from runfiles.timing_protocol import REPEATS, WARM_FRAMES
+from runfiles.timing_protocol import WARM_FRAMES
 from scenarios.job import Outcome
-from scenarios.results.store import Entry
-from scenarios.running.harness import tidy
 from scenarios.running.own_settings import OwnSettings
-from scenarios.running.phenomena import ONCE, repeats_of, short_errors_of
-from scenarios.running.processes import side_by_side
-from scenarios.running.seat import Seats
+from scenarios.running.phenomena import long_errors_of, repeats_of, short_errors_of
 from scenarios.running.timing import MOST_FRAMES
-from scenarios.studies.study import Request, Study
-from scenarios.studies.sweep import clock, measure
-from scenarios.studies.sweep.cell import Cell
-from scenarios.studies.sweep.grid import Setting, applicable, settings_of, short_order
-from scenarios.studies.sweep.rows import Row, rows_of, scene_of, with_fronts
+from scenarios.studies.checkpoint import Entry
+from scenarios.studies.settings import clock, measure
+from scenarios.studies.settings.cell import TIMED, Cell
+from scenarios.studies.settings.grid import Setting, applicable, settings_of, short_order
+from scenarios.studies.study import Request
 
-ROWS, ABOUT = "sweep.csv", "sweep.json"
-"""Points, and how they came about: which sweep, how long it took, what was left out."""
-
-BUDGET = 35.0
-"""Time [s] for which settings are chosen, on two processors. More: a comparison takes longer than its five minutes; less: ladders
-of steps have too few rungs to show where an engine's error stops falling."""
-FIRST = 0.35
-"""Share of the budget that is spent in the fixed order, before it is known which engine misses which accuracy. Larger: nothing is
-left for the margins and steps that would reach it; smaller: presets are missing, from which it is known."""
 MARGINS = ("margin", "loose_margin")
 """Options that say from which distance on there is contact: with the step, what an overlap depends on."""
 SOLVER = ("sleep", "iterations", "solver_iterations")
 """Options that cost little to try and may make a frame much cheaper where no avatar moves: tried there before fine steps."""
-ROUNDS = 4
-"""How often settings are chosen, each time by what the settings before took: estimates are too high by a third, and what they
-leave of the budget is spent. More rounds wait for processes more often."""
-PACES = (0.25, 4.0)
-"""Least and largest measured time over estimated time that is believed: of a round of few settings it says little."""
-LATEST = 2.0
-"""Multiples of the budget after which no further scene is timed, should the estimate have been wrong."""
 JUDGED = 1.2
 """Cost of a frame that is measured, in frames that are only recorded: the judge's share in the everyday scenes."""
 STARTED = 0.15
@@ -74,19 +45,31 @@ class Choice:
     estimated: float
 
 
+def errors_of(cell: Cell, request: Request) -> tuple[str, ...]:
+    """Return the metrics that are errors in the scene of a cell."""
+    return errors_in(cell.scenario, request)
+
+
+def errors_in(scenario: str, request: Request) -> tuple[str, ...]:
+    """Return the metrics that are errors in a scene; none where no setting is tried in it."""
+    return long_errors_of(scenario) if request.long else short_errors_of(scenario, request.scenarios[scenario])
+
+
 def cells_of(request: Request) -> list[Cell]:
-    """Every setting of the short grid, every row of the user's own, and every further preset that the run measured there, in
-    every scene in which it changes anything, in the order of the budget: first of each engine's list in all scenes, then the
-    second, and so on. What only repeats its preset's step, or has no words for an error of the scene, is left out: of such an
-    engine the presets stand there and say so."""
-    own: dict[str, list[OwnSettings]] = {}
+    """Return the settings of every scene in which they change anything, in the order in which a budget is spent on them.
+
+    Those of the short grid, or of all of it in the long form, every row of the user's own, and every further preset that the run
+    measured there: first of each engine's list in all scenes, then the second, and so on. A setting that repeats its preset's
+    step, or cannot express an error of the scene, is left out.
+    """
+    own: dict[str, list[OwnSettings]] = {name: list(request.own) for name in request.scenarios}
     for outcome in request.outcomes.values():
         job = outcome.job
         if job.base:
             own.setdefault(job.scenario, []).append(OwnSettings(job.engine, job.preset, job.base, job.options))
     ranked: list[tuple[tuple[int, float], Cell]] = []
     for name, scenario in sorted(request.scenarios.items(), key=lambda entry: not entry[1].everyday):
-        if not short_errors_of(name, scenario):
+        if not errors_in(name, request):
             continue
         scene = scenario.as_run(request.full).build()
         for engine, presets in request.presets.items():
@@ -94,9 +77,11 @@ def cells_of(request: Request) -> list[Cell]:
                 continue
             rows = own.get(name, ())
             known, more = settings_of(engine, presets, rows), variants_of(name, engine, request)
-            rank = {named: k for k, named in enumerate(short_order(engine, presets))} | {s.name: 0 for s in (*rows, *more)}
+            order = [setting.name for setting in known] if request.long else short_order(engine, presets)
+            rank = {named: k for k, named in enumerate(order)} | {s.name: 0 for s in (*rows, *more)}
             for setting in (*known, *more):
-                cell = Cell(name, setting, request.seed, request.full, most=MOST_FRAMES)
+                most = TIMED if request.long else MOST_FRAMES
+                cell = Cell(name, setting, request.seed, request.full, request.frames, most=most)
                 if setting.name in rank and setting.base in presets and applicable(setting, scene) and _tells(cell, request):
                     ranked.append((_turn(cell, rank[setting.name], request), cell))
     return [cell for _, cell in sorted(ranked, key=lambda entry: entry[0])]
@@ -136,7 +121,7 @@ def _turn(cell: Cell, rank: int, request: Request) -> tuple[int, float]:
 def turns_solver(cell: Cell) -> bool:
     """Whether a cell turns nothing but SOLVER in the preset that the ladder is of, in a scene without an avatar."""
     options = set(cell.setting.options)
-    return bool(options) and options <= set(SOLVER) and cell.setting.base == ladder.BASE and not scene_of(cell).avatars
+    return bool(options) and options <= set(SOLVER) and cell.setting.base == ladder.BASE and not cell.scene.avatars
 
 
 def _tells(cell: Cell, request: Request) -> bool:
@@ -152,7 +137,7 @@ def _tells(cell: Cell, request: Request) -> bool:
         if measure.number_of(base, name) == _number(value):
             return False
     said, run = base.about.get("cannot_say"), f"{setting.engine}/{setting.base}"
-    errors = short_errors_of(cell.scenario, request.scenarios[cell.scenario])
+    errors = errors_of(cell, request)
     return not (isinstance(said, Mapping) and set(unsupported(run, said)).intersection(errors))
 
 
@@ -163,7 +148,7 @@ def _number(value: object) -> float:
 def _base(cell: Cell, request: Request) -> Outcome | None:
     """What the accuracy pass of the run says of the preset beneath a cell."""
     setting = cell.setting
-    return request.outcomes.get(f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}")
+    return request.outcomes.get(stem(cell.scenario, setting.engine, setting.base, cell.seed))
 
 
 def step(cell: Cell, request: Request) -> float:
@@ -181,7 +166,7 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
     worst = [
         Reached(
             cell.scenario, cell.setting.engine,
-            largest(entry, short_errors_of(cell.scenario, request.scenarios[cell.scenario])), step(cell, request),
+            largest(entry, errors_of(cell, request)), step(cell, request),
         )
         for cell, entry in errors.items()
     ]
@@ -201,18 +186,12 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
     return sorted(cells, key=key)
 
 
-def recorded_as(cell: Cell) -> str:
-    """The stem under which the run's own passes know a cell: presets and the user's rows only."""
-    setting = cell.setting
-    return f"{cell.scenario}.{setting.engine}.{setting.name}.{cell.seed}"
-
-
 def frame_cost(cell: Cell, request: Request) -> tuple[float, float]:
     """Estimated time [s] of a rendered frame, recorded and bare: what the preset beneath took in both passes, by how much finer
     the setting steps."""
     setting = cell.setting
-    stem = f"{cell.scenario}.{setting.engine}.{setting.base}.{cell.seed}"
-    base, clocked = _base(cell, request), request.clocked.get(stem)
+    beneath = stem(cell.scenario, setting.engine, setting.base, cell.seed)
+    base, clocked = _base(cell, request), request.clocked.get(beneath)
     if base is None or not base.frame_seconds > 0.0:
         known = [o.frame_seconds for o in request.outcomes.values() if o.job.engine == setting.engine]
         both = max(known, default=UNKNOWN) * setting.cut
@@ -233,7 +212,7 @@ def _finer(setting: Setting, base: Outcome) -> float:
 def cost(cell: Cell, request: Request) -> float:
     """Estimated time [s] of what is still to be measured of a cell."""
     frames = frames_of(cell, request)
-    (recorded, bare), workers = frame_cost(cell, request), max(request.jobs, 1)
+    (recorded, bare), workers = frame_cost(cell, request), max(request.workers, 1) if isinstance(request.workers, int) else 1
     few = min(frames, cell.most)
     measured = 0.0 if known_errors(cell, request) else frames * recorded * JUDGED / workers
     timed = 0.0 if known_times(cell, request) else (few * repeats_of(few) + WARM_FRAMES) * bare
@@ -247,19 +226,19 @@ def frames_of(cell: Cell, request: Request) -> int:
 
 def known_errors(cell: Cell, request: Request) -> Entry | None:
     """What the accuracy pass of the run measured of a cell: the same job by the same judge."""
-    outcome = request.outcomes.get(recorded_as(cell))
+    outcome = request.outcomes.get(cell.recorded_as)
     return None if outcome is None else measure.entry_of(outcome)
 
 
 def known_times(cell: Cell, request: Request) -> Entry | None:
     """What the timing pass of the run says of a cell, if it timed all the frames that are timed here, and as often: of more
     repeats the first, so that all times of a scene are the least of equally many."""
-    clocked, repeats = request.clocked.get(recorded_as(cell)), repeats_of(min(frames_of(cell, request), cell.most))
+    clocked, repeats = request.clocked.get(cell.recorded_as), repeats_of(min(frames_of(cell, request), cell.most))
     if clocked is None or clocked.timed is None or clocked.timed.around_ns.shape[1] != cell.timed_frames:
         return None
     if len(clocked.timed.around_ns) < repeats:
         return None
-    recorded = request.outcomes.get(recorded_as(cell))
+    recorded = request.outcomes.get(cell.recorded_as)
     same = replace(clocked, timed=clocked.timed.first_repeats(repeats))
     return clock.time_entry(same, cell.setting.cut, () if recorded is None else recorded.resting)
 
@@ -275,103 +254,3 @@ def chosen(cells: Sequence[Cell], request: Request, budget: float) -> Choice:
         else:
             left.append((cell, each))
     return Choice(tuple(asked), tuple(left), spent)
-
-
-@dataclass(eq=False)
-class ShortSweep:
-    """One short sweep; `now` is a clock [s]."""
-
-    request: Request
-    budget: float = BUDGET
-    now: Callable[[], float] = time.monotonic
-    errors: dict[Cell, Entry] = field(default_factory=dict)
-    times: dict[Cell, Entry] = field(default_factory=dict)
-    late: list[str] = field(default_factory=list)
-    begun: float = 0.0
-    rounds: int = 0
-    reused: int = 0
-    """Cells whose times are the run's own."""
-
-    def ask(self) -> list[str]:
-        """Measure what was chosen and write both files; returns a sentence for each time that could not be taken."""
-        self.begun, cells = self.now(), cells_of(self.request)
-        if not cells:
-            return []
-        asked, left = self._rounds(cells)
-        order = list(dict.fromkeys(cell.scenario for cell in cells))
-        by_scene = sorted(cells, key=lambda cell: order.index(cell.scenario))
-        rows = with_fronts([row for cell in by_scene for row in self._rows(cell, left)])
-        write_text(self.request.folder / ROWS, csv_text(rows, Row))
-        write_json(self.request.folder / ABOUT, {
-            "form": "short", "seconds": round(self.now() - self.begun, 1), "budget": self.budget, "rounds": self.rounds,
-            "settings": len(asked), "reused": self.reused,
-            "left": [f"{cell.scenario}: {cell.setting.run}" for cell in left], "late": self.late,
-            "repeats": REPEATS, "once": ONCE,
-        })
-        return list(self._untimed(asked))
-
-    def _rounds(self, cells: Sequence[Cell]) -> tuple[list[Cell], Mapping[Cell, float]]:
-        """Choose and measure until the budget is spent: what was asked, and what did not fit with the time it would take."""
-        asked, waiting, pace = list[Cell](), list(cells), 1.0
-        choice = chosen(waiting, self.request, FIRST * self.budget)
-        while choice.asked and self.rounds < ROUNDS:
-            before = self.now()
-            self.rounds += 1
-            asked += choice.asked
-            self._measure(choice.asked)
-            self._clock(choice.asked)
-            pace = min(max((self.now() - before) / max(choice.estimated, STARTED), PACES[0]), PACES[1])
-            waiting = refined([cell for cell, _ in choice.left], self.errors, self.request)
-            room = self.budget - (self.now() - self.begun)
-            choice = chosen(waiting, self.request, max(room, 0.0) / pace)
-        return asked, {cell: pace * cost(cell, self.request) for cell in waiting}
-
-    def _measure(self, cells: Sequence[Cell]) -> None:
-        self.errors |= {cell: entry for cell in cells if (entry := known_errors(cell, self.request)) is not None}
-        todo = {cell.job.stem: cell for cell in cells if cell not in self.errors}
-        # scene by scene: a process finds the scene again that it had before
-        jobs = sorted((cell.job for cell in todo.values()), key=lambda job: job.scenario)
-        for job, entry in measure.told(side_by_side(measure.errors, jobs, self.request.jobs, tidy)):
-            self.errors[todo[job.stem]] = entry
-
-    def _clock(self, cells: Sequence[Cell]) -> None:
-        """Time what ran through, scene by scene; the run's own times are taken where they are of the same frames."""
-        ran = [cell for cell in cells if self.errors[cell]["state"] == "measured"]
-        known = {cell: entry for cell in ran if (entry := known_times(cell, self.request)) is not None}
-        self.times |= known
-        self.reused += len(known)
-        todo = [cell for cell in ran if cell not in known]
-        with Seats() as seats:
-            for scenario in dict.fromkeys(cell.scenario for cell in todo):
-                if self.now() - self.begun > LATEST * self.budget:
-                    self.late.append(scenario)
-                    continue
-                scene = [cell for cell in todo if cell.scenario == scenario]
-                rendered = scene[0].timed_frames // scene[0].setting.cut
-                clock.times(scene, seats, self.times.__setitem__, repeats_of(rendered), self.errors)
-                print(f"sweep: {scenario}, {len(scene)} settings timed", file=sys.stderr, flush=True)
-
-    def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:
-        errors = short_errors_of(cell.scenario, self.request.scenarios[cell.scenario])
-        found = self.errors.get(cell)
-        if cell in left:
-            note = f"left out: an estimated {left[cell]:.1f} s did not fit into the {self.budget:g} s of the short sweep"
-            found = {"state": "not-measured", "note": note, "values": {}, "missing": {}}
-        timed = self.times.get(cell)
-        if timed is None and cell.scenario in self.late:
-            timed = {"p50": None, "note": f"not timed: more than {LATEST * self.budget:g} s had passed"}
-        return rows_of(cell, errors, found, timed)
-
-    def _untimed(self, cells: Sequence[Cell]) -> Iterator[str]:
-        for cell in cells:
-            timed = self.times.get(cell)
-            if timed is not None and timed["p50"] is None:
-                yield f"{cell.scenario} {cell.setting.run} was not timed: {timed['note']}"
-
-
-def ask(request: Request) -> Sequence[str]:
-    """The short sweep over the scenes of `request` that belong to it."""
-    return ShortSweep(request).ask()
-
-
-STUDY = Study("sweep", ask)

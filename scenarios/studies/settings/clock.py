@@ -6,10 +6,10 @@ from types import MappingProxyType
 import numpy as np
 
 from runfiles.timing_protocol import PHASE_FRAMES, Protocol
-from scenarios.results.store import Entry
 from scenarios.running.seat import Seats
 from scenarios.running.timing import Clocked, timed_pass
-from scenarios.studies.sweep.cell import Cell
+from scenarios.studies.checkpoint import Entry
+from scenarios.studies.settings.cell import Cell
 
 AT_ONE_TABLE = 9
 """Processes that wait for their turn together. More: more memory, and more is lost when a run is killed; fewer: engines that are
@@ -55,7 +55,7 @@ def times(
 def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
     """Median, 95th and 99th percentile and slowest of the rendered frames [us], engine only, each frame the least of
     its `repeats`; None and why. A 99th percentile that too few `frames` or repeats stand behind is None as well. `rests` is the
-    share of frames in which
+    share [%] of frames in which
     nothing moves, `moving` and `at_rest` the median of either kind where both are many; None where that is not known."""
     nothing = dict.fromkeys(("p50", "p95", "p99", "slowest", "rests", "moving", "at_rest"))
     if found.timed is None:
@@ -68,7 +68,7 @@ def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
     if len(rests) == cut * len(whole):
         # a rendered frame rests if all of its parts do
         still = rests.reshape(-1, cut).all(axis=1)
-        phases["rests"] = float(still.mean())
+        phases["rests"] = 100.0 * float(still.mean())
         if min(still.sum(), (~still).sum()) >= PHASE_FRAMES:
             phases |= {"moving": float(np.median(whole[~still])), "at_rest": float(np.median(whole[still]))}
     return {

@@ -13,7 +13,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.motion.between import between
 from scenarios.scenario import RENDERED, Motion, Scenario
-from scenarios.stability.elsewhere import Elsewhere
+from scenarios.studies.hard_cases.elsewhere import Elsewhere
 
 Array = NDArray[np.float64]
 

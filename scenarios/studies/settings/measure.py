@@ -1,14 +1,13 @@
 """The errors of one cell: what is kept of them, and why a figure is none."""
 
 import tempfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
-from avatarsim.running.processes import Died
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
-from scenarios.results.store import Entry
 from scenarios.running.run import accuracy
+from scenarios.studies.checkpoint import Entry
 
 JUDGED = 50
 """Snapshots inside frames that are judged: what is shown counts as error, and hundreds of cells are measured."""
@@ -45,8 +44,3 @@ def number_of(outcome: Outcome, name: str) -> float | None:
     said = found[0] if isinstance(found, list | tuple) else found
     return float(said) if isinstance(said, int | float) else None
 
-
-def told(pairs: Iterable[tuple[Job, Entry | Died]]) -> Iterator[tuple[Job, Entry]]:
-    """The same with an entry for each job that died."""
-    for job, found in pairs:
-        yield job, entry_of(Outcome(job, "crashed", str(found))) if isinstance(found, Died) else found

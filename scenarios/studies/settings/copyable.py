@@ -2,7 +2,7 @@
 
 import json
 
-from scenarios.studies.sweep.grid import Setting
+from scenarios.studies.settings.grid import Setting
 
 
 def copyable(setting: Setting) -> str:

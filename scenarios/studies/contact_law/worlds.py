@@ -55,6 +55,13 @@ def name_of(law: str, shape: str, rate: int) -> str:
     return f"{law}_{shape}_{rate}"
 
 
+def parts_of(name: str) -> tuple[str, str, int]:
+    """Law, shape and steps per second of a scene."""
+    law, rest = name.split("_", 1)
+    shape, rate = rest.rsplit("_", 1)
+    return law, shape, int(rate)
+
+
 def body_name(asked: float, phase: int) -> str:
     """The name of one body."""
     return f"{asked:g}_{phase}"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import qmc
 
-from scenarios.stability.variation import Variation
+from scenarios.studies.hard_cases.variation import Variation
 
 CASES = {
     "stack_ten": 0.6, "heavy_on_light": 0.6, "painleve": 0.6, "newton_cradle_touching": 0.6, "tumbling_box": 0.6,
@@ -26,21 +26,25 @@ STEPS = (0.5, 2.0)
 """Solver steps in steps of the preset; another frame time hardly changes them, as engines cut a frame into steps of their own."""
 TOGETHER, SEED = 12, 20
 """How many draws change all at once, and the seed of the hypercube."""
-KINDS = ("plain", "start", "seed", "user", "frame time", "solver step", "size", "distance", "together")
 
 
 @dataclass(frozen=True)
 class Trial:
-    """A change of one kind and what tables call it."""
+    """A change of one kind, and its level as tables write it; "" for none."""
 
     kind: str
     level: str
     change: Variation
 
+    @property
+    def name(self) -> str:
+        """Name of the change."""
+        return f"{self.kind} {self.level}".strip()
+
 
 def alone() -> list[Trial]:
     """The plain case and every change for itself."""
-    found = [Trial("plain", "as it is", Variation())]
+    found = [Trial("", "", Variation())]
     found += [Trial("start", f"{start:g} m", Variation(start=start)) for start in STARTS]
     found += [Trial("seed", str(seed), Variation(seed=seed)) for seed in SEEDS]
     found += [Trial("user", str(user), Variation(user=user)) for user in USERS]

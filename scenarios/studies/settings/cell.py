@@ -1,15 +1,14 @@
 """One engine with one setting in one scene, and what is measured of it: errors, and time."""
 
-from dataclasses import dataclass, replace
-from functools import cached_property
-from zlib import crc32
+from dataclasses import dataclass
+from functools import cache, cached_property
 
-from avatarsim.running.sources import cpu
+from avatarsim.scene.scene import Scene
+from runfiles.naming import stem
 from scenarios import catalog
 from scenarios.job import CATALOGUE, Job
-from scenarios.results.fingerprint import find, key_of, sources
-from scenarios.studies.sweep import finer
-from scenarios.studies.sweep.grid import Setting
+from scenarios.studies.settings import finer
+from scenarios.studies.settings.grid import Setting
 
 TIMED = 240
 """Rendered frames that the long sweep times, four seconds: all of its scenes come into contact within them."""
@@ -42,13 +41,17 @@ class Cell:
         limit = self.most if self.frames is None else min(self.most, self.frames)
         return self.setting.cut * min(limit, catalog.get(self.scenario).as_run(self.full).frames)
 
-    @cached_property
-    def key(self) -> str:
-        """What its errors hang on."""
-        return key_of(self.job)
+    @property
+    def recorded_as(self) -> str:
+        """The stem under which the run's own passes know it: presets and the user's rows only."""
+        return stem(self.scenario, self.setting.engine, self.setting.name, self.seed)
 
-    @cached_property
-    def time_key(self) -> str:
-        """What its times hang on: besides, the processor and how frames are timed."""
-        about = f"{cpu()} {sources([find('scenarios.studies.sweep.clock')])}"
-        return f"{key_of(replace(self.job, frames=self.timed_frames))}-{crc32(about.encode()):08x}"
+    @property
+    def scene(self) -> Scene:
+        """Its scene, at the length that is run."""
+        return _scene(self.scenario, self.full)
+
+
+@cache
+def _scene(scenario: str, full: bool) -> Scene:
+    return catalog.get(scenario).as_run(full).build()

@@ -1,0 +1,147 @@
+"""One trial of a hard case: did the engine get through, how deep, how much energy from nothing, and where did all end?"""
+
+import math
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.engine import Engine, FrameRecord, Settings
+from avatarsim.errors import InvalidInput, MissingPackage, StartOverlaps, described
+from avatarsim.scene.tracker import checked
+from reference.judging.judge import Judge
+from runfiles.record import Recording
+from runfiles.table import Status
+from scenarios import catalog
+from scenarios.engines import opened
+from scenarios.job import Job
+from scenarios.measure.bodies.energy import energy
+from scenarios.measure.frames import not_finite
+from scenarios.measure.side import wrong_side
+from scenarios.running.run import gathered
+from scenarios.scenario import Scenario
+from scenarios.studies.checkpoint import Entry
+from scenarios.studies.hard_cases.plan import Trial
+from scenarios.studies.hard_cases.variation import Varied, varied
+
+Array = NDArray[np.float64]
+
+FIGURES = ("residual_overlap_max", "energy_added_max", "not_finite_frames", "wrong_side_frames")
+"""Figures of a trial, lengths and energies as in a world of size 1."""
+JUDGED = 30
+"""Most states of a trial that are judged, spread evenly, the last one among them."""
+LATE = 60.0
+"""Longest a trial may take [s] before it is given up; looked at between frames."""
+STEP = "dt"
+"""Setting in which an engine says the length of its solver's step [s]."""
+LENGTHS = ("margin", "loose_margin")
+"""Settings [m] of another engine that its preset chose for the lengths of a scene: they grow with a world, as the presets of
+scenes of another size have them. Left as they are, 0.4 mm push a pile of ten boxes at size 0.15 apart by 23 mm of size 1."""
+
+
+@dataclass(frozen=True)
+class Task:
+    """One trial of one case by one engine and preset."""
+
+    case: str
+    seconds: float
+    engine: str
+    preset: str
+    trial: Trial
+
+    @property
+    def run(self) -> str:
+        """Engine and preset as tables name them."""
+        return f"{self.engine}/{self.preset}"
+
+
+def tried(task: Task) -> Entry:
+    """Run a task in this process: state, note, frames, values of FIGURES, and the last places of all that moves.
+
+    What an engine does wrong is its state, and never ends the study.
+    """
+    scenario, frames = catalog.get(task.case), list[FrameRecord]()
+
+    def ended(state: Status, note: str) -> Entry:
+        return {"state": state, "note": note, "frames": len(frames), "values": {}, "end": []}
+
+    try:
+        case = varied(scenario, task.seconds, task.trial.change)
+    except InvalidInput as error:
+        return ended("cannot-say", f"there is no such scene: {described(error)}")
+    try:
+        engine = opened(task.engine)
+        silence = engine.cannot_say(case.scene)
+        if "scene" in silence:
+            return ended("cannot-say", silence["scene"])
+        try:
+            options = _options(engine, task, case)
+            if options is None:
+                return ended("cannot-say", "it has no solver step of a set length")
+            if not _run(engine, task, case, options, frames):
+                return ended("not-measured", f"not through after {LATE:g} s")
+        finally:
+            engine.close()
+    except MissingPackage as error:
+        return ended("not-measured", str(error))
+    except StartOverlaps as error:
+        return ended("refused", described(error))
+    except Exception as error:
+        # an engine may raise anything: that is its result
+        return ended("crashed", described(error))
+    return {"state": "measured", "note": "", "frames": len(frames) - 1, **_judged(task, scenario, case, frames)}
+
+
+def _options(engine: Engine, task: Task, case: Varied) -> dict[str, object] | None:
+    """Options by which the solver's step is the one that is asked for, and the preset's lengths are of a world of that size, from
+    what the preset sets in this very scene; None for an engine that has no such step."""
+    change = task.trial.change
+    if change.step == 1.0 and change.scale == 1.0:
+        return {}
+    engine.load(case.scene, Settings(task.preset, seed=change.seed), case.dt)
+    told = engine.settings_as_run()
+    found = {name: value[0] if isinstance(value := told[name], tuple) else value for name in (STEP, *LENGTHS) if name in told}
+    options: dict[str, object] = {}
+    for name in LENGTHS if change.scale != 1.0 else ():
+        if isinstance(length := found.get(name), float) and length > 0.0:
+            options[name] = change.scale * length
+    if change.step == 1.0:
+        return options
+    step = found.get(STEP)
+    return {**options, STEP: change.step * step} if isinstance(step, float) else None
+
+
+def _run(engine: Engine, task: Task, case: Varied, options: dict[str, object], frames: list[FrameRecord]) -> bool:
+    """Show all frames; False where they do not come within LATE."""
+    begun = time.monotonic()
+    frames.append(engine.load(case.scene, Settings(task.preset, options, task.trial.change.seed), case.dt))
+    for sample in case.samples:
+        if time.monotonic() - begun > LATE:
+            return False
+        frames.append(engine.advance(checked(sample, case.scene.avatars), case.dt))
+    return True
+
+
+def _judged(task: Task, scenario: Scenario, case: Varied, frames: list[FrameRecord]) -> dict[str, object]:
+    """Figures and end of a run that came to its end, brought back to where the case is."""
+    about, samples = Job(task.case, task.engine, task.preset), [case.scene.first_sample, *case.samples]
+    recording = task.trial.change.elsewhere.back(gathered(about, scenario, case.scene, samples, frames, {}))
+    values: dict[str, float] = {"not_finite_frames": _value(not_finite(recording)["not_finite_frames"])}
+    if values["not_finite_frames"]:
+        return {"values": values, "end": []}
+    values["residual_overlap_max"] = float(np.max(_depths(case, recording)))
+    values["energy_added_max"] = _value(energy(recording, case.here).get("energy_added_max", math.nan))
+    values["wrong_side_frames"] = _value(wrong_side(recording, scenario, case.here).get("wrong_side_frames", 0.0))
+    moving = [k for k, role in enumerate(case.here.roles) if role.name != "FIXED"]
+    return {"values": values, "end": recording.positions[-1, moving].tolist()}
+
+
+def _depths(case: Varied, recording: Recording) -> Array:
+    chosen = np.unique(np.linspace(0, recording.frames, min(JUDGED, recording.frames + 1)).round().astype(int))
+    return Judge(case.here).depths(recording.positions[chosen], recording.orientations[chosen])
+
+
+def _value(value: object) -> float:
+    """Return a figure, nan for one that is missing."""
+    return float(value) if isinstance(value, int | float) else math.nan
