@@ -2,18 +2,19 @@
 
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache
 from importlib import metadata
 from importlib.util import find_spec
 from pathlib import Path
 from types import MappingProxyType
+from typing import Annotated, Literal
 
 from avatarsim.errors import InvalidFile
 from runfiles.metrics import METRICS
 from runfiles.naming import GATED
-from runfiles.toml_table import Table
+from runfiles.typed_toml import read
 
 FOLDER = Path(__file__).parent.parent / "reference"
 FILE = "about.toml"
@@ -21,8 +22,8 @@ GROUP = "avatarsim.engines"
 """Entry-point group through which other engines join: a class that is constructed without arguments."""
 EXTRA = "compare"
 """The extra that brings the packages of an engine whose file names no other."""
-COLOUR, CLASS = "#[0-9a-f]{6}", r"[\w.]+:\w+"
-LACKING, CAUSES = ("engine", "adapter"), ("engine", "adapter", "setting")
+Colour = Annotated[str, "#[0-9a-f]{6}"]
+Metric = Annotated[str, METRICS]
 
 SPARE = (("#b0498d", "#f08fce"), ("#9a7400", "#e6c04a"), ("#3c8fb3", "#7fd0ef"), ("#7a5cc4", "#b7a0ff"))
 """Colours, light and dark, of engines that no file describes."""
@@ -37,9 +38,16 @@ class Unsupported:
     presets  that lack it; empty for all
     """
 
-    metrics: tuple[str, ...]
-    lacks: str
+    metrics: tuple[Metric, ...]
+    lacks: Literal["engine", "adapter"]
     presets: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Variant:
+    """A further preset, which runs only in scenes that meet a condition of scenarios/variants.py."""
+
+    scenes: str
 
 
 @dataclass(frozen=True)
@@ -47,7 +55,7 @@ class Issue:
     """Behaviour that explains large figures: found in a version on a date, in scenes (patterns)."""
 
     title: str
-    cause: str
+    cause: Literal["engine", "adapter", "setting"]
     version: str
     date: str
     scenes: str
@@ -70,9 +78,9 @@ class About:
     has_time_step   flag: it has a time step of its own, by an option "dt"; of others the frame is cut
     sleeps          flag: it puts resting bodies to sleep unless a scene forbids it
     baseline        flag: it handles no contact, and is ranked nowhere
-    variants        further presets by name: the condition, in scenarios/variants.py, of the scenes that they run in
+    variants        further presets by name
     unsupported     features by the name that the adapter reports
-    native          options of the adapter in the engine's own words, {} is the value; of a flag one for each value
+    native          options of the adapter in the engine's own words, {} is the value; of a flag a text for true and one for false
     alone           options that are all that changes in a preset
     unlike          differences of scenes in this engine, a sentence each
     issues          known ones
@@ -81,10 +89,10 @@ class About:
 
     name: str
     label: str
-    colour: str
-    dark: str
+    colour: Colour
+    dark: Colour
     presets: tuple[str, ...]
-    adapter: str = ""
+    adapter: Annotated[str, r"[\w.]+:\w+"] = ""
     packages: tuple[str, ...] = ()
     extra: str = EXTRA
     when_missing: str = ""
@@ -92,7 +100,7 @@ class About:
     has_time_step: bool = False
     sleeps: bool = False
     baseline: bool = False
-    variants: Mapping[str, str] = field(default_factory=dict)
+    variants: Mapping[str, Variant] = field(default_factory=dict)
     unsupported: Mapping[str, Unsupported] = field(default_factory=dict)
     native: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     alone: tuple[str, ...] = ()
@@ -171,62 +179,14 @@ def _file_beside(module: str) -> Path | None:
 
 def _read(path: Path, name: str = "", adapter: str = "") -> About:
     """Read a file of facts; `name` and `adapter` are those of an entry point. Raises InvalidFile."""
-    table = Table.read(path)
-    found = About(
-        name=table.one_of("name", (name,)) if name else table.text("name"),
-        label=table.text("label"),
-        colour=table.text("colour", None, COLOUR, "#rrggbb, lower case"),
-        dark=table.text("dark", None, COLOUR, "#rrggbb, lower case"),
-        presets=table.texts("presets", required=True),
-        adapter=table.text("adapter", adapter or None, CLASS, "module:class"),
-        packages=table.texts("packages"),
-        extra=table.text("extra", EXTRA),
-        when_missing=table.text("when_missing", ""),
-        reuses_process=table.flag("reuses_process"),
-        has_time_step=table.flag("has_time_step"),
-        sleeps=table.flag("sleeps"),
-        baseline=table.flag("baseline"),
-        variants={variant: _scenes(one) for variant, one in table.tables("variants").items()},
-        unsupported={feature: _unsupported(one) for feature, one in table.tables("unsupported").items()},
-        native=_native(table),
-        alone=table.texts("alone"),
-        unlike=table.texts("unlike"),
-        issues=tuple(map(_issue, table.rows("issues"))),
-        path=path,
-    )
-    table.end([one.name for one in fields(About)])
-    return found
-
-
-def _scenes(table: Table) -> str:
-    scenes = table.text("scenes")
-    table.end(("scenes",))
-    return scenes
-
-
-def _unsupported(table: Table) -> Unsupported:
-    found = Unsupported(table.texts("metrics", METRICS), table.one_of("lacks", LACKING), table.texts("presets"))
-    table.end([one.name for one in fields(Unsupported)])
-    return found
-
-
-def _native(table: Table) -> dict[str, str | Mapping[str, str]]:
-    found: dict[str, str | Mapping[str, str]] = {}
-    for option, words in table.options("native").items():
-        if isinstance(words, dict) and set(words) == {"true", "false"}:
-            found[option] = {value: str(text) for value, text in words.items()}
-        elif isinstance(words, str):
-            found[option] = words
-        else:
-            raise table.invalid(f"native.{option}", words, "a text, or a table with a text for true and one for false")
-    return found
-
-
-def _issue(table: Table) -> Issue:
-    texts = {name: table.text(name) for name in ("title", "version", "date", "scenes", "text")}
-    found = Issue(cause=table.one_of("cause", CAUSES), **texts)
-    table.end([one.name for one in fields(Issue)])
-    return found
+    found = read(path, About)
+    if name not in ("", found.name):
+        raise InvalidFile(f"name in {path}", found.name, f"{name}, the name of the entry point")
+    if not found.presets:
+        raise InvalidFile(f"presets in {path}", found.presets, "one or more")
+    if not found.adapter and not adapter:
+        raise InvalidFile(f"adapter in {path}", found.adapter, "module:class")
+    return replace(found, path=path, adapter=adapter or found.adapter)
 
 
 def run_label(run: str) -> str:

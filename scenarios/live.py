@@ -21,7 +21,8 @@ from avatarsim.live.view.depth import Depth
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
 from reference.judging.judge import Judge
-from runfiles.engines import about
+from runfiles.engines import about, engines
+from runfiles.naming import GATED
 from scenarios.catalog import get
 from scenarios.engines import known
 from scenarios.results.gate import USAGE
@@ -33,9 +34,10 @@ SCENE = "gallery"
 
 def parser() -> argparse.ArgumentParser:
     """All options."""
+    others = " ".join(f"{one.name}/{one.presets[0]}" for one in engines().values() if not one.baseline and one.name != GATED[0])
     top = argparse.ArgumentParser(
         prog="python -m scenarios.live", description="Scenes of the catalogue driven in the browser, other engines beside ours.",
-        epilog="examples: python -m scenarios.live; python -m scenarios.live --scene hand --engine mujoco/tuned pybullet/tuned",
+        epilog=f"examples: python -m scenarios.live; python -m scenarios.live --scene hand --engine {others}",
     )
     live_options(top)
     scene = f"{', '.join(NAMES)} as in `avatarsim live`, or a scene of the catalogue"
@@ -73,7 +75,7 @@ def staged_of(name: str) -> tuple[Stage, Mapping[str, Motion]]:
 
 
 def plan_of(words: str, scene: Scene, rate: float) -> Plan:
-    """The loop of another engine: "mujoco/tuned". Raises UnknownName for what there is not."""
+    """Return the loop of another engine, named as ENGINE/PRESET. Raises UnknownName for what there is not."""
     name, _, preset = words.partition("/")
     paths = known()
     if name not in paths:

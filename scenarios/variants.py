@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from avatarsim.errors import InvalidFile
-from runfiles.engines import about, engines
+from runfiles.engines import Variant, about, engines
 from scenarios.scenario import Scenario
 
 RECORDED = ("mocap_", "unseen_")
@@ -38,8 +38,8 @@ CONDITIONS: Mapping[str, Callable[[Scenario], bool]] = {
 }
 """Conditions that `scenes` of a variant can name."""
 
-VARIANTS: Mapping[str, Mapping[str, str]] = {one.name: one.variants for one in engines().values()}
-"""Built-in engine -> variant -> its condition."""
+VARIANTS: Mapping[str, Mapping[str, Variant]] = {one.name: one.variants for one in engines().values()}
+"""Built-in engine -> its variants."""
 
 
 def takes_part(engine: str, preset: str, scenario: Scenario) -> bool:
@@ -48,7 +48,7 @@ def takes_part(engine: str, preset: str, scenario: Scenario) -> bool:
     one = about(engine)
     if preset not in one.variants:
         return True
-    condition = one.variants[preset]
+    condition = one.variants[preset].scenes
     if condition not in CONDITIONS:
         raise InvalidFile(f"variants.{preset}.scenes in {one.path}", condition, f"one of {', '.join(CONDITIONS)}")
     return CONDITIONS[condition](scenario)

@@ -1,6 +1,6 @@
 """Parts that charts share: scenes' dots, axes, colours.
 
-Colours are tokens, "@mujoco" or "@ink": the page puts in those of its theme, and a static picture the light ones.
+Colours are tokens, "@avatarsim" or "@ink": the page puts in those of its theme, and a static picture the light ones.
 """
 
 import json

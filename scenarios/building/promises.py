@@ -40,11 +40,11 @@ SAYS_SO = Bound(
 
 KEEPS_TIME = Bound(
     "time_kept_error", 0.02,
-    "bodies go where their velocities say: 2 % is five times what MuJoCo and PyBullet lack",
+    "bodies go where their velocities say: 2 % is five times what engines with fixed steps lack",
 )
 NEVER_STALLS = Bound(
     "stalled_bodies", 0.0,
-    "no body hangs where it is while its velocity says that it flies; MuJoCo and PyBullet at 240 Hz and more have none",
+    "no body hangs where it is while its velocity says that it flies; engines with fixed steps of 240 Hz and more have none",
 )
 GAINS_NOTHING = Bound("energy_gain_max", 1e-6, "impacts, friction and rest take energy")
 

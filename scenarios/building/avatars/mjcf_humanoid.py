@@ -1,4 +1,4 @@
-"""A small humanoid of 21 limited hinges, read from the file that MuJoCo and PyBullet users know: 13 bodies, 40.8 kg.
+"""A small humanoid of 21 limited hinges, read from a file that users of other engines know: 13 bodies, 40.8 kg.
 
 The file (pybullet_data/mjcf/humanoid.xml) gives every hinge a range and every body its shapes; masses follow from shapes at
 the density of water, as the format has it.

@@ -1,7 +1,7 @@
 """Hulls, capsules and boxes are poured into an open box and come to rest in a heap: 50 of them, and 100.
 
 They begin in layers, drawn by a fixed seed. Where they come to lie is chance; how high they lie on the mean is not: the height
-stated for 50 is that of MuJoCo at 960 steps a second, whose bodies are 2 mm deep in each other.
+stated for 50 is that of an engine with fixed steps of 960 Hz, whose bodies are 2 mm deep in each other.
 """
 
 import numpy as np

@@ -22,13 +22,13 @@ Array = NDArray[np.float64]
 
 REST_SPEED = 0.3
 """Approach speed [m/s] below which an impact says nothing of restitution. A ball at rest on a fixed-step engine jitters at up to
-g dt = 0.16 m/s (60 Hz), and engines treat slow contacts as resting (PyBullet below 0.2 m/s unless told otherwise)."""
+g dt = 0.16 m/s (60 Hz), and engines treat slow contacts as resting (one of them below 0.2 m/s by default)."""
 JITTER = 0.1
 """Approach speed [m/s] below which a contact does not end a flight; a 1 mm apex comes from 0.14 m/s."""
 LOWEST_APEX = 1e-3
 """Smallest expected apex [m] that is compared; below, the contact's own softness decides."""
 CONTACT = 0.1
-"""Longest contact [s] within which a soft engine may turn the ball round; MuJoCo's default takes 0.02 to 0.05."""
+"""Longest contact [s] within which a soft engine may turn the ball round; one by default takes 0.02 to 0.05."""
 NEAR = 0.05
 """Gap [m] within which a change of velocity is an impact with the slab and not something else."""
 LATE = 0.1

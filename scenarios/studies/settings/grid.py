@@ -1,31 +1,24 @@
-"""Settings of engines that are swept, each named by the difference from one of its engine's presets.
+"""Settings of engines that are swept, each named by the difference from one of its engine's presets: `reference/*/sweep.toml`."""
 
-`reference/*/sweep.toml` has them: a list `sweep` of tables with the keys
-
-    name    of the setting; its first word is the preset beneath, unless `base` names that
-    steps   steps a second: a setting for each, in place of a name
-    short   flag: a short sweep takes it (true)
-    groups  names of tables [groups.NAME] of options
-
-and those of `Setting`.
-"""
-
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache
 from pathlib import Path
+from typing import Annotated
 
+from avatarsim.errors import InvalidFile
 from avatarsim.scene.effects import Effects
 from avatarsim.scene.scene import Scene
 from reference.presets import Kind, kind_of
 from runfiles.engines import about
-from runfiles.toml_table import Table
+from runfiles.typed_toml import read
 from scenarios.running.own_settings import OwnSettings
 
 EVERYWHERE = tuple(Kind)
 FILE = "sweep.toml"
 EFFECTS = tuple(effect.name for effect in fields(Effects))
-KEYS = ("name", "base", "steps", "short", "options", "groups", "narrow", "cut", "kinds", "calls")
+Effect = Annotated[str, EFFECTS]
+Count = Annotated[int, range(1, 1_000_000)]
 
 
 @dataclass(frozen=True)
@@ -62,6 +55,36 @@ class Setting:
         return f"{self.engine}/{self.name}"
 
 
+@dataclass(frozen=True)
+class Entry:
+    """One setting of a file, or one for each of its steps; see `Setting`.
+
+    base    the preset beneath; by default the first word of the name
+    steps   steps a second, in place of a name
+    short   flag: a short sweep takes it
+    groups  tables of options
+    """
+
+    name: str = ""
+    base: str = ""
+    steps: tuple[Count, ...] = ()
+    short: bool = True
+    options: Mapping[str, object] = field(default_factory=dict)
+    groups: tuple[str, ...] = ()
+    narrow: tuple[Effect, ...] = ()
+    cut: Count = 1
+    kinds: tuple[Kind, ...] = EVERYWHERE
+    calls: tuple[Effect, ...] = ()
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A file: its settings in the order in which a short sweep spends its time, and groups of options by name."""
+
+    sweep: tuple[Entry, ...] = ()
+    groups: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+
+
 def _grid(engine: str) -> tuple[tuple[Setting, bool], ...]:
     """Return the settings that an engine's file lists, each with its flag `short`. Raises InvalidFile."""
     path = about(engine).path
@@ -70,28 +93,21 @@ def _grid(engine: str) -> tuple[tuple[Setting, bool], ...]:
 
 @cache
 def _read(engine: str, path: Path) -> tuple[tuple[Setting, bool], ...]:
-    if not path.is_file():
-        return ()
-    table = Table.read(path)
-    groups = {name: one.rest() for name, one in table.tables("groups").items()}
-    found = tuple(each for row in table.rows("sweep") for each in _settings(engine, row, groups))
-    table.end(("sweep", "groups"))
-    return found
-
-
-def _settings(engine: str, row: Table, groups: Mapping[str, Mapping[str, object]]) -> Iterator[tuple[Setting, bool]]:
-    """Yield the setting of a row, or one for each of its steps."""
-    rates, short = row.numbers("steps"), row.flag("short", True)
-    name = "" if rates else row.text("name")
-    base = row.text("base", name.partition(" ")[0] or None)
-    options = row.options("options")
-    for group in row.texts("groups", groups):
-        options |= groups[group]
-    narrow, calls, cut = row.texts("narrow", EFFECTS), row.texts("calls", EFFECTS), row.whole("cut", 1)
-    kinds = tuple(map(Kind, row.texts("kinds", [kind.value for kind in Kind]))) or EVERYWHERE
-    row.end(KEYS)
-    for named, step in [(f"{base} dt=1/{rate}", {"dt": 1.0 / rate}) for rate in rates] or [(name, {})]:
-        yield Setting(engine, named, base, step | options, narrow, cut, kinds, calls), short
+    grid = read(path, Grid) if path.is_file() else Grid()
+    found = list[tuple[Setting, bool]]()
+    for k, row in enumerate(grid.sweep):
+        base = row.base or row.name.partition(" ")[0]
+        if not base or bool(row.name) == bool(row.steps):
+            raise InvalidFile(f"sweep[{k}] in {path}", row.name, "a name, or steps and a base")
+        options = dict(row.options)
+        for group in row.groups:
+            if group not in grid.groups:
+                raise InvalidFile(f"sweep[{k}].groups in {path}", group, f"one of {', '.join(grid.groups)}")
+            options |= grid.groups[group]
+        for name, step in [(f"{base} dt=1/{rate}", {"dt": 1.0 / rate}) for rate in row.steps] or [(row.name, {})]:
+            setting = Setting(engine, name, base, step | options, row.narrow, row.cut, row.kinds, row.calls)
+            found.append((setting, row.short))
+    return tuple(found)
 
 
 def settings_of(engine: str, presets: Iterable[str], own: Iterable[OwnSettings] = ()) -> tuple[Setting, ...]:
