@@ -3,7 +3,7 @@
 
 .DEFAULT_GOAL := help
 .NOTPARALLEL:
-.PHONY: help setup compare live test docs look headline fuzz hostile soak wheel check ablate bench sweep map stability report lint lock prune clean FORCE
+.PHONY: help setup compare live test docs look headline fuzz hostile soak wheel check bench study report lint lock prune clean FORCE
 
 VENV_PYTHON := .venv/bin/python
 READY := .venv/set-up-stamp
@@ -43,11 +43,6 @@ check: $(READY)  ## the gate: fails when a bound of a scene does not hold, or ac
 	@code=0; $(VENV_PYTHON) -m scenarios check || code=$$?; \
 	  if [ $$code -le 1 ]; then $(VENV_PYTHON) -m reports diff reports/baseline.csv reports/out/latest-check || code=1; fi; exit $$code
 
-ablate: $(READY)  ## what each effect of a scene costs and what leaving it out changes, into the last comparison's report (ALL=1: every scene)
-	@$(COMPILED)
-	@$(VENV_PYTHON) -m scenarios ablate $(if $(ALL),--filter '*')
-	@$(VENV_PYTHON) -m reports write $(REPORTED)
-
 bench: $(READY)  ## times: frames, the paper's Table 2, up to 199 links and 100 avatars, single collision queries, 20,000 objects
 	@$(COMPILED)
 	@code=0; run=reports/out/latest-bench; $(VENV_PYTHON) -m scenarios bench || code=$$?; \
@@ -58,21 +53,12 @@ bench: $(READY)  ## times: frames, the paper's Table 2, up to 199 links and 100 
 	  $(VENV_PYTHON) -m reference.broad_phase --run $$report || code=$$?; \
 	  for page in $$run $$report; do $(VENV_PYTHON) -m reports write $$page || code=$$?; done; exit $$code
 
-# What was found before is kept: a second run asks only what changed, and one that was stopped goes on.
-sweep: $(READY)  ## accuracy against time over every engine's own settings, into the last comparison's report (FULL=1: every scene)
+# A study goes on where it was stopped: finished runs are kept below reports/out until a source changes.
+# NAME=settings: accuracy against time; hard_cases: other starts, steps, sizes, places; effects: their cost; contact_law: restitution, friction.
+study: $(READY)  ## a study at length, into the last comparison's report (NAME=settings|hard_cases|effects|contact_law, FULL=1: every scene)
 	@$(COMPILED)
-	@code=0; $(VENV_PYTHON) -m scenarios sweep $(if $(FULL),--full) || code=$$?; \
+	@code=0; $(VENV_PYTHON) -m scenarios study $(or $(NAME),settings hard_cases effects contact_law) $(if $(FULL),--full) $(ARGS) || code=$$?; \
 	  [ ! -f reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
-
-map: $(READY)  ## restitution and friction asked for against obtained, per engine, step and shape
-	@$(COMPILED)
-	@code=0; $(VENV_PYTHON) -m scenarios.law_map || code=$$?; \
-	  [ ! -f reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
-
-stability: $(READY)  ## hard cases under other starts, seeds, frame times, sizes and places, in every engine; goes on where it stopped
-	@$(COMPILED)
-	@$(VENV_PYTHON) -m scenarios.stability; code=$$?; \
-	  [ ! -e reports/out/latest/results.json ] || $(VENV_PYTHON) -m reports write || code=$$?; exit $$code
 
 report: $(READY)  ## the pages again, from the files of the last comparison
 	@$(VENV_PYTHON) -m reports write

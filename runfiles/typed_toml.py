@@ -44,7 +44,7 @@ def _value(path: Path, kind: Any, value: object, key: str) -> Any:
     elif origin is Mapping and isinstance(value, dict):
         return {name: _value(path, inner[1], one, f"{key}.{name}") for name, one in value.items()}
     elif isinstance(kind, EnumType) or origin is Literal:
-        known: dict[object, object] = {one.value: one for one in kind} if isinstance(kind, EnumType) else {one: one for one in inner}
+        known = {one.value: one for one in kind.__members__.values()} if isinstance(kind, EnumType) else {one: one for one in inner}
         if isinstance(value, str) and value in known:
             return known[value]
         raise _invalid(path, key, value, _listed(known))

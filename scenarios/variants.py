@@ -1,4 +1,4 @@
-"""Variants: presets that run only in scenes that meet a condition. An engine's `about.toml` names them."""
+"""Variants: presets that run only in scenes that meet a condition. `reference/*/about.toml` names them."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 

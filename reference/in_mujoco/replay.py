@@ -1,6 +1,6 @@
-"""python replay_mujoco.py MODEL.xml.gz MODEL.steps.npz: play a tracked motion in MuJoCo; print depth and time.
+"""Play a tracked motion in MuJoCo and print depth and time, with MuJoCo and numpy only.
 
-It needs MuJoCo and numpy only.
+python replay_mujoco.py MODEL.xml.gz MODEL.steps.npz
 """
 
 import gzip

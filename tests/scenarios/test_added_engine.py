@@ -66,12 +66,9 @@ def test_its_sweep_is_of_its_folder(site: Path) -> None:
 
 
 @pytest.mark.parametrize(("old", "new", "key", "value"), [
-    ('"Toy Physics"', "7", "label", 7), ('"#123456"', '"blue"', "colour", "blue"), ('["tuned"]', "[]", "presets", ()),
-    ("has_time_step = true", "has_time_step = 1", "has_time_step", 1), ("has_time_step", "has_time_stop", "has_time_stop", True),
-    ('name = "toy"', 'name = "other"', "name", "other"), ('"apex_error_max"', '"apex"', "dynamics.metrics[0]", "apex"),
-    ('lacks = "engine"', 'lacks = "nobody"', "unsupported.dynamics.lacks", "nobody"),
-    ('"toy.step({})"', "3", "native.dt", 3), ("scenes =", "scene =", "asleep.scene", "bodies may sleep"),
-    ("[native]", "[[issues]]\n[native]", "issues[0].title", None),
+    ('"#123456"', '"blue"', "colour", "blue"), ('["tuned"]', "[]", "presets", ()), ('name = "toy"', 'name = "b"', "name", "b"),
+    ('"apex_error_max"', '"apex"', "dynamics.metrics[0]", "apex"), ('"toy.step({})"', "3", "native.dt", 3),
+    ("has_time_step", "has_time_stop", "has_time_stop", True), ("[native]", "[[issues]]\n[native]", "issues[0].title", None),
 ])
 def test_a_malformed_fact_names_file_key_and_value(
     site: Path, tmp_path: Path, old: str, new: str, key: str, value: object,
@@ -87,16 +84,14 @@ def test_a_malformed_fact_names_file_key_and_value(
 @pytest.mark.parametrize(("old", "new", "key", "value"), [
     ("steps = [60, 240]", "steps = [0]", "sweep[1].steps[0]", 0), ('base = "tuned", ', "", "sweep[1]", ""),
     ('["sleeping"]', '["dreaming"]', "sweep[2].calls[0]", "dreaming"), ("short = false", "kinds = [3]", "sweep[2].kinds[0]", 3),
-    ("short = false", 'groups = ["none"]', "sweep[2].groups", "none"), ("short = false", "cut = 0", "sweep[2].cut", 0),
-    ("short = false", "shirt = false", "sweep[2].shirt", False), ("sweep = [", "swept = [", "swept", ...),
+    ("short = false", 'groups = ["none"]', "sweep[2].groups", "none"),
 ])
 def test_a_malformed_sweep_names_file_key_and_value(site: Path, old: str, new: str, key: str, value: object) -> None:
     assert old in SWEEP
     package = laid(site, sweep=SWEEP.replace(old, new, 1))
     with pytest.raises(InvalidFile) as raised:
         settings_of("toy", ())
-    assert str(package / "sweep.toml") in raised.value.thing and key in raised.value.thing
-    assert value is ... or raised.value.value == value
+    assert str(package / "sweep.toml") in raised.value.thing and key in raised.value.thing and raised.value.value == value
 
 
 def test_a_condition_that_nothing_knows_is_refused(site: Path) -> None:
