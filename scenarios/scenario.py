@@ -121,7 +121,7 @@ class Scenario:
     those of the short tables and of what is timed without filter and full lengths. `family` names the scene that this one is a
     variant of, so that counts of scenes are not counts of variants; in the catalogue it is the file that the scene stands in,
     unless that says otherwise. `scale` is the size of its world where it is another world made larger or smaller
-    (`scenarios.stability.elsewhere`).
+    (`scenarios.studies.hard_cases.elsewhere`).
     """
 
     name: str

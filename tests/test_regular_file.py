@@ -12,8 +12,8 @@ from avatarsim.errors import InvalidFile
 from avatarsim.files import DEEPEST, make_private, parsed_json, read_json, read_toml, write_entry
 from reports import write_report
 from runfiles import record
-from scenarios.stability.finished import Finished
-from scenarios.stability.outcome import Outcome
+from scenarios.studies.hard_cases.finished import Finished
+from scenarios.studies.hard_cases.outcome import Outcome
 from tests.hostile import valid_files
 
 

@@ -26,10 +26,8 @@ BENCHES: Mapping[str, str] = {
     "figure_7_shares.csv": "Figure 7: shares of a frame",
     "figure_8.csv": "Figure 8",
     "growth.csv": "Growth with the number of bodies",
-    "convergence.csv": "Convergence with the step",
     "narrow_phase_cells.csv": "Narrow phase",
     "broad_phase.csv": "Broad phase",
-    "law_map.csv": "Restitution and friction, asked and obtained",
 }
 """Files of benchmarks that a run folder may hold, and their titles."""
 

@@ -73,7 +73,7 @@ function chooseLevel() {
   find("cheapest-rows").innerHTML = rows.join("");
   find("cheapest-rows").querySelectorAll("[data-copy]").forEach((one) => one.addEventListener("click", () => copyable(all[one.dataset.copy])));
   const avatar = all.some((one) => one.avatar);
-  find("planned").textContent = `${measured.length} of ${all.length} planned settings were run; make sweep runs the rest.${avatar ? " In brackets: not like for like." : ""}`;
+  find("planned").textContent = `${measured.length} of ${all.length} planned settings were run; make study NAME=settings runs the rest.${avatar ? " In brackets: not like for like." : ""}`;
   if (first) copyable(first);
   if (views.settings) views.settings.data("limit", limit()).runAsync();
 }

@@ -39,8 +39,9 @@ def _digest(text: str) -> str:
 class Checkpoint:
     """Answers by key, kept in a file; in memory alone without one. Answers of other sources are dropped from the file."""
 
-    def __init__(self, path: Path | None = None) -> None:
-        self.path, self.stamp = path, stamp() if path else ""
+    def __init__(self, path: Path | None = None, stamped: str | None = None) -> None:
+        """`stamped` is the hash of the sources, by default that of those which run."""
+        self.path, self.stamp = path, stamped if stamped is not None else stamp() if path else ""
         self.known: dict[str, Entry] = {}
         if path is not None and path.exists():
             # a line that a kill left half written costs its answer and no other

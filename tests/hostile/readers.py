@@ -34,7 +34,7 @@ from scenarios.motion.mocap import retimed
 from scenarios.results.resume import check_plan, earlier_run, has_ended, write_plan
 from scenarios.results.store import Store
 from scenarios.running.own_settings import read as read_settings
-from scenarios.stability.finished import Finished
+from scenarios.studies.hard_cases.finished import Finished
 from scenarios.table_2 import rows as rows_of_table_2
 from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid

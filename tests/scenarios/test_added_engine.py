@@ -12,7 +12,7 @@ from runfiles.engines import About, about, engines, run_label
 from scenarios import catalog
 from scenarios.engines import STEPPED, TIDY, known, known_presets, opened
 from scenarios.job import Job
-from scenarios.studies.sweep.grid import settings_of, short_order
+from scenarios.studies.settings.grid import settings_of, short_order
 from scenarios.variants import takes_part, variants_of
 from tests.scenarios.command_line import called, last_run, latest
 from tests.scenarios.toy_engine import ABOUT, SWEEP, laid

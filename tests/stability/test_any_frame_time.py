@@ -14,7 +14,7 @@ from runfiles.naming import GATED
 from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.scenario import REFUSAL
-from scenarios.stability.variation import Variation, varied
+from scenarios.studies.hard_cases.variation import Variation, varied
 
 SHORTEST, LONGEST = 1e-6, 0.2
 """[s]"""

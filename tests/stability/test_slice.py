@@ -6,8 +6,8 @@ Overlap is promised in metres of the world as it is: in one a thousandth as larg
 import pytest
 
 from runfiles.naming import GATED
-from scenarios.stability.outcome import SILENT, SURVIVED, Task, outcome
-from scenarios.stability.plan import CASES, Trial, alone, together
+from scenarios.studies.hard_cases.outcome import SILENT, SURVIVED, Task, outcome
+from scenarios.studies.hard_cases.plan import CASES, Trial, alone, together
 
 DEEPEST = 1e-6
 """[m]"""

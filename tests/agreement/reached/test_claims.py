@@ -11,7 +11,7 @@ from scenarios.results.results import is_time
 from tests.agreement.reached.claims import HERE, KNOWN, Claim
 from tests.agreement.reached.unmatched import UNMATCHED
 from tests.named_tests import exists, names_in
-from tests.scenarios.studies.sweep.grids import GRIDS
+from tests.scenarios.studies.settings.grids import GRIDS
 
 SETTINGS = {setting.run for settings in GRIDS.values() for setting in settings}
 THERE, ABSENT = contenders(ROOMS)

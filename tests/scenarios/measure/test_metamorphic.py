@@ -23,7 +23,7 @@ from scenarios.measure.known import Known
 from scenarios.measure.value import Missing
 from scenarios.running.run import gathered
 from scenarios.scenario import Region, Scenario
-from scenarios.stability.elsewhere import Elsewhere
+from scenarios.studies.hard_cases.elsewhere import Elsewhere
 
 RUNS = [
     ("avatarsim", "squeeze", 60), ("tracker", "squeeze", 60), ("tracker", "arms_through_chest", 30),

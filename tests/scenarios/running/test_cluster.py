@@ -22,7 +22,7 @@ from scenarios.running import cluster as module
 from scenarios.running.cluster import cluster
 from scenarios.running.harness import Run
 from scenarios.running.processes import side_by_side
-from scenarios.stability.finished import NAME as FINISHED
+from scenarios.studies.hard_cases.finished import NAME as FINISHED
 from tests.scenarios.killed import differing, of_run, of_sweep, run_of
 
 ROOT = Path(__file__).resolve().parents[3]

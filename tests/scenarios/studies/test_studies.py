@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidInput
+from runfiles.table import Row
 from scenarios.__main__ import parser
 from scenarios.cli import comparison
-from scenarios.studies.study import Request, Study, asked_in_turn
+from scenarios.studies.study import Request, Study, in_turn
 from tests.scenarios.command_line import latest
 
 
@@ -27,14 +28,14 @@ def compared(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, *studies: Study) -
 def test_a_study_is_told_of_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     told: list[Request] = []
 
-    def ask(request: Request) -> list[str]:
+    def ask(request: Request) -> tuple[list[Row], list[str]]:
         told.append(request)
-        return []
+        return [], []
 
     assert compared(tmp_path, monkeypatch, Study("first", ask), Study("second", ask)) == 0
     assert len(told) == 2
     assert list(told[0].scenarios) == ["ball_drop"] and told[0].folder == (tmp_path / "out" / "latest").resolve()
-    assert told[0].presets["avatarsim"] == ("default", "paper") and told[0].jobs == 0
+    assert told[0].presets["avatarsim"] == ("default", "paper") and told[0].workers == 0
 
 
 def test_a_study_that_fails_leaves_the_run_incomplete_and_the_others_asked(
@@ -42,21 +43,21 @@ def test_a_study_that_fails_leaves_the_run_incomplete_and_the_others_asked(
 ) -> None:
     done = []
 
-    def fails(request: Request) -> list[str]:
+    def fails(request: Request) -> tuple[list[Row], list[str]]:
         raise RuntimeError("no disk")
 
-    def works(request: Request) -> list[str]:
+    def works(request: Request) -> tuple[list[Row], list[str]]:
         done.append(request.folder)
-        return []
+        return [], []
 
     assert compared(tmp_path, monkeypatch, Study("broken", fails), Study("sound", works)) == 3
     assert len(done) == 1
-    assert any("broken: RuntimeError: no disk" in note for note in latest(tmp_path)["notes"])
+    assert any("RuntimeError: no disk" in note for note in latest(tmp_path)["notes"])
     assert latest(tmp_path)["exit_code"] == 3
 
 
 def test_a_stopped_study_stops_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def stops(request: Request) -> list[str]:
+    def stops(request: Request) -> tuple[list[Row], list[str]]:
         raise KeyboardInterrupt
 
     assert compared(tmp_path, monkeypatch, Study("long", stops)) == 130
@@ -66,9 +67,9 @@ def test_a_stopped_study_stops_the_run(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_troubles_carry_the_name_of_their_study(tmp_path: Path) -> None:
-    def refuses(request: Request) -> list[str]:
+    def refuses(request: Request) -> tuple[list[Row], list[str]]:
         raise InvalidInput("a knob", -1, "0 at least")
 
-    request = Request(tmp_path, tmp_path, {}, {}, 0, 0, False)
-    said = asked_in_turn([Study("sweep", refuses), Study("stability", lambda request: ["one engine gave no answer"])], request)
-    assert said[0].startswith("sweep: a knob") and said[1] == "stability: one engine gave no answer"
+    studies = [Study("one", refuses), Study("two", lambda request: ([], ["no answer"]))]
+    first, second = in_turn(studies, Request(tmp_path, {}, {}, 0))
+    assert first.startswith("one: a knob") and second == "two: no answer"

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 
 from scenarios.running.own_settings import read
-from scenarios.studies.sweep.copyable import copyable
-from scenarios.studies.sweep.grid import Setting
-from tests.scenarios.studies.sweep.grids import GRIDS
+from scenarios.studies.settings.copyable import copyable
+from scenarios.studies.settings.grid import Setting
+from tests.scenarios.studies.settings.grids import GRIDS
 
 GRID = [setting for settings in GRIDS.values() for setting in settings]
 

@@ -1,9 +1,8 @@
 """What is kept of an outcome."""
 
-from avatarsim.running.processes import Died
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
-from scenarios.studies.sweep.measure import entry_of, errors, told
+from scenarios.studies.settings.measure import entry_of, errors
 
 
 def test_entries_of_outcomes() -> None:
@@ -22,9 +21,3 @@ def test_it_keeps_the_step_the_rest_and_what_the_engine_cannot_say() -> None:
 def test_an_engine_that_nobody_has_is_an_entry_too() -> None:
     found = errors(Job("stop_distance", "abacus", "default", frames=1))
     assert found["state"] == "crashed" and "abacus" in found["note"] and found["values"] == {}
-
-
-def test_who_died_has_an_entry_too() -> None:
-    job = Job("stop_distance", "mujoco", "tuned")
-    found = entry_of(Outcome(job, "measured", frames=3))
-    assert [entry["state"] for _, entry in told([(job, Died("it was killed")), (job, found)])] == ["crashed", "measured"]

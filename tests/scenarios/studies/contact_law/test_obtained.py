@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from scenarios.law_map.obtained import first_jolt, friction, restitution
+from scenarios.studies.contact_law.obtained import first_jolt, friction, restitution
 
 G = 9.81
 

@@ -9,10 +9,10 @@ import pytest
 
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
+from runfiles.engines import about
 from scenarios import catalog
-from scenarios.studies.sweep.grid import Setting, applicable
-from scenarios.studies.sweep.rows import settable
-from tests.scenarios.studies.sweep.grids import GRIDS
+from scenarios.studies.settings.grid import Setting, applicable
+from tests.scenarios.studies.settings.grids import GRIDS
 
 
 def model_of(scene: str, preset: str, options: Mapping[str, object]) -> mujoco.MjModel:
@@ -32,6 +32,12 @@ def differs(one: object, other: object) -> list[str]:
 def all_that_differs(one: mujoco.MjModel, other: mujoco.MjModel) -> list[str]:
     """The same of a model and of its options."""
     return differs(one, other) + differs(one.opt, other.opt)
+
+
+def settable(setting: Setting) -> str:
+    """A setting in the engine's own words, "" unless that is all that it changes in the model of its preset."""
+    one = about(setting.engine)
+    return "; ".join(one.in_own_words(setting.options)) if set(setting.options) <= set(one.alone) else ""
 
 
 SCENES = ("stop_distance", "stack_ten", "driven_10cm_wall")

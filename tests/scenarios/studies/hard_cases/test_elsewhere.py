@@ -12,7 +12,7 @@ from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
 from scenarios import catalog
-from scenarios.stability.elsewhere import Elsewhere
+from scenarios.studies.hard_cases.elsewhere import Elsewhere
 from tests.scenarios.examples import arm_scene, recorded
 
 TURN = tuple(rotation.from_axis_angle((0.6, 0.0, 0.8), 1.1).tolist())

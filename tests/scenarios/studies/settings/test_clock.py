@@ -8,10 +8,10 @@ from scenarios.job import Job
 from scenarios.measure.timing import Timed
 from scenarios.running.seat import Seats
 from scenarios.running.timing import Clocked
-from scenarios.studies.sweep.cell import Cell
-from scenarios.studies.sweep.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times
-from scenarios.studies.sweep.grid import Setting
-from tests.scenarios.studies.sweep.grids import GRIDS
+from scenarios.studies.settings.cell import Cell
+from scenarios.studies.settings.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times
+from scenarios.studies.settings.grid import Setting
+from tests.scenarios.studies.settings.grids import GRIDS
 
 
 def test_parts_are_added_up() -> None:
@@ -32,9 +32,9 @@ def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None
     job, still = Job("stop_distance", "mujoco", "tuned"), PHASE_FRAMES
     timed = Timed(np.array([[9000] * (still + 10) + [1000] * still], dtype=np.int64))
     found = time_entry(Clocked(job, timed), 1, [0] * (still + 10) + [1] * still)
-    assert (found["moving"], found["at_rest"], found["rests"]) == (9.0, 1.0, pytest.approx(still / (2 * still + 10)))
+    assert (found["moving"], found["at_rest"], found["rests"]) == (9.0, 1.0, pytest.approx(100.0 * still / (2 * still + 10)))
     few = time_entry(Clocked(job, timed), 1, [0] * (still + 11) + [1] * (still - 1))
-    assert few["moving"] is None and few["rests"] == pytest.approx((still - 1) / (2 * still + 10))
+    assert few["moving"] is None and few["rests"] == pytest.approx(100.0 * (still - 1) / (2 * still + 10))
     unknown = time_entry(Clocked(job, timed), 1)
     assert unknown["rests"] is None and unknown["moving"] is None
     # a rendered frame rests if all of its parts do

@@ -1,7 +1,5 @@
-"""The short sweep: which scenes and settings it takes, what it takes from the run, and that it keeps to its budget."""
+"""Plan of settings: its scenes and order, figures taken from the run, and that it keeps to its budget."""
 
-import csv
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -10,17 +8,18 @@ import numpy as np
 import pytest
 
 from runfiles import ladder
+from runfiles.timing_protocol import REPEATS
 from scenarios import catalog
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Timed
-from scenarios.results.store import Entry
 from scenarios.running import phenomena
 from scenarios.running.timing import Clocked
+from scenarios.studies.checkpoint import Entry
+from scenarios.studies.settings import ask, clock, measure, plan
+from scenarios.studies.settings.cell import Cell
+from scenarios.studies.settings.grid import short_order
 from scenarios.studies.study import Request
-from scenarios.studies.sweep import clock, measure, short
-from scenarios.studies.sweep.cell import Cell
-from scenarios.studies.sweep.grid import short_order
-from tests.scenarios.studies.sweep.grids import GRIDS
+from tests.scenarios.studies.settings.grids import GRIDS
 
 PRESETS = {"mujoco": ("default", "tuned"), "tracker": ("default",)}
 VALUES = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0, "course_error_max": 0.5}
@@ -38,7 +37,7 @@ def request(
 ) -> Request:
     """A run of these scenes by MuJoCo and the tracker, measured in this process."""
     return Request(
-        folder, folder, {name: catalog.get(name) for name in scenes}, PRESETS, 0, 0, False,
+        folder, {name: catalog.get(name) for name in scenes}, PRESETS, 0, 0, False,
         {outcome.job.stem: outcome for outcome in outcomes}, clocked or {},
     )
 
@@ -72,16 +71,6 @@ def fakes(monkeypatch: pytest.MonkeyPatch) -> Fakes:
     return Fakes(monkeypatch)
 
 
-def rows(folder: Path) -> list[dict[str, str]]:
-    with (folder / short.ROWS).open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
-def about(folder: Path) -> dict[str, object]:
-    found: dict[str, object] = json.loads((folder / short.ABOUT).read_text())
-    return found
-
-
 def test_its_names_are_the_grids_and_the_presets_come_first() -> None:
     for engine in GRIDS:
         names, grid = short_order(engine, ()), [setting.name for setting in GRIDS[engine]]
@@ -98,42 +87,42 @@ def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other()
 
 def test_only_engines_and_presets_of_the_run_and_rows_of_the_users_own(tmp_path: Path) -> None:
     ran = request(tmp_path, ("stop_distance", "free_flight"), [outcome("stop_distance", "my_row", base="tuned")])
-    cells = short.cells_of(ran)
+    cells = plan.cells_of(ran)
     assert {cell.scenario for cell in cells} == {"stop_distance"} and {cell.setting.engine for cell in cells} == {"mujoco"}
     assert "my_row" in [cell.setting.name for cell in cells[:2]]
-    without = Request(tmp_path, tmp_path, ran.scenarios, {"mujoco": ("default",)}, 0, 0, False)
-    assert {cell.setting.base for cell in short.cells_of(without)} == {"default"}
+    without = Request(tmp_path, ran.scenarios, {"mujoco": ("default",)}, 0, 0, False)
+    assert {cell.setting.base for cell in plan.cells_of(without)} == {"default"}
 
 
 def test_the_cost_of_a_setting_goes_with_its_steps(tmp_path: Path) -> None:
     ran = request(tmp_path, outcomes=[outcome("stop_distance", "tuned", 1e-3)])
-    by_name = {cell.setting.name: cell for cell in short.cells_of(ran)}
+    by_name = {cell.setting.name: cell for cell in plan.cells_of(ran)}
     # the preset steps by 0.01 s
-    assert short.frame_cost(by_name["tuned dt=1/480"], ran) == pytest.approx((4.8e-3, 4.8e-3))
-    assert short.frame_cost(by_name["tuned dt=1/60"], ran) == pytest.approx((6e-4, 6e-4))
-    assert short.frame_cost(by_name["tuned iterations=10"], ran) == pytest.approx((1e-3, 1e-3))
+    assert plan.frame_cost(by_name["tuned dt=1/480"], ran) == pytest.approx((4.8e-3, 4.8e-3))
+    assert plan.frame_cost(by_name["tuned dt=1/60"], ran) == pytest.approx((6e-4, 6e-4))
+    assert plan.frame_cost(by_name["tuned iterations=10"], ran) == pytest.approx((1e-3, 1e-3))
     known = outcome("stop_distance", "tuned", 1e-3)
     timed = {known.job.stem: Clocked(known.job, Timed(np.full((1, 20), 250_000, dtype=np.int64)))}
     both = request(tmp_path, outcomes=[known], clocked=timed)
-    assert short.frame_cost(by_name["tuned dt=1/480"], both) == pytest.approx((4.8e-3, 1.2e-3))
-    assert short.frame_cost(by_name["tuned"], request(tmp_path)) == (short.UNKNOWN, short.UNKNOWN)
+    assert plan.frame_cost(by_name["tuned dt=1/480"], both) == pytest.approx((4.8e-3, 1.2e-3))
+    assert plan.frame_cost(by_name["tuned"], request(tmp_path)) == (plan.UNKNOWN, plan.UNKNOWN)
 
 
 def test_what_does_not_fit_is_left_out_and_a_cheaper_one_after_it_may_fit(tmp_path: Path) -> None:
     ran = request(tmp_path, outcomes=[outcome("stop_distance", name, 0.02) for name in ("default", "tuned")])
-    cells = short.cells_of(ran)
+    cells = plan.cells_of(ran)
     for budget in (0.0, 3.0, 20.0, 60.0, 1e6):
-        choice = short.chosen(cells, ran, budget)
+        choice = plan.chosen(cells, ran, budget)
         assert choice.estimated <= budget and len(choice.asked) + len(choice.left) == len(cells)
-        assert sum(short.cost(cell, ran) for cell in choice.asked) == pytest.approx(choice.estimated)
+        assert sum(plan.cost(cell, ran) for cell in choice.asked) == pytest.approx(choice.estimated)
         # each that was left out would not have fitted when its turn came, so none fits now
         assert all(choice.estimated + each > budget for _, each in choice.left)
-    assert not short.chosen(cells, ran, 0.0).asked and not short.chosen(cells, ran, 1e6).left
+    assert not plan.chosen(cells, ran, 0.0).asked and not plan.chosen(cells, ran, 1e6).left
     # room for the first setting that is cheap, and not for a dearer one before it
-    costs = [short.cost(cell, ran) for cell in cells]
+    costs = [plan.cost(cell, ran) for cell in cells]
     dear = next(k for k, each in enumerate(costs) if each > min(costs[k + 1 :]))
     cheap = next(k for k in range(dear + 1, len(costs)) if costs[k] < costs[dear])
-    some = short.chosen(cells, ran, sum(costs[:dear]) + costs[cheap])
+    some = plan.chosen(cells, ran, sum(costs[:dear]) + costs[cheap])
     assert cells[cheap] in some.asked and cells[dear] in [cell for cell, _ in some.left]
 
 
@@ -141,21 +130,19 @@ def test_what_the_run_measured_is_not_asked_again(tmp_path: Path, fakes: Fakes) 
     frames = catalog.get("stop_distance").as_run(False).frames
     known = [outcome("stop_distance", name) for name in ("default", "tuned")]
     # a repeat more than others get, and faster: it does not count
-    every = np.full((short.REPEATS + 1, frames), 7000, dtype=np.int64)
+    every = np.full((REPEATS + 1, frames), 7000, dtype=np.int64)
     every[-1] = 1000
     timed = {
         known[0].job.stem: Clocked(known[0].job, Timed(every)),
         known[1].job.stem: Clocked(known[1].job, Timed(np.full((2, frames - 1), 7000, dtype=np.int64))),
     }
-    assert short.ShortSweep(request(tmp_path, outcomes=known, clocked=timed), now=lambda: 0.0).ask() == []
+    rows, troubles = ask.Sweep(request(tmp_path, outcomes=known, clocked=timed), now=lambda: 0.0).ask()
+    assert troubles == []
     assert not {"stop_distance default", "stop_distance tuned"} & set(fakes.asked) and len(fakes.asked) >= 8
     # the second preset was timed over other frames than all the others
     assert "stop_distance default" not in fakes.timed and "stop_distance tuned" in fakes.timed
-    found = {row["setting"]: row for row in rows(tmp_path)}
-    least = found["default"]
-    assert (least["p50"], least["repeats"], least["frames"]) == ("7", str(short.REPEATS), str(frames))
-    assert (found["tuned"]["p50"], found["tuned"]["repeats"]) == ("5", str(short.REPEATS))
-    assert about(tmp_path)["form"] == "short" and about(tmp_path)["reused"] == 1
+    found = {row.preset: row.value for row in rows if row.metric == "frame_time_p50" and not row.change}
+    assert found == {"default": 7.0, "tuned": 5.0}
 
 
 def test_a_preset_beside_the_grid_takes_part_where_it_ran_with_the_times_of_the_run(tmp_path: Path, fakes: Fakes) -> None:
@@ -164,38 +151,36 @@ def test_a_preset_beside_the_grid_takes_part_where_it_ran_with_the_times_of_the_
     timed = {known.job.stem: Clocked(known.job, Timed(np.full((repeats, frames), 7000, dtype=np.int64)))}
     scenes = ("stop_distance", "stack_ten")
     ran = replace(request(tmp_path, scenes, [known], timed), presets={"mujoco": ("default", "tuned", "sleeping")})
-    assert "sleeping" in [cell.setting.name for cell in short.cells_of(ran)[:6]], "among the presets, which come first"
-    short.ShortSweep(ran, now=lambda: 0.0).ask()
-    found = [row for row in rows(tmp_path) if row["setting"] == "sleeping"]
-    assert {(row["scenario"], row["p50"], row["sleeps"], row["options"]) for row in found} == {
-        ("stack_ten", "7", "1", "--engine mujoco --preset sleeping")}
+    assert "sleeping" in [cell.setting.name for cell in plan.cells_of(ran)[:6]], "among the presets, which come first"
+    rows, _ = ask.Sweep(ran, now=lambda: 0.0).ask()
+    found = [row for row in rows if row.preset == "sleeping" and row.metric == "frame_time_p50"]
+    assert [(row.scenario, row.value, row.options) for row in found] == [
+        ("stack_ten", 7.0, "--engine mujoco --preset sleeping")]
     assert "stack_ten sleeping" not in fakes.asked + fakes.timed
 
 
 def test_what_was_left_out_is_a_row_that_says_so(tmp_path: Path, fakes: Fakes) -> None:
     known = [outcome("stop_distance", name, 0.02) for name in ("default", "tuned")]
-    short.ShortSweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: 0.0).ask()
-    left = [row for row in rows(tmp_path) if "left out" in row["note"]]
-    assert left and {row["state"] for row in left} == {"not-measured"} and all(not row["error"] for row in left)
-    names = {f"stop_distance: mujoco/{row['setting']}" for row in left}
-    assert set(about(tmp_path)["left"]) == names  # type: ignore[call-overload]
-    assert not {name.partition("/")[2] for name in names} & {said.partition(" ")[2] for said in fakes.asked}
+    rows, _ = ask.Sweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: 0.0).ask()
+    left = [row for row in rows if row.status == "not-measured"]
+    assert left and {row.metric for row in left} == {"run"}
+    assert not {row.change.replace("/", "_").replace(" ", ".") for row in left} & {one.partition(" ")[2] for one in fakes.asked}
 
 
 def test_what_the_estimate_left_of_the_budget_is_spent(tmp_path: Path, fakes: Fakes) -> None:
     known = [outcome("stop_distance", name, 0.02) for name in ("default", "tuned")]
     fakes.each = 0.1
-    ran = short.ShortSweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: fakes.time)
+    ran = ask.Sweep(request(tmp_path, outcomes=known), budget=20.0, now=lambda: fakes.time)
     ran.ask()
-    first = short.chosen(short.cells_of(ran.request), ran.request, short.FIRST * ran.budget)
-    assert ran.rounds > 1 and len(ran.errors) > len(first.asked) and about(tmp_path)["rounds"] == ran.rounds
+    first = plan.chosen(plan.cells_of(ran.request), ran.request, ask.FIRST * ran.budget)
+    assert ran.rounds > 1 and len(ran.errors) > len(first.asked)
     assert fakes.time <= ran.budget
 
 
 def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_path: Path) -> None:
     presets = {"mujoco": ("default", "tuned"), "avatarsim": ("default",)}
     ran = replace(request(tmp_path, outcomes=[outcome("stop_distance", "tuned")]), presets=presets)
-    cells = short.cells_of(ran)
+    cells = plan.cells_of(ran)
     by_name = {cell.setting.run: cell for cell in cells}
 
     def found(error: float) -> Entry:
@@ -203,7 +188,7 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
 
     errors = {by_name["avatarsim/default"]: found(0.0), by_name["mujoco/tuned dt=1/240"]: found(1.0)}
     left = [cell for cell in cells if cell not in errors]
-    names = [cell.setting.name for cell in short.refined(left, errors, ran)]
+    names = [cell.setting.name for cell in plan.refined(left, errors, ran)]
     finer = ["tuned dt=1/1920", "default dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
     margins = [f"tuned loose_margin={margin:g}" for margin in (0.0, 2e-4, 4e-4, 1e-3)]
     coarse = ["default", "tuned", "tuned dt=1/120", "tuned dt=1/480"]
@@ -211,18 +196,18 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
     assert names[:6] == coarse + solver and names[6:10] == finer and names[10:14] == margins
     silent = replace(ran, outcomes={known.job.stem: replace(known, about={"settings": {"loose_margin": [4e-4, ""]}})
                                     for known in ran.outcomes.values()})
-    assert "tuned loose_margin=0.0004" not in [cell.setting.name for cell in short.cells_of(silent)]
+    assert "tuned loose_margin=0.0004" not in [cell.setting.name for cell in plan.cells_of(silent)]
     as_good = {**errors, by_name["mujoco/tuned dt=1/240"]: found(0.0)}
-    assert [cell.setting.name for cell in short.refined(left, as_good, ran)] == [cell.setting.name for cell in left]
+    assert [cell.setting.name for cell in plan.refined(left, as_good, ran)] == [cell.setting.name for cell in left]
 
 
 def test_the_ladder_is_asked_first_and_its_fine_steps_after_the_solver(tmp_path: Path) -> None:
     presets = {engine: ("default", "tuned") for engine in ("mujoco", "pybullet")} | {"avatarsim": ("default",)}
     scenes = ("stop_distance", "hand_over_table", "driven_10cm_wall")
-    cells = short.cells_of(replace(request(tmp_path, scenes, [outcome("stop_distance", "tuned")]), presets=presets))
+    cells = plan.cells_of(replace(request(tmp_path, scenes, [outcome("stop_distance", "tuned")]), presets=presets))
     rungs = [cell for cell in cells if ladder.is_rung(cell.setting.name)]
     first = next(k for k, cell in enumerate(cells) if not cell.setting.is_preset)
-    solver = [cell for cell in cells if short.turns_solver(cell)]
+    solver = [cell for cell in cells if plan.turns_solver(cell)]
     assert {cell.scenario for cell in solver} == {"stop_distance"}, "with an avatar it is no case"
     assert {cell.setting.name for cell in solver} == {
         "tuned sleep=true", "tuned iterations=10", "tuned solver_iterations=10", "tuned solver_iterations=200"}
@@ -240,7 +225,7 @@ def test_the_ladder_is_asked_first_and_its_fine_steps_after_the_solver(tmp_path:
 def test_what_has_no_words_for_an_error_or_repeats_its_preset_is_not_asked(tmp_path: Path) -> None:
     silent = replace(outcome("slide_to_roll", "default"), about={"cannot_say": {"virtual coupling": "none"}})
     same = replace(outcome("slide_to_roll", "tuned"), about={"settings": {"dt": [1 / 240, ""]}})
-    names = [cell.setting.name for cell in short.cells_of(request(tmp_path, ("slide_to_roll",), [silent, same]))]
+    names = [cell.setting.name for cell in plan.cells_of(request(tmp_path, ("slide_to_roll",), [silent, same]))]
     assert [name for name in names if name.startswith("default")] == ["default"]
     assert "tuned dt=1/240" not in names and "tuned dt=1/480" in names
 
@@ -248,28 +233,28 @@ def test_what_has_no_words_for_an_error_or_repeats_its_preset_is_not_asked(tmp_p
 def test_no_scene_is_timed_once_twice_the_budget_has_passed(tmp_path: Path, fakes: Fakes) -> None:
     fakes.each = 20.0
     scenes = ("stop_distance", "slide_to_roll")
-    short.ShortSweep(request(tmp_path, scenes), budget=50.0, now=lambda: fakes.time).ask()
-    assert {said.partition(" ")[0] for said in fakes.timed} == {"stop_distance"} and about(tmp_path)["late"] == ["slide_to_roll"]
-    late = [row for row in rows(tmp_path) if row["scenario"] == "slide_to_roll" and row["state"] == "measured"]
-    assert late and all(not row["p50"] and "not timed" in row["note"] for row in late)
+    ran = ask.Sweep(request(tmp_path, scenes), budget=50.0, now=lambda: fakes.time)
+    rows, _ = ran.ask()
+    assert {said.partition(" ")[0] for said in fakes.timed} == {"stop_distance"} and ran.late == ["slide_to_roll"]
+    late = [row for row in rows if row.scenario == "slide_to_roll" and row.metric == "frame_time_p50"]
+    assert late and all(row.value is None for row in late)
 
 
 def test_a_time_that_could_not_be_taken_is_said(tmp_path: Path, fakes: Fakes) -> None:
     fakes.dead = "tuned"
-    troubles = short.ShortSweep(request(tmp_path), now=lambda: 0.0).ask()
-    assert troubles == ["stop_distance mujoco/tuned was not timed: it died"]
-    assert all(not row["front"] for row in rows(tmp_path) if row["setting"] == "tuned")
+    _, troubles = ask.Sweep(request(tmp_path), now=lambda: 0.0).ask()
+    assert len(troubles) == 1 and "stop_distance mujoco/tuned" in troubles[0] and "it died" in troubles[0]
 
 
-def test_a_run_without_its_scenes_has_no_sweep(tmp_path: Path, fakes: Fakes) -> None:
-    assert short.ask(request(tmp_path, ("free_flight",))) == [] and not list(tmp_path.iterdir()) and not fakes.asked
+def test_a_run_without_its_scenes_has_no_sweep(tmp_path: Path) -> None:
+    assert ask.STUDY.carry_out(request(tmp_path, ("free_flight",))) == ([], []) and not list(tmp_path.iterdir())
 
 
 def test_long_scenes_are_timed_once_and_short_ones_thrice() -> None:
-    assert phenomena.repeats_of(phenomena.ONCE) == 1 and phenomena.repeats_of(phenomena.ONCE - 1) == short.REPEATS == 3
+    assert phenomena.repeats_of(phenomena.ONCE) == 1 and phenomena.repeats_of(phenomena.ONCE - 1) == REPEATS == 3
 
 
 def test_cut_frames_are_timed_over_the_same_rendered_frames() -> None:
-    whole = Cell("stop_distance", GRIDS["avatarsim"][0], most=short.MOST_FRAMES)
+    whole = Cell("stop_distance", GRIDS["avatarsim"][0], most=plan.MOST_FRAMES)
     cut = next(s for s in GRIDS["avatarsim"] if s.cut == 2)
-    assert Cell("stop_distance", cut, most=short.MOST_FRAMES).timed_frames == 2 * whole.timed_frames
+    assert Cell("stop_distance", cut, most=plan.MOST_FRAMES).timed_frames == 2 * whole.timed_frames

@@ -7,7 +7,7 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.tracker import checked, link_poses
 from reference.targets import Targets
 from scenarios import catalog
-from scenarios.studies.sweep import finer
+from scenarios.studies.settings import finer
 
 
 def test_it_takes_as_long_and_passes_through_every_sample() -> None:

@@ -7,9 +7,9 @@ from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.running.harness import offer
 from scenarios.running.own_settings import NAME, OwnSettings
-from scenarios.running.telling import TELLING
-from scenarios.studies.sweep.grid import Setting, applicable, settings_of
-from tests.scenarios.studies.sweep.grids import GRIDS
+from scenarios.running.phenomena import TELLING
+from scenarios.studies.settings.grid import Setting, applicable, settings_of
+from tests.scenarios.studies.settings.grids import GRIDS
 
 GRID = [setting for settings in GRIDS.values() for setting in settings]
 SMALL = ("stop_distance", "bounce_ladder", "driven_10cm_wall", "squeeze")

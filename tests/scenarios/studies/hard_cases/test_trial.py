@@ -1,0 +1,104 @@
+"""Trials of hard cases: engines that are bad on purpose, and one that is not."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scenarios import catalog
+from scenarios.studies.checkpoint import Entry
+from scenarios.studies.hard_cases import ask as room
+from scenarios.studies.hard_cases import trial
+from scenarios.studies.hard_cases.ask import LEFT_OUT, SHORT, STUDY, tasks_of
+from scenarios.studies.hard_cases.plan import CASES, Trial, trials
+from scenarios.studies.hard_cases.trial import Task, tried
+from scenarios.studies.hard_cases.variation import Variation
+from scenarios.studies.study import Request
+
+
+def task(engine: str, case: str = "stack_ten", change: Variation | None = None, seconds: float = 0.2) -> Task:
+    return Task(case, seconds, engine, "default", Trial("", "", change or Variation()))
+
+
+def moved(one: Entry, other: Entry) -> float:
+    return float(np.abs(np.array(one["end"]) - np.array(other["end"])).max())
+
+
+@pytest.mark.parametrize(("engine", "state", "spoilt"), [
+    ("tunnels", "measured", "wrong_side_frames"), ("not_a_number", "measured", "not_finite_frames"),
+    ("raises", "crashed", ""), ("speechless", "cannot-say", ""),
+])
+def test_a_bad_engine_has_its_fault_as_a_figure_or_a_state(site: Path, engine: str, state: str, spoilt: str) -> None:
+    found = tried(task(engine))
+    assert found["state"] == state and all(found["values"][spoilt] > 0.0 for _ in [0] if spoilt)
+
+
+def test_a_trial_that_takes_too_long_is_not_measured(site: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trial, "LATE", 0.5)
+    assert tried(task("dawdles", "painleve"))["state"] == "not-measured"
+
+
+def test_depth_and_end_are_those_of_a_world_of_size_1(site: Path) -> None:
+    """What stops 2 mm inside a world of size 10 is 0.2 mm inside as it is told, and ends ten times nearer."""
+    here, there = tried(task("two_millimetres")), tried(task("two_millimetres", change=Variation(scale=10.0, far=100.0)))
+    assert here["values"]["residual_overlap_max"] == pytest.approx(2e-3, abs=1e-6)
+    assert there["values"]["residual_overlap_max"] == pytest.approx(2e-4, abs=1e-6)
+    assert moved(here, there) < 0.05 and len(here["end"]) == 10
+
+
+def test_the_engine_itself_survives() -> None:
+    found = tried(task("avatarsim", "squeeze"))
+    assert found["frames"] == 12 and len(found["end"]) == 2 and found["values"]["residual_overlap_max"] <= 1e-6
+    assert found["values"]["not_finite_frames"] == found["values"]["wrong_side_frames"] == 0.0
+
+
+def test_a_scene_that_cannot_be_built_is_no_fault_of_an_engine() -> None:
+    assert tried(task("avatarsim", "split_invariance", Variation(scale=1e-3)))["state"] == "cannot-say"
+
+
+def test_a_solver_step_is_changed_from_the_preset_s_and_an_engine_without_one_is_not_asked() -> None:
+    """MuJoCo's documented step of 2 ms, twice as long: a box that falls ends elsewhere, by far less than it fell."""
+    assert tried(task("avatarsim", change=Variation(step=2.0)))["state"] == "cannot-say"
+    assert 1e-9 < moved(*(tried(task("mujoco", "tumbling_box", change)) for change in (None, Variation(step=2.0)))) < 0.05
+
+
+def test_a_margin_that_a_preset_chose_grows_with_the_world() -> None:
+    """Ten boxes that MuJoCo's tuned preset holds 0.4 mm apart: at size 0.15 they end where they end at size 1."""
+    changes = (None, Variation(scale=0.15))
+    assert moved(*(tried(replace(task("mujoco", change=change), preset="tuned")) for change in changes)) < 2e-4
+
+
+def request(folder: Path, *names: str, **presets: tuple[str, ...]) -> Request:
+    return Request(folder, {name: catalog.get(name) for name in names}, presets, 1)
+
+
+def test_the_short_form_is_part_of_the_long_one() -> None:
+    assert set(SHORT) < {one.name for one in trials()} and set(LEFT_OUT) < set(CASES)
+
+
+def test_every_engine_that_took_part_is_tried_in_the_cases_of_the_run(tmp_path: Path) -> None:
+    presets = {"avatarsim": ("default",), "tracker": ("default",), "dies": ("a", "b")}
+    tasks = tasks_of(request(tmp_path, "squeeze", "tunnelling", "ball_drop", **presets))
+    assert {(one.case, one.run) for one in tasks} == {("squeeze", run) for run in ("avatarsim/default", "dies/a", "dies/b")}
+    assert len(tasks) == len(set(tasks)) == 3 * len(SHORT)
+    long = replace(request(tmp_path, "tunnelling", avatarsim=("default",)), kept=tmp_path)
+    assert len(tasks_of(long)) == len(trials())
+
+
+def test_rows_have_figures_states_and_the_distance_from_the_unchanged_end(
+    tmp_path: Path, site: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(room, "CASES", {"stack_ten": 0.2})
+    monkeypatch.setattr(room, "SHORT", ("", "start 1e-05 m", "solver step 2 times"))
+    rows, _ = STUDY.carry_out(request(tmp_path, "stack_ten", frozen=("default",), dies=("default",)))
+    found = {(row.run, row.change, row.metric): row for row in rows}
+    assert found["frozen/default", "", "end_distance"].value == 0.0
+    # each body starts up to 1e-5 m off along every axis, and a frozen engine leaves it there
+    assert 1e-6 < (found["frozen/default", "start 1e-05 m", "end_distance"].value or 0.0) < 3e-5
+    assert found["frozen/default", "solver step 2 times", "run"].status == "cannot-say"
+    assert {row.status for row in rows if row.engine == "dies" and not row.change} == {"crashed"}
+
+
+def test_without_a_case_nothing_is_written(tmp_path: Path) -> None:
+    assert STUDY.carry_out(request(tmp_path, "ball_drop", avatarsim=("default",))) == ([], []) and not list(tmp_path.iterdir())
