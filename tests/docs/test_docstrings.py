@@ -7,7 +7,7 @@ import docutils.nodes
 import pytest
 
 from docs.extensions.docstrings import restructured
-from docs.extensions.public_names import Public, assigned, directive, page, public_names, signature_of
+from docs.extensions.public_names import Public, assigned, public_names
 
 
 def parsed(lines: list[str]) -> docutils.nodes.document:
@@ -46,15 +46,6 @@ def test_a_table_is_a_definition_list() -> None:
     assert [one.astext() for one in document.findall(docutils.nodes.literal)] == ["name", "it", "other_"]
 
 
-SECTIONS = "Do it.\n\nArgs:\n    one: what it is,\n        at length.\n    two: the other.\n\nReturns:\n    (a, b): both.\n"
-
-
-def test_sections_have_their_names_and_rows() -> None:
-    document = parsed(restructured(SECTIONS.splitlines()))
-    assert [one.astext() for one in document.findall(docutils.nodes.strong)] == ["Args", "Returns"]
-    assert [one.children[0].astext() for one in document.findall(docutils.nodes.definition_list_item)] == ["one", "two"]
-
-
 @pytest.mark.parametrize("text", [
     "Eq. (4): p' = p - (a_h . (p - o_h)) a_h, with a_ and |x| and *y* and [1]_ and ::", "- one entry\nand a line", "1. no list",
     ".. no: directive", "`name`s and x`name`y, ``both`` of <them>", "back\\slash and :role:`text`", ">>> no session",
@@ -63,26 +54,3 @@ def test_sections_have_their_names_and_rows() -> None:
 def test_what_looks_like_markup_is_none(text: str) -> None:
     words = parsed(restructured(text.splitlines())).astext()
     assert "".join(words.split()) == "".join(text.replace("`", "").removeprefix("- ").split())
-
-
-def test_every_name_has_one_directive_on_the_page() -> None:
-    lines = list(page())
-    names = public_names()
-    assert len({public.dotted for public in names}) == len(names) > 25
-    for public in names:
-        assert lines.count(directive(public)[0]) == 1
-
-
-def example(one: int, *rest: "float", keyed: tuple[int, ...] = (1, 2)) -> "dict[str, int]":
-    """A function."""
-    return {}
-
-
-def test_signatures_stand_as_they_do_in_the_source() -> None:
-    assert signature_of(example, False) == ("(one: int, *rest: float, keyed: tuple[int, ...]=(1, 2))", "dict[str, int]")
-    by_name = {public.short: public.found for public in public_names()}
-    scene, _ = signature_of(by_name["Scene"], False)
-    assert "materials: PairTable = TABLE_1" in scene and scene.startswith("(name: str, bodies: tuple[Body, ...] = ()")
-    assert "start: TrackerSample | None = None" in scene
-    assert signature_of(by_name["UnknownName"], False)[0] == "(thing: str, value: str, known: Iterable[str])"
-    assert signature_of(by_name["Role"], False) == ("", None)

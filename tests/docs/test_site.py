@@ -8,7 +8,6 @@ from docutils import nodes
 
 from docs import conf
 from docs.extensions import filled, formulas, no_request
-from runfiles.metrics import METRICS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = sorted((ROOT / "docs").glob("*.md"))
@@ -50,11 +49,6 @@ def test_a_formula_that_is_none_is_shown_as_it_is_and_warned_of(monkeypatch: pyt
     assert len(said) == 1 and said[0][1] == r"\nonsense{<"
 
 
-def test_each_part_has_one_place_on_one_page() -> None:
-    places = [place for page in PAGES for place in filled.PLACE.findall(page.read_text(encoding="utf-8"))]
-    assert sorted(places) == sorted(filled.PARTS)
-
-
 def test_the_first_example_is_the_one_of_the_readme() -> None:
     example = filled.filled("before\n<!-- first example -->\nafter <!-- first example -->\n")
     assert example.startswith("before\n```python\n") and example.endswith("\n```\nafter <!-- first example -->\n")
@@ -65,19 +59,6 @@ def test_a_link_to_a_folder_is_its_words() -> None:
     text = "[`docs`](../docs) [docs](../docs/) [page](../docs/index.md) ![picture](../docs) [gone](../gone) [there](https://there/)"
     found = filled.without_folders(text, ROOT / "docs")
     assert found == "`docs` docs" + text.partition("(../docs/)")[2]
-
-
-def test_terms_of_the_report_are_rows() -> None:
-    rows = filled.terms_of_the_report().splitlines()
-    assert len(rows) == 2 + len(METRICS)
-    assert all(len(re.findall(r"(?<!\\)\|", row)) == 3 for row in rows)
-
-
-def test_a_term_stands_once_in_the_glossary() -> None:
-    page = (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8")
-    rows = re.findall(r"^\| ([^|]+) \| ([^|]+) \|$", page, re.MULTILINE)
-    terms = [term for row, _ in rows for term in row.split(", ") if row not in ("term", "---")]
-    assert len(terms) > 80 and sorted(terms) == sorted(set(terms))
 
 
 ELSEWHERE = [
