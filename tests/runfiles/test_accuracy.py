@@ -24,27 +24,18 @@ def test_the_largest_error_counts_and_a_percent_of_a_way_is_ten_millimetres() ->
     assert largest(entry(residual_overlap_max=1e-3, stop_distance_error_max=1.0), (OVERLAP,)) == 1e-3
 
 
-@pytest.mark.parametrize(
-    "spoilt",
-    [
-        entry("crashed"),
-        entry(),
-        entry(residual_overlap_max=math.nan),
-        entry(residual_overlap_max=0.0, tracker_offset_rms_free=1.001 * FOLLOWS),
-    ],
-)
+@pytest.mark.parametrize("spoilt", [
+    entry("crashed"), entry(), entry(residual_overlap_max=math.nan),
+    entry(residual_overlap_max=0.0, tracker_offset_rms_free=1.001 * FOLLOWS),
+])
 def test_what_was_not_measured_or_does_not_follow_is_infinitely_wrong(spoilt: Entry) -> None:
     assert largest(spoilt, (OVERLAP, OFFSET)) == math.inf
 
 
 def test_an_engine_misses_what_ours_reaches_with_its_finest_step_so_far() -> None:
     found = [
-        Reached("a", "avatarsim", 1e-5, math.nan),
-        Reached("a", "m", 5e-3, 1 / 60),
-        Reached("a", "m", 2e-3, 1 / 240),
-        Reached("a", "p", 8e-5, 1 / 240),
-        Reached("b", "m", 1.0, 1 / 60),
-        Reached("c", "avatarsim", 1.0, math.nan),
+        Reached("a", "avatarsim", 1e-5, math.nan), Reached("a", "m", 5e-3, 1 / 60), Reached("a", "m", 2e-3, 1 / 240),
+        Reached("a", "p", 8e-5, 1 / 240), Reached("b", "m", 1.0, 1 / 60), Reached("c", "avatarsim", 1.0, math.nan),
         Reached("c", "m", 2.0, 1 / 60),
     ]
     # ours does not reach the micrometre, so that p misses nothing; in b ours was not measured, in c it reaches nothing

@@ -9,7 +9,6 @@ import pytest
 
 from avatarsim.errors import InvalidFile
 from runfiles import array_file
-from runfiles.array_file import joined, planes
 
 RNG = np.random.default_rng(11)
 ODD = np.array([np.nan, -np.nan, 0.0, -0.0, np.inf, -np.inf, 5e-324, -1.7976931348623157e308, 1.0])
@@ -45,12 +44,6 @@ def test_arrays_come_back_bit_by_bit_and_stay_as_they_were(tmp_path: Path) -> No
         assert (found[name].dtype, found[name].shape) == (array.dtype, array.shape), name
         assert found[name].tobytes() == array.tobytes() == before[name], name
         assert found[name].flags.writeable, name
-
-
-def test_planes_hold_bytes_of_equal_weight(tmp_path: Path) -> None:
-    split = planes(np.array([[1.0, 2.0], [1.0, 2.0], [1.0, 2.0]]))
-    assert split.shape == (8, 2, 3) and not split[:, :, 1:].any() and split[7, :, 0].any()
-    assert joined(split, np.dtype(np.float64)).tolist() == [[1.0, 2.0]] * 3
 
 
 def test_only_what_is_wanted_is_read(tmp_path: Path) -> None:

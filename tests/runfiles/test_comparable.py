@@ -7,7 +7,6 @@ import pandas as pd
 import pytest
 
 from runfiles.comparable import ASLEEP, AVATAR_METRIC, AVATAR_TIME, FEW_FRAMES, Note, reasons, unsupported
-from runfiles.engines import engines
 from scenarios import catalog
 from scenarios.engines import opened
 
@@ -28,13 +27,6 @@ def why(lines: Sequence[Line], notes: Sequence[Note] = (), said: str = "3 x 200 
     """Reasons of rows (scene, run, metric, value)."""
     rows = pd.DataFrame(lines, columns=["scenario", "run", "metric", "value"]).assign(note=said)
     return [str(one) for one in reasons(rows, notes)]
-
-
-def test_plain_figures_compare() -> None:
-    assert why([("a", "avatarsim/default", "residual_overlap_max", 0.0), ("a", "mujoco/tuned", "frame_time_p95", 9.0)]) == [
-        "",
-        "",
-    ]
 
 
 def test_an_avatar_makes_times_incomparable_in_its_scene_alone() -> None:
@@ -81,15 +73,6 @@ def test_a_feature_that_is_not_set_up_takes_out_its_metrics_only() -> None:
 def test_presets_that_lack_a_feature_are_told_apart() -> None:
     assert unsupported("mujoco/default", ["restitution"]) and not unsupported("mujoco/tuned", ["restitution"])
     assert unsupported("mujoco/tuned", ["no such feature"]) == unsupported("newcomer/default", ["restitution"]) == {}
-
-
-@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
-def test_reasons_name_feature_and_engine(engine: str) -> None:
-    one = engines()[engine]
-    for feature, lacking in one.unsupported.items():
-        preset = lacking.presets[0] if lacking.presets else one.presets[0]
-        found = unsupported(f"{engine}/{preset}", [feature])
-        assert set(found) == set(lacking.metrics) and all(feature in why and one.label in why for why in found.values())
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import csv
 import math
 from dataclasses import dataclass
 
-from runfiles.csv_rows import csv_lines, csv_text
+from runfiles.csv_rows import csv_text
 
 
 @dataclass(frozen=True)
@@ -20,11 +20,3 @@ def test_numbers_are_short_and_nan_is_an_empty_cell() -> None:
     found = list(csv.DictReader(text.splitlines()))
     assert found[0] == {"name": "a,b", "value": "0.333333", "count": "7", "held": "True"}
     assert found[1]["value"] == "" and found[1]["held"] == "False" and found[2]["value"] == "inf"
-
-
-def test_columns_are_named_where_there_is_no_row() -> None:
-    assert csv_text([], Figure) == "name,value,count,held\n"
-
-
-def test_digits_are_chosen_by_who_writes() -> None:
-    assert csv_lines(("x",), [(math.pi,)], 9) == "x\n3.14159265\n"

@@ -2,7 +2,6 @@
 
 import ast
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -10,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.errors import UnknownName
-from runfiles import metrics
-from runfiles.metrics import FAMILIES, METRICS, RANKED, Metric, label, metric, unit
+from runfiles.metrics import FAMILIES, METRICS, RANKED, Metric, metric, unit
 
 ROOT = Path(__file__).parents[2]
 UNITS = {"m", "us", "s", "deg", "rad", "rad/s", "m/s", "%", "", "frames", "J", "N", "bodies", "towers"}
@@ -64,21 +62,9 @@ def test_ranked_metrics_have_a_level_and_others_a_reason() -> None:
     assert all(one.name in RANKED for one in METRICS.values() if one.watched or one.inside)
 
 
-def test_nothing_is_described_twice() -> None:
-    for texts in ([one.label for one in METRICS.values()], [one.definition for one in METRICS.values()]):
-        assert len(set(texts)) == len(texts) and all(texts)
-    text = Path(metrics.__file__).with_name("metrics.toml").read_text(encoding="utf-8")
-    assert len(tomllib.loads(text)) == len(METRICS) + len(FAMILIES)
-
-
 def test_no_metric_is_in_a_family() -> None:
     for name in METRICS:
         assert not any(name.startswith(one.name) or name.endswith(one.name) for one in FAMILIES)
-
-
-@given(st.text(max_size=30) | st.sampled_from(["stage_share_first_pose", "joint_pairs_per_frame", "my_own_figure"]))
-def test_a_label_is_in_words(name: str) -> None:
-    assert name in METRICS or "_" not in label(name)
 
 
 @given(values, values, st.floats(0.0, 0.5), st.floats(0.0, 10.0))

@@ -19,8 +19,3 @@ def test_a_heap_keeps_its_deepest_pairs_only() -> None:
     many = tuple(("box", "hand", 1.0 / (k + 1)) for k in range(100))
     found = overlapping.gathered([many], NAMES)
     assert len(found.depth) == overlapping.MOST and found.depth[-1] == 1.0 / overlapping.MOST
-
-
-def test_nothing_overlaps_in_nothing() -> None:
-    found = overlapping.gathered((), ())
-    assert found.frame.shape == found.depth.shape == (0,)

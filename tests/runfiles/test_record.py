@@ -1,8 +1,8 @@
-"""Recordings in files: bits and hashes survive, a write that fails changes nothing."""
+"""Recordings in files: bits and hashes survive, a write that fails changes nothing, a damaged file is refused by its name."""
 
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 import pytest
@@ -18,6 +18,7 @@ from tests.scenarios.examples import DT, drop_scene, resting
 def test_what_is_saved_is_loaded_bit_for_bit(tmp_path: Path) -> None:
     recording = full()
     record.save(recording, tmp_path / "deep" / "one.npz")
+    assert [path.name for path in (tmp_path / "deep").iterdir()] == ["one.npz"]
     again = record.load(tmp_path / "deep" / "one.npz")
     for entry in fields(Recording):
         kept, found = getattr(recording, entry.name), getattr(again, entry.name)
@@ -52,11 +53,6 @@ def test_a_body_that_never_moves_costs_next_to_nothing(tmp_path: Path) -> None:
     room = replace(base, positions=still, orientations=orientations, velocities=0.0 * still, angular_velocities=0.0 * still)
     record.save(room, tmp_path / "room.npz")
     assert (tmp_path / "room.npz").stat().st_size < 0.02 * 4 * still.nbytes
-
-
-def test_nothing_but_the_recording_is_left_behind(tmp_path: Path) -> None:
-    record.save(full(), tmp_path / "one.npz")
-    assert [path.name for path in tmp_path.iterdir()] == ["one.npz"]
 
 
 def test_the_motion_of_a_scene_is_kept_once(tmp_path: Path) -> None:
@@ -119,3 +115,51 @@ def test_a_disk_that_is_full_names_the_file(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(array_file, "write", full_disk)
     with pytest.raises(OSError, match=r"No space left on device: '.*one\.npz'"):
         record.save(full(), tmp_path / "one.npz")
+
+
+@pytest.mark.parametrize("keep", [0, 10, 1000])
+def test_a_truncated_recording_is_an_invalid_file(tmp_path: Path, keep: int) -> None:
+    path = tmp_path / "one.npz"
+    record.save(full(), path)
+    path.write_bytes(path.read_bytes()[:keep])
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)
+
+
+def test_a_missing_recording_and_another_layout_are_invalid_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InvalidFile, match="none.npz"):
+        record.load(tmp_path / "none.npz")
+    monkeypatch.setattr(record, "SCHEMA_VERSION", 99)
+    record.save(full(), tmp_path / "new.npz")
+    monkeypatch.undo()
+    with pytest.raises(InvalidFile, match="schema_version"):
+        record.load(tmp_path / "new.npz")
+
+
+@pytest.mark.parametrize(("name", "value"), [
+    ("positions", np.zeros((4, 3))), ("orientations", np.zeros((4, 2, 3))), ("velocities", np.zeros((3, 2, 3))),
+    ("inside_positions", np.zeros((5, 3, 3))), ("inside_event", np.zeros(5)), ("angles", np.zeros((3, 0))),
+    ("raw_positions", np.zeros((4, 0))), ("times", np.zeros(())), ("state_hashes", np.zeros(4)), ("overlap", np.zeros(3)),
+    ("inside_frame", np.array([1, 1, 2, 2, 4])), ("inside_frame", np.array([1, 1, 2, 2, -1])),
+    ("inside_event", np.array([0, 0, 0, 1, 3])), ("counts", {"pairs": np.arange(3)}), ("statuses", {"held": np.zeros(4)}),
+    ("positions", np.zeros((4, 2, 3), dtype=np.float32)),
+])
+def test_arrays_that_contradict_each_other_are_an_invalid_file(tmp_path: Path, name: str, value: Any) -> None:
+    path = tmp_path / "one.npz"
+    record.save(replace(full(), **{name: value}), path)
+    with pytest.raises(InvalidFile, match="one.npz"):
+        record.load(path)
+
+
+@pytest.mark.parametrize(("arrays", "said"), [
+    *(({"meta": np.array(meta), "times": np.zeros(1)}, "one.npz") for meta in ("[]", "3", "{", "{}", "null")),
+    ({"surprise": np.zeros(1)}, "surprise"),
+])
+def test_entries_that_this_runner_did_not_write_are_an_invalid_file(tmp_path: Path, arrays: dict[str, Any], said: str) -> None:
+    path = tmp_path / "one.npz"
+    record.save(full(), path)
+    whole = array_file.read(path) if "meta" not in arrays else {}
+    with path.open("wb") as file:
+        array_file.write(file, {**whole, **arrays})
+    with pytest.raises(InvalidFile, match=said):
+        record.load(path)
