@@ -14,12 +14,12 @@ from pathlib import Path
 
 import pytest
 
+from avatarsim.errors import InvalidInput
 from avatarsim.running.processes import THREADS, Died, alone, side_by_side
 
 ROOT = Path(__file__).resolve().parents[2]
 LARGE = 40_000_000
 """Bytes of an answer that takes a while to send."""
-
 
 
 def act(word: str) -> str:
@@ -79,6 +79,22 @@ def test_children_do_not_collect_what_their_mother_loaded(found: dict[str, str |
     assert found["collector"] == "True"
 
 
+def test_without_workers_tasks_run_here_and_fewer_are_refused() -> None:
+    assert dict(side_by_side(act, ["one", "two"], 0)) == {word: f"{word} {os.getpid()}" for word in ("one", "two")}
+    with pytest.raises(InvalidInput, match="number of workers is -1"):
+        list(side_by_side(act, ["one"], -1))
+
+
+def test_everyone_who_dies_is_told_how() -> None:
+    """Threads that look after processes would lose the news of one end in seventy: each start of one asks after all others."""
+    from tests.running import test_processes
+
+    before = threading.active_count()
+    for _, how in side_by_side(test_processes.act, ["die"] * 24, 4):
+        assert isinstance(how, Died) and "signal 9" in str(how)
+    assert threading.active_count() == before
+
+
 def tidy(word: str) -> bool:
     return word[0] != "b"
 
@@ -127,6 +143,7 @@ def test_no_process_is_left_when_the_results_are_left_early(shared: Callable[[st
 PARENT = """
 import time
 from contextlib import closing
+from avatarsim.errors import InvalidInput
 from avatarsim.running.processes import side_by_side
 from tests.running import test_processes
 with closing(side_by_side(test_processes.act, ["one", "two"], 2, test_processes.tidy)) as work:
