@@ -8,13 +8,9 @@ import pytest
 from distributed import LocalCluster
 
 from avatarsim.cli import main
-from tests.clips.made import bvh
+from tests.clips.made import bvh, content
 
 ROOT = Path(__file__).resolve().parents[2]
-
-
-def content(folder: Path) -> dict[str, bytes]:
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def test_clips_on_a_cluster_are_of_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.clips.made import bvh
+from tests.clips.made import bvh, content
 
 ROOT = Path(__file__).resolve().parents[2]
 CLIPS = 14
@@ -19,10 +19,6 @@ CLIPS = 14
 def command(folder: Path, out: str, workers: int) -> list[str]:
     words = ["clean", str(folder / "in"), "--room", "floor", "-o", str(folder / out), "--workers", str(workers)]
     return [sys.executable, "-m", "avatarsim", *words]
-
-
-def content(folder: Path) -> dict[str, bytes]:
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
 
 def of_session(session: int) -> list[int]:

@@ -2,8 +2,6 @@
 
 import json
 import os
-import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -16,8 +14,7 @@ from avatarsim.assets.motions.load import load_motion
 from avatarsim.cli import main
 from avatarsim.cli.motions import verdict
 from avatarsim.clips import certificate
-from avatarsim.clips.whole_files import alone_in
-from tests.clips.made import bvh, csv, robot
+from tests.clips.made import bvh, content, csv, robot
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -34,22 +31,16 @@ def ended(*words: object) -> int:
         return int(str(end.code))
 
 
-def content(folder: Path) -> dict[str, bytes]:
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
-
-
 def certified(folder: Path) -> dict[str, Any]:
     found: dict[str, Any] = json.loads((folder / "certificate.json").read_text())
     jsonschema.validate(found, certificate.schema())
     return found
 
 
-def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Path) -> None:
     bvh(tmp_path / "in" / "b.bvh", frames=60)
     bvh(tmp_path / "in" / "deep" / "a.bvh", frames=50, seed=1)
     assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
-    said, _ = capsys.readouterr()
-    assert re.search(r"^b\.bvh .* [1-9]\d* frames, .*0 frames, 0 .* clean$", said, re.MULTILINE)
     assert set(content(tmp_path / "out")) == {
         "b.bvh", "deep/a.bvh", "certificate.json", "index.html", "certificates/b.bvh.json", "certificates/deep/a.bvh.json",
         "pages/b.bvh.html", "pages/deep/a.bvh.html",
@@ -81,7 +72,7 @@ def test_what_is_cleaned_is_found_clean_and_what_was_not_is_not(tmp_path: Path, 
     assert content(tmp_path) == before and "clean" in capsys.readouterr().out
 
 
-def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> None:
     csv(tmp_path / "a.csv")
     assert clean(tmp_path / "a.csv", "--avatar", robot(tmp_path), "-o", tmp_path / "out", "--no-page", "--rate", "60") == 0
     (one,) = certified(tmp_path / "out")["clips"]
@@ -89,12 +80,9 @@ def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path, caps
     assert [file["name"] for file in one["inputs"]["avatar"]] == ["robot.xml"]
     assert not (tmp_path / "out" / "pages").exists()
     assert len((tmp_path / "out" / "a.csv").read_text().splitlines()) == 19
-    said = "a.csv: columns matched by order: a root and 1 joint, no names in the file"
-    assert any(sentence.startswith(said) for sentence in one["said"])
-    assert f"avatarsim: {said}; --joints says names for another order\n" in capsys.readouterr().err
 
 
-def test_excluded_pairs_are_counted_once_for_an_avatar_and_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_excluded_pairs_are_certified_with_their_reason(tmp_path: Path) -> None:
     hand = '<body name="hand" pos="-0.1 0 0"><joint name="wrist" range="-1 1"/><geom size="0.05"/></body>'
     tail = '<body name="tail" pos="-0.2 0 0"><joint name="tail" range="-1 1"/><geom size="0.03"/></body>'
     path = robot(tmp_path)
@@ -105,25 +93,10 @@ def test_excluded_pairs_are_counted_once_for_an_avatar_and_why(tmp_path: Path, c
         (tmp_path / name).write_text("\n".join(f"{row},0,0" for row in rows) + "\n")
     line = ["audit", str(tmp_path / "in"), "--avatar", str(path), "--workers", "0", "-o", str(tmp_path / "out")]
     main(line)
-    said = ("avatarsim: robot.xml: 2 pairs are excluded from contact, and no proof looks there: 1 by the file (arm and tail), "
-            "1 since they overlap at rest (base and hand)\n")
-    assert capsys.readouterr().err.count(said) == 1
     whole = json.loads((tmp_path / "out" / "audit.json").read_text())
     for one in whole["clips"]:
         assert {(pair["a"], pair["b"], pair["why"]) for pair in one["excluded"]} == {
             ("stick/arm", "stick/tail", "by the file"), ("stick/base", "stick/hand", "overlaps at rest")}
-
-
-def test_equal_skeletons_of_clips_are_one_avatar(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for name in ("a.bvh", "b.bvh"):
-        bvh(tmp_path / "in" / name, frames=4)
-    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
-    (said,) = [line for line in capsys.readouterr().err.splitlines() if "excluded from contact" in line]
-    (first, second) = (one["excluded"] for one in certified(tmp_path / "out")["clips"])
-    assert said.startswith(f"avatarsim: a.bvh: {len(first)} pair") and len(first) == len(second)
-    assert "looks there: since they overlap at rest (" in said
-    # done before, it is said again
-    assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0 and said in capsys.readouterr().err
 
 
 def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -157,28 +130,18 @@ def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path,
     assert again() == {"a.bvh"}
 
 
-def test_clips_of_earlier_commands_stay_in_the_certificate(tmp_path: Path) -> None:
-    assert clean(bvh(tmp_path / "a.bvh"), "-o", tmp_path / "out") == 0
-    assert clean(bvh(tmp_path / "b.bvh", seed=1), "-o", tmp_path / "out") == 0
-    assert [one["motion"] for one in certified(tmp_path / "out")["clips"]] == ["a.bvh", "b.bvh"]
-
-
-def test_what_earlier_commands_left_undone_stays_and_is_said(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_earlier_commands_left_undone_stays_until_it_is_done(tmp_path: Path) -> None:
     out, bad = tmp_path / "out", tmp_path / "bad.bvh"
     bad.write_text("cut off")
     assert clean(bvh(tmp_path / "a.bvh", frames=4), bad, "-o", out) == 3
-    capsys.readouterr()
     # this command has done all that it was asked for
     assert clean(bvh(tmp_path / "b.bvh", frames=4), "-o", out) == 0
-    assert "not done, of earlier commands into this folder: bad.bvh; certificate.json says why" in capsys.readouterr().err
     assert [(one["name"], one["kind"]) for one in certified(out)["not_done"]] == [("bad.bvh", "unreadable")]
     bvh(bad, frames=4)
     assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []
-    assert "not done" not in capsys.readouterr().err
     whole = certificate.MARK + "damaged"
     (out / "certificate.json").write_text(whole)
     assert clean(bad, "-o", out) == 0 and certified(out)["not_done"] == []
-    assert "what earlier commands left undone" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("frames", [1, 2])
@@ -270,9 +233,7 @@ CLEAN = ["clean", "a.bvh", "-o", "out"]
 @pytest.mark.parametrize(("words", "said"), [
     (["clean"], "required"), (["clean", "a.bvh"], "-o/--out"), (["clean", "a.bvh", "-o", ""], "empty name"),
     ([*CLEAN, "--no-such"], "--no-such"), ([*CLEAN, "--up", "x"], "--up"), ([*CLEAN, "--margin", "wide"], "--margin"),
-    ([*CLEAN, "--margin", "5"], "margin"), ([*CLEAN, "--margin", "nan"], "margin"), ([*CLEAN, "--blend", "-1"], "blend"),
-    ([*CLEAN, "--rate", "nan"], "--rate"), ([*CLEAN, "--rate", "0"], "--rate"), ([*CLEAN, "--scale", "inf"], "--scale"),
-    ([*CLEAN, "--workers", "-1"], "--workers"), ([*CLEAN, "--scheduler", "nowhere"], "--scheduler"),
+    ([*CLEAN, "--scheduler", "nowhere"], "--scheduler"),
     (["clean", "a.bvh", "-o", "a.bvh"], "output folder"), (["clean", "a.bvh", "-o", "a.bvh/b"], "output folder"),
     (["clean", "a.bvh", "-o", "/proc/out"], "output folder"), (["clean", "a.bvh", "-o", "."], "no file that is read"),
     (["clean", "empty", "-o", "out"], "folders with clips"), (["audit"], "required"), (["audit", "a.bvh", "--force"], "--force"),
@@ -324,21 +285,6 @@ def test_files_of_other_programs_stay(tmp_path: Path, name: str, code: int, caps
     assert ended("audit", clip, "-o", tmp_path) == 2 and (tmp_path / "audit.json").read_text() == "mine"
 
 
-def test_an_option_that_is_not_for_a_format_is_said_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    bvh(tmp_path / "in" / "a.bvh", frames=3)
-    bvh(tmp_path / "in" / "b.bvh", frames=3, seed=1)
-    assert clean(tmp_path / "in", "-o", tmp_path / "out", "--quaternion", "xyzw", "--scale", "1") == 0
-    assert capsys.readouterr().err.count("--quaternion is not for .bvh files") == 1
-
-
-def test_a_second_command_in_one_folder_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    clip = bvh(tmp_path / "a.bvh", frames=3)
-    with alone_in(tmp_path / "out"):
-        assert ended("clean", clip, "-o", tmp_path / "out", "--workers", "0") == 2
-    assert "no other command is writing into" in capsys.readouterr().err and content(tmp_path / "out") == {}
-    assert clean(clip, "-o", tmp_path / "out") == 0
-
-
 def test_a_full_disk_costs_no_earlier_result(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -383,43 +329,21 @@ def test_bvh_on_level_ground_needs_no_extra_and_goes_on_without_one(tmp_path: Pa
         assert done.stdout.splitlines()[1].endswith(f"  {last}")
 
 
-def test_the_module_is_the_command(tmp_path: Path) -> None:
-    shutil.copy(bvh(tmp_path / "in.bvh", frames=3), tmp_path / "a.bvh")
-    line = [sys.executable, "-m", "avatarsim", "audit", str(tmp_path / "a.bvh"), "--workers", "0"]
-    done = subprocess.run(line, cwd=ROOT, capture_output=True, text=True, timeout=300)
-    assert done.returncode in (0, 1) and "a.bvh" in done.stdout and "Traceback" not in done.stderr
-    wrong = subprocess.run([*line[:4], str(tmp_path / "absent.bvh")], cwd=ROOT, capture_output=True, text=True, timeout=300)
-    assert wrong.returncode == 3 and "absent.bvh" in wrong.stderr
-
-
-def rows_of(said: str) -> dict[str, list[str]]:
-    """Lines of a table by the clip that they are about; lines below a clip's own begin with spaces."""
-    found: dict[str, list[str]] = {}
-    for line in said.splitlines()[1:]:
-        found.setdefault(line.split()[0], []).append(line) if not line.startswith(" ") else [*found.values()][-1].append(line)
-    return found
-
-
-def test_an_audit_tells_limits_from_overlap_and_names_the_deepest_pair(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_an_audit_tells_limits_from_overlap_and_names_the_deepest_pair(tmp_path: Path) -> None:
     csv(tmp_path / "deep.csv")
     still = [["0", "0", "2", "0", "0", "0", "1", angle] for angle in ("0", "0.1", "0.1")]
     (tmp_path / "bent.csv").write_text("\n".join(map(",".join, still)) + "\n")
     (tmp_path / "good.csv").write_text("\n".join(",".join([*row[:-1], "0.01"]) for row in still) + "\n")
-    words = ["audit", *(f"{name}.csv" for name in ("deep", "bent", "good")), "--avatar", "robot.xml", "--room", "floor"]
-    robot(tmp_path)
-    words = [str(tmp_path / word) if "." in word else word for word in words]
-    assert main([*words, "--workers", "0", "-o", str(tmp_path / "out")]) == 1
-    rows = rows_of(capsys.readouterr().out)
-    assert rows["deep.csv"][0].endswith("OVERLAPS") and rows["good.csv"][0].endswith("clean")
-    assert rows["bent.csv"][0].endswith("BEYOND LIMITS") and len(rows["bent.csv"]) == len(rows["good.csv"]) == 1
+    clips = [str(tmp_path / f"{name}.csv") for name in ("deep", "bent", "good")]
+    words = ["audit", *clips, "--avatar", str(robot(tmp_path)), "--room", "floor", "--workers", "0", "-o", str(tmp_path / "out")]
+    assert main(words) == 1
     whole = json.loads((tmp_path / "out" / "audit.json").read_text())
     jsonschema.validate(whole, certificate.schema())
-    overlap = {one["motion"]: one["overlap"]["before"] for one in whole["clips"]}
-    assert overlap["deep.csv"]["frame"] in (4, 5) and overlap["bent.csv"]["frame"] is None
-    (below,) = rows["deep.csv"][1:]
-    assert all(name in below for name in (*overlap["deep.csv"]["pair"], f"frame {overlap['deep.csv']['frame']}"))
+    found = {one["motion"]: one for one in whole["clips"]}
+    verdicts = {name: verdict(one) for name, one in found.items()}
+    assert verdicts == {"deep.csv": "OVERLAPS", "bent.csv": "BEYOND LIMITS", "good.csv": "clean"}
+    deepest = found["deep.csv"]["overlap"]["before"]
+    assert deepest["frame"] in (4, 5) and deepest["pair"] and found["bent.csv"]["overlap"]["before"]["frame"] is None
 
 
 @pytest.mark.parametrize(("frames", "ways", "last"), [(1, 1, "OVERLAPS"), (0, 2, "NOT CERTIFIED"), (0, 0, "BEYOND LIMITS")])

@@ -105,3 +105,8 @@ def csv(path: Path, frames: int = 10) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text("\n".join(",".join(f"{one:.6f}" for one in row) for row in rows) + "\n", encoding="utf-8")
     return path
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    """All files below a folder, by their paths."""
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
