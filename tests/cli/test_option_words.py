@@ -14,8 +14,9 @@ from tests.clips.made import bvh
 SAID = {
     'fix=("elbow", ...) or fix="all" holds': ("fix", "fix"), 'leave=("geom 0 of world",) leaves it out': ("leave",),
     'fix=(name, ...) or couplings="leave"': ("fix", "couplings"), 'folder="/a b" allows it': ("folder",),
-    "rate= does": ("file-rate",), "skeleton= names": ("asf",), "limits=False leaves joints free": ("no-limits",), 'offsets="mean" for': ("offsets",),
-    'quaternion="xyzw" says': ("quaternion",), "repair='remesh' to wrap": ("repair",), 'meshes="hull" takes': ("meshes",),
+    "rate= does": ("file-rate",), "skeleton= names": ("asf",), "limits=False leaves joints free": ("no-limits",),
+    'offsets="mean" for': ("offsets",), 'quaternion="xyzw" says': ("quaternion",), "repair='remesh' to wrap": ("repair",),
+    'meshes="hull" takes': ("meshes",),
     'type="fixed" does not move': (), "a.b=3 c-scale=2": (),
 }
 """Advice of the library, and the options that `avatarsim clean` names in its place."""
