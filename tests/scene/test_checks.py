@@ -41,15 +41,9 @@ def test_within_includes_its_ends() -> None:
     assert within("x", 0.0, 0.0, 1.0) == 0.0 and within("x", 1.0, 0.0, 1.0) == 1.0
 
 
-@pytest.mark.parametrize(
-    ("value", "part"),
-    [
-        ([[1.0, 2.0]], "(1, 2)"),
-        ([1.0, 2.0, 3.0], "(3,)"),
-        ([[1.0, math.nan, 0.0]], "finite numbers only"),
-        ([["a", 1, 2]], "'a'"),
-    ],
-)
+@pytest.mark.parametrize(("value", "part"), [
+    ([[1.0, 2.0]], "(1, 2)"), ([1.0, 2.0, 3.0], "(3,)"), ([[1.0, math.nan, 0.0]], "finite numbers"), ([["a", 1, 2]], "'a'"),
+])
 def test_finite_array_says_what_is_wrong(value: object, part: str) -> None:
     with pytest.raises(InvalidScene) as error:
         finite_array("corners", value, (-1, 3))
@@ -61,12 +55,6 @@ def test_finite_array_copies() -> None:
     kept = finite_array("corners", given, (-1, 3))
     given[:] = 7.0
     assert (kept == 1.0).all()
-
-
-def test_vector_is_a_tuple_of_floats() -> None:
-    assert vector("v", np.array([1, 2, 3])) == (1.0, 2.0, 3.0)
-    with pytest.raises(InvalidScene):
-        vector("v", (1.0, 2.0))
 
 
 def test_unit_vector_scales_and_refuses_zero() -> None:
@@ -93,3 +81,19 @@ def test_distinct_names_the_one_that_repeats() -> None:
     with pytest.raises(InvalidScene) as error:
         distinct("body of the scene", ["a", "b", "b"])
     names_all(error, "body of the scene", "'b'", "once")
+
+
+@pytest.mark.parametrize("value", [
+    np.array(["1", "2"]), np.array([1j, 0.0, 0.0]), np.ma.masked_array([0.0, 0.0, 1.0], mask=[False, True, False]),
+    np.array([1, 2, "x"], dtype=object), b"abc", [None] * 3,
+])
+def test_arrays_hold_real_numbers(value: object) -> None:
+    with pytest.raises(InvalidScene, match="v is .*; valid: real numbers of shape"):
+        finite_array("v", value, (3,))
+
+
+@pytest.mark.parametrize("value", [
+    (1, 2, 3), np.array([1, 2, 3]), np.float32([1, 2, 3]), [np.int8(1), 2.0, np.float64(3)], range(1, 4),
+])
+def test_any_real_numbers_will_do(value: object) -> None:
+    assert vector("v", value) == (1.0, 2.0, 3.0)

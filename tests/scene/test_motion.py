@@ -121,3 +121,11 @@ def test_what_is_no_motion_is_refused_by_name(name: str, value: Any, says: str) 
 def test_a_rate_that_is_none_is_refused(rate: float) -> None:
     with pytest.raises(InvalidInput, match="frames a second"):
         motion(3).resampled(rate)
+
+
+def test_a_resampled_motion_has_its_most_frames() -> None:
+    long = Motion(**parts(motion(2)) | {"times": np.array([0.0, 10.0])})
+    assert len(long.resampled(1000.0)) == 10_001
+    with pytest.raises(InvalidInput, match="frames a second") as found:
+        long.resampled(1e6)
+    assert found.value.value == 1e6 and "100000 for 10 s" in found.value.valid

@@ -1,47 +1,115 @@
-"""Scenes: what contradicts itself is refused, which pairs may touch, which effects are called for."""
+"""Scenes: which part calls for which effect, what an author may ask for, and which pairs may touch."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import pytest
 
-from avatarsim.errors import InvalidSample, InvalidScene
-from avatarsim.scene.avatar import Avatar, rigid_avatar
+from avatarsim.errors import InvalidScene
+from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
-from avatarsim.scene.effects import Effects
+from avatarsim.scene.effects import CALLS, KEPT, Effects
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
-from avatarsim.scene.tracker import rest
-from tests.stability.hostile import hinged_avatar, hinged_trial
+from tests.stability.hostile import hinged_avatar
 
-BALL = (Piece(Sphere(0.1)),)
-CRATE = (Piece(Box((0.1, 0.2, 0.3))),)
+BALL, CRATE = (Piece(Sphere(0.1)),), (Piece(Box((0.1, 0.2, 0.3))),)
 FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
-HAND = rigid_avatar("hand", BALL, solid(BALL, 0.5))
 DROP = simulated("drop", BALL, "metal", solid(BALL, 1.0), (0.0, 0.0, 1.0))
+TUMBLE = simulated("tumble", CRATE, "wood", solid(CRATE, 1.0), (1.0, 0.0, 1.0))
+HAND = rigid_avatar("hand", BALL, solid(BALL, 0.5))
 
 
-@pytest.mark.parametrize(
-    ("arguments", "part"),
-    [
-        ({}, "number of bodies of scene s is 0"),
-        ({"bodies": (FLOOR, FLOOR)}, "body of scene s is 'floor'; valid: names that occur once only"),
-        ({"bodies": (fixed("hand", BALL, "wood"),), "avatars": (HAND,)}, "'hand'"),
-        ({"bodies": (replace(FLOOR, material="cheese"),)}, "material of floor is 'cheese'; valid: one of human, metal, wood"),
-        ({"bodies": (FLOOR,), "gravity": (0.0, 0.0, float("nan"))}, "gravity"),
-        ({"bodies": (FLOOR,), "exclude": (("floor", "roof"),)}, "name in exclude is 'roof'"),
-        ({"bodies": (FLOOR,), "narrow": ("gravity",)}, "effect is 'gravity'"),
-    ],
-)
-def test_what_contradicts_itself_is_refused(arguments: dict[str, object], part: str) -> None:
+def called(*bodies: object, avatars: tuple = (), **more: object) -> set[str]:
+    """Effects that a scene of these parts calls for."""
+    scene = Scene("s", bodies, avatars, **more)
+    return {effect for effect, parts in scene.calls.items() if parts}
+
+
+def test_the_table_has_a_row_for_every_effect_in_order() -> None:
+    assert [call.effect for call in CALLS] == [effect.name for effect in fields(Effects)]
+
+
+def test_each_part_calls_for_its_effects_and_no_other() -> None:
+    bodily = {"dynamics", "restitution", "friction", "continuous", "sleeping"}
+    assert called(FLOOR) == set()
+    assert called(FLOOR, DROP) == bodily
+    assert called(FLOOR, TUMBLE) == bodily | {"gyroscopic"}
+    assert called(FLOOR, avatars=(HAND,)) == {"overlap_removal"}
+    assert called(DROP, avatars=(HAND,)) == bodily | {"overlap_removal", "coupling"}
+    assert called(FLOOR, avatars=(hinged_avatar(),)) == {"overlap_removal", "kinematics", "self_contact", "limits"}
+
+
+def test_only_materials_that_can_meet_call_for_bounce_and_friction() -> None:
+    slick, rough = ContactLaw(0.0, 0.0), ContactLaw(0.5, 0.5)
+    table = PairTable({("metal", "metal"): rough, ("wood", "metal"): slick, ("wood", "wood"): rough})
+    assert not {"restitution", "friction"} & called(FLOOR, DROP, materials=table)
+    assert {"restitution", "friction"} <= called(FLOOR, DROP, replace(DROP, name="other"), materials=table)
+    assert Scene("s", (FLOOR, TUMBLE)).calls["friction"] == ("wood on wood 0.3",)
+
+
+@pytest.mark.parametrize(("effect", "part"), [
+    ("friction", "friction above 0"), ("self_contact", "three links"),
+    ("coupling", "an avatar together with a simulated or moving body"), ("reach_cones", "reach cone"),
+    ("dynamics", "a simulated or moving body"), ("limits", "a limited hinge"),
+])
+def test_a_scene_that_requires_what_it_lacks_is_refused_by_name(effect: str, part: str) -> None:
     with pytest.raises(InvalidScene) as error:
-        Scene("s", **arguments)
-    assert part in str(error.value)
+        Scene("bare", (FLOOR,), require=(effect,))
+    said = str(error.value)
+    assert f"'{effect}'" in said and "bare" in said and part in said
 
 
-def test_the_start_must_fit_the_avatars() -> None:
-    with pytest.raises(InvalidSample, match="tracker positions"):
-        Scene("s", avatars=(HAND,), start=rest((hinged_avatar(),)))
+def test_what_is_required_and_there_is_no_trouble_but_must_not_be_narrowed_away() -> None:
+    assert Scene("s", (FLOOR, DROP), require=("friction",)).effects.friction
+    for twice in ({"require": ("friction",)}, {"force": ("friction",)}):
+        with pytest.raises(InvalidScene, match="narrows is 'friction'"):
+            Scene("s", (FLOOR, DROP), narrow=("friction",), **twice)
+
+
+@pytest.mark.parametrize("asked", ["narrow", "require", "force"])
+def test_an_effect_that_nobody_knows_is_refused(asked: str) -> None:
+    with pytest.raises(InvalidScene, match="'fricton'"):
+        Scene("s", (FLOOR, DROP), **{asked: ("fricton",)})
+
+
+@pytest.mark.parametrize("effect", KEPT)
+def test_what_cannot_be_left_out_is_said(effect: str) -> None:
+    with pytest.raises(InvalidScene, match=effect):
+        Scene("s", (FLOOR,), (hinged_avatar(),), narrow=(effect,))
+
+
+def test_what_lapses_is_said_for_what_was_called_for_and_taken_away() -> None:
+    scene = Scene("s", (FLOOR, DROP), narrow=("continuous", "coupling"))
+    assert dict(scene.lapsed) == {"continuous": "1 (no overlap)"}
+    assert not Scene("s", (FLOOR, DROP)).lapsed
+
+
+def test_a_scene_is_judged_whole_whatever_was_left_out() -> None:
+    scene = Scene("s", (FLOOR,), (hinged_avatar(),), narrow=("self_contact",), force=("sleeping",))
+    assert scene.whole.effects == scene.derived_effects and scene.whole.pair_filter.sum() > scene.pair_filter.sum()
+    plain = Scene("s", (FLOOR, DROP))
+    assert plain.whole is plain
+
+
+def test_a_forced_effect_is_on_though_nothing_calls() -> None:
+    scene = Scene("s", (FLOOR,), (HAND,), force=("sleeping", "reach_cones"))
+    assert scene.effects.sleeping and scene.effects.reach_cones and not scene.effects.friction
+    assert not scene.lapsed
+
+
+def test_narrowing_switches_off_what_is_named_and_nothing_else() -> None:
+    less = Effects().narrowed("friction", "sleeping")
+    assert not less.friction and not less.sleeping and less.restitution and less.overlap_removal
+    assert Effects().narrowed() == Effects()
+    derived = Effects(friction=False)
+    assert derived.narrowed("friction", "sleeping").missing_from(derived) == ("sleeping",)
+
+
+@pytest.mark.parametrize("value", [0, 1.0, "yes", None, ()])
+def test_a_switch_is_true_or_false(value: object) -> None:
+    with pytest.raises(InvalidScene, match="effect friction is .*True or False"):
+        Effects(friction=value)  # type: ignore[arg-type]
 
 
 def test_names_are_in_canonical_order() -> None:
@@ -57,13 +125,8 @@ def test_the_pair_filter_is_symmetric_and_leaves_out_what_it_says() -> None:
     assert (wanted == wanted.T).all() and not wanted.diagonal().any() and not wanted.flags.writeable
     for a, b in (("floor", "wall"), ("dummy/head", "dummy/left_hand"), ("drop", "hand"), ("dummy/pelvis", "dummy/chest")):
         assert not wanted[at[a], at[b]]
-    for a, b in (
-        ("floor", "drop"),
-        ("drop", "dummy/head"),
-        ("floor", "hand"),
-        ("hand", "dummy/head"),
-        ("dummy/pelvis", "dummy/head"),
-    ):
+    head = "dummy/head"
+    for a, b in (("floor", "drop"), ("drop", head), ("floor", "hand"), ("hand", head), ("dummy/pelvis", head)):
         assert wanted[at[a], at[b]]
     # all that is left out: one pair of fixed bodies, two named pairs, a parent for every link below the root
     n = len(scene.names)
@@ -76,47 +139,7 @@ def test_without_self_contact_links_of_one_avatar_pass_each_other_but_not_anothe
     assert scene.pair_filter[1:17, 17].all() and scene.pair_filter[1:, 0].all()
 
 
-def test_effects_are_those_that_the_parts_call_for() -> None:
-    lone = Scene("s", (FLOOR, DROP)).effects
-    assert not (lone.overlap_removal or lone.kinematics or lone.coupling or lone.limits or lone.reach_cones or lone.gyroscopic)
-    assert lone.dynamics and lone.restitution and lone.friction
-    crate = simulated("crate", CRATE, "wood", solid(CRATE, 1.0))
-    assert Scene("s", (crate,)).effects.gyroscopic
-    hand = Scene("s", (FLOOR,), (HAND,)).effects
-    assert hand.overlap_removal and not (hand.dynamics or hand.coupling or hand.kinematics or hand.self_contact or hand.friction)
-    arm = hinged_trial().scene.effects
-    assert arm.kinematics and arm.limits and arm.self_contact and not arm.reach_cones
-    assert Scene("s", (FLOOR, DROP), (HAND,)).effects.coupling
-
-
-def test_pairs_without_friction_or_bounce_call_for_none() -> None:
-    ice = PairTable(
-        {
-            ("wood", "metal"): ContactLaw(0.0, 0.0), ("metal", "metal"): ContactLaw(0.0, 0.0),
-            ("human", "human"): ContactLaw(1.0, 1.0),
-        }
-    )
-    effects = Scene("s", (FLOOR, DROP), materials=ice).effects
-    assert not effects.friction and not effects.restitution
-
-
-def test_narrowing_only_takes_away() -> None:
-    scene = Scene("s", (FLOOR, DROP), narrow=("friction", "coupling"))
-    assert not scene.effects.friction and scene.effects.restitution
-    assert scene.effects.missing_from(scene.derived_effects) == ("friction",)
-
-
 def test_the_default_start_is_rest() -> None:
     scene = Scene("s", avatars=(HAND,))
     assert (scene.first_sample.positions == 0.0).all()
-    assert isinstance(scene.effects, Effects) and isinstance(scene.avatars[0], Avatar)
     assert np.array(scene.gravity)[2] == -9.81
-
-
-@pytest.mark.parametrize("name", ["", "  ", None, 3])
-def test_a_name_that_nobody_can_read_is_refused(name: object) -> None:
-    ball = fixed("ball", (Piece(Sphere(0.1)),), "wood")
-    with pytest.raises(InvalidScene, match="name of a scene"):
-        Scene(name, (ball,))
-    with pytest.raises(InvalidScene, match="name of a body"):
-        fixed(name, (Piece(Sphere(0.1)),), "wood")
