@@ -87,11 +87,8 @@ def test_poses_that_are_not_finite_are_not_shown(bad: float) -> None:
     turns, positions, orientations = np.tile(np.eye(3), (2, 1, 1)), np.empty((2, 3)), np.empty((2, 4))
     place = np.zeros((2, 3))
     assert write_shown(place, turns, place, 0, positions, orientations)
-    lost = place.copy()
-    lost[1, 2] = bad
+    lost, bent = place.copy(), turns.copy()
+    lost[1, 2] = bent[0, 1, 2] = bad
     with np.errstate(all="ignore"):
         assert not write_shown(lost, turns, place, 0, positions, orientations)
-    bent = turns.copy()
-    bent[0, 1, 2] = bad
-    with np.errstate(all="ignore"):
         assert not write_shown(place, bent, place, 0, positions, orientations)

@@ -69,8 +69,5 @@ def test_a_pair_that_the_table_lacks_is_named() -> None:
 
 def test_first_velocities() -> None:
     found = velocities(Scene("s", (FLOOR, DROP), (HAND,)))
-    assert found.linear.tolist() == [[0, 0, 0], [1, 2, 3], [0, 0, 0]] and found.angular.tolist() == [
-        [0, 0, 0],
-        [4, 5, 6],
-        [0, 0, 0],
-    ]
+    assert found.linear.tolist() == [[0, 0, 0], [1, 2, 3], [0, 0, 0]]
+    assert found.angular.tolist() == [[0, 0, 0], [4, 5, 6], [0, 0, 0]]

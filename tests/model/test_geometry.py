@@ -132,11 +132,3 @@ def test_a_nan_in_a_pose_reaches_every_vertex() -> None:
     placed.position[2, 1] = np.nan
     place(geo, placed, 2)
     assert np.isnan(placed.vertices[16:, 1]).all() and not np.isnan(placed.vertices[:16]).any()
-
-
-def test_the_box_of_a_body_without_pieces_is_its_place() -> None:
-    pieces = (Piece(Sphere(0.1)),)
-    lone = Scene("s", avatars=(rigid_avatar("ghost", (), solid(pieces, 1.0)),))
-    geo = geometry(lone)
-    placed = poses(geo, np.array([[1.0, 2.0, 3.0]]), np.array([rotation.IDENTITY]))
-    assert geo.local.shape == (0, 3) and placed.hulls[0].tolist() == [1.0, 2.0, 3.0, 1.0, 2.0, 3.0]

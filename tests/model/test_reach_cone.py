@@ -16,13 +16,9 @@ from avatarsim.model.joint_limits import (
     nearest_on_edge,
     reach_excess,
 )
-from avatarsim.model.skeleton import Skeleton, skeleton
-from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import solid
-from avatarsim.scene.joint import Ball, Free, ReachCone, SwingTwist
-from avatarsim.scene.scene import Scene
+from avatarsim.scene.joint import ReachCone, SwingTwist
 from scenarios.measure.posture.limits import beyond_cone, swing_twist
-from tests.worlds.little_worlds import piece
+from tests.model.test_limits import from_tuples, skel_of, tuples
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 SEEDS = st.integers(0, 100_000)
@@ -46,14 +42,7 @@ CONES = {
 }
 
 
-def skel_of(cone: ReachCone, limits: SwingTwist | None, orientation: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)) -> Skeleton:
-    """A root and a ball with this polygon."""
-    mass = solid(piece(), 1.0)
-    limb = Link("limb", "root", Ball(limits, cone), piece(), mass, orientation=orientation)
-    return skeleton(Scene("s", avatars=(Avatar("a", (Link("root", None, Free(), piece(), mass), limb)),)))
-
-
-SKELETONS = {name: skel_of(cone, None) for name, cone in CONES.items()}
+SKELETONS = {name: skel_of(None, cone) for name, cone in CONES.items()}
 
 
 def direction(seed: int) -> tuple[float, float, float]:
@@ -72,16 +61,6 @@ def boundary(cone: ReachCone, count: int = 4000) -> np.ndarray:
         angle = np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b)
         arcs.append((np.sin((1.0 - share) * angle) * a + np.sin(share * angle) * b) / np.sin(angle))
     return np.concatenate(arcs)
-
-
-def tuples(turn: Rotation) -> tuple:
-    """Columns of a rotation."""
-    return tuple(tuple(float(v) for v in column) for column in turn.as_matrix().T)
-
-
-def from_tuples(c: tuple) -> Rotation:
-    """The rotation of three columns."""
-    return Rotation.from_matrix(np.array(c).T)
 
 
 @given(st.sampled_from(sorted(CONES)), SEEDS)
@@ -109,7 +88,7 @@ def test_nothing_inside_is_nearer_than_the_nearest_direction_inside(name: str, s
 @given(st.sampled_from(["convex", "concave", "wider than a hemisphere"]), st.floats(0.4, 2.0), SEEDS)
 def test_with_a_swing_cone_the_nearest_direction_is_inside_both(name: str, most: float, seed: int) -> None:
     limits = SwingTwist((0.0, 0.0, 1.0), (0.1, 0.0, 0.995), MOST, (-WHOLE, WHOLE))
-    skel, limb, centre = skel_of(CONES[name], limits), direction(seed), np.array(limits.centre)
+    skel, limb, centre = skel_of(limits, CONES[name]), direction(seed), np.array(limits.centre)
     nearest = nearest_in_reach(skel, 1, limb, most)
     assert beyond_cone(CONES[name], np.array(nearest)) <= 2e-12
     assert np.arctan2(np.linalg.norm(np.cross(nearest, centre)), nearest @ centre) <= most + 2e-12
@@ -138,7 +117,7 @@ def test_the_nearest_point_of_an_arc_is_an_end_beyond_its_ends(seed: int) -> Non
 def test_a_rotation_is_brought_into_polygon_cone_and_twist_at_once(name: str, seed: int) -> None:
     limits = SwingTwist((0.0, 1.0, 0.0), (0.0, 0.0, 1.0), 0.9, (-0.4, 0.6))
     orientation = tuple(float(q) for q in Rotation.random(rng=seed + 1).as_quat(scalar_first=True))
-    skel, turn = skel_of(CONES[name], limits, orientation), Rotation.random(rng=seed)
+    skel, turn = skel_of(limits, CONES[name], orientation), Rotation.random(rng=seed)
     inside = inside_cone(skel, 1, tuples(turn))
     assert cone_excess(skel, 1, inside) <= 2e-12
     # what the judge measures: from the link's orientation in its parent
@@ -154,7 +133,7 @@ def test_a_rotation_is_brought_into_polygon_cone_and_twist_at_once(name: str, se
 @given(SEEDS)
 def test_without_limits_the_limb_is_what_points_to_the_visible_point(seed: int) -> None:
     orientation = tuple(float(q) for q in Rotation.random(rng=seed).as_quat(scalar_first=True))
-    skel = skel_of(CONES["star"], None, orientation)
+    skel = skel_of(None, CONES["star"], orientation)
     at_zero = limb_of(skel, 1, ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
     assert Rotation.from_quat(orientation, scalar_first=True).apply(at_zero) == pytest.approx((0.6, 0.0, 0.8), abs=1e-12)
 

@@ -19,16 +19,13 @@ LIMITS = SwingTwist(Z, (0.6, 0.0, 0.8), 0.5, (-0.25, 0.75))
 
 def mixed() -> Avatar:
     """root (free) - a (ball) - b (two hinges) - c (rigid); root - d (one hinge)."""
-    return Avatar(
-        "m",
-        (
-            Link("root", None, Free(), PIECES, MASS),
-            Link("a", "root", Ball(LIMITS), PIECES, MASS, anchor=(0.0, 0.0, 1.0)),
-            Link("b", "a", Hinges((Hinge(X, -1.0, 0.5), Hinge(Y, -2.0, 2.0))), PIECES, MASS),
-            Link("c", "b", Rigid(), PIECES, MASS),
-            Link("d", "root", Hinges((Hinge(Z, 0.0, 1.0),)), PIECES, MASS),
-        ),
-    )
+    return Avatar("m", (
+        Link("root", None, Free(), PIECES, MASS),
+        Link("a", "root", Ball(LIMITS), PIECES, MASS, anchor=(0.0, 0.0, 1.0)),
+        Link("b", "a", Hinges((Hinge(X, -1.0, 0.5), Hinge(Y, -2.0, 2.0))), PIECES, MASS),
+        Link("c", "b", Rigid(), PIECES, MASS),
+        Link("d", "root", Hinges((Hinge(Z, 0.0, 1.0),)), PIECES, MASS),
+    ))
 
 
 def test_degrees_follow_the_joints() -> None:
@@ -75,8 +72,3 @@ def test_two_avatars_come_one_after_the_other() -> None:
     assert skel.parent[5] == -1 and skel.parent[6] == 5 and skel.first_dof[-1] == 12 + 43
     assert not skel.related[5:, :5].any() and not skel.related[:5, 5:].any()
     assert len(hinge_dofs(skel)) == 3 + 37
-
-
-def test_a_scene_without_avatars_has_no_links() -> None:
-    skel = skeleton(Scene("s", walls()))
-    assert len(skel.kind) == 0 and skel.first_dof.tolist() == [0] and skel.axis.shape == (0, 3) and hinge_dofs(skel).shape == (0,)

@@ -10,24 +10,19 @@ from avatarsim.model.world import build, posture_of, sample_arrays, shown_again,
 from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
-from avatarsim.scene.tracker import TrackerSample, link_poses
+from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from tests.stability.hostile import hinged_avatar, walls
+from tests.worlds.little_worlds import random_sample
 
 AVATAR = hinged_avatar()
 OFF_CENTRE = (Piece(Box((0.1, 0.2, 0.3)), (0.4, -0.3, 0.2)),)
 CRATE = simulated("crate", OFF_CENTRE, "wood", solid(OFF_CENTRE, 1.0), (1.0, 0.5, 2.0), (0.5, 0.5, -0.5, 0.5))
 
 
-def random_sample(seed: int) -> TrackerSample:
-    """Any posture, inside limits or not."""
-    rng = np.random.default_rng(seed)
-    return TrackerSample(0.0, rng.normal(size=(16, 3)), rotation.normalised(rng.normal(size=(16, 4))), rng.normal(size=37))
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_the_first_poses_shown_are_the_scenes_own(seed: int) -> None:
-    sample = random_sample(seed)
+    sample = random_sample((AVATAR,), seed)
     scene = Scene("s", (*walls(), CRATE), (AVATAR,), start=sample)
     positions, orientations = shown_poses(build(scene))
     links, turned = link_poses(scene.avatars, sample)
@@ -44,7 +39,7 @@ def test_simulated_bodies_are_kept_at_their_centre_of_mass() -> None:
 
 
 def test_a_posture_holds_the_samples_numbers() -> None:
-    sample = random_sample(7)
+    sample = random_sample((AVATAR,), 7)
     world = build(Scene("s", walls(), (AVATAR,)))
     posture = posture_of(world.skeleton, world.hinges, sample)
     assert (posture.angle[world.hinges] == sample.angles).all() and (posture.root == sample.positions).all()
@@ -52,7 +47,7 @@ def test_a_posture_holds_the_samples_numbers() -> None:
 
 
 def test_samples_of_any_layout_are_made_fit_for_the_kernels() -> None:
-    sample = random_sample(1)
+    sample = random_sample((AVATAR,), 1)
     frozen = sample.positions.copy()
     frozen.flags.writeable = False
     odd = replace(
@@ -71,7 +66,7 @@ def test_a_pose_that_is_not_finite_is_never_shown() -> None:
 
 
 def test_who_has_not_moved_is_shown_as_before_and_arrays_are_new() -> None:
-    world = build(Scene("s", (*walls(), CRATE), (AVATAR,), start=random_sample(0)))
+    world = build(Scene("s", (*walls(), CRATE), (AVATAR,), start=random_sample((AVATAR,), 0)))
     first, before = world.skeleton.first, shown_poses(world)
     world.poses.position[:] += 1.0
     again = shown_again(world, before, first)

@@ -17,6 +17,7 @@ from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, _sound, between, checked, link_poses, rest
 from avatarsim.spatial import rotation
 from tests.stability.hostile import hinged_avatar
+from tests.worlds.little_worlds import random_sample
 
 BALL = (Piece(Sphere(0.1)),)
 MASS = solid(BALL, 1.0)
@@ -32,25 +33,13 @@ def link(name: str, parent: str | None, joint: Joint, lean: float = 0.0) -> Link
 
 def tree() -> Avatar:
     """Every kind of joint: a free root, a ball, two hinges, a rigid tip, and a second branch."""
-    return Avatar(
-        "tree",
-        (
-            link("root", None, Free()),
-            link("ball", "root", Ball(), 0.3),
-            link("hinged", "ball", Hinges((Hinge(X), Hinge(Y))), -0.7),
-            link("tip", "hinged", Rigid(), 0.2),
-            link("branch", "root", Hinges((Hinge(Z, 0.5, 1.0),))),
-        ),
-    )
-
-
-def random_sample(avatars: tuple[Avatar, ...], seed: int) -> TrackerSample:
-    """A random posture of all avatars."""
-    rng = np.random.default_rng(seed)
-    links, hinges = sum(len(a.links) for a in avatars), sum(a.hinge_count for a in avatars)
-    return TrackerSample(
-        0.0, rng.normal(size=(links, 3)), rotation.normalised(rng.normal(size=(links, 4))), rng.normal(size=hinges)
-    )
+    return Avatar("tree", (
+        link("root", None, Free()),
+        link("ball", "root", Ball(), 0.3),
+        link("hinged", "ball", Hinges((Hinge(X), Hinge(Y))), -0.7),
+        link("tip", "hinged", Rigid(), 0.2),
+        link("branch", "root", Hinges((Hinge(Z, 0.5, 1.0),))),
+    ))
 
 
 def test_rest_obeys_hinge_limits_and_is_a_valid_sample() -> None:
@@ -70,20 +59,14 @@ def test_what_the_quick_check_says_nothing_of_the_thorough_one_decides(turned: f
         assert not _sound(other, 5, 3) and made.angles.tolist() == sample.angles.tolist() and type(made.time) is float
 
 
-@pytest.mark.parametrize(
-    ("change", "part"),
-    [
-        ({"time": math.nan}, "tracker time"),
-        ({"positions": np.zeros((4, 3))}, "(4, 3)"),
-        ({"angles": np.zeros(2)}, "(2,)"),
-        ({"positions": np.full((5, 3), math.nan)}, "tracker positions"),
-        ({"angles": np.array([0.0, math.inf, 0.0])}, "tracker angles"),
-        ({"rotations": np.tile([2.0, 0.0, 0.0, 0.0], (5, 1))}, "tracker rotation of link 0 is [2.0, 0.0, 0.0, 0.0]"),
-        ({"rotations": np.zeros((5, 4))}, "length 1"),
-        ({"rotations": np.ones((5, 3))}, "(5, 3)"),
-        ({"rotations": np.full((5, 4), math.nan)}, "tracker rotations"),
-    ],
-)
+@pytest.mark.parametrize(("change", "part"), [
+    ({"time": math.nan}, "tracker time"), ({"positions": np.zeros((4, 3))}, "(4, 3)"), ({"angles": np.zeros(2)}, "(2,)"),
+    ({"positions": np.full((5, 3), math.nan)}, "tracker positions"),
+    ({"angles": np.array([0.0, math.inf, 0.0])}, "tracker angles"),
+    ({"rotations": np.tile([2.0, 0.0, 0.0, 0.0], (5, 1))}, "tracker rotation of link 0 is [2.0, 0.0, 0.0, 0.0]"),
+    ({"rotations": np.zeros((5, 4))}, "length 1"), ({"rotations": np.ones((5, 3))}, "(5, 3)"),
+    ({"rotations": np.full((5, 4), math.nan)}, "tracker rotations"),
+])
 def test_bad_samples_say_what_is_wrong(change: dict[str, object], part: str) -> None:
     with pytest.raises(InvalidSample) as error:
         checked(replace(rest((tree(),)), **change), (tree(),))
