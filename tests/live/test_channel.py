@@ -27,6 +27,7 @@ def test_messages_arrive_whole_and_in_order(ends: Ends) -> None:
         assert (name, k) == found[:2]
         np.testing.assert_array_equal(numbers, found[2])
     assert list(other.drain()) == [] and other.newest() is None
+    assert other.send("back") and one.newest() == "back"
 
 
 def test_the_newest_is_taken_and_the_rest_forgotten(ends: Ends) -> None:
@@ -49,10 +50,3 @@ def test_a_sender_whose_reader_is_gone_does_not_fall(ends: Ends) -> None:
     one, other = ends
     other.close()
     assert not one.send("lost") and list(one.drain()) == []
-
-
-def test_both_ends_send(ends: Ends) -> None:
-    one, other = ends
-    one.send("there")
-    other.send("back")
-    assert (other.newest(), one.newest()) == ("there", "back")

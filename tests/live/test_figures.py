@@ -23,10 +23,6 @@ def test_the_nearest_rank_is_numpys(values: list[int], percent: float) -> None:
     assert rank(sorted(values), percent) == np.percentile(values, percent, method="inverted_cdf")
 
 
-def test_nothing_has_figures_of_nothing() -> None:
-    assert Window(60.0).figures().frames == 0 and rank([], 50.0) == 0
-
-
 def test_figures_are_of_the_last_seconds() -> None:
     window = Window(60.0)
     for frame in range(2000):

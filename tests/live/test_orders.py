@@ -120,6 +120,6 @@ def test_a_switch_leaves_the_preset_of_another_engine_alone() -> None:
     assert world.apply(Command(Order.SWITCH, Switch(("friction",), "paper"))) == ""
     assert world.settings.preset == "tuned" and "friction" in world.scene.narrow
     np.testing.assert_allclose(world.shown.shown.positions, before, atol=1e-6)
-    for order in (Order.KEEP, Order.BACK):
+    for order in (Order.KEEP, Order.BACK, Order.TAKE):
         assert "an engine that takes snapshots" in world.apply(Command(order))
     assert world.apply(Command(Order.RESET)) == ""

@@ -29,13 +29,12 @@ def test_a_stage_loads_free_of_overlap_and_rests(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_stage_is_of_primitives_and_holds_what_it_says(name: str) -> None:
+def test_a_stage_is_of_primitives_and_loose_bodies(name: str) -> None:
     one = stage(name)
     pieces = [piece for body in one.scene.bodies for piece in body.pieces] + [p for link in one.scene.links for p in link.pieces]
     assert not any(isinstance(piece.shape, ConvexHull) for piece in pieces)
     assert sum(body.role is Role.SIMULATED for body in one.scene.bodies) >= 3
     assert set(one.handles) <= set(one.scene.names)
-    assert one.what and "\n" not in one.what
     assert one.camera.position != one.camera.look_at
     assert stage(name) is one
 
@@ -65,20 +64,11 @@ def test_the_human_stands_on_the_floor_with_its_arms_down() -> None:
     assert all(isinstance(link.joint, Ball) and link.joint.limits for link in scene.links[1:] if "collar" not in link.name)
 
 
-def test_handles_are_the_root_and_the_ends_of_limbs() -> None:
-    assert stage("hand").handles == (
-        "hand/palm", "hand/thumb3", "hand/index3", "hand/middle3", "hand/ring3", "hand/little3",
-    )
-    assert stage("gallery").handles == (
-        "human/pelvis", "human/left_foot", "human/right_foot", "human/head", "human/left_hand", "human/right_hand",
-    )
-
-
 def test_an_avatar_of_ones_own_becomes_a_stage_that_can_be_driven() -> None:
     stick = rigid_avatar("stick", BALL, solid(BALL, 1.0))
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.3))
     own = staged(Scene("own", (floor,), (stick,)), "a stick")
-    assert own.handles == ("stick",) and "stick" in own.what
+    assert own.handles == ("stick",)
     one = Driver(own.scene)
     one.drag("stick", (0.0, 0.0, 0.2))
     for _ in range(30):

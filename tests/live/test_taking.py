@@ -20,8 +20,6 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.tolerances import JUDGED
 from reference.judging.judge import Judge
 from scenarios import catalog
-from scenarios.engines import opened
-from tests.live.small import plan, pushed
 
 DT = 1.0 / 60.0
 
@@ -131,12 +129,6 @@ def test_a_switch_of_the_method_keeps_what_is_held() -> None:
     held = dict(world.engine.attached())  # type: ignore[attr-defined]
     assert world.apply(Command(Order.SWITCH, Switch((), "default", {"spring": 900.0}))) == ""
     assert held and world.engine.attached() == held  # type: ignore[attr-defined]
-
-
-def test_a_rival_refuses_to_take() -> None:
-    world = World(plan(), lambda: opened("mujoco"))
-    world.advance(pushed(1))
-    assert "takes snapshots" in world.apply(Command(Order.TAKE))
 
 
 def test_a_human_walks_through_the_door_and_the_lift_raises_its_box() -> None:

@@ -31,8 +31,8 @@ def mesh_of(shape: Shape) -> trimesh.Trimesh:
 
 
 SHAPES = [
-    (Sphere(0.3), 1e-2), (Capsule(0.1, 0.4), 1e-2), (Ellipsoid((0.3, 0.1, 0.2)), 1e-2), (Box((0.3, 0.1, 0.2)), 1e-9), (LUMP, 1e-9),
-    (ellipsoid_hull((0.3, 0.1, 0.2)), 1e-9),
+    (Sphere(0.3), 1e-2), (Capsule(0.1, 0.4), 1e-2), (Ellipsoid((0.3, 0.1, 0.2)), 1e-2), (Box((0.3, 0.1, 0.2)), 1e-9),
+    (LUMP, 1e-9), (ellipsoid_hull((0.3, 0.1, 0.2)), 1e-9),
 ]
 
 

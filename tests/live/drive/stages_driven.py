@@ -1,4 +1,4 @@
-"""What the tests of driving share: drivers of the built-in stages, random postures, and how far a joint is beyond its limits."""
+"""Drivers of the built-in stages, postures while keys repeat, random postures, and excess of joints beyond their limits."""
 
 import random
 
@@ -21,6 +21,16 @@ DT = 1.0 / 60.0
 def driver(name: str) -> Driver:
     """A driver of a built-in stage."""
     return Driver(stage(name).scene)
+
+
+def ticks(one: Driver, count: int, keys: str = "") -> list[TrackerSample]:
+    """Postures of some frames, while keys repeat."""
+    found = []
+    for k in range(count):
+        for key in keys if k % 2 == 0 else "":
+            assert one.press(key) == ""
+        found.append(one.tick(DT))
+    return found
 
 
 def random_sample(scene: Scene, seed: int, amount: float = 0.8) -> TrackerSample:

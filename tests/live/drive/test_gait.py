@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.live.stages import stage
 from avatarsim.scene.tracker import TrackerSample
-from tests.live.drive.stages_driven import DT, driver, excess, places
+from tests.live.drive.stages_driven import DT, driver, excess, places, ticks
 
 SCENE = stage("gallery").scene
 NAMES = [link.name for link in SCENE.links]
@@ -14,12 +14,7 @@ LEFT, RIGHT = NAMES.index("left_foot"), NAMES.index("right_foot")
 
 def walked(seconds: float, keys: str = "i") -> list[TrackerSample]:
     """Postures while keys are held."""
-    one, found = driver("gallery"), []
-    for k in range(round(seconds / DT)):
-        for key in keys if k % 2 == 0 else "":
-            assert one.press(key) == ""
-        found.append(one.tick(DT))
-    return found
+    return ticks(driver("gallery"), round(seconds / DT), keys)
 
 
 def test_feet_stand_and_swing_in_turn_with_the_period_that_is_said() -> None:
@@ -59,28 +54,18 @@ def test_turning_turns_the_feet_along() -> None:
 
 def test_a_crouch_lowers_the_root_over_feet_that_stay_and_ends_in_time() -> None:
     one, start = driver("gallery"), places(SCENE, SCENE.first_sample)
-    for k in range(240):
-        if k % 2 == 0:
-            one.press("f")
-        sample = one.tick(DT)
+    sample = ticks(one, 240, "f")[-1]
     low = places(SCENE, sample)
     assert 0.3 < start[0, 2] - low[0, 2] < 0.5
     assert low[[LEFT, RIGHT]] == pytest.approx(start[[LEFT, RIGHT]], abs=0.015)
     assert excess(SCENE, sample) < 1e-6
-    for k in range(240):
-        if k % 2 == 0:
-            one.press("r")
-        sample = one.tick(DT)
-    assert places(SCENE, sample)[0, 2] == pytest.approx(start[0, 2], abs=1e-3)
+    assert places(SCENE, ticks(one, 240, "r")[-1])[0, 2] == pytest.approx(start[0, 2], abs=1e-3)
 
 
 def test_a_walk_that_is_let_go_comes_to_rest() -> None:
     one = driver("gallery")
-    for _ in range(60):
-        one.press("i")
-        one.tick(DT)
-    for _ in range(240):
-        sample = one.tick(DT)
+    ticks(one, 60, "i")
+    sample = ticks(one, 240)[-1]
     assert one.source == "still"
     joints, start = places(SCENE, sample), places(SCENE, SCENE.first_sample)
     assert joints[[LEFT, RIGHT]] - joints[0] == pytest.approx(start[[LEFT, RIGHT]] - start[0], abs=0.01)

@@ -1,6 +1,6 @@
 """Speeds that presses of keys ask for."""
 
-from avatarsim.live.drive.keys import AXES, DECAY, KEYS, Speeds
+from avatarsim.live.drive.keys import DECAY, Speeds
 from tests.live.drive.stages_driven import DT
 
 
@@ -28,8 +28,3 @@ def test_a_key_that_repeats_keeps_full_speed_and_another_one_turns_it_round() ->
     speeds.press("turn", -1.0)
     ticks(speeds, DECAY)
     assert speeds.now["turn"] < 0.0
-
-
-def test_every_key_says_what_it_does_and_none_is_there_twice() -> None:
-    assert len({key.key for key in KEYS}) == len(KEYS)
-    assert all(key.what and (key.axis in AXES or not key.axis) for key in KEYS)

@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.smpl_skeleton import approximate
-from avatarsim.live.drive.limbs import Limbs, closing, fingers_of, handle_links, limbs_of, mirrored
+from avatarsim.live.drive.limbs import Limbs, closing, fingers_of, handle_links, limbs_of
 from avatarsim.live.drive.tree import Tree, posture_of
 from avatarsim.live.stages import stage
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
@@ -90,12 +90,6 @@ def test_limbs_above_the_root_are_arms_and_names_alone_make_none() -> None:
     assert up.legs == () and len(up.arms) == 2
     _, none = limbs(*row("a", "b", "c", z=-0.3, y=0.1), *row("d", "e", "f", z=-0.3, y=-0.1))
     assert none == Limbs()
-
-
-def test_a_name_is_mirrored_where_it_names_a_side() -> None:
-    assert ("right_hand", "left") in mirrored("left_hand")
-    assert ("foot.L", "right") in mirrored("foot.R")
-    assert mirrored("middle") == []
 
 
 def test_handles_are_roots_and_ends() -> None:

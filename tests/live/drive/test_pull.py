@@ -10,7 +10,7 @@ from avatarsim.live.drive.pull import Goal, Pull, exterior_angle
 from avatarsim.live.drive.tree import Tree, posture_of
 from avatarsim.live.drive.turns import add, norm, sub, way
 from avatarsim.live.stages import NAMES, stage
-from tests.live.drive.stages_driven import DT, driver, excess, fastest, random_sample
+from tests.live.drive.stages_driven import driver, excess, fastest, random_sample, ticks
 
 HANDLES = [(name, handle) for name in NAMES for handle in stage(name).handles[1:]]
 
@@ -23,7 +23,7 @@ def test_goals_of_postures_are_reached_to_a_millimetre(where: tuple[str, str], s
     link = scene.names.index(handle) - len(scene.bodies)
     goal = tree.pose(posture_of(random_sample(scene, seed)), link)[0]
     one.drag(handle, goal)
-    samples = [scene.first_sample] + [one.tick(DT) for _ in range(240)]
+    samples = [scene.first_sample, *ticks(one, 240)]
     assert norm(sub(one.pose(handle)[0], goal)) < 1e-3
     assert max(excess(scene, sample) for sample in samples[::20]) < 1e-6
     root, turn = fastest(scene, samples)
@@ -38,8 +38,7 @@ def test_an_orientation_is_reached_along_with_a_place_nearly_always() -> None:
         one = driver("gallery")
         place, turned = tree.pose(posture_of(random_sample(scene, seed, 0.3)), link)
         one.drag("human/right_wrist", place, turned)
-        for _ in range(360):
-            one.tick(DT)
+        ticks(one, 360)
         reached = one.pose("human/right_wrist")
         if not (norm(sub(reached[0], place)) < 2e-3 and norm(way(reached[1], turned)) < 0.02):
             missed.add(seed)
@@ -54,9 +53,7 @@ def test_an_orientation_is_reached_along_with_a_place_nearly_always() -> None:
 def test_a_goal_out_of_reach_ends_in_a_posture_that_stays(name: str, handle: str, goal: tuple[float, float, float]) -> None:
     one = driver(name)
     one.drag(handle, goal)
-    for _ in range(600):
-        before = one.tick(DT)
-    after = one.tick(DT)
+    before, after = ticks(one, 601)[-2:]
     assert np.abs(after.positions - before.positions).max() < 1e-4
     assert np.abs(after.rotations - before.rotations).max() < 1e-4
     assert np.abs(after.angles - before.angles).max(initial=0.0) < 1e-4
@@ -72,8 +69,7 @@ def test_a_straight_limb_that_must_become_shorter_bends_and_the_root_stays(
     one, scene = driver(name), stage(name).scene
     goal = add(one.pose(handle)[0], way_there)
     one.drag(handle, goal)
-    for _ in range(120):
-        sample = one.tick(DT)
+    sample = ticks(one, 120)[-1]
     assert norm(sub(one.pose(handle)[0], goal)) < 1e-3
     assert sample.positions[0] == pytest.approx(scene.first_sample.positions[0], abs=1e-3)
 
@@ -82,8 +78,7 @@ def test_a_knee_bends_forward_whichever_way_the_foot_goes_up() -> None:
     for x in (-0.2, 0.0, 0.2):
         one = driver("gallery")
         one.drag("human/left_foot", add(one.pose("human/left_foot")[0], (x, 0.0, 0.45)))
-        for _ in range(120):
-            one.tick(DT)
+        ticks(one, 120)
         hip, knee, ankle = (one.pose(f"human/left_{joint}")[0] for joint in ("hip", "knee", "ankle"))
         ahead = sub(knee, hip)[0] * (ankle[2] - hip[2]) - sub(knee, hip)[2] * (ankle[0] - hip[0])
         assert ahead < -0.01
@@ -101,8 +96,7 @@ def test_two_links_are_pulled_at_once() -> None:
     goals = {"human/left_hand": (-1.9, 0.4, 1.3), "human/right_hand": (-1.8, -0.3, 1.5)}
     for handle, goal in goals.items():
         one.drag(handle, goal)
-    for _ in range(120):
-        one.tick(DT)
+    ticks(one, 120)
     for handle, goal in goals.items():
         assert norm(sub(one.pose(handle)[0], goal)) < 1e-3
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.live.drive.stages_driven import DT, driver
+from tests.live.drive.stages_driven import driver, ticks
 
 ROOT = Path(__file__).parents[3]
 
@@ -29,8 +29,7 @@ def dragged(name: str, handle: str, goal: tuple[float, ...]) -> np.ndarray[tuple
     """Postures of four seconds in which a link is dragged, a row each."""
     one = driver(name)
     one.drag(handle, goal)
-    samples = [one.tick(DT) for _ in range(240)]
-    return np.array([np.concatenate([s.positions.ravel(), s.rotations.ravel(), s.angles]) for s in samples])
+    return np.array([np.concatenate([s.positions.ravel(), s.rotations.ravel(), s.angles]) for s in ticks(one, 240)])
 
 
 @pytest.mark.parametrize(("name", "handle", "goal"), DRAGS)

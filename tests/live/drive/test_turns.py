@@ -36,8 +36,3 @@ def test_the_way_from_one_turn_to_another_leads_there(
 
 def test_opposite_vectors_have_a_turn_between_them() -> None:
     assert np.allclose(turns.rotate(turns.between((0.0, 0.0, 1.0), (0.0, 0.0, -1.0)), (0.0, 0.0, 1.0)), (0.0, 0.0, -1.0))
-
-
-def test_a_long_vector_is_shortened_and_a_short_one_is_left() -> None:
-    assert turns.shortened((3.0, 4.0, 0.0), 1.0) == (0.6000000000000001, 0.8, 0.0)
-    assert turns.shortened((0.3, 0.4, 0.0), 1.0) == (0.3, 0.4, 0.0)
