@@ -7,11 +7,8 @@ typed error; all else is printed once per place with the command that repeats it
 
 import argparse
 import sys
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
-from tests.hostile.campaign import batches, campaign
-from tests.hostile.every import doors
+from tests.hostile.campaign import Batch, ask, batches, campaign, doors
 
 
 def parser() -> argparse.ArgumentParser:
@@ -21,14 +18,19 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("--seed", type=int, default=1, metavar="S", help="equal seeds, equal cases (default 1)")
     options.add_argument("--only", default="*", metavar="GLOB", help="doors by name: " + ", ".join(doors()))
     options.add_argument("--jobs", type=int, default=2, metavar="N", help="batches side by side (default 2)")
+    options.add_argument("--repeat", type=int, nargs=3, metavar=("SEED", "COUNT", "CASE"), help="one case of a door, here")
     return options
 
 
 def main(words: list[str] | None = None) -> int:
-    """0 if nothing was found, 1 otherwise."""
+    """Return 0 if nothing was found, 1 otherwise."""
     wanted = parser().parse_args(words)
-    with TemporaryDirectory(prefix="hostile-") as folder:
-        report = campaign(batches(wanted.cases, wanted.seed, wanted.only), wanted.jobs, Path(folder), sys.stderr)
+    if wanted.repeat:
+        seed, count, case = wanted.repeat
+        findings = [finding for _, _, finding in ask(Batch(wanted.only, seed, count), case, case) if finding]
+        print(*findings, sep="\n")
+        return bool(findings)
+    report = campaign(batches(wanted.cases, wanted.seed, wanted.only), wanted.jobs)
     print(report.text())
     return 1 if report.found or not report.asked else 0
 

@@ -1,20 +1,24 @@
-"""A campaign of hostile inputs: batches of cases in watched processes, and what was found, once per place."""
+"""A campaign of hostile inputs: batches of cases in watched processes, and their findings, once per place."""
 
-import json
-import shlex
+import multiprocessing
 import signal
-import subprocess
 import sys
+import tempfile
+import threading
 import time
-from collections import deque
+import warnings
+from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass, field
 from fnmatch import fnmatch
+from functools import cache
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
-from tests.hostile.every import doors
-from tests.hostile.judged import ROOT, SILENCE
+from tests.hostile.doors import Door
+from tests.hostile.judged import SILENCE, Finding, Judge
 
 BATCH, SLOW_BATCH = 2000, 250
 """Cases of one process: a crash costs the start of another one, about two seconds."""
@@ -23,77 +27,49 @@ PATIENCE = 3.0 * SILENCE
 START = 900.0
 """Longest [s] until a process asks its first case: the engine's kernels may have to be compiled."""
 CRASHES = 20
-"""Crashes and hangs of one batch after which it is left: what crashes every time takes hours otherwise."""
+"""Crashes and hangs of one batch after which it is left: a door that crashes every time takes hours otherwise."""
+SPAWN = multiprocessing.get_context("spawn")
+
+
+@cache
+def doors() -> dict[str, Door]:
+    """Doors for files, for values and for command lines, by name."""
+    # only here: they import all that is tested, which takes a second
+    from tests.hostile import constructors, readers, words
+
+    return {door.name: door for door in (*readers.doors(), *constructors.doors(), *words.doors())}
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Some cases of a door; `first` is where it begins, after a case that ended its process."""
+    """Some cases of a door, given by its name; `own` is a door beside those of all readers."""
 
     door: str
     seed: int
     count: int
-    first: int = 0
-    crashes: int = 0
-
-    def command(self, *options: str) -> list[str]:
-        """The command that asks it."""
-        return [sys.executable, "-m", "tests.hostile.batch", self.door, str(self.seed), str(self.count), *options]
+    own: Door | None = None
 
 
 @dataclass
 class Report:
-    """How many cases were asked, per door, and what was found: (door, kind, place, words) -> how often, and the first of them."""
+    """How many cases were asked, per door, and findings: (door, kind, place, words) -> how often, and the first of them."""
 
-    asked: dict[str, int] = field(default_factory=dict)
+    asked: Counter[str] = field(default_factory=Counter)
     found: dict[tuple[str, str, str, str], tuple[int, str]] = field(default_factory=dict)
 
-    def add(self, batch: Batch, told: dict[str, object]) -> None:
-        """Count a finding."""
-        said = str(told["said"])
-        kind = str(told["kind"])
-        key = batch.door, kind, str(told["place"]), said.partition(":")[0] if kind == "Unsound" else ""
-        case = str(told["case"])
-        command = shlex.join(["python", *batch.command("--first", case, "--last", case)[1:]])
-        count, first = self.found.get(key, (0, f"{said}\n    {told['text']}\n    {command}"))
+    def add(self, batch: Batch, case: int, text: str, finding: Finding) -> None:
+        """Count a finding, with the command that repeats it."""
+        key = batch.door, finding.kind, finding.place, finding.said.partition(":")[0] if finding.kind == "Unsound" else ""
+        command = f"python -m tests.hostile --only '{batch.door}' --repeat {batch.seed} {batch.count} {case}"
+        count, first = self.found.get(key, (0, f"{finding.said}\n    {text}\n    {command}"))
         self.found[key] = count + 1, first
 
     def text(self) -> str:
         """All of it, most frequent first."""
-        lines = [f"{sum(self.asked.values())} cases, {len(self.found)} findings"]
+        lines = [f"{self.asked.total()} cases, {len(self.found)} findings"]
         for (door, kind, place, _), (count, first) in sorted(self.found.items(), key=lambda entry: -entry[1][0]):
             lines.append(f"{count:6} x {door}: {kind} {place}: {first}")
         return "\n".join(lines)
-
-
-def campaign(wanted: Iterable[Batch], jobs: int, folder: Path, stream: TextIO | None = None) -> Report:
-    """Ask batches side by side; whatever goes wrong in them is in the report."""
-    report, waiting = Report(), deque(wanted)
-    total, running = len(waiting), dict[Batch, Watched]()
-    done = 0
-    try:
-        while waiting or running:
-            while waiting and len(running) < max(1, jobs):
-                batch = waiting.popleft()
-                running[batch] = Watched(batch, folder / f"{batch.seed}-{done}-{len(waiting)}-{batch.first}")
-            time.sleep(0.02)
-            for batch, watched in list(running.items()):
-                if not watched.ended():
-                    continue
-                del running[batch]
-                rest = watched.into(report)
-                if rest is None:
-                    done += 1
-                    if stream:
-                        asked, found = sum(report.asked.values()), len(report.found)
-                        print(f"batch {done}/{total}: {asked} cases, {found} findings, {batch.door}", file=stream, flush=True)
-                else:
-                    waiting.appendleft(rest)
-    finally:
-        for watched in running.values():
-            watched.process.kill()
-            watched.process.wait()
-    return report
 
 
 def batches(cases: int, seed: int, only: str) -> Iterator[Batch]:
@@ -101,68 +77,80 @@ def batches(cases: int, seed: int, only: str) -> Iterator[Batch]:
     chosen = [door for door in doors().values() if fnmatch(door.name, only)]
     whole = sum(door.weight for door in chosen)
     for door in chosen:
-        left, size, place = max(1, round(cases * door.weight / whole)), SLOW_BATCH if door.slow else BATCH, 0
-        while left > 0:
-            yield Batch(door.name, seed * 10_000 + place, min(left, size))
-            left, place = left - size, place + 1
+        left, size = max(1, round(cases * door.weight / whole)), SLOW_BATCH if door.slow else BATCH
+        for place, first in enumerate(range(0, left, size)):
+            yield Batch(door.name, seed * 10_000 + place, min(left - first, size))
 
 
-class Watched:
-    """A process that asks a batch."""
+def ask(batch: Batch, first: int, last: int) -> Iterator[tuple[int, str, Finding | None]]:
+    """(number, text, finding) of cases from `first` to `last`, first without a finding, as they are asked in this process."""
+    # what numpy says of overflow on a hostile number is no answer; its result is judged
+    warnings.simplefilter("ignore")
+    door = batch.own or doors()[batch.door]
+    door.warm()
+    judge: Judge | None = None
+    with tempfile.TemporaryDirectory(prefix="hostile-") as folder:
+        for k, case in enumerate(door.cases(batch.seed, batch.count, Path(folder))):
+            if first <= k <= last:
+                # once the valid files have been made, and what makes them is imported
+                judge = judge or Judge(door.reserves)
+                yield k, case.text[:400], None
+                finding = judge.verdict(case)
+                if finding is not None:
+                    yield k, case.text[:400], finding
 
-    def __init__(self, batch: Batch, out: Path) -> None:
-        self.batch, self.out, self.killed = batch, out, False
-        self.errors = out.with_suffix(".stderr").open("wb")
-        command = batch.command("--first", str(batch.first), "--out", str(out))
-        nothing = subprocess.DEVNULL
-        self.process = subprocess.Popen(command, cwd=ROOT, stdin=nothing, stdout=nothing, stderr=self.errors)
-        self.seen, self.since = "", time.monotonic()
 
-    def ended(self) -> bool:
-        """Whether the process is over; one that stays with one case for too long is ended."""
-        if self.process.poll() is not None:
-            return True
-        now = self.now()
-        if now != self.seen:
-            self.seen, self.since = now, time.monotonic()
-        elif time.monotonic() - self.since > (PATIENCE if now else START):
-            self.killed = True
-            self.process.kill()
-            self.process.wait()
-            return True
-        return False
+def send_findings(batch: Batch, first: int, send: Connection) -> None:
+    """Ask a batch in a process of its own: every case is sent before it is asked, so that a crash is known by its case."""
+    for told in ask(batch, first, batch.count):
+        send.send(told)
+    send.send(None)
 
-    def now(self) -> str:
-        """Number and text of the case that is being asked, empty before the first."""
-        path = Path(f"{self.out}.now")
-        return path.read_bytes().decode("utf-8", "replace").strip() if path.exists() else ""
 
-    def into(self, report: Report) -> Batch | None:
-        """Add what was found to the report; what is left of the batch, if its process ended within a case."""
-        self.errors.close()
-        lines = self.out.read_text(encoding="utf-8").splitlines() if self.out.exists() else []
-        told = [json.loads(line) for line in lines]
-        for entry in told:
-            if "asked" not in entry:
-                report.add(self.batch, entry)
-        door = self.batch.door
-        if told and "asked" in told[-1]:
-            report.asked[door] = report.asked.get(door, 0) + told[-1]["asked"]
-            return None
-        number, _, text = self.now().partition(" ")
-        last = self.errors_said()
-        if not number:
-            report.add(self.batch, {"kind": "no start", "place": "", "said": last, "case": 0, "text": ""})
-            return None
-        code = self.process.returncode
+def watch(batch: Batch, report: Report, stop: threading.Event) -> None:
+    """Ask a batch in processes that are watched; after a crash or a hang another one asks the rest."""
+    first, crashes = 0, 0
+    while first < batch.count and crashes < CRASHES and not stop.is_set():
+        receive, send = SPAWN.Pipe(duplex=False)
+        process = SPAWN.Process(target=send_findings, args=(batch, first, send))
+        process.start()
+        send.close()
+        now: Any = (-1, "", None)
+        try:
+            while now is not None and receive.poll(PATIENCE if now[0] >= 0 else START) and not stop.is_set():
+                now = receive.recv()
+                if now is not None and now[2] is None:
+                    report.asked[batch.door] += 1
+                elif now is not None:
+                    report.add(batch, *now)
+            is_hang = now is not None
+        except EOFError:
+            is_hang = False
+        if is_hang:
+            process.kill()
+        process.join()
+        if now is None or stop.is_set():
+            return
+        code = process.exitcode or 0
         ended = f"crash ({signal.Signals(-code).name})" if code < 0 else f"end of the process with {code}"
-        kind = "hang" if self.killed else ended
-        report.add(self.batch, {"kind": kind, "place": "", "said": last, "case": int(number), "text": text})
-        report.asked[door] = report.asked.get(door, 0) + int(number) + 1 - self.batch.first
-        rest = replace(self.batch, first=int(number) + 1, crashes=self.batch.crashes + 1)
-        return rest if rest.first < rest.count and rest.crashes < CRASHES else None
+        report.add(batch, now[0], now[1], Finding("hang" if is_hang else ended if now[0] >= 0 else "no start", "", ""))
+        if now[0] < 0:
+            return
+        first, crashes = now[0] + 1, crashes + 1
 
-    def errors_said(self) -> str:
-        """The last words on the error stream."""
-        said = Path(self.errors.name).read_bytes().decode("utf-8", "replace").strip()
-        return said.splitlines()[-1][:200] if said else "nothing was said"
+
+def campaign(wanted: Iterable[Batch], jobs: int, stream: TextIO | None = None) -> Report:
+    """Ask batches side by side; whatever goes wrong in them is in the report."""
+    report, stop = Report(), threading.Event()
+    with ThreadPoolExecutor(max(1, jobs)) as pool:
+        running = {pool.submit(watch, batch, report, stop): batch for batch in wanted}
+        try:
+            for done, future in enumerate(as_completed(running), 1):
+                future.result()
+                print(f"batch {done}/{len(running)}: {report.asked.total()} cases, {len(report.found)} findings, "
+                      f"{running[future].door}", file=stream or sys.stderr, flush=True)
+        except KeyboardInterrupt:
+            stop.set()
+            pool.shutdown(cancel_futures=True)
+            raise
+    return report

@@ -1,5 +1,6 @@
-"""How an answer to a hostile input is judged: a valid result or a typed error, in time and memory; all else is a finding."""
+"""The judgement of an answer to a hostile input: a valid result or a typed error, in time and memory; all else is a finding."""
 
+import os
 import resource
 import signal
 import traceback
@@ -15,7 +16,7 @@ from avatarsim.errors import AvatarsimError
 from tests.hostile.doors import Case
 
 SECONDS = 5.0
-"""Longest that a case may keep the processor [s]."""
+"""Longest that a case may keep the processor [s], its children counted."""
 SILENCE = 20.0
 """Longest that it may take by the clock [s]; a case that waits for something uses no processor and never ends."""
 MEMORY = 2 * 2**30
@@ -29,7 +30,7 @@ class TooLong(BaseException):
 
 @dataclass(frozen=True)
 class Finding:
-    """What went wrong: `kind` is the exception or limit, `place` the deepest line of ours that it passed, `said` its words."""
+    """An answer that is none: the exception or limit, the deepest line of ours that it passed, and its words."""
 
     kind: str
     place: str
@@ -46,7 +47,7 @@ class Judge:
 
     def verdict(self, case: Case) -> Finding | None:
         """Ask a case; None if its answer is a result or a typed error."""
-        began = spent()
+        began = sum(os.times()[:4])
         try:
             with alarm(SILENCE), redirect_stdout(StringIO()), redirect_stderr(StringIO()):
                 case.ask()
@@ -61,14 +62,8 @@ class Judge:
         if peak() > self.most:
             self.most = peak() + MEMORY
             return Finding("memory", "", f"more than {MEMORY / 2**30:g} GB")
-        took = spent() - began
+        took = sum(os.times()[:4]) - began
         return Finding("slow", "", f"{took:.1f} s") if took > SECONDS else None
-
-
-def spent() -> float:
-    """Time [s] that this process and its children have kept a processor."""
-    return sum(getattr(resource.getrusage(who), name) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)
-               for name in ("ru_utime", "ru_stime"))
 
 
 def peak() -> int:

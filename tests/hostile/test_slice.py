@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.hostile.doors import FileDoor, place
-from tests.hostile.every import doors
+from tests.hostile.campaign import doors
 from tests.hostile.judged import Judge
 
 CASES, SLOW_CASES = 20, 3
