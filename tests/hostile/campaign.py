@@ -5,7 +5,6 @@ import signal
 import sys
 import tempfile
 import threading
-import time
 import warnings
 from collections import Counter
 from collections.abc import Iterable, Iterator

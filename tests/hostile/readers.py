@@ -1,7 +1,7 @@
 """Doors for files: meshes, motion clips, models, settings, what a run leaves behind, what the caches keep."""
 
 import random
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -38,7 +38,7 @@ from scenarios.studies.hard_cases.finished import Finished
 from scenarios.table_2 import rows as rows_of_table_2
 from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid
-from tests.hostile.doors import Door, FileDoor, Unsound, finite, of_files, sound
+from tests.hostile.doors import Damage, Door, FileDoor, Unsound, finite, of_files, sound
 from tests.hostile.mutation import damaged, damaged_csv, damaged_glb, damaged_json, damaged_xml, damaged_zip
 
 ENGINES = ("avatarsim", "mujoco", "pybullet", "tracker")
@@ -127,52 +127,11 @@ def model(folder: Path, path: Path) -> object:
     return sound(Avatar("some", links))
 
 
-def model_mesh(folder: Path, path: Path) -> object:
-    """A hull for a link."""
-    return finite(hull_of(path, np.full(3, 0.01), 64))
-
-
 def own_settings(folder: Path, path: Path) -> object:
     """Rows, each for an engine that there is."""
     rows = read_settings(path, ENGINES)
     assert rows and all(row.engine in ENGINES for row in rows)
     return rows
-
-
-def look(folder: Path, path: Path) -> object:
-    """What is drawn of a scene."""
-    return kept.drawn(folder, valid.SCENE)
-
-
-def replays(folder: Path, path: Path) -> object:
-    """What an engine showed in it, and which pairs overlapped."""
-    return kept.shown(folder, valid.SCENE, (valid.RUN,))
-
-
-def apart(folder: Path, path: Path) -> object:
-    """A recording whose user's motion is a file of its own."""
-    (found,) = folder.glob("recordings/*.npz")
-    return record.load(found)
-
-
-def results(folder: Path, path: Path) -> object:
-    """The figures of a run."""
-    return load_results(folder)
-
-
-def kept_figures(folder: Path, path: Path) -> object:
-    """The committed figures of the gate."""
-    return baseline.load(path)
-
-
-def table(read: Callable[[Path], object], folder: Path, path: Path) -> object:
-    """One table of a page."""
-    return read(folder)
-
-
-def page(folder: Path, path: Path) -> object:
-    """All pages of a run."""
-    return write_report(folder)
 
 
 def cached(folder: Path, path: Path) -> object:
@@ -191,13 +150,6 @@ def store(folder: Path, path: Path) -> object:
     return found
 
 
-def stored() -> valid.Files:
-    """An entry of its store."""
-    with TemporaryDirectory() as made:
-        Store(Path(made)).put("kind", "key", STORED)
-        return {path.name: path.read_bytes() for path in Path(made).iterdir()}
-
-
 def finished(folder: Path, path: Path) -> object:
     """What a run on stability has finished before."""
     found = Finished(path, "0")
@@ -207,25 +159,15 @@ def finished(folder: Path, path: Path) -> object:
     return found
 
 
-def resumed(folder: Path, path: Path) -> object:
-    """The folder of an earlier run, and whether it came to its end."""
-    return has_ended(earlier_run(folder, "compare"))
-
-
 JOBS = tuple(Job("ball_drop", "mujoco", preset, seed=1, options={"iterations": 50, "cone": "elliptic"}) for preset in ("a", "b"))
-"""What the plan of a run holds."""
+"""Jobs of a run's plan."""
 
 
-def plan() -> valid.Files:
-    """The plan of a run."""
-    with TemporaryDirectory() as made:
-        write_plan(Path(made), ("compare", "--filter", "ball_drop"), JOBS)
-        return {path.name: path.read_bytes() for path in Path(made).iterdir()}
-
-
-def planned(folder: Path, path: Path) -> object:
-    """Whether a run may be gone on with."""
-    return check_plan(folder, JOBS)
+def made(write: Callable[[Path], object]) -> valid.Files:
+    """Files that a function writes into a folder."""
+    with TemporaryDirectory() as folder:
+        write(Path(folder))
+        return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
 
 
 def table_2(folder: Path, path: Path) -> object:
@@ -235,12 +177,6 @@ def table_2(folder: Path, path: Path) -> object:
     return found
 
 
-def of_table_2() -> valid.Files:
-    """A run of a scene of Table 2: results, its recording, the user's motion."""
-    results = valid.run()["results.json"].replace(valid.SCENE.encode(), valid.TABLE_2.encode())
-    return {"results.json": results, **valid.recorded_apart()}
-
-
 STORED = {"figures": {"p50": 3.5, "note": ""}, "end": [[0.1, 2.5, -3.0]], "run": "mujoco/default"}
 OUTCOME = (b'{"state": "survived", "frames": 36, "overlap": 1e-7, "energy": "NaN", "bad": 0, "end": [[0.1, 2.5, -3.0], [1, 2]], '
            b'"seconds": 0.25, "note": ""}')
@@ -248,14 +184,22 @@ FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": %s}\n' % 
 EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "python -m scenarios compare --full"}, "rows": []}'}
 
 
-def some(names: Iterable[str]) -> Callable[[], valid.Files]:
+def chosen(files: Callable[[], valid.Files], holds: Callable[[str], bool]) -> valid.Files:
+    """Some of these files."""
+    return {name: content for name, content in files().items() if holds(name)}
+
+
+def run_files(*names: str) -> Callable[[], valid.Files]:
     """Some files of the whole run."""
-    return lambda: {name: valid.run()[name] for name in names}
+    return partial(chosen, valid.run, names.__contains__)
 
 
-def public_model(folder: Path, path: Path) -> object:
-    """Avatar, room and loose bodies of an MJCF or URDF file."""
-    return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all", couplings="leave"))
+def reader(
+    name: str, weight: float, damage: Damage, ask: Callable[[Path, Path], object], also: str = "", slow: bool = False
+) -> Door:
+    """The door of one of the small texts; `also` names files that stay whole beside it."""
+    files = FileDoor(lambda: valid.texts()[name], damage, ask, (lambda: valid.texts()[also]) if also else dict)
+    return of_files(name, weight, files, slow=slow)
 
 
 def doors() -> tuple[Door, ...]:
@@ -263,44 +207,64 @@ def doors() -> tuple[Door, ...]:
     found = []
     for ending, damage in (("obj", damaged), ("stl", damaged), ("stl_ascii", damaged), ("ply", damaged), ("off", damaged),
                            ("glb", damaged_glb), ("gltf", damaged_json)):
-        files = some_gltf if ending == "gltf" else partial(valid.meshes, ending)
-        also = partial(valid.meshes, "gltf") if ending == "gltf" else dict
+        files, also = partial(valid.meshes, ending), dict
+        if ending == "gltf":
+            # the JSON part of glTF files, which names the others
+            files = partial(chosen, partial(valid.meshes, "gltf"), lambda name: name.endswith(".gltf"))
+            also = partial(valid.meshes, "gltf")
         found.append(of_files(f"mesh {ending}", 30.0, FileDoor(files, damage, whole_mesh, also)))
         # to measure a hull against its mesh takes a tenth of a second
         found.append(of_files(f"hull {ending}", 1.0, FileDoor(files, damage, hull, also), slow=True))
     found += [
         of_files("motion clip", 60.0, FileDoor(valid.clip, damaged_json, clip)),
         of_files("trajectory npz", 40.0, FileDoor(valid.trajectory, damaged_zip, trajectory)),
-        of_files("trajectory csv", 40.0, FileDoor(valid.trajectory_table, damaged_csv, trajectory)),
+        reader("trajectory csv", 40.0, damaged_csv, trajectory),
         of_files("body npz", 40.0, FileDoor(valid.body, damaged_zip, body), slow=True),
-        of_files("bvh", 60.0, FileDoor(valid.bvh_file, damaged, recorded), slow=True),
-        of_files("amc", 30.0, FileDoor(valid.amc_file, damaged, recorded, valid.asf_file), slow=True),
-        of_files("asf", 30.0, FileDoor(valid.asf_file, damaged, recorded, valid.amc_file), slow=True),
-        of_files("model", 60.0, FileDoor(valid.model, damaged_xml, model, valid.model_mesh), slow=True),
+        reader("bvh", 60.0, damaged, recorded, slow=True), reader("amc", 30.0, damaged, recorded, "asf", slow=True),
+        reader("asf", 30.0, damaged, recorded, "amc", slow=True),
+        reader("model", 60.0, damaged_xml, model, "mesh of a model", slow=True),
         # each is compiled in a process of its own, which takes half a second
-        of_files("avatar", 1.0, FileDoor(valid.robots, damaged_xml, public_model, valid.robot_mesh), slow=True),
-        of_files("mesh of an avatar", 0.5, FileDoor(valid.robot_mesh, damaged, public_model, valid.robots), slow=True),
-        of_files("mesh of a model", 30.0, FileDoor(valid.model_mesh, damaged, model_mesh)),
-        of_files("certificate", 20.0, FileDoor(valid.certificate_of_a_clip, damaged_json, certified)),
-        of_files("certificate of a folder", 10.0, FileDoor(valid.certificate_of_a_folder, damaged_json, certified_folder)),
-        of_files("settings", 60.0, FileDoor(valid.settings, damaged, own_settings)),
-        of_files("results.json", 50.0, FileDoor(some(["results.json"]), damaged_json, results), slow=True),
-        of_files("look of a scene", 25.0, FileDoor(lambda: part_of_kept("scenes"), damaged_json, look)),
-        of_files("replays", 50.0, FileDoor(lambda: part_of_kept("recordings", "overlaps"), damaged_zip, replays), slow=True),
+        reader("avatar", 1.0, damaged_xml, public_model, "mesh of an avatar", slow=True),
+        reader("mesh of an avatar", 0.5, damaged, public_model, "avatar", slow=True),
+        reader("mesh of a model", 30.0, damaged, lambda folder, path: finite(hull_of(path, np.full(3, 0.01), 64))),
+        reader("certificate", 20.0, damaged_json, certified),
+        reader("certificate of a folder", 10.0, damaged_json, certified_folder),
+        reader("settings", 60.0, damaged, own_settings),
+        of_files("results.json", 50.0, FileDoor(run_files("results.json"), damaged_json,
+                                                lambda folder, path: load_results(folder)), slow=True),
+        of_files("look of a scene", 25.0, FileDoor(partial(kept_in, "scenes"), damaged_json,
+                                                   lambda folder, path: kept.drawn(folder, valid.SCENE))),
+        of_files("replays", 50.0, FileDoor(partial(kept_in, "recordings", "overlaps"), damaged_zip,
+                                           lambda folder, path: kept.shown(folder, valid.SCENE, (valid.RUN,))), slow=True),
         of_files("recording", 25.0, FileDoor(valid.recording, damaged_zip, lambda folder, path: record.load(path)), slow=True),
-        of_files("motion of a user", 25.0, FileDoor(valid.recorded_apart, damaged_zip, apart), slow=True),
-        of_files("plan of a run", 15.0, FileDoor(plan, damaged_json, planned)),
-        of_files("run for Table 2", 15.0, FileDoor(of_table_2, damaged_of_run, table_2), slow=True),
+        of_files("motion of a user", 25.0, FileDoor(valid.recorded_apart, damaged_zip, lambda folder, path: record.load(
+            next(folder.glob("recordings/*.npz")))), slow=True),
+        of_files("plan of a run", 15.0, FileDoor(
+            lambda: made(lambda folder: write_plan(folder, ("compare", "--filter", "ball_drop"), JOBS)), damaged_json,
+            lambda folder, path: check_plan(folder, JOBS))),
+        of_files("run for Table 2", 15.0, FileDoor(
+            lambda: {"results.json": valid.run()["results.json"].replace(valid.SCENE.encode(), valid.TABLE_2.encode()),
+                     **valid.recorded_apart()}, damaged_of_run, table_2), slow=True),
         of_files("kept pieces", 30.0, FileDoor(valid.pieces, damaged, cached), slow=True),
-        of_files("found before", 15.0, FileDoor(stored, damaged_json, store)),
+        of_files("found before", 15.0, FileDoor(
+            lambda: made(lambda folder: Store(folder).put("kind", "key", STORED)), damaged_json, store)),
         of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged_line, finished)),
-        of_files("earlier run", 15.0, FileDoor(lambda: EARLIER, damaged_json, resumed)),
-        of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv, kept_figures)),
-        of_files("pages", 2.0, FileDoor(valid.run, damaged_by_name, page, valid.kept), slow=True, reserves=True),
+        of_files("earlier run", 15.0, FileDoor(
+            lambda: EARLIER, damaged_json, lambda folder, path: has_ended(earlier_run(folder, "compare")))),
+        of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv,
+                                            lambda folder, path: baseline.load(path))),
+        of_files("pages", 2.0, FileDoor(valid.run, damaged_by_name, lambda folder, path: write_report(folder), valid.kept),
+                 slow=True, reserves=True),
     ]
     for name, (read, names) in TABLES.items():
-        found.append(of_files(f"table {name}", 10.0, FileDoor(some(names), damaged_by_name, partial(table, read))))
+        files = FileDoor(run_files(*names), damaged_by_name, lambda folder, path, read=read: read(folder))  # type: ignore[misc]
+        found.append(of_files(f"table {name}", 10.0, files))
     return tuple(found)
+
+
+def public_model(folder: Path, path: Path) -> object:
+    """Avatar, room and loose bodies of an MJCF or URDF file."""
+    return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all", couplings="leave"))
 
 
 def damaged_of_run(data: bytes, rng: random.Random) -> bytes:
@@ -319,14 +283,9 @@ def damaged_by_name(data: bytes, rng: random.Random) -> bytes:
     return (damaged_json if data[:1] in b"{[" else damaged_csv)(data, rng)
 
 
-def some_gltf() -> valid.Files:
-    """The JSON part of glTF files, which names the others."""
-    return {name: content for name, content in valid.meshes("gltf").items() if name.endswith(".gltf")}
-
-
-def part_of_kept(*folders: str) -> valid.Files:
+def kept_in(*folders: str) -> valid.Files:
     """Files of a scene in some folders of a run."""
-    return {name: content for name, content in valid.kept().items() if name.split("/")[0] in folders}
+    return chosen(valid.kept, lambda name: name.split("/")[0] in folders)
 
 
 def committed(name: str) -> valid.Files:

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.hostile.doors import FileDoor, place
 from tests.hostile.campaign import doors
+from tests.hostile.doors import FileDoor, place
 from tests.hostile.judged import Judge
 
 CASES, SLOW_CASES = 20, 3
@@ -39,16 +39,7 @@ def test_valid_files_pass(name: str, tmp_path: Path) -> None:
         files.ask(tmp_path, tmp_path / path)
 
 
-def test_equal_seeds_damage_equally_and_others_do_not(tmp_path: Path) -> None:
-    def texts(seed: int) -> list[str]:
-        return [case.text for case in doors()["settings"].cases(seed, 30, tmp_path)]
-
-    assert texts(1) == texts(1) != texts(2)
-    assert len(set(texts(1))) > 20
-
-
-def test_values_are_drawn_equally_from_equal_seeds(tmp_path: Path) -> None:
-    def texts(seed: int) -> list[str]:
-        return [case.text for case in doors()["shapes"].cases(seed, 30, tmp_path)]
-
-    assert texts(1) == texts(1) != texts(2)
+@pytest.mark.parametrize("name", ["settings", "shapes"])
+def test_equal_seeds_make_equal_cases_and_others_do_not(name: str, tmp_path: Path) -> None:
+    first, again, other = ([case.text for case in doors()[name].cases(seed, 30, tmp_path)] for seed in (1, 1, 2))
+    assert first == again != other and len(set(first)) > 20

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from avatarsim.clips import certificate
-from runfiles import array_file, overlapping, record
+from runfiles import array_file, record
 from scenarios import catalog
 from tests.assets.meshes.solids import cube, ell, torus
 from tests.assets.motions.files import ASF, WALKER, amc, bvh
@@ -66,16 +66,6 @@ URDF = """<robot name="arm"><link name="base"><collision><geometry><box size="0.
 <limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
 
 
-def robots() -> Files:
-    """A robot in MJCF, with the room that it includes, and one in URDF."""
-    return {"robot.xml": ROBOT.encode(), "room.xml": ROOM.encode(), "robot.urdf": URDF.encode()}
-
-
-def robot_mesh() -> Files:
-    """The mesh that both have at their tip."""
-    return {"tip.obj": meshes("obj")["cube.obj"]}
-
-
 @cache
 def clip() -> Files:
     """A motion clip of four frames."""
@@ -99,11 +89,22 @@ def trajectory() -> Files:
     return {"robot.npz": stream.getvalue(), "apart.npz": other.getvalue()}
 
 
-def trajectory_table() -> Files:
-    """The same as a table, with names and without."""
+@cache
+def texts() -> Mapping[str, Files]:
+    """Small files of one text each, by what reads them."""
     lines = b"".join(b",".join(repr(value).encode() for value in row) + b"\n" for row in walk(4).tolist())
     names = ("root_x", "root_y", "root_z", "root_qw", "root_qx", "root_qy", "root_qz", *JOINTS)
-    return {"plain.csv": lines, "named.csv": ",".join(names).encode() + b"\n" + lines}
+    troubles = [("cut.bvh", "unreadable", "cut off"), ("deep/", "unreadable", "Permission denied")]
+    return {
+        "trajectory csv": {"plain.csv": lines, "named.csv": ",".join(names).encode() + b"\n" + lines},
+        "bvh": {"walker.bvh": bvh(WALKER, np.linspace(0.0, 30.0, 60).reshape(2, 30)).encode()},
+        "asf": {"07.asf": ASF.encode()}, "amc": {"07_01.amc": amc(np.linspace(0.0, 30.0, 44).reshape(2, 22)).encode()},
+        "model": {"some.xml": MODEL.encode()}, "mesh of a model": {"tip.stl": meshes("stl")["cube.stl"]},
+        "avatar": {"robot.xml": ROBOT.encode(), "room.xml": ROOM.encode(), "robot.urdf": URDF.encode()},
+        "mesh of an avatar": {"tip.obj": meshes("obj")["cube.obj"]}, "settings": {"mine.toml": SETTINGS.encode()},
+        "certificate": {"walk.bvh.json": certificate.text(entry())},
+        "certificate of a folder": {"certificate.json": certificate.text(certificate.summary("clean", [entry()], troubles))},
+    }
 
 
 @cache
@@ -126,31 +127,6 @@ MODEL = """<mujoco model="some"><worldbody>
 </worldbody></mujoco>"""
 
 
-def bvh_file() -> Files:
-    """A recorded skeleton with two frames."""
-    return {"walker.bvh": bvh(WALKER, np.linspace(0.0, 30.0, 60).reshape(2, 30)).encode()}
-
-
-def asf_file() -> Files:
-    """A skeleton whose motions stand in files of their own."""
-    return {"07.asf": ASF.encode()}
-
-
-def amc_file() -> Files:
-    """Two frames of it."""
-    return {"07_01.amc": amc(np.linspace(0.0, 30.0, 44).reshape(2, 22)).encode()}
-
-
-def model() -> Files:
-    """An avatar with one of everything that the reader of models knows, and a mesh."""
-    return {"some.xml": MODEL.encode()}
-
-
-def model_mesh() -> Files:
-    """The mesh of its hand."""
-    return {"tip.stl": meshes("stl")["cube.stl"]}
-
-
 SETTINGS = """# rows
 [avatarsim.near]
 preset = "default"
@@ -162,24 +138,6 @@ preset = "tuned"
 dt = 0.0005
 solimp = [0.9, 0.95, 0.001]
 """
-
-
-@cache
-def certificate_of_a_clip() -> Files:
-    """What is kept of a clip that was cleaned."""
-    return {"walk.bvh.json": certificate.text(entry())}
-
-
-@cache
-def certificate_of_a_folder() -> Files:
-    """What is kept of a folder of clips, of which two are not done."""
-    troubles = [("cut.bvh", "unreadable", "cut off"), ("deep/", "unreadable", "Permission denied")]
-    return {"certificate.json": certificate.text(certificate.summary("clean", [entry()], troubles))}
-
-
-def settings() -> Files:
-    """Rows of two engines."""
-    return {"mine.toml": SETTINGS.encode()}
 
 
 JUDGED = {"pairs": 1000, "largest_depth_error": 1e-9, "misses": 0, "false_alarms": 0}
@@ -251,11 +209,6 @@ def recorded_apart() -> Files:
         whole = replace(held, meta=dict(held.meta) | {"full": True})
         record.save(whole, folder / "recordings" / name, folder / record.MOTIONS)
         return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*.npz")}
-
-
-def overlaps_folder() -> str:
-    """The folder in which pairs that overlap are kept."""
-    return overlapping.FOLDER
 
 
 PIECES = "0123456789abcdef"

@@ -34,7 +34,7 @@ def word(rng: random.Random, *good: str) -> str:
 
 def of_scenarios(rng: random.Random, folder: Path) -> list[str]:
     """A command of the harness. Its filter matches no scene, so that nothing runs even where all words are good ones."""
-    settings = place(folder, "mine.toml", damaged(valid.settings()["mine.toml"], rng))
+    settings = place(folder, "mine.toml", damaged(valid.texts()["settings"]["mine.toml"], rng))
     words = [rng.choice(COMMANDS)]
     options: Sequence[tuple[str, Callable[[], str]]] = (
         ("--engine", lambda: word(rng, "avatarsim", "mujoco")), ("--preset", lambda: word(rng, "default", "tuned")),
