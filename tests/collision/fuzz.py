@@ -1,7 +1,7 @@
 """A million stratified pairs against exact answers: python -m tests.collision.fuzz [--pairs N] [--large N] [--seed S] [--jobs J].
 
-Prints one row per stratum and every failure's label; `--pair LABEL` judges that pair alone and prints it as code. Exits with
-1 when any pair fails.
+Prints one row per stratum (see `Verdict` in judged.py for the figures) and every failure's label; `--pair LABEL` judges that pair
+alone. Exits with 1 when any pair fails.
 """
 
 import argparse
@@ -11,9 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 from joblib import Parallel, delayed
 
-from avatarsim.collision.status import NAMES
-from avatarsim.model.geometry import ELLIPSOID
-from tests.collision.judged import RELATIVE, SCRATCH, judge, signed_distance
+from tests.collision.judged import judge
 from tests.collision.many_pairs import Tally, tally
 from tests.collision.strata import BATCH, STRATA, draw
 from tests.progress_bar import bar
@@ -45,44 +43,19 @@ def named(chunk: tuple[str, int, range, int, int]) -> tuple[str, Tally]:
 
 
 def table(found: dict[str, Tally]) -> str:
-    """One row per stratum: pairs, worst figures relative to size, statuses, and how many pairs which oracle decided."""
-    oracles = ("enumerated", "qhull", "bounded", "proved", "undecided")
-    head = f"{'stratum':12} {'pairs':>8} {'gap':>8} {'points':>8} {'swapped':>8} {'signs':>5} {'lost':>5} {'failed':>6}  "
-    rows = [head + " ".join(f"{name:>10}" for name in oracles)]
-    for name, t in found.items():
-        figures = f"{t.error:8.1e} {t.witness:8.1e} {t.swapped:8.1e} {t.wrong_signs:5} {t.statuses.total():5} {len(t.failures):6}"
-        rows.append(f"{name:12} {t.pairs:8} {figures}  " + " ".join(f"{t.oracles[oracle]:10}" for oracle in oracles))
-    return "\n".join(rows)
-
-
-MEANING = f"""
-gap, points, swapped: worst error of the signed distance, of the witness points, and after exchanging the shapes or asking
-  with a margin, relative to the larger shape's size, beyond 8 ulp of the largest coordinate. Limit {RELATIVE:.0e}.
-signs: pairs with the wrong sign. lost: answers with another status than converged. failed: pairs beyond any limit.
-enumerated: all facets of the Minkowski difference, or all pairs of features, tried. qhull: its facets as well.
-bounded: apart, with an ellipsoid: what the normal proves and how far the points are apart meet within the limit.
-proved: no direction of the whole sphere separates an overlapping ellipsoid by less (to within a fifth of the limit, which
-  the error includes). undecided: so many directions are as good that the proof gave up.
-"""
+    """One row per stratum: pairs, worst figures relative to size, statuses, failures, and the pairs that each oracle decided."""
+    head = f"{'stratum':12} {'pairs':>8} {'gap':>8} {'points':>8} {'swapped':>8} {'signs':>5} {'lost':>5} {'failed':>6}  oracles"
+    return "\n".join([head, *(
+        f"{name:12} {t.pairs:8} {t.error:8.1e} {t.witness:8.1e} {t.swapped:8.1e} {t.wrong_signs:5} {t.statuses.total():5} "
+        f"{len(t.failures):6}  {dict(t.oracles)}" for name, t in found.items()
+    )])
 
 
 def show(label: str) -> bool:
-    """Judge one pair, print the verdict and code that asks for it; returns whether it is right."""
+    """Judge one pair and print the verdict; returns whether it is right."""
     stratum, seed, number, k = label.split("/")
-    batch, pair = draw(stratum, int(seed), int(number)), int(k.split()[0])
-    verdict = judge(batch, pair, by_qhull=True)
-    print(verdict)
-    print("Failures:", ", ".join(verdict.failures) or "none")
-    start, shapes = batch.shapes.start, batch.shapes
-    print("import numpy as np\nfrom tests.collision.solids import Solid, ask")
-    for name, s in (("a", 2 * pair), ("b", 2 * pair + 1)):
-        rows = batch.vertices[start[s] : start[s + 1]].tolist()
-        print(f"{name} = Solid(np.array({rows}), {shapes.radius[s]}, {shapes.kind[s]})")
-        print(f"# {'ellipsoid' if shapes.kind[s] == ELLIPSOID else 'points'}, size {shapes.extent[s]:.6g}")
-    first = tuple(batch.seed[pair].tolist())
-    print(f"print(ask(a, b, {first}))")
-    status, gap, n, on_a, on_b = signed_distance(batch.vertices, shapes, 2 * pair, 2 * pair + 1, first, SCRATCH)
-    print(f"# {NAMES[status]}, gap {gap:.17g}, n {n}, points {on_a} {on_b}")
+    verdict = judge(draw(stratum, int(seed), int(number)), int(k.split()[0]), by_qhull=True)
+    print(verdict, "Failures:", ", ".join(verdict.failures) or "none", sep="\n")
     return not verdict.failures
 
 
@@ -108,7 +81,7 @@ def main() -> int:
             found.setdefault(name, Tally()).join(part)
             shown.update(part.pairs)
     found = {name: found[name] for name in STRATA if name in found}
-    print(table(found) + MEANING)
+    print(table(found))
     failures = sorted(failure for t in found.values() for failure in t.failures)
     for failure in failures[:SHOWN]:
         print(failure)

@@ -1,13 +1,15 @@
-"""Depth of cores: flat differences, unfinished polytopes, and the sign where the origin is outside."""
+"""EPA: depths of cores, its first tetrahedron, and its growing surface, against qhull."""
 
 from math import inf
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collision.epa import epa
-from avatarsim.collision.gjk import gjk
+from avatarsim.collision.epa import cone_to, epa, find_horizon, grow_tetrahedron, lowest_face, start_polytope
+from avatarsim.collision.gjk import WHOLE, add_support, gjk
+from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.status import CONVERGED, OUT_OF_ITERATIONS
 from tests.collision.solids import (
     NO_SEED,
@@ -74,3 +76,112 @@ def test_deep_hulls_equal_qhull():
         status, _, depth, _, _ = run(a, b)
         assert status == CONVERGED
         assert depth == pytest.approx(exact_core_depth(a, b), abs=1e-12)
+
+
+def grown(points):
+    """The hull of points, grown from the first four, one point at a time."""
+    scratch = make_scratch()
+    points = np.array(points, float)
+    if np.linalg.det(points[1:4] - points[0]) > 0.0:
+        points[[1, 2]] = points[[2, 1]]
+    scratch.w[: len(points)] = points
+    assert start_polytope(scratch)
+    faces = 4
+    for k in range(4, len(points)):
+        above = scratch.normal[:faces] @ points[k] - scratch.height[:faces]
+        above[scratch.alive[:faces] != 1] = -1.0
+        if above.max() > 1e-12:
+            edges, marked = find_horizon(int(above.argmax()), tuple(points[k]), 1e-12, scratch)
+            whole, faces = cone_to(k, edges, marked, faces, scratch)
+            assert whole
+    return scratch, faces
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_grows_to_the_same_hull_as_qhull(seed):
+    points = np.random.default_rng(seed).normal(size=(40, 3))
+    scratch, faces = grown(points)
+    alive = scratch.alive[:faces] == 1
+    ours = np.hstack([scratch.normal[:faces][alive], -scratch.height[:faces][alive, None]])
+    theirs = ConvexHull(points).equations
+    assert len(ours) == len(theirs)
+    np.testing.assert_allclose(
+        ours[np.lexsort(ours.T.round(9))], theirs[np.lexsort(theirs.T.round(9))], atol=1e-9
+    )
+
+
+def test_every_edge_is_shared_by_the_face_said_to_be_across_it():
+    scratch, faces = grown(np.random.default_rng(7).normal(size=(30, 3)))
+    for f in np.flatnonzero(scratch.alive[:faces] == 1):
+        for e in range(3):
+            other = scratch.across[f, e]
+            assert scratch.alive[other] == 1
+            edge = (scratch.corner[f, e], scratch.corner[f, (e + 1) % 3])
+            back = [(scratch.corner[other, (i + 1) % 3], scratch.corner[other, i]) for i in range(3)]
+            assert edge in back
+
+
+@pytest.mark.parametrize("faces", [0, 1, 3, 4, 5, 8, 9, 30])
+def test_the_lowest_face_is_the_first_of_the_lowest(faces):
+    rng = np.random.default_rng(faces)
+    scratch = make_scratch()
+    for k in range(20):
+        heights = rng.normal(size=faces) if k % 2 else rng.integers(-2, 3, faces).astype(float)
+        heights[rng.random(faces) < 0.2] = np.inf
+        scratch.height[:] = -9.0  # beyond: never looked at
+        scratch.height[:faces] = heights
+        found, height = lowest_face(faces, scratch)
+        if not np.isfinite(heights).any():
+            assert (found, height) == (-1, np.inf)
+        else:
+            assert (found, height) == (int(heights.argmin()), heights.min())
+
+
+def test_points_in_line_make_no_face():
+    scratch = make_scratch()
+    scratch.w[:4] = [[0, 0, 0], [1, 0, 0], [2, 0, 0], [0, 0, -1]]
+    assert not start_polytope(scratch)
+
+
+def test_a_horizon_that_does_not_close_is_noticed():
+    scratch, faces = grown(np.random.default_rng(8).normal(size=(8, 3)))
+    apex = (9.0, 9.0, 9.0)
+    scratch.w[8] = apex
+    above = scratch.normal[:faces] @ np.array(apex) - scratch.height[:faces]
+    edges, marked = find_horizon(int(above.argmax()), apex, 1e-12, scratch)
+    assert not cone_to(8, edges - 1, marked, faces, scratch)[0]
+
+
+def first_tetrahedron(a, b):
+    scratch = make_scratch()
+    vertices, shapes = as_arrays(a, b)
+    add_support(vertices, shapes, 0, 1, (1.0, 0.0, 0.0), WHOLE, 0, scratch)
+    size = max(a.size, b.size)
+    return grow_tetrahedron(vertices, shapes, 0, 1, WHOLE, 1, size, scratch), scratch.w
+
+
+TURN = Rotation.from_rotvec([0.3, 1.1, -0.4])
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "expected"),
+    [
+        (ball(1.0), ball(0.5), 1),
+        (ball(1.0), capsule(0.5, 1.0).moved(TURN), 2),
+        (capsule(0.1, 0.5).moved(TURN), capsule(0.5, 1.0).moved(TURN), 2),
+        (capsule(0.1, 0.5), capsule(0.5, 1.0).moved(TURN), 3),
+        (box(1.0, 1.0, 0.0).moved(TURN), ball(0.1), 3),
+        (capsule(0.1, 0.5), box(1.0, 1.0, 1e-3).moved(TURN), 4),
+        (ellipsoid(0.5, 0.4, 0.3), ball(0.1), 4),
+    ],
+)
+def test_counts_the_dimensions_of_the_difference(a, b, expected):
+    assert first_tetrahedron(a, b)[0] == expected
+
+
+def test_the_fourth_point_is_below_the_first_three():
+    for k in range(20):
+        turn = Rotation.from_rotvec([0.3 * k, 1.1, -0.4])
+        points, w = first_tetrahedron(box(1.0, 0.5, 0.2).moved(turn), ellipsoid(0.3, 0.2, 0.1))
+        assert points == 4
+        assert np.linalg.det(w[1:4] - w[0]) < -1e-3

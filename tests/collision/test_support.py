@@ -1,10 +1,15 @@
-"""Supports against numpy's argmax and the ellipsoid's closed form."""
+"""Supports of shapes against numpy's argmax and the ellipsoid's closed form."""
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collision.support import gap_along, reach, support
+from avatarsim.collision.support import farthest, foremost, gap_along, largest, reach, support
+from avatarsim.model.geometry import geometry, poses
+from avatarsim.scene.body import ContactLaw, PairTable, fixed
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Piece
+from avatarsim.spatial.vec3 import dot
 from tests.collision.solids import as_arrays, ball, box, capsule, ellipsoid, random_hull
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
@@ -62,3 +67,61 @@ def test_a_nan_in_a_pose_never_proves_separation(axis):
         for n in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (-0.6, 0.0, -0.8)):
             assert not (gap_along(vertices, shapes, 0, 1, n) > 0.0)
             assert not (gap_along(vertices, shapes, 1, 0, n) > 0.0)
+
+
+
+
+@pytest.mark.parametrize("many", [*range(1, 10), 16, 23, 52, 300])
+def test_the_lowest_row_of_those_with_the_largest_product(many):
+    rng = np.random.default_rng(many)
+    rows = rng.normal(size=(many + 9, 3))
+    rows[:5], rows[5 + many :] = 1e9, 1e9  # never read
+    for k in range(60):
+        if k == 30:  # from here on, with ties
+            rows[5 : 5 + many] = rows[5 : 5 + many].round()
+        d = tuple(float(x) for x in (rng.normal(size=3) if k % 3 else np.eye(3)[k % 9 // 3]))
+        products = np.array([dot(tuple(x), d) for x in rows[5 : 5 + many].tolist()])
+        assert farthest(rows, 5, 5 + many, d) == 5 + int(products.argmax())
+        assert largest(rows, 5, 5 + many, d) == products.max()
+
+
+@pytest.mark.parametrize("many", [3, 40])
+def test_of_nothing_but_nan_the_first_row(many):
+    rows = np.full((many, 3), np.nan)
+    assert farthest(rows, 0, many, (1.0, 0.0, 0.0)) == 0
+    assert farthest(np.ones((many, 3)), 0, many, (np.nan, 0.0, 0.0)) == 0
+
+
+@pytest.mark.parametrize("many", [1, 2, 3, 40])
+def test_a_first_row_that_is_no_number_reaches_the_largest_product(many):
+    rows = np.ones((many, 3))
+    rows[0] = np.nan
+    assert np.isnan(largest(rows, 0, many, (1.0, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize("many", [3, 4, 40])
+def test_infinite_rows_are_farthest(many):
+    for where in (many - 2, many - 1):
+        rows = np.ones((many, 3))
+        rows[where, 1] = np.inf
+        assert farthest(rows, 0, many, (0.5, 1.0, 0.5)) == where
+        assert largest(rows, 0, many, (0.5, 1.0, 0.5)) == np.inf
+
+
+@pytest.mark.nojit
+@pytest.mark.boundscheck
+@pytest.mark.parametrize(("toward", "count"), [((0.0, 0.0, 1.0), 4), ((1.0, 1.0, 0.0), 2), ((1.0, 0.5, 0.25), 1)])
+def test_a_face_an_edge_and_a_corner(toward: tuple[float, float, float], count: int) -> None:
+    body = fixed("box", (Piece(Box((1.0, 1.0, 1.0))),), "m")
+    geo = geometry(Scene("a box", (body,), materials=PairTable({("m", "m"): ContactLaw(0.0, 0.0)})))
+    vertices = poses(geo, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]])).vertices
+    first, last = geo.shapes.start[0], geo.shapes.start[1]
+    ahead = vertices[first:last, :3] @ np.array(toward)
+    farthest = np.flatnonzero(ahead >= ahead.max() - 1e-9)
+    found, second, one = foremost(vertices, geo.shapes, 0, toward, 1e-9)
+    assert found == count == len(farthest)
+    np.testing.assert_array_equal(one if count > 1 else second, vertices[first + farthest[0], :3])
+    if count > 1:
+        np.testing.assert_array_equal(second, vertices[first + farthest[1], :3])
+    else:
+        assert one == (0.0, 0.0, 0.0)

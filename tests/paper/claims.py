@@ -229,7 +229,7 @@ IN_WORDS = {
     ),
     "sweep and prune": Claim(
         "pairs are filtered before they are asked",
-        ("collision/test_sweep.py::test_finds_the_pairs_of_the_dumb_twin_frame_after_frame",),
+        ("collision/test_broad_phase.py::test_finds_the_pairs_of_the_dumb_twin_frame_after_frame",),
         ("balls_216",),
     ),
     "missed collisions": Claim(

@@ -1,12 +1,29 @@
-"""Sweep and prune against its dumb twin, bit for bit: whatever was before, and whichever boxes came and went."""
+"""Sweep and prune and its grid against dumb twins, bit for bit."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from avatarsim.collision.broad_phase import all_pairs, forget, insert, remove, sweep_and_prune
-from avatarsim.collision.grid import make_sweep_memory
+from avatarsim.collision.broad_phase import all_pairs, forget, insert, merge_ascending, remove, sort_ascending, sweep_and_prune
+from avatarsim.collision.grid import (
+    BEYOND,
+    FARTHEST,
+    LEVELS,
+    LOOK,
+    LOOKED,
+    boxes_meet,
+    cells_around,
+    first_cell,
+    half_cell,
+    key_of,
+    last_cell,
+    level_of,
+    link,
+    make_sweep_memory,
+    partners,
+    place_of,
+)
 from avatarsim.collision.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.model.geometry import OPEN, pair_filter
 
@@ -202,3 +219,85 @@ def test_a_fast_crowd_does_not_run_out_of_room_again_and_again():
         without += not memory.known.any()
     assert without <= 4
     assert searched < 0.08 * 400 * 64
+
+
+PLACE = st.one_of(st.floats(-1e3, 1e3), st.floats(-1e12, 1e12), st.sampled_from([0.0, 0.25, -0.25, 1e5, 2.0**39]))
+LENGTH = st.one_of(st.floats(0.0, 10.0), st.floats(0.0, 1e11), st.integers(-30, 38).map(lambda power: 2.0**power))
+
+
+@given(PLACE, LENGTH, LENGTH, st.sampled_from([-1.0, -0.999999, 0.0, 0.5, 1.0]))
+@settings(deadline=None, max_examples=300)
+def test_a_search_looks_into_the_cell_of_every_box_that_meets(place: float, mine: float, theirs: float, where: float) -> None:
+    """Box 1 begins anywhere from one own length below box 0 up to its end: exactly touching ends are among the cases."""
+    other = place + where * (theirs if where < 0.0 else mine)
+    boxes = np.array([[place] * 3 + [place + mine] * 3, [other] * 3 + [other + theirs] * 3])
+    level = level_of(boxes, 1)
+    if level != BEYOND and boxes_meet(boxes, 0, 1):
+        cell = half_cell(boxes[1, 0], level) >> 1
+        assert first_cell(boxes, 0, 0, level) <= cell <= last_cell(boxes, 0, 0, level)
+
+
+def test_levels_are_for_lengths_that_grow_fourfold() -> None:
+    for k in range(-9, 18):
+        box = np.array([[0.0, 0.0, 0.0, 4.0**k, 0.0, 0.0]])
+        here = level_of(box, 0)
+        # exactly a power of two goes one level up, a hair less does not
+        assert level_of(0.99 * box, 0) == here - 1 and level_of(4.0 * box, 0) == here + 1
+    assert level_of(np.zeros((1, 6)), 0) == 0
+    assert level_of(np.array([[-FARTHEST, 0, 0, 0, 0, 0.0]]), 0) == BEYOND
+    assert level_of(np.array([[-0.9 * FARTHEST, 0, 0, 0.9 * FARTHEST, 0, 0.0]]), 0) < LEVELS
+
+
+def test_keys_tell_neighbours_and_levels_apart() -> None:
+    keys = {key_of(x, y, z, level) for x in range(-3, 4) for y in range(-3, 4) for z in range(-3, 4) for level in range(LEVELS)}
+    assert len(keys) == 7**3 * LEVELS and min(keys) >= 0
+    assert {place_of(key, 64) for key in keys} == set(range(64))
+
+
+@pytest.mark.parametrize(("length", "portions"), [(2.0, 1), (4.0, 2), (6.1, 3), (7.2, 4)])
+@pytest.mark.parametrize("corner", [0.0, -3.0, 1.2])
+def test_a_large_box_finds_everybody_once(length: float, portions: int, corner: float) -> None:
+    """Cells of one level are 2 m long here: one that is long takes so many portions at least."""
+    rng, count = np.random.default_rng(7), 1000
+    low = np.stack(np.meshgrid(*[np.arange(10.0)] * 3, indexing="ij"), axis=-1).reshape(-1, 3) + corner
+    low += rng.uniform(0.0, 0.3, (count, 3))
+    boxes = np.hstack([low, low + rng.uniform(0.3, 0.6, (count, 1))])
+    boxes[0] = [corner + 1.0] * 3 + [corner + 1.0 + length] * 3
+    memory = make_sweep_memory(count, count)
+    memory.fat[:] = boxes
+    for b in range(count):
+        link(memory, b)
+    memory.known[1:] = True
+    cells = cells_around(boxes, memory, 0)
+    assert LOOK * cells < count and (portions - 1) * (LOOKED - 1) <= cells
+    found = partners(boxes, pair_filter([OPEN] * count), memory, 0, 0)
+    assert sorted(memory.fresh[:found].tolist()) == [k for k in range(1, count) if boxes_meet(boxes, 0, k)]
+    assert found > 0
+
+
+def test_boxes_that_touch_meet_and_one_that_is_no_number_meets_all() -> None:
+    """Bodies that cannot be told apart from others are not apart."""
+    boxes = np.array([[0.0, 0, 0, 1, 1, 1], [1.0, 1, 1, 2, 2, 2], [0.0, 0, 0, 0, 0, 0], [0.5, 0.5, np.nextafter(1, 2), 1, 1, 2]])
+    for i, j, meet in ((0, 1, True), (0, 2, True), (1, 2, False), (0, 3, False), (1, 3, True)):
+        assert boxes_meet(boxes, i, j) == boxes_meet(boxes, j, i) == meet
+    boxes[0] = np.nan
+    assert boxes_meet(boxes, 0, 1) and boxes_meet(boxes, 1, 0)
+
+
+KEYS = st.lists(st.integers(0, 2**62), max_size=60)
+
+
+@given(KEYS, st.integers(0, 60))
+@settings(deadline=None)
+def test_sorts_the_first_keys_and_leaves_the_rest(keys: list[int], count: int) -> None:
+    found, count = np.array(keys, dtype=np.int64), min(count, len(keys))
+    sort_ascending(found, count)
+    assert found.tolist() == sorted(keys[:count]) + keys[count:]
+
+
+@given(KEYS, KEYS)
+@settings(deadline=None)
+def test_merges_what_is_new(keys: list[int], more: list[int]) -> None:
+    found = np.array(sorted(keys) + [-1] * len(more), dtype=np.int64)
+    merge_ascending(found, len(keys), np.array(sorted(more), dtype=np.int64), len(more))
+    assert found.tolist() == sorted(keys + more)
