@@ -28,15 +28,11 @@ WALL = 0.01
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
-def bone(
-    name: str,
-    parent: str | None,
-    anchor: Vector,
-    centre: Vector,
-    radii: Vector,
-    hinges: tuple[tuple[Vector, float, float], ...],
-    lean: float = 0.0,
-) -> Link:
+Turns = tuple[tuple[Vector, float, float], ...]
+"""Axis and limits [rad] of each hinge of a joint."""
+
+
+def bone(name: str, parent: str | None, anchor: Vector, centre: Vector, radii: Vector, hinges: Turns, lean: float = 0.0) -> Link:
     """A link of one 52-corner hull; `lean` [rad] turns its rest orientation about x."""
     pieces = (Piece(ellipsoid_hull(radii), centre),)
     joint = Hinges(tuple(Hinge(*hinge) for hinge in hinges)) if hinges else Free()
@@ -49,6 +45,8 @@ def bone(
 def hinged_avatar() -> Avatar:
     """Sixteen hulls, 37 hinges and a free root; hinges three to a joint, as in the paper."""
     wide = ((X, -2.6, 2.6), (Y, -2.6, 2.6), (Z, -1.5, 1.5))
+    hip, ankle = ((X, -0.8, 0.8), (Y, -2.1, 0.6), (Z, -0.8, 0.8)), ((X, -0.5, 0.5), (Y, -0.7, 0.7), (Z, -0.5, 0.5))
+    elbow, wrist = ((Y, -2.5, 0.0), (Z, -1.4, 1.4)), ((X, -1.2, 1.2), (Y, -0.5, 0.5))
     links = [
         bone("pelvis", None, (0, 0, 0), (0, 0, 0), (0.10, 0.15, 0.09), ()),
         bone("chest", "pelvis", (0, 0, 0.12), (0, 0, 0.16), (0.11, 0.16, 0.20), ((X, -0.6, 0.6), (Y, -0.6, 1.2), (Z, -0.8, 0.8))),
@@ -56,41 +54,14 @@ def hinged_avatar() -> Avatar:
         bone("head", "neck", (0, 0, 0.10), (0, 0, 0.10), (0.09, 0.08, 0.12), ((X, -0.4, 0.4), (Y, -0.5, 0.6), (Z, -0.9, 0.9))),
     ]
     for side, s in (("left", 1.0), ("right", -1.0)):
+        arm, fore, thigh, shin = (f"{side}_{part}" for part in ("upper_arm", "forearm", "thigh", "shin"))
         links += [
-            bone(f"{side}_upper_arm", "chest", (0, 0.20 * s, 0.28), (0, 0, -0.15), (0.045, 0.045, 0.15), wide, lean=1.0 * s),
-            bone(
-                f"{side}_forearm",
-                f"{side}_upper_arm",
-                (0, 0, -0.30),
-                (0, 0, -0.13),
-                (0.04, 0.04, 0.13),
-                ((Y, -2.5, 0.0), (Z, -1.4, 1.4)),
-            ),
-            bone(
-                f"{side}_hand",
-                f"{side}_forearm",
-                (0, 0, -0.27),
-                (0, 0, -0.09),
-                (0.02, 0.045, 0.09),
-                ((X, -1.2, 1.2), (Y, -0.5, 0.5)),
-            ),
-            bone(
-                f"{side}_thigh",
-                "pelvis",
-                (0, 0.10 * s, -0.06),
-                (0, 0, -0.21),
-                (0.07, 0.07, 0.21),
-                ((X, -0.8, 0.8), (Y, -2.1, 0.6), (Z, -0.8, 0.8)),
-            ),
-            bone(f"{side}_shin", f"{side}_thigh", (0, 0, -0.43), (0, 0, -0.20), (0.05, 0.05, 0.20), ((Y, 0.0, 2.4),)),
-            bone(
-                f"{side}_foot",
-                f"{side}_shin",
-                (0, 0, -0.43),
-                (0.06, 0, -0.03),
-                (0.12, 0.045, 0.035),
-                ((X, -0.5, 0.5), (Y, -0.7, 0.7), (Z, -0.5, 0.5)),
-            ),
+            bone(arm, "chest", (0, 0.20 * s, 0.28), (0, 0, -0.15), (0.045, 0.045, 0.15), wide, lean=1.0 * s),
+            bone(fore, arm, (0, 0, -0.30), (0, 0, -0.13), (0.04, 0.04, 0.13), elbow),
+            bone(f"{side}_hand", fore, (0, 0, -0.27), (0, 0, -0.09), (0.02, 0.045, 0.09), wrist),
+            bone(thigh, "pelvis", (0, 0.10 * s, -0.06), (0, 0, -0.21), (0.07, 0.07, 0.21), hip),
+            bone(shin, thigh, (0, 0, -0.43), (0, 0, -0.20), (0.05, 0.05, 0.20), ((Y, 0.0, 2.4),)),
+            bone(f"{side}_foot", shin, (0, 0, -0.43), (0.06, 0, -0.03), (0.12, 0.045, 0.035), ankle),
         ]
     tips = ("left_hand", "right_hand", "left_foot", "right_foot", "head")
     return Avatar("dummy", tuple(links), tips)

@@ -31,20 +31,20 @@ def report(resident: list[float], ratios: list[float], overlap: float = 0.0) -> 
     return Report(np.full(10, 100_000), ratios, [round(1e6 * one) for one in resident], [overlap], frames=10)
 
 
-@pytest.mark.parametrize(("made", "said"), [
-    (report([90.0, 100.0, 106.0, 100.0], [1.0] * 4), "memory grew by 16.00 MB"),
-    (report([100.0] * 40 + [105.5], [1.0] * 40), "memory grew by 5.50 MB"),
-    (report([100.0] * 20, [1.0] * 10 + [1.06] * 10), "slower by 6.0 %"),
-    (report([100.0] * 20, [1.0] * 10 + [float("nan")] * 10), "slower by nan %"),
-    (report([100.0] * 20, [1.0] * 20, 2e-6), "an overlap of 2e-06 m"),
-    (report([100.0] * 20, [1.0] * 20, float("nan")), "an overlap of nan m"),
+NAN = float("nan")
+
+
+@pytest.mark.parametrize(("made", "figure", "value"), [
+    (report([90.0, 100.0, 106.0, 100.0], [1.0] * 4), "growth", 16.0),
+    (report([100.0] * 40 + [105.5], [1.0] * 40), "growth", 5.5),
+    (report([100.0] * 20, [1.0] * 10 + [1.06] * 10), "drift", 0.06),
+    (report([100.0] * 20, [1.0] * 10 + [NAN] * 10), "drift", NAN),
+    (report([100.0] * 20, [1.0] * 20, 2e-6), "deepest", 2e-6),
+    (report([100.0] * 20, [1.0] * 20, NAN), "deepest", NAN),
 ])
-def test_each_fault_is_said(made: Report, said: str) -> None:
-    [fault] = made.faults()
-    assert said in fault
-
-
-def test_what_grows_at_first_and_frames_that_get_faster_are_no_fault() -> None:
+def test_a_figure_that_is_too_large_or_no_number_is_a_fault(made: Report, figure: str, value: float) -> None:
+    assert getattr(made, figure) == pytest.approx(value, nan_ok=True) and len(made.faults()) == 1
+    # memory that grows at first and frames that get faster are none
     assert report([80.0] + [100.0] * 39 + [104.0], [1.1] * 20 + [1.0] * 20).faults() == []
 
 
@@ -62,5 +62,5 @@ def test_short_periods_show_no_overlap_and_an_engine_that_hoards_is_found(monkey
     monkeypatch.setattr(soaked, "MOST_DRIFT", np.inf)
     whole = soak(24, samples=2)
     assert (whole.frames, len(whole.resident), len(whole.ratios)) == (24, 2, 2)
-    assert whole.deepest <= soaked.DEEPEST and "worst frame" in whole.text()
-    assert any("memory" in fault for fault in soak(24, Hoards, samples=2).faults())
+    assert whole.deepest <= soaked.DEEPEST
+    assert any("growth" in fault for fault in soak(24, Hoards, samples=2).faults())
