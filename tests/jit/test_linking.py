@@ -92,13 +92,6 @@ def test_a_large_kernel_is_called_by_name_and_compiled_for_no_constant_in_partic
     assert said["by name"][0][0].startswith(linking.PREFIX + "avatarsim.large.large:")
 
 
-def test_a_second_process_compiles_nothing_and_finds_what_is_called_by_name(package, tmp_path):
-    first = ask(package, ["top"], tmp_path / "cache")
-    second = ask(package, ["top"], tmp_path / "cache")
-    assert first["compiled"] > 0 and second["compiled"] == 0
-    assert first["values"] == second["values"]
-
-
 def test_what_python_calls_and_what_kernels_call_live_together_on_disk(package, tmp_path):
     cache = tmp_path / "cache"
     first = ask(package, ["top", "small"], cache)

@@ -24,35 +24,32 @@ def test_what_is_installed_here_is_tested_and_errors_are_left_as_they_are() -> N
 
 
 @pytest.mark.parametrize(("package", "version"), [("numba", "0.69.0"), ("numba", "1.68.0"), ("llvmlite", "0.51.0rc1")])
-def test_another_minor_version_is_warned_of(package: str, version: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr({"numba": numba, "llvmlite": llvmlite}[package], "__version__", version)
-    with pytest.warns(RuntimeWarning, match=rf"not tested with {package} {version} .*pip install 'numba==0"), guarded():
-        pass
-
-
-def test_another_patch_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
-    major, minor = TESTED["numba"]
-    monkeypatch.setattr(numba, "__version__", f"{major}.{minor}.99")
+def test_another_minor_version_is_warned_of_and_another_patch_is_not(
+    package: str, version: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = {"numba": numba, "llvmlite": llvmlite}[package]
+    monkeypatch.setattr(module, "__version__", "{}.{}.99".format(*TESTED[package]))
     with guarded():
+        pass
+    monkeypatch.setattr(module, "__version__", version)
+    with pytest.warns(RuntimeWarning, match=f"{package} {version}"), guarded():
         pass
 
 
 @pytest.mark.parametrize("part", ["numba.core.registry.CPUDispatcher", "numba.core.typing.templates.AttributeTemplate"])
-def test_a_private_part_that_is_gone_becomes_a_sentence(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_private_part_that_is_gone_is_named(part: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numba, "__version__", "0.99.0")
     monkeypatch.delattr(part)
-    said = rf"cannot run with numba 0\.99\.0 .*no {part}.*pip install 'numba==0\.68\.\*'"
-    with pytest.raises(UnsupportedVersion, match=said) as caught, guarded():
+    with pytest.raises(UnsupportedVersion, match=part) as caught, guarded():
         pytest.fail("went on")
     assert isinstance(caught.value, AvatarsimError) and isinstance(caught.value, ImportError)
 
 
-def test_a_part_that_changed_becomes_a_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("changed", [ImportError("cannot import name 'X'"), AttributeError("no attribute 'X'")])
+def test_a_private_part_that_changed_is_named(changed: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(numba, "__version__", "0.99.0")
-    for changed in (ImportError("cannot import name 'X'"), AttributeError("no attribute 'X'")):
-        warned = pytest.warns(RuntimeWarning, match="not tested with numba")
-        with warned, pytest.raises(UnsupportedVersion, match=r"cannot run with numba 0\.99\.0 .*'X'"), guarded():
-            raise changed
+    with pytest.warns(RuntimeWarning), pytest.raises(UnsupportedVersion, match="'X'"), guarded():
+        raise changed
 
 
 def test_the_list_of_private_parts_is_what_the_engine_imports() -> None:
