@@ -16,6 +16,7 @@ from avatarsim.compile_ahead import (
     SHARES,
     SOURCES,
     WITHOUT_FRAMES,
+    Compiled,
     compile_everything,
     compile_into,
     compile_part,
@@ -161,3 +162,44 @@ def test_a_share_whose_kernels_cannot_be_kept_ends_at_once(tmp_path: Path, monke
     assert isinstance(places.current(), Places) and places.current().only == tmp_path
     with pytest.raises(CannotKeep):
         places.current().keep_no_more(OSError(28, "No space left on device"))
+
+
+class Clock:
+    """A clock that is set by hand."""
+
+    def __init__(self) -> None:
+        self.now = 0.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(FIRST_COMPILE, "declared", {(Path("avatarsim.room"), str(k)) for k in range(20)})
+    monkeypatch.setattr(places, "PLACES", Places(tmp_path))
+    (tmp_path / "avatarsim.room").mkdir()
+    return tmp_path / "avatarsim.room"
+
+
+def compiled(folder: Path, count: int) -> None:
+    for k in range(count):
+        (folder / f"{k}-0.kernel").touch()
+
+
+def test_when_all_parts_are_compiled_all_is_done() -> None:
+    for part in PARTS:
+        compile_part(part)
+    found = Compiled()
+    assert found.done() > 0.95 * found.total
+
+
+def test_what_was_kept_counts_as_done_but_not_as_fast(folder: Path) -> None:
+    compiled(folder, 10)
+    clock = Clock()
+    found = Compiled(clock)
+    assert found.left(10) == float("inf")
+    clock.now = 4.0
+    assert found.left(15) == 4.0
+    compiled(folder, 25)
+    assert found.done() == found.total == 20 and found.left(20) == 0.0

@@ -129,8 +129,7 @@ def test_more_worlds_than_a_portion_holds() -> None:
 def test_a_world_that_fails_does_not_keep_the_others(threads: int) -> None:
     many = [*hands(3), AvatarsimEngine(), *hands(2)]
     asked: list[TrackerSample] = [HOME, BAD, HOME, HOME, rest(()), HOME]
-    said = r"4 of 6 worlds failed \(world 1: tracker positions.*world 3: no scene is loaded"
-    with many[5]._alone(), pytest.raises(WorldsFailed, match=said) as found:
+    with many[5]._alone(), pytest.raises(WorldsFailed) as found:
         advance_many(many, asked, DT, threads)
     errors, records = found.value.errors, found.value.records
     assert list(errors) == [1, 3, 4, 5] and [record is None for record in records] == [k in errors for k in range(6)]
@@ -142,55 +141,34 @@ def test_a_world_that_fails_does_not_keep_the_others(threads: int) -> None:
     assert advance_many([many[0], many[2]], [HOME, HOME], DT, threads)[0].shown.time == pytest.approx(2.0 * DT)
 
 
-def test_many_failures_are_counted_not_listed() -> None:
-    with pytest.raises(WorldsFailed, match="6 of 6 worlds failed .*world 3: .* and 2 more"):
-        advance_many(hands(6), [BAD] * 6, DT)
-
-
-def test_one_engine_is_one_world() -> None:
-    one, other = hands(2)
-    with pytest.raises(InvalidInput, match="engine 2 of many worlds is 'the same as engine 0'; valid: each engine once"):
-        advance_many([one, other, one], [HOME] * 3, DT)
-    assert other.advance(HOME, DT).shown.time == pytest.approx(DT), "nothing has advanced"
-
-
-WRONG: dict[str, tuple[object, object, object, object, str]] = {
-    "engines are none": (None, [HOME], DT, None, "engines for many worlds is None; valid: a sequence"),
-    "samples are none": ([AvatarsimEngine()], None, DT, None, "samples for many worlds is None; valid: a sequence"),
-    "samples by name": ([AvatarsimEngine()], {0: HOME}, DT, None, "samples for many worlds is {0: .*; valid: a sequence"),
-    "a stream": ([AvatarsimEngine()], iter([HOME]), DT, None, "samples for many worlds is .*; valid: a sequence"),
-    "one number": ([AvatarsimEngine()], np.array(1.0), DT, None, r"samples for many worlds is array\(1.\); valid: a sequence"),
-    "time is none": ([AvatarsimEngine()], [HOME], None, None, r"frame time \[s\] is None"),
-    "time is no number": ([AvatarsimEngine()], [HOME], float("nan"), None, r"frame time \[s\] is nan"),
-    "too few samples": ([AvatarsimEngine()], [], DT, None, "number of samples for many worlds is 0; valid: 1"),
-    "no engine": (["engine"], [HOME], DT, None, "engine 0 of many worlds is 'engine'; valid: an AvatarsimEngine"),
-    "no time": ([AvatarsimEngine()], [HOME], 0.0, None, r"frame time \[s\] is 0.0"),
-    "no threads": ([AvatarsimEngine()], [HOME], DT, 0, "number of threads is 0; valid: a whole number from 1"),
-    "half a thread": ([AvatarsimEngine()], [HOME], DT, 1.5, "number of threads is 1.5"),
-    "a word": ([AvatarsimEngine()], [HOME], DT, "two", "number of threads is 'two'"),
-    "endless": ([AvatarsimEngine()], [HOME], DT, float("inf"), "number of threads is inf"),
+WRONG: dict[str, Callable[[list[AvatarsimEngine]], tuple[object, ...]]] = {
+    "engines are none": lambda many: (None, [HOME] * 2, DT, None),
+    "engines as keys": lambda many: (dict.fromkeys(many), [HOME] * 2, DT, None),
+    "an engine is none": lambda many: ([*many, None], [HOME] * 3, DT, None),
+    "an engine is a word": lambda many: ([*many, "engine"], [HOME] * 3, DT, None),
+    "an engine twice": lambda many: ([*many, many[0]], [HOME] * 3, DT, None),
+    "samples are none": lambda many: (many, None, DT, None),
+    "samples by name": lambda many: (many, {0: HOME, 1: HOME}, DT, None),
+    "a stream": lambda many: (many, iter([HOME, HOME]), DT, None),
+    "one number": lambda many: (many, np.array(1.0), DT, None),
+    "too few samples": lambda many: (many, [HOME], DT, None),
+    "time is none": lambda many: (many, [HOME] * 2, None, None),
+    "time is no number": lambda many: (many, [HOME] * 2, float("nan"), None),
+    "no time": lambda many: (many, [HOME] * 2, 0.0, None),
+    "no threads": lambda many: (many, [HOME] * 2, DT, 0),
+    "half a thread": lambda many: (many, [HOME] * 2, DT, 1.5),
+    "threads in words": lambda many: (many, [HOME] * 2, DT, "two"),
+    "endless threads": lambda many: (many, [HOME] * 2, DT, float("inf")),
 }
 
 
 @pytest.mark.parametrize("case", list(WRONG))
-def test_arguments_that_do_not_fit_are_refused(case: str) -> None:
-    many, samples, dt, threads, said = WRONG[case]
-    with pytest.raises(InvalidInput, match=said):
-        advance_many(many, samples, dt, threads)
-
-
-def test_a_refusal_leaves_every_world_as_it_was() -> None:
+def test_arguments_that_do_not_fit_are_refused_and_leave_every_world_as_it_was(case: str) -> None:
     many = hands(2)
     before = [engine.snapshot() for engine in many]
-    wrong: list[tuple[object, object, object, object]] = [
-        ([*many, many[0]], [HOME] * 3, DT, None), (many, [HOME], DT, None), (many, None, DT, None), (None, [HOME] * 2, DT, None),
-        ([*many, None], [HOME] * 3, DT, None), (many, [HOME] * 2, 0.0, None), (many, [HOME] * 2, DT, 0),
-        (dict.fromkeys(many), [HOME] * 2, DT, None), (many, [BAD, rest(())], DT, 2),
-    ]
-    for engines_given, samples, dt, threads in wrong:
-        with pytest.raises(AvatarsimError):
-            advance_many(engines_given, samples, dt, threads)
-        assert [engine.snapshot() for engine in many] == before
+    with pytest.raises(InvalidInput):
+        advance_many(*WRONG[case](many))
+    assert [engine.snapshot() for engine in many] == before
 
 
 def test_a_sample_that_is_none_fails_its_world_alone() -> None:

@@ -1,6 +1,5 @@
 """What `load` does ahead of the first frame: it brings every kernel into memory, and leaves no trace in what is shown."""
 
-import gc
 import json
 import os
 import subprocess
@@ -17,7 +16,7 @@ from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
 from avatarsim.frame import Frames
 from avatarsim.model.world import build
-from avatarsim.rehearsal import REHEARSALS, Undo
+from avatarsim.rehearsal import Undo
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen
@@ -66,20 +65,6 @@ def state(parts: tuple[object, ...]) -> list[tuple[dict[str, int], dict[int, byt
 
 
 @pytest.mark.parametrize(("name", "preset"), CASES)
-def test_a_frame_that_is_undone_leaves_every_bit_as_it_was(name: str, preset: str) -> None:
-    frames = Frames(build(SCENES[name]), preset, Chosen(), 3, record=True, time_stages=True)
-    for sample in lively(SCENES[name], 8):
-        frames.frame(sample, DT)
-    before = state(frames.parts())
-    undo = Undo(frames.parts())
-    for sample in lively(SCENES[name], 12):
-        frames.frame(sample, DT)
-    assert state(frames.parts()) != before
-    undo()
-    assert state(frames.parts()) == before
-
-
-@pytest.mark.parametrize(("name", "preset"), CASES)
 def test_a_frame_run_again_and_again_is_undone_by_what_it_changed_first(name: str, preset: str) -> None:
     """At load, and amid contacts: the same frame changes the same words, whatever ran before."""
     frames = Frames(build(SCENES[name]), preset, Chosen(), 3, record=True, time_stages=True)
@@ -111,25 +96,6 @@ def test_only_what_changed_is_written_again() -> None:
     assert changed.tobytes() == was and other[0] == 5.0
 
 
-def test_load_rehearses_until_the_frame_is_warm(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Also where all kernels are in memory: ten times more, of a frame that is short."""
-    engine, ran, whole = AvatarsimEngine(), [0.0], Frames.frame
-    engine.load(TOGETHER, Settings(), DT)
-
-    def counted(self: Frames, sample: TrackerSample, dt: float) -> None:
-        ran.append(self.time)
-        whole(self, sample, dt)
-
-    monkeypatch.setattr(Frames, "frame", counted)
-    monkeypatch.setattr("avatarsim.simulator.ENOUGH", np.inf)
-    record = engine.load(TOGETHER, Settings(), DT)
-    assert ran == [0.0] * (REHEARSALS + 2) and record.shown.time == 0.0
-    monkeypatch.setattr("avatarsim.simulator.ENOUGH", 0.0)
-    del ran[1:]
-    engine.load(TOGETHER, Settings(), DT)
-    assert len(ran) == 3
-
-
 @pytest.mark.parametrize(("name", "preset"), CASES)
 def test_what_is_shown_does_not_know_of_the_rehearsal(name: str, preset: str) -> None:
     """Frames that were never rehearsed, beside an engine that has been loaded."""
@@ -148,20 +114,6 @@ def test_what_is_shown_does_not_know_of_the_rehearsal(name: str, preset: str) ->
         # the last step is left out where it is what is shown
         assert len(passed) - len(steps) in (0, 1)
         assert [one.positions.tobytes() for one in steps] == [one.positions.tobytes() for one in passed[: len(steps)]]
-
-
-@pytest.mark.parametrize(("name", "preset"), CASES)
-def test_no_part_of_a_frame_gets_a_dictionary(name: str, preset: str) -> None:
-    """Python would read each of its attributes through that from then on, in every frame; nor after scenes of other kinds, which
-    have other attributes."""
-    for _ in range(40):
-        Frames(build(SCENES["a ball alone"]), preset, Chosen(), 3, record=False, time_stages=False)
-    frames = Frames(build(SCENES[name]), preset, Chosen(), 3, record=True, time_stages=True)
-    undo = Undo(frames.parts())
-    frames.frame(SCENES[name].first_sample, DT)
-    undo()
-    for part in frames.parts():
-        assert not any(type(held) is dict for held in gc.get_referents(part)), type(part)
 
 
 def test_an_error_is_left_to_the_frame_that_meets_it(monkeypatch: pytest.MonkeyPatch) -> None:

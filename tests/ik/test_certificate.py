@@ -161,3 +161,10 @@ def test_the_accepted_gap_lets_a_pair_stand_still_and_a_wedged_one_come_no_neare
 @pytest.mark.parametrize("gap", [np.nan, -np.inf, -1e-6, 0.0])
 def test_a_pair_that_is_not_apart_promises_nothing(gap: float) -> None:
     assert not accepted_gap(SETTINGS, gap) > LEAST
+
+
+@pytest.mark.parametrize("stand_off", [1e-5, 1e-3, 0.1])
+def test_gaps_are_ordered_never_overlap_and_scale_with_the_stand_off(stand_off: float) -> None:
+    assert 0.0 < gaps.wedged_gap(stand_off) < gaps.least_gap(stand_off) < stand_off
+    for gap in (gaps.wedged_gap, gaps.least_gap):
+        assert gap(2.0 * stand_off) == pytest.approx(2.0 * gap(stand_off))
