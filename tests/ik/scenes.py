@@ -8,19 +8,13 @@ import numpy as np
 
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
-from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Ball, Free, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 from tests.stability.hostile import hinged_avatar
-from tests.worlds.little_worlds import at, hand, mixed_avatar
-
-
-def block(name: str, centre: Vector, size: Vector) -> Body:
-    """A fixed box."""
-    return fixed(name, (Piece(Box(size)),), "wood", centre)
+from tests.worlds.little_worlds import at, block, hand, mixed_avatar
 
 
 def corner() -> tuple[Body, ...]:

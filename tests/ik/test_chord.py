@@ -18,7 +18,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
-from tests.worlds.little_worlds import X, Y, at, hand, mixed_avatar, panel
+from tests.worlds.little_worlds import X, Y, at, hand, mixed_avatar
 
 SAMPLES = 1000
 SHAPES = (
@@ -164,14 +164,6 @@ def test_links_that_turn_with_their_ancestor_are_proved_at_once() -> None:
     before = rest((avatar,))
     after = replace(before, rotations=np.tile(rotation.from_rotation_vector((0.0, 3.0, 0.0)), (3, 1)))
     assert chords.free_until(before, after)[0] == 1.0
-
-
-def test_a_hand_that_jumps_through_a_panel_stops_before_it() -> None:
-    avatar = hand()
-    chords = Chords(scene_with(avatar, (panel(),)))
-    before, after = at(rest((avatar,)), (-1.0, 0.0, 0.0)), at(rest((avatar,)), (1.0, 0.0, 0.0))
-    until, pair = chords.free_until(before, after)
-    assert pair == ("panel", "hand") and until == pytest.approx((1.0 - 0.051) / 2.0, abs=2.0**-DEPTH)
 
 
 def test_the_nearest_common_ancestor_of_each_pair_of_links() -> None:

@@ -1,7 +1,5 @@
 """Following the tracker, judged by poses alone: no overlap and no excess in any frame, and back when the way is free."""
 
-import subprocess
-import sys
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
@@ -18,13 +16,11 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sp
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
-from reference.judging.judge import Judge
 from scenarios import catalog
-from tests.stability.hostile import DT, hinged_avatar, humanoid_trial, link_error
-from tests.worlds.little_worlds import X, Y, at, hand_scene, mixed_avatar, panel, piece, random_sample
+from tests.stability.hostile import DT, hinged_avatar, link_error
+from tests.worlds.little_worlds import X, Y, at, hand_scene, panel, piece
 from tests.worlds.ride import ride
 
-ROOT = [sys.executable, "-c"]
 CUBE = np.array([[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)])
 
 
@@ -92,47 +88,6 @@ def test_a_hand_that_comes_free_in_a_corner_does_not_jump() -> None:
     assert (ways[0] - ways[1]).max() < 0.01
 
 
-def test_free_motion_is_followed_within_the_frame() -> None:
-    go = ride(Scene("s", (WALL,), (arm(),)))
-    home = go.scene.first_sample
-    for k in range(40):
-        sample = replace(home, angles=np.array([0.5, 0.3, -0.4, 0.2, 0.1, 0.3]) * np.sin(0.1 * k))
-        if sample.angles[0] >= 0.0:
-            go.frame(sample)
-            assert go.error(sample) < 1e-9
-
-
-def arms_through_chest(k: int, home: TrackerSample) -> TrackerSample:
-    """Both arms of the sixteen hulls go through the chest and each other, to and fro."""
-    angles = home.angles.copy()
-    share = np.sin(0.15 * k)
-    # hinges: chest 3, neck 3, head 3, then left upper arm 3, forearm 2, hand 2
-    angles[9:12] = (-2.0 * share, 1.2 * share, 0.5)
-    angles[12] = -2.0 * abs(share)
-    left = 9 + 7 + 7
-    angles[left : left + 3] = (2.0 * share, 1.2 * share, -0.5)
-    angles[left + 3] = -2.0 * abs(share)
-    return replace(home, angles=angles)
-
-
-def test_arms_folded_through_the_chest() -> None:
-    avatar = hinged_avatar()
-    go = ride(Scene("s", (fixed("floor", (Piece(Box((9.0, 9.0, 0.2))),), "wood", (0.0, 0.0, -2.0)),), (avatar,)))
-    home, hostile = go.scene.first_sample, 0
-    raw = Judge(go.scene)
-    for k in range(90):
-        sample = arms_through_chest(k, home)
-        links, turns = link_poses((avatar,), sample)
-        positions, orientations = go.record.shown.positions.copy(), go.record.shown.orientations.copy()
-        positions[1:], orientations[1:] = links, turns
-        hostile += raw.overlaps(positions, orientations).deepest > 1e-3
-        go.frame(sample)
-    assert hostile > 30
-    for _ in range(60):
-        go.frame(home)
-    assert go.error(home) < 0.01
-
-
 @pytest.mark.parametrize(
     "shape",
     [Sphere(0.05), Box((0.1, 0.08, 0.06)), Capsule(0.03, 0.1), ellipsoid_hull((0.05, 0.04, 0.08)), Ellipsoid((0.05, 0.04, 0.08))],
@@ -147,22 +102,6 @@ def test_a_hand_punched_through_a_panel_stays_on_its_side(shape: object) -> None
     for _ in range(10):
         go.frame(home)
     assert go.error(home) < 1e-9
-
-
-def test_teleports_into_and_behind_furniture() -> None:
-    table = fixed(
-        "table", (Piece(Box((1.0, 0.6, 0.05))), Piece(Box((0.05, 0.05, 0.7)), (0.4, 0.2, -0.35))), "wood", (0.6, 0.0, 0.0)
-    )
-    go = ride(hand_scene((-0.5, 0.0, 0.3), table, panel(0.01, 1.3), shape=(Piece(ellipsoid_hull((0.1, 0.05, 0.03))),)))
-    home, rng = go.scene.first_sample, np.random.default_rng(2)
-    for k in range(90):
-        if k % 10 == 0:
-            inside = rng.uniform((0.2, -0.3, -0.02), (1.0, 0.3, 0.02)) if k % 20 else rng.uniform(-1.5, 1.5, 3)
-            turn = rotation.normalised(rng.normal(size=(1, 4)))
-        go.frame(replace(at(home, tuple(inside)), rotations=turn))
-    for _ in range(90):
-        go.frame(home)
-    assert go.error(home) < 1e-6
 
 
 @pytest.mark.parametrize("gap", [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-3])
@@ -227,43 +166,6 @@ def test_a_link_without_pieces_does_not_glue_the_avatar_to_the_floor() -> None:
     assert go.record.shown.positions[1] == pytest.approx([0.29, 0.0, -0.05], abs=0.02)
 
 
-@pytest.mark.parametrize("seed", range(12))
-def test_hinges_obey_their_limits_to_the_last_bit(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    limits, mass = (-float(rng.uniform(0.01, 0.3)), float(rng.uniform(0.01, 0.3))), solid(piece(), 1.0)
-    limb = Link("limb", "root", Hinges((Hinge(X, *limits),)), piece(), mass, anchor=(0, 0, 0.4))
-    scene = Scene("s", (panel(x=-5.0),), (Avatar("a", (Link("root", None, Free(), piece(), mass), limb)),))
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
-    for _ in range(100):
-        angle = rng.uniform(-0.5, 0.5)
-        record = engine.advance(replace(scene.first_sample, angles=np.array([angle])), DT)
-        assert limits[0] <= record.angles[0] <= limits[1]
-
-
-def test_the_humanoid_obeys_swing_and_twist_under_wild_rotations() -> None:
-    case = humanoid_trial()
-    go, rng = ride(case.scene), np.random.default_rng(4)
-    balls = [k for k, link in enumerate(case.scene.links) if link.parent is not None]
-    for k in range(80):
-        if k % 8 == 0:
-            rotations = case.home.rotations.copy()
-            rotations[balls] = rotation.normalised(rng.normal(size=(len(balls), 4)))
-        go.frame(replace(case.home, rotations=rotations, angles=rng.uniform(-4.0, 4.0, len(case.home.angles))))
-    for _ in range(60):
-        go.frame(case.home)
-    assert go.error(case.home) < 0.01
-
-
-def test_a_ball_whose_link_is_turned_at_rest_obeys_limits_in_its_parents_frame() -> None:
-    scene = Scene("s", (), (mixed_avatar(),))
-    assert scene.links[1].orientation != scene.links[0].orientation
-    go = ride(scene)
-    for seed in range(20):
-        for _ in range(8):
-            go.frame(random_sample(scene.avatars, seed))
-
-
 def far(x: float) -> Callable[[TrackerSample], TrackerSample]:
     """The root at x."""
     return lambda home: at(home, (x, 0.0, 0.0))
@@ -282,14 +184,3 @@ def test_a_tracker_at_the_end_of_the_number_range_does_no_harm(places: Iterable[
     for _ in range(25):
         record = engine.advance(scene.first_sample, DT)
     assert link_error(scene, record, scene.first_sample) < 1e-6
-
-
-CHILD = """
-from tests.stability.hostile_run import run
-print(run("hinged", seed=9, frames=40, away=20, home=10, judge_every=1000).hashes[-1])
-"""
-
-
-def test_two_processes_agree_to_the_last_bit() -> None:
-    hashes = {subprocess.run([*ROOT, CHILD], capture_output=True, text=True, check=True).stdout.strip() for _ in range(2)}
-    assert len(hashes) == 1 and len(hashes.pop()) == 16

@@ -21,9 +21,8 @@ from avatarsim.settings import PostureSettings
 from avatarsim.simulator import AvatarsimEngine
 from reference.judging.judge import Judge
 from tests.stability.hostile import DT
-from tests.worlds.little_worlds import at, hand
+from tests.worlds.little_worlds import at, block, hand
 from tests.worlds.ride import ride
-from tests.worlds.traps import slab
 
 SETTINGS = PostureSettings()
 SETTLES = 2e-3
@@ -98,7 +97,7 @@ def test_so_does_any_palm_on_any_table() -> None:
 @pytest.mark.parametrize("around", [0, 1, 2])
 @pytest.mark.parametrize("gap", [0.0, 1e-12, 1e-7, 2e-3])
 def test_a_target_on_the_far_side_is_led_to_only_if_that_is_asked_for(gap: float, around: int) -> None:
-    table = slab("table", (0.0, 0.0, 0.0), (0.05, 0.3, 0.3))
+    table = block("table", (0.0, 0.0, 0.0), (0.05, 0.3, 0.3))
     go = ride(Scene("s", (table,), (hand(),), start=at(rest((hand(),)), (-0.3, 0.0, 0.0))), around=around)
     led = sum(go.frame(at(go.scene.first_sample, (0.025 + 0.05 + gap, 0.0, 0.0))).counts["following"] for _ in range(240))
     assert (led > 0) == (around == 2) and (go.record.shown.positions[1, 0] > 0.0) == (led > 0)
@@ -112,7 +111,7 @@ def path_of(record: FrameRecord, before: FrameRecord, root: int) -> float:
 
 def test_a_capsule_on_its_side_is_a_hand_like_any_other() -> None:
     lying = (Piece(Capsule(0.015, 0.08), (0.0, 0.0, 0.0), (0.5**0.5, 0.5**0.5, 0.0, 0.0)),)
-    avatar, table = rigid_avatar("hand", lying, solid(lying, 0.5)), slab("table", (0.0, 0.0, 0.0), TABLES["thin"])
+    avatar, table = rigid_avatar("hand", lying, solid(lying, 0.5)), block("table", (0.0, 0.0, 0.0), TABLES["thin"])
     go = ride(Scene("s", (table,), (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 0.1))))
     for k in range(40):
         go.frame(at(go.scene.first_sample, (0.0, 0.0, 0.1 - 0.005 * k)))

@@ -4,22 +4,17 @@ import numpy as np
 
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, fixed, solid
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.simulator import AvatarsimEngine
-from tests.worlds.little_worlds import at, hand
+from tests.worlds.little_worlds import at, block, hand
 
 DT = 1.0 / 60.0
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-
-
-def block(name: str, centre: Vector, size: Vector) -> Body:
-    """A fixed box."""
-    return fixed(name, (Piece(Box(size)),), "wood", centre)
 
 
 def walker() -> Avatar:

@@ -19,8 +19,8 @@ from avatarsim.planner.tree import add_node, get_node
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from avatarsim.settings import PostureSettings
-from tests.planner.scenes import Run, behind_the_wall, block, moved, walker
-from tests.worlds.little_worlds import at
+from tests.planner.scenes import Run, behind_the_wall, moved, walker
+from tests.worlds.little_worlds import at, block
 
 SETTINGS = PostureSettings()
 

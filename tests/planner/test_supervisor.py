@@ -9,8 +9,8 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.settings import PostureSettings
 from reference.judging.judge import Judge
-from tests.planner.scenes import DT, Run, behind_the_wall, block, held_arm, moved, palm, walker
-from tests.worlds.little_worlds import hand
+from tests.planner.scenes import DT, Run, behind_the_wall, held_arm, moved, palm, walker
+from tests.worlds.little_worlds import block, hand
 
 SETTINGS = PostureSettings()
 SECONDS = 60
@@ -69,18 +69,6 @@ def test_same_seed_same_bits_and_another_seed_another_path() -> None:
     scene, target = behind_the_wall(walker())
     runs = [[record.state_hash() for record in Run(scene, seed).go(target, SECONDS)] for seed in (1, 1, 2)]
     assert runs[0] == runs[1] and runs[0] != runs[2]
-
-
-@pytest.mark.parametrize("status", ["planning", "following"])
-def test_a_snapshot_in_mid_search_or_on_the_way_goes_on_to_the_bit(status: str) -> None:
-    scene, target = behind_the_wall(walker())
-    run, other = Run(scene, work=300), Run(scene, work=300)
-    while not run.record.statuses.get(status):
-        run.go(target, 1)
-    run.go(target, 2)
-    assert run.record.statuses.get(status)
-    other.engine.restore(run.engine.snapshot())
-    assert [one.state_hash() for one in run.go(target, SECONDS)] == [one.state_hash() for one in other.go(target, SECONDS)]
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -1,10 +1,11 @@
-"""Vectors as tuples against numpy."""
+"""Vectors as tuples, and symmetric systems, against numpy; the minimal standard generator against its published numbers."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from avatarsim.spatial.random import MODULUS, draw, seeded
 from avatarsim.spatial.vec3 import (
     add,
     along,
@@ -16,6 +17,7 @@ from avatarsim.spatial.vec3 import (
     put_row,
     row,
     scale,
+    solved,
     sub,
     unit,
 )
@@ -67,3 +69,32 @@ def test_rows_go_in_and_out_of_an_array():
     put_row(m, 1, (1.0, 2.0, 3.0))
     assert row(m, 1) == (1.0, 2.0, 3.0)
     assert m.sum() == 6.0
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_solved_is_that_of_numpy(seed: int) -> None:
+    random = np.random.default_rng(seed)
+    half, right = random.normal(size=(3, 3)), random.normal(size=3)
+    matrix = half @ half.T + 0.1 * np.eye(3)
+    a, b, c = (tuple(float(x) for x in column) for column in matrix.T)
+    found = solved(a, b, c, tuple(float(x) for x in right))
+    assert np.array(found) == pytest.approx(np.linalg.solve(matrix, right), rel=1e-9, abs=1e-12)
+
+
+def test_ten_thousandth_number_is_the_published_one() -> None:
+    # C++ standard, [rand.predef]: the 10000th invocation of a default minstd_rand gives 399268537
+    state = np.array([1], dtype=np.int64)
+    numbers = [draw(state, MODULUS) for _ in range(10_000)]
+    assert numbers[-1] == 399268537
+
+
+def test_neighbouring_seeds_give_other_numbers_and_equal_seeds_the_same() -> None:
+    one, again, other = seeded(1), seeded(1), seeded(2)
+    first = [draw(one, 1000) for _ in range(20)]
+    assert first == [draw(again, 1000) for _ in range(20)]
+    assert first != [draw(other, 1000) for _ in range(20)]
+
+
+def test_numbers_stay_below_the_bound_and_reach_each() -> None:
+    state = seeded(0)
+    assert {draw(state, 5) for _ in range(200)} == set(range(5))

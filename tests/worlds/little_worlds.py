@@ -93,6 +93,11 @@ def panel(thickness: float = 0.002, x: float = 0.0) -> Body:
     return fixed("panel", (Piece(Box((thickness, 2.0, 2.0))),), "metal", (x, 0.0, 0.0))
 
 
+def block(name: str, centre: Vector, size: Vector) -> Body:
+    """A fixed box."""
+    return fixed(name, (Piece(Box(size)),), "wood", centre)
+
+
 def hand(shape: tuple[Piece, ...] = (Piece(Sphere(0.05)),), name: str = "hand") -> Avatar:
     """A driven body of one link."""
     return rigid_avatar(name, shape, solid(shape, 0.5))

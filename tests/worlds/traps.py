@@ -1,41 +1,36 @@
 """Dead ends, tubes and posts, and avatars that they hold off."""
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import Body, fixed, solid
-from avatarsim.scene.checks import Vector
+from avatarsim.scene.body import Body, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.shape import Box, Piece, Sphere
+from tests.worlds.little_worlds import block
 
 BEFORE, BEHIND = (-0.3, 0.0, 0.0), (0.3, 0.0, 0.0)
 """Places before and behind the end of the pocket."""
 
 
-def slab(name: str, centre: Vector, size: Vector) -> Body:
-    """A fixed box."""
-    return fixed(name, (Piece(Box(size)),), "wood", centre)
-
-
 def pocket(y: float = 0.0) -> tuple[Body, ...]:
     """A dead end, open towards -x, 0.3 m wide and 0.3 m deep, between -0.3 and 0, about the line at y."""
     return (
-        slab(f"end {y:g}", (0.02, y, 0.0), (0.02, 0.4, 0.4)),
-        slab(f"left {y:g}", (-0.13, y + 0.17, 0.0), (0.3, 0.02, 0.4)),
-        slab(f"right {y:g}", (-0.13, y - 0.17, 0.0), (0.3, 0.02, 0.4)),
-        slab(f"over {y:g}", (-0.13, y, 0.17), (0.3, 0.4, 0.02)),
-        slab(f"under {y:g}", (-0.13, y, -0.17), (0.3, 0.4, 0.02)),
+        block(f"end {y:g}", (0.02, y, 0.0), (0.02, 0.4, 0.4)),
+        block(f"left {y:g}", (-0.13, y + 0.17, 0.0), (0.3, 0.02, 0.4)),
+        block(f"right {y:g}", (-0.13, y - 0.17, 0.0), (0.3, 0.02, 0.4)),
+        block(f"over {y:g}", (-0.13, y, 0.17), (0.3, 0.4, 0.02)),
+        block(f"under {y:g}", (-0.13, y, -0.17), (0.3, 0.4, 0.02)),
     )
 
 
 def closed_pocket() -> tuple[Body, ...]:
     """A box from the inside: the dead end with a door that is shut."""
-    return (*pocket(), slab("door", (-0.29, 0.0, 0.0), (0.02, 0.32, 0.32)))
+    return (*pocket(), block("door", (-0.29, 0.0, 0.0), (0.02, 0.32, 0.32)))
 
 
 def tube() -> tuple[Body, ...]:
     """Four slabs around the x axis, inner width 0.12 m: two hands of 0.1 m cannot pass each other inside."""
     return (
-        slab("left", (0.0, 0.11, 0.0), (4.0, 0.1, 0.32)), slab("right", (0.0, -0.11, 0.0), (4.0, 0.1, 0.32)),
-        slab("over", (0.0, 0.0, 0.11), (4.0, 0.32, 0.1)), slab("under", (0.0, 0.0, -0.11), (4.0, 0.32, 0.1)),
+        block("left", (0.0, 0.11, 0.0), (4.0, 0.1, 0.32)), block("right", (0.0, -0.11, 0.0), (4.0, 0.1, 0.32)),
+        block("over", (0.0, 0.0, 0.11), (4.0, 0.32, 0.1)), block("under", (0.0, 0.0, -0.11), (4.0, 0.32, 0.1)),
     )
 
 
@@ -61,5 +56,5 @@ def boomed() -> Avatar:
     )
 
 
-POST = (slab("post", (-0.2, 0.1, 0.0), (0.02, 0.02, 20.0)),)
+POST = (block("post", (-0.2, 0.1, 0.0), (0.02, 0.02, 20.0)),)
 """In the way of the boom, not of the ball."""
