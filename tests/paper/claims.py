@@ -193,7 +193,7 @@ IN_WORDS = {
     "three kinds of objects": Claim(
         "fixed ones never give way, driven ones first, simulated ones if they must",
         (
-            "printed/test_priority.py::test_the_rule",
+            "printed/test_push_apart.py::test_the_rule",
             "paper/test_figure_3.py::test_a_hand_in_a_ball_gives_way_and_the_ball_stays",
         ),
         ("squeeze",),

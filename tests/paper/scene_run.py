@@ -12,13 +12,13 @@ from scenarios.catalog import get
 
 
 @cache
-def scene_run(name: str, frames: int, preset: str = "default") -> tuple[Scene, list[FrameRecord]]:
-    """The scene and a record per frame."""
+def scene_run(name: str, frames: int | None = None, preset: str = "default") -> tuple[Scene, list[FrameRecord]]:
+    """The scene and a record per frame, of all frames of its short run unless said otherwise."""
     scenario = get(name).as_run(False)
     scene = scenario.build()
     motion, engine = scenario.motion(scene, 0), AvatarsimEngine()
     engine.load(scene, Settings(preset), scenario.dt)
-    return scene, [engine.advance(motion(k), scenario.dt) for k in range(min(frames, scenario.frames))]
+    return scene, [engine.advance(motion(k), scenario.dt) for k in range(frames or scenario.frames)]
 
 
 def of_user(name: str, frames: int) -> np.ndarray:

@@ -58,12 +58,6 @@ def test_the_worst_shortfall_is_17_16_percent_at_root_two_minus_one():
     assert shortfalls[worst] == pytest.approx(0.1716, abs=5e-5)
 
 
-def test_opposite_normals_leave_the_difference():
-    status, pushed = eq1([0.5, 0.2], [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)])
-    assert status == CONVERGED
-    np.testing.assert_allclose(pushed, (0.3, 0.0, 0.0), atol=1e-15)
-
-
 @pytest.mark.parametrize("off", [0.0, 1e-12, -1e-9])
 def test_equal_opposite_normals_are_a_status_and_not_a_zero_push(off):
     status, pushed = eq1([0.5, 0.5 + off], [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)])
@@ -71,12 +65,10 @@ def test_equal_opposite_normals_are_a_status_and_not_a_zero_push(off):
     assert not pushed.any()
 
 
-def test_nothing_overlapping_is_no_push_and_no_failure():
-    status, pushed = eq1([], [])
-    assert status == CONVERGED
-    assert not pushed.any()
-
-
-def test_nan_is_a_status():
+def test_no_overlap_is_no_push_opposite_normals_leave_the_difference_and_nan_is_a_status():
+    for depths, normals, left in (([], [], 0.0), ([0.5, 0.2], [(1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)], 0.3)):
+        status, pushed = eq1(depths, normals)
+        assert status == CONVERGED
+        np.testing.assert_allclose(pushed, (left, 0.0, 0.0), atol=1e-15)
     assert eq1([np.nan], [(0.0, 0.0, 1.0)])[0] == NOT_FINITE
     assert eq1([0.1], [(np.nan, 0.0, 1.0)])[0] != CONVERGED

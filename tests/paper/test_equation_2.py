@@ -10,7 +10,3 @@ from avatarsim.paper.ccd_ik import end_effector
 def test_it_is_the_mean_of_the_first_k_contacts(count):
     contacts = np.random.default_rng(count).normal(size=(9, 3))
     np.testing.assert_allclose(end_effector(contacts, count), contacts[:count].mean(axis=0), atol=1e-15)
-
-
-def test_one_contact_is_the_end_effector_itself():
-    assert end_effector(np.array([[0.1, 0.2, 0.3]]), 1) == (0.1, 0.2, 0.3)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from avatarsim.rigid.contact_law import collision_impulse, turning_term
 from avatarsim.scene.shape import Box
-from tests.rigid.upper_world import World, ball, slab, thing
+from tests.rigid.upper_world import World, ball, hand, slab, thing
 
 NO_GRAVITY = (0.0, 0.0, 0.0)
 vectors = st.tuples(*[st.floats(-1.0, 1.0)] * 3)
@@ -93,8 +93,6 @@ def test_cradle() -> None:
 
 def test_a_driven_body_answers_with_its_coupled_mass() -> None:
     """It gets the impulse -j n, reported to the caller, and does not move within the frame."""
-    from tests.rigid.upper_world import hand
-
     paddle = hand(mass=2.0)
     world = World([ball("ball", (0.0, 0.0, 0.5), mass=0.5, velocity=(0.0, 0.0, -4.0))], 0.5, gravity=NO_GRAVITY, avatars=[paddle])
     where = world.poses.position[1].copy()

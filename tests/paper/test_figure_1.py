@@ -1,22 +1,14 @@
 """Figure 1: a ball is snipped over a table with a finger, causing it to roll off. The hand of Figure 7 does it."""
 
 import numpy as np
-import pytest
 
-from avatarsim.engine import FrameRecord
-from avatarsim.scene.scene import Scene
 from reference.judging.judge import Judge
 from scenarios.catalog.paper.hand_over_table import BALL_RADIUS, TABLE_HEIGHT
-from tests.paper.hand_run import hand_run
+from tests.paper.scene_run import scene_run
 
 
-@pytest.fixture(scope="module")
-def run() -> tuple[Scene, list[FrameRecord]]:
-    return hand_run()
-
-
-def test_the_ball_rolls_over_the_table_and_off_it(run: tuple[Scene, list[FrameRecord]]) -> None:
-    scene, records = run
+def test_the_ball_rolls_over_the_table_and_off_it() -> None:
+    scene, records = scene_run("hand_over_table")
     ball = scene.names.index("ball")
     height = np.array([record.shown.positions[ball, 2] for record in records])
     speed = np.array([record.shown.velocities[ball] for record in records])
@@ -30,8 +22,8 @@ def test_the_ball_rolls_over_the_table_and_off_it(run: tuple[Scene, list[FrameRe
     assert np.linalg.norm(speed[last, :2]) > 0.5 and np.linalg.norm(lowest[:2]) < 1e-6
 
 
-def test_nothing_overlaps_while_the_ball_is_pushed(run: tuple[Scene, list[FrameRecord]]) -> None:
-    scene, records = run
+def test_nothing_overlaps_while_the_ball_is_pushed() -> None:
+    scene, records = scene_run("hand_over_table")
     judge = Judge(scene)
     for record in records[int(0.9 * len(records)) :]:
         assert judge.overlaps(record.shown.positions, record.shown.orientations).deepest <= 1e-6

@@ -5,11 +5,11 @@ Time itself is measured in the benchmark; here the work that makes it is counted
 
 import numpy as np
 
-from tests.paper.hand_run import hand_run
+from tests.paper.scene_run import scene_run
 
 
 def work(name: str) -> np.ndarray:
-    return np.array([record.counts[name] for record in hand_run()[1]])
+    return np.array([record.counts[name] for record in scene_run("hand_over_table")[1]])
 
 
 def test_idle_the_hand_asks_for_no_contact() -> None:

@@ -1,4 +1,4 @@
-"""Coach and trainee in closed form: what is left of the way after t seconds is exp(-rate t), at any frame rate."""
+"""The way to the tracker in closed form: attraction of joints, eq. 6 of roots, and both as the frame calls them."""
 
 import numpy as np
 import pytest
@@ -7,8 +7,15 @@ from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
 from avatarsim.model.joint_limits import cone_excess
-from avatarsim.model.skeleton import Posture
-from avatarsim.paper.attraction import attract, share_of_way
+from avatarsim.model.skeleton import BALL, FREE, Posture
+from avatarsim.model.world import Target
+from avatarsim.paper.attraction import attract, couple_roots, settle_roots, share_of_way
+from avatarsim.paper.method import PaperLoop
+from avatarsim.paper.state import COUNT_NAMES
+from avatarsim.pose_queries import overlapping_pairs
+from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial import rotation
 from avatarsim.spatial.tangent import columns
 from tests.worlds.arms import arm, ball_hand, limited_ball, planar, world_of
@@ -89,3 +96,120 @@ def test_the_whole_way_in_one_frame_is_the_tracker_itself():
     attract(world.skeleton, target, 1.0, world.posture)
     assert world.posture.angle[-1] == 1.25
     np.testing.assert_allclose(world.posture.turn[0], target.turn[0], atol=1e-14)
+
+
+KIND = np.array([FREE, BALL], dtype=np.int64)
+MASS = np.array([0.4, 1.0])
+EQ_6 = CouplingSettings()
+
+
+def rows(*x):
+    return np.array([[value, 0.0, 0.0] for value in x])
+
+
+def frame(tracker, tracked, shown, velocity, dt, couple=1):
+    speed, target = rows(velocity, 0.0), rows(9.0, 9.0)
+    couple_roots(KIND, rows(tracker, 5.0), rows(tracked, 5.0), rows(shown, 5.0), MASS, dt, EQ_6, couple, speed, target)
+    assert target[1, 0] == 9.0 and speed[1, 0] == 0.0
+    return target[0, 0], speed[0, 0]
+
+
+def test_a_root_that_moves_with_its_tracker_does_not_trail():
+    place, speed = frame(0.05, 0.0, 0.0, 3.0, 0.05 / 3.0)
+    assert place == pytest.approx(0.05, abs=1e-15)
+    assert speed == pytest.approx(3.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("frames", [1, 5, 100])
+def test_frames_of_any_length_add_up(frames):
+    place, speed, seconds = 0.1, -0.5, 0.08
+    for _ in range(frames):
+        place, speed = frame(0.0, 0.0, place, speed, seconds / frames)
+    # critically damped: 40^2 = 4 * 0.4 * 1000
+    s = 50.0
+    assert place == pytest.approx((0.1 + (-0.5 + s * 0.1) * seconds) * np.exp(-s * seconds), rel=1e-9)
+
+
+def test_without_coupling_or_time_the_root_is_where_the_user_is():
+    assert frame(0.3, 0.0, 0.0, 0.0, 0.1, couple=0) == (0.3, 0.0)
+    assert frame(0.3, 0.0, 0.0, 0.0, 0.0)[0] == 0.3
+
+
+def test_a_root_that_was_held_has_the_velocity_it_was_shown_to_have():
+    speed, tracked = rows(7.0, 0.0), rows(0.0, 0.0)
+    settle_roots(KIND, rows(1.0, 0.0), rows(0.5, 0.0), rows(0.2, 0.0), rows(0.3, 0.0), 0.1, speed, tracked)
+    assert speed[0, 0] == pytest.approx(1.0)
+    assert tracked[0, 0] == 1.0
+    # and one that went where eq. 6 wanted keeps the velocity of eq. 6
+    speed = rows(7.0, 0.0)
+    settle_roots(KIND, rows(1.0, 0.0), rows(0.3, 0.0), rows(0.2, 0.0), rows(0.3, 0.0), 0.1, speed, tracked)
+    assert speed[0, 0] == 7.0
+
+
+def test_a_tracker_that_is_no_number_is_not_remembered():
+    speed, tracked = rows(np.nan, 0.0), rows(0.0, 0.0)
+    settle_roots(KIND, rows(np.nan, 0.0), rows(np.nan, 0.0), rows(0.2, 0.0), rows(0.2, 0.0), 0.1, speed, tracked)
+    assert (speed[0, 0], tracked[0, 0]) == (0.0, 0.2)
+
+
+DT = 1.0 / 60.0
+BALL = (Piece(Sphere(0.1)),)
+FREE_BALL = simulated("ball", BALL, "wood", solid(BALL, 1.0), (3.0, 0.0, 0.0))
+WALL = fixed("wall", (Piece(Box((1.0, 4.0, 4.0)), (1.0, 0.0, 0.0)),), "wood")
+"""Begins at x = 0.5."""
+
+
+def hand_before(*bodies):
+    world = world_of((ball_hand(0.1),), bodies)
+    return PaperLoop(world, PaperSettings(), CouplingSettings(), AttractionSettings(), 1)
+
+
+def target(loop, x):
+    wanted = Target(loop.world)
+    for mine, theirs in zip(wanted.posture, loop.world.posture, strict=True):
+        mine[:] = theirs
+    wanted.posture.root[0] = (x, 0.0, 0.0)
+    return wanted
+
+
+def test_links_get_the_velocity_of_the_way_they_were_shown_to_go():
+    loop = hand_before(WALL, FREE_BALL)
+    for frame in range(1, 40):
+        before = loop.world.poses.position[2, 0]
+        loop.follow(target(loop, 0.02 * frame), DT)
+        assert overlapping_pairs(loop.world) == []
+        shown = loop.world.poses.position[2, 0] - before
+        assert loop.world.velocities.linear[2, 0] == pytest.approx(shown / DT, abs=1e-9)
+    # at the wall the user goes on and the hand does not
+    assert abs(loop.world.velocities.linear[2, 0]) < 1e-6
+
+
+def test_without_simulated_bodies_no_velocity_is_worked_out():
+    loop = hand_before(WALL)
+    loop.follow(target(loop, 0.1), DT)
+    assert not loop.world.velocities.linear.any()
+
+
+def test_an_impulse_displaces_the_hand_and_the_spring_brings_it_back():
+    loop = hand_before(FREE_BALL)
+    loop.follow(target(loop, 0.0), DT)
+    impulses = np.zeros((2, 3))
+    impulses[1] = (0.0, -0.2, 0.0)
+    loop.receive(impulses, np.zeros(2, dtype=np.int64), target(loop, 0.0))
+    # eq. 6, critically damped with 0.4 kg: y = v t e^(-50 t), v = -0.2 / 0.4
+    for frame in range(1, 10):
+        loop.follow(target(loop, 0.0), DT)
+        t = frame * DT
+        assert loop.world.posture.root[0, 1] == pytest.approx(-0.5 * t * np.exp(-50.0 * t), rel=1e-9)
+
+
+def test_counts_are_named_and_statuses_only_where_something_happened():
+    loop = hand_before(WALL)
+    loop.follow(target(loop, 0.1), DT)
+    assert tuple(loop.counts()) == COUNT_NAMES
+    assert loop.statuses() == {}
+    broken = target(loop, np.nan)
+    # uncompiled, numpy warns of what the kernels test for
+    with np.errstate(invalid="ignore"):
+        loop.follow(broken, DT)
+    assert loop.statuses() == {"walked_back": 1, "held": 1, "not_checked": 1}

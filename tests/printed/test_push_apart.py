@@ -1,61 +1,37 @@
-"""Pushing apart by PD_g: exact for two convex bodies, 1/N of the depth per pass in a corner of N walls."""
+"""Pushing apart by PD_g: overlaps are found, both bodies move by their shares, and eq. 1 runs over all pieces."""
 
 import numpy as np
 import pytest
 
-from avatarsim.collision.scratch import make_scratch
+from avatarsim.collision.scratch import PIECES_CAP
 from avatarsim.collision.signed_distance import signed_distance
-from avatarsim.collision.status import CANCELLING, CONVERGED
+from avatarsim.collision.status import CANCELLING, CONVERGED, NOT_FINITE, OUT_OF_ITERATIONS, OUT_OF_ROOM
+from avatarsim.model.dynamics import DRIVEN, FIXED, SIMULATED
 from avatarsim.model.geometry import place
-from avatarsim.paper.push_apart import STAY, lengthened, push_apart
-from avatarsim.scene.body import fixed
-from avatarsim.scene.shape import Box, Piece
+from avatarsim.paper.push_apart import (
+    ASKED,
+    NOT_CHECKED,
+    STAY,
+    answer_for,
+    find_overlaps,
+    global_depth,
+    lengthened,
+    make_overlaps,
+    push_apart,
+    shares,
+)
+from avatarsim.pose_queries import overlapping_pairs
+from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.shape import Box, Piece, Sphere
+from tests.collision.solids import SCRATCH, as_arrays, ball, box, hull_of_ellipsoid
 from tests.worlds.arms import ball_hand, world_of
 
-pytestmark = [pytest.mark.nojit]
-
-SCRATCH = make_scratch()
-RADIUS, DEPTH = 0.2, 0.05
-
-
-def walls(count):
-    """One body of ``count`` walls, each filling a half space below zero along one axis as far as the ball can see."""
-    pieces = []
-    for axis in range(count):
-        centre = [0.0, 0.0, 0.0]
-        centre[axis] = -5.0
-        pieces.append(Piece(Box((10.0, 10.0, 10.0)), tuple(centre)))
-    return fixed("corner", tuple(pieces), "wood", (0.0, 0.0, 0.0))
-
-
-def in_corner(count):
-    """A driven ball that is ``DEPTH`` deep in every wall of a corner; it starts clear of it."""
-    world = world_of((ball_hand(RADIUS),), (walls(count),))
-    put(world, 1, [RADIUS - DEPTH if axis < count else 0.3 for axis in range(3)])
-    return world
+RADIUS = 0.2
 
 
 def put(world, body, position):
     world.poses.position[body] = position
     place(world.geometry, world.poses, body)
-
-
-def depths(world, count):
-    vertices, shapes = world.poses.vertices, world.geometry.shapes
-    return -np.array([signed_distance(vertices, shapes, wall, count, STAY, SCRATCH)[1] for wall in range(count)])
-
-
-@pytest.mark.parametrize("count", [1, 2, 3])
-def test_a_corner_of_n_walls_loses_one_nth_per_pass(count):
-    world = in_corner(count)
-    for passes in range(1, 6):
-        status, of_wall, of_ball = push_apart(world.geometry, world.poses, 0, 1, 0.0, 1.0, 0.0, SCRATCH)
-        assert of_wall == STAY
-        assert status == CONVERGED
-        put(world, 1, world.poses.position[1] + of_ball)
-        np.testing.assert_allclose(depths(world, count), DEPTH * (1.0 - 1.0 / count) ** passes, atol=1e-9)
-        if count == 1:
-            break
 
 
 @pytest.mark.parametrize(("share_a", "share_b"), [(0.5, 0.5), (1.0, 0.0), (0.0, 1.0), (0.25, 0.75)])
@@ -89,3 +65,127 @@ def test_cancelling_normals_move_nothing_and_say_so():
 def test_the_stand_off_lengthens_a_push_and_leaves_no_push_alone():
     assert lengthened((0.0, 3.0, 4.0), 1.0) == pytest.approx((0.0, 3.6, 4.8))
     assert lengthened((0.0, 0.0, 0.0), 1.0) == (0.0, 0.0, 0.0)
+
+
+CUBE, BALL = Piece(Box((0.4, 0.4, 0.4))), Piece(Sphere(0.2))
+
+
+def crowd():
+    bodies = (fixed("cube", (CUBE,), "wood"), simulated("ball", (BALL,), "wood", solid((BALL,), 1.0)))
+    return world_of(tuple(ball_hand(0.15, f"hand{k}") for k in range(5)), bodies)
+
+
+def test_it_finds_what_trying_every_pair_finds():
+    world, rng, seen = crowd(), np.random.default_rng(4), 0
+    found = make_overlaps(world.geometry, world.skeleton.first)
+    names = world.scene.names
+    for _ in range(200):
+        for body in range(7):
+            put(world, body, rng.uniform(-0.5, 0.5, 3))
+        count = find_overlaps(world.geometry, world.poses, found)
+        listed = {frozenset(names[body] for body in pair) for pair in found.found[:count]}
+        everything = {frozenset((a, b)) for a, b, _ in overlapping_pairs(world)}
+        # cube and ball are none of the driven loop's business
+        assert listed == everything - {frozenset(("cube", "ball"))}
+        assert {names[body] for body in np.flatnonzero(found.hit)} == {name for pair in listed for name in pair}
+        seen += len(listed)
+    assert seen > 300
+
+
+def test_a_body_that_gave_way_is_answered_for_until_it_is_let_go():
+    world = crowd()
+    found = make_overlaps(world.geometry, world.skeleton.first)
+    for body in range(7):
+        put(world, body, [3.0 * body, 0.0, 0.0])
+    put(world, 1, [0.1, 0.0, 0.0])
+    assert find_overlaps(world.geometry, world.poses, found) == 0
+    answer_for(1, True, found)
+    assert find_overlaps(world.geometry, world.poses, found) == 1
+    answer_for(1, False, found)
+    assert find_overlaps(world.geometry, world.poses, found) == 0
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_a_pose_that_is_no_number_is_never_free(bad):
+    world = crowd()
+    found = make_overlaps(world.geometry, world.skeleton.first)
+    for body in range(7):
+        put(world, body, [3.0 * body, 0.0, 0.0])
+    # uncompiled, numpy warns of what the kernels test for
+    with np.errstate(invalid="ignore"):
+        put(world, 4, [bad, 0.0, 0.0])
+        assert find_overlaps(world.geometry, world.poses, found) == NOT_CHECKED
+
+
+@pytest.mark.parametrize(("gap", "count"), [(-1e-12, 1), (1e-12, 0)])
+def test_it_tells_a_billionth_of_a_millimetre_either_way(gap, count):
+    world = crowd()
+    found = make_overlaps(world.geometry, world.skeleton.first)
+    for body in range(7):
+        put(world, body, [3.0 * body, 0.0, 0.0])
+    # aslant, so that their boxes meet
+    put(world, 3, np.array([6.0, 0.0, 0.0]) + (0.3 + gap) * np.array([0.6, 0.8, 0.0]))
+    found.tally[:] = 0
+    assert find_overlaps(world.geometry, world.poses, found) == count
+    assert found.tally[ASKED] >= 1
+
+
+pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
+
+
+def run(a_pieces, b_pieces):
+    vertices, shapes = as_arrays(*a_pieces, *b_pieces)
+    starts = np.array([0, len(a_pieces), len(a_pieces) + len(b_pieces)])
+    status, pushed, count = global_depth(vertices, shapes, starts, 0, 1, SCRATCH)
+    return status, np.array(pushed), count
+
+
+def test_pieces_that_are_apart_do_not_count():
+    pieces = [ball(0.5).moved(shift=(0, 0, 1.2)), ball(0.5).moved(shift=(0, 0, 3.0))]
+    assert run(pieces, [box(2.0, 2.0, 1.0)])[2] == 1
+    status, pushed, count = run(pieces[1:], [box(2.0, 2.0, 1.0)])
+    assert (status, count) == (CONVERGED, 0)
+    assert not pushed.any()
+
+
+def test_the_status_of_a_piece_is_not_lost():
+    apart = ball(0.1).moved(shift=(9.0, 9.0, 9.0))
+    # Two nearly round hulls about one centre: thousands of ways out, nearly as short as each other.
+    dotted, larger = hull_of_ellipsoid((0.3, 0.301, 0.302), 40, 19), hull_of_ellipsoid((0.5, 0.499, 0.498), 37, 17)
+    assert run([apart, larger], [dotted, apart])[0] == OUT_OF_ITERATIONS
+    broken = ball(0.1).moved(shift=(np.nan, 0.0, 0.0))
+    assert run([ball(0.5), broken], [ball(0.5).moved(shift=(0.1, 0.0, 0.0))])[0] == NOT_FINITE
+
+
+def test_more_pairs_than_fit_is_a_status():
+    many = [ball(0.5).moved(shift=(0.001 * k, 0.0, 0.0)) for k in range(PIECES_CAP // 8 + 1)]
+    eight = [ball(0.5).moved(shift=(0.0, 0.1 + 0.001 * k, 0.0)) for k in range(8)]
+    assert run(many[:-1], eight)[0] == CONVERGED
+    assert run(many, eight)[0] == OUT_OF_ROOM
+
+
+ROLES = (FIXED, SIMULATED, DRIVEN)
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "must", "expected"),
+    [
+        (FIXED, DRIVEN, False, (0.0, 1.0)),
+        (SIMULATED, FIXED, False, (1.0, 0.0)),
+        (DRIVEN, DRIVEN, False, (0.5, 0.5)),
+        (SIMULATED, SIMULATED, False, (0.5, 0.5)),
+        (SIMULATED, DRIVEN, False, (0.0, 1.0)),
+        (SIMULATED, DRIVEN, True, (1.0, 0.0)),
+        (FIXED, FIXED, True, (0.0, 0.0)),
+    ],
+)
+def test_the_rule(a, b, must, expected):
+    assert shares(a, b, must) == expected
+
+
+@pytest.mark.parametrize("must", [False, True])
+def test_it_does_not_matter_which_of_the_two_is_a(must):
+    for a in ROLES:
+        for b in ROLES:
+            assert shares(a, b, must) == shares(b, a, must)[::-1]
+            assert sum(shares(a, b, must)) == (0.0 if a == b == FIXED else 1.0)
