@@ -9,25 +9,19 @@ from avatarsim.engine import Settings
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.pose_queries import Contact
 from avatarsim.scene.avatar import Drive, rigid_avatar
-from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
+from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from scenarios import catalog
+from tests.coupling.scenes import FLOOR, LAW, cube, fist
 from tests.rigid.upper_world import G
+from tests.worlds.loaded import DT, loaded
 
-DT, K, SAME = 1.0 / 60.0, 1000.0, 1e-6
-"""Frame [s], stiffness of hands [N/m], and how exact forces at rest are, relative."""
-LAW = PairTable({("m", "m"): ContactLaw(0.0, 0.6)})
-FLOOR = fixed("floor", (Piece(Box((6.0, 6.0, 0.1))),), "m", (0.0, 0.0, -0.05))
-CUBE, FIST = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Sphere(0.05)),)
-
-
-def cube(name: str, mass: float, place: tuple[float, float, float]) -> Body:
-    """A cube of 10 cm."""
-    return simulated(name, CUBE, "m", solid(CUBE, mass), place)
+K, SAME = 1000.0, 1e-6
+"""Stiffness of hands [N/m], and how exact forces at rest are, relative."""
 
 
 def on(name: str, contacts: tuple[Contact, ...], *others: str) -> np.ndarray:
@@ -47,9 +41,8 @@ def hands(*places: tuple[float, float, float]) -> TrackerSample:
 
 def test_each_cube_of_a_stack_bears_the_weight_of_those_above() -> None:
     masses = [1.0, 3.0, 0.2, 5.0, 2.0, 0.7]
-    cubes = [cube(f"cube {k}", mass, (0.001 * k, 0.0, 0.05 + 0.10001 * k)) for k, mass in enumerate(masses)]
-    engine = AvatarsimEngine()
-    engine.load(Scene("stack", (FLOOR, *cubes), materials=LAW), Settings(), DT)
+    cubes = [cube(mass, (0.001 * k, 0.0, 0.05 + 0.10001 * k), f"cube {k}") for k, mass in enumerate(masses)]
+    engine = loaded(Scene("stack", (FLOOR, *cubes), materials=LAW))
     for _ in range(60):
         engine.advance(rest(()), DT)
     before = engine.snapshot()
@@ -64,8 +57,7 @@ def test_each_cube_of_a_stack_bears_the_weight_of_those_above() -> None:
 def test_a_weight_on_a_hand_is_what_its_user_feels() -> None:
     palm = (Piece(Box((0.2, 0.2, 0.02))),)
     hand = rigid_avatar("palm", palm, solid(palm, 0.5), "m")
-    engine = AvatarsimEngine()
-    engine.load(Scene("weight", (cube("cube", 0.3, (0.0, 0.0, 0.0605)),), (hand,), materials=LAW), Settings(), DT)
+    engine = loaded(Scene("weight", (cube(0.3, (0.0, 0.0, 0.0605)),), (hand,), materials=LAW))
     for _ in range(120):
         engine.advance(rest((hand,)), DT)
     assert on("cube", engine.contacts(forces=True)) == pytest.approx([0.0, 0.0, 0.3 * G], abs=SAME)
@@ -75,10 +67,10 @@ def test_a_weight_on_a_hand_is_what_its_user_feels() -> None:
 def test_a_hand_presses_a_wall_by_its_lag_and_no_harder_than_its_largest_force() -> None:
     wall = fixed("wall", (Piece(Box((0.1, 2.0, 2.0))),), "m", (0.2, 0.0, 0.0))
     for drive, pressed in ((None, 1.0), (Drive(largest_force=20.0), 0.0)):
-        hand = replace(rigid_avatar("fist", FIST, solid(FIST, 0.5), "m"), drive=drive)
+        hand = replace(fist(), drive=drive)
         engine = AvatarsimEngine()
         # far below something falls, so that the scene has dynamics
-        engine.load(Scene("wall", (wall, cube("cube", 1.0, (0.0, 0.0, -9.0))), (hand,), materials=LAW), Settings(), DT)
+        engine.load(Scene("wall", (wall, cube(1.0, (0.0, 0.0, -9.0))), (hand,), materials=LAW), Settings(), DT)
         for k in range(60):
             record = engine.advance(hands((min(0.2, 0.01 * k), 0.0, 0.0)), DT)
         force = K * (0.2 - record.shown.positions[2, 0]) if pressed else 20.0
@@ -89,10 +81,9 @@ def test_a_hand_presses_a_wall_by_its_lag_and_no_harder_than_its_largest_force()
 def test_two_pads_squeeze_by_their_lag_and_friction_bears_the_weight() -> None:
     pad = (Piece(Box((0.02, 0.05, 0.05))),)
     pads = tuple(rigid_avatar(name, pad, solid(pad, 0.5), "m") for name in ("left", "right"))
-    scene = Scene("pinch", (FLOOR, cube("cube", 0.3, (0.0, 0.0, 0.0501))), pads, materials=LAW,
+    scene = Scene("pinch", (FLOOR, cube(0.3, (0.0, 0.0, 0.0501))), pads, materials=LAW,
                   start=hands((-0.08, 0.0, 0.05), (0.08, 0.0, 0.05)))
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     for k in range(300):
         x, z = 0.08 - 0.03 * min(1.0, k / 30), 0.05 + 0.2 * min(1.0, max(0.0, (k - 60) / 60))
         record = engine.advance(hands((-x, 0.0, z), (x, 0.0, z)), DT)
@@ -117,36 +108,26 @@ def test_fingers_with_joints_bear_a_mug_together() -> None:
     assert engine.felt("hand").shape == (4, 3)
 
 
-def test_a_lift_bears_what_stands_on_it() -> None:
-    lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3))
-    engine = AvatarsimEngine()
-    engine.load(Scene("lift", (FLOOR, cube("cube", 2.0, (0.0, 0.0, 0.376))), (lift,), materials=LAW), Settings(), DT)
-    for k in range(90):
-        engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + 0.005 * min(k, 60)), (1.0, 0.0, 0.0, 0.0))})
-    assert on("cube", engine.contacts(forces=True), "lift") == pytest.approx([0.0, 0.0, 2.0 * G], abs=1e-5)
-
-
-def test_a_lift_that_stands_and_one_that_speeds_up_bear_what_is_on_them() -> None:
-    lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=1e4)
-    engine = AvatarsimEngine()
-    engine.load(Scene("lift", (FLOOR, cube("cube", 50.0, (0.0, 0.0, 0.376))), (lift,), materials=LAW), Settings(), DT)
-    for _ in range(60):
-        engine.advance(rest(()), DT)
-    assert on("cube", engine.contacts(forces=True), "lift") == pytest.approx([0.0, 0.0, 50.0 * G], rel=SAME, abs=1e-4)
+def test_a_lift_that_stands_that_rises_and_that_speeds_up_bears_what_is_on_it() -> None:
+    for force, mass, rise in ((300.0, 2.0, 0.005), (1e4, 50.0, 0.0)):
+        lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=force)
+        engine = loaded(Scene("lift", (FLOOR, cube(mass, (0.0, 0.0, 0.376))), (lift,), materials=LAW))
+        for k in range(90):
+            engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + rise * min(k, 60)), (1.0, 0.0, 0.0, 0.0))})
+        assert on("cube", engine.contacts(forces=True), "lift") == pytest.approx([0.0, 0.0, mass * G], rel=SAME, abs=1e-4)
     for k in range(40):
         engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + 1.5 * (k * DT) ** 2), (1.0, 0.0, 0.0, 0.0))})
     assert on("cube", engine.contacts(forces=True), "lift")[2] == pytest.approx(50.0 * (G + 3.0), rel=2e-2)
 
 
 def test_forces_are_asked_for_where_there_are_any() -> None:
-    hand = rigid_avatar("fist", FIST, solid(FIST, 0.5), "m")
-    engine = AvatarsimEngine()
-    engine.load(Scene("alone", (FLOOR,), (hand,), materials=LAW, start=hands((0.0, 0.0, 1.0))), Settings(), DT)
+    hand = fist()
+    engine = loaded(Scene("alone", (FLOOR,), (hand,), materials=LAW, start=hands((0.0, 0.0, 1.0))))
     with pytest.raises(InvalidInput):
         engine.contacts(forces=True)
     with pytest.raises(InvalidInput):
         engine.felt("fist")
-    scene = Scene("two", (FLOOR, cube("cube", 1.0, (1.0, 0.0, 0.05))), (hand,), materials=LAW, start=hands((0.0, 0.0, 1.0)))
+    scene = Scene("two", (FLOOR, cube(1.0, (1.0, 0.0, 0.05))), (hand,), materials=LAW, start=hands((0.0, 0.0, 1.0)))
     engine.load(scene, Settings(), DT)
     with pytest.raises(UnknownName):
         engine.felt("nobody")

@@ -16,6 +16,7 @@ from avatarsim.scene.tracker import rest
 from avatarsim.simulator import AvatarsimEngine
 from tests.stability.hostile import DT
 from tests.worlds.little_worlds import hand
+from tests.worlds.loaded import loaded
 
 BALL = (Piece(Sphere(0.1)),)
 
@@ -40,8 +41,7 @@ def test_many_overlaps_are_counted_not_listed() -> None:
 
 def test_pairs_that_are_left_out_may_overlap_at_the_start() -> None:
     inside = fixed("box", (Piece(Box((0.2, 0.2, 0.2))),), "wood")
-    engine = AvatarsimEngine()
-    engine.load(Scene("s", (inside,), (hand(),), exclude=(("box", "hand"),)), Settings(), DT)
+    engine = loaded(Scene("s", (inside,), (hand(),), exclude=(("box", "hand"),)))
     assert engine.advance(rest((hand(),)), DT).shown.positions.shape == (2, 3)
 
 

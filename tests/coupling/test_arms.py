@@ -1,13 +1,11 @@
 """Persons with ball joints: both hands lift drawn boxes, and clips go through rooms full of loose things without overlap."""
 
-from itertools import combinations
 
 import numpy as np
 import pytest
 
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.engine import Settings
-from avatarsim.model.geometry import may_meet
 from avatarsim.model.joint_limits import cone_excess, has_cone
 from avatarsim.model.skeleton import BALL
 from avatarsim.model.world import World
@@ -24,7 +22,7 @@ from scenarios.catalog.contact.arms_lift import HAND, SINKS, Lift
 from scenarios.motion.keyframes import posed, through
 from scenarios.motion.mocap import load_clip
 from scenarios.motion.track import to_and_fro
-from tests.rigid.upper_world import least_gap
+from tests.rigid.upper_world import least_gap, wanted_pairs
 
 DT = 1.0 / 60.0
 TURNS = 0.4
@@ -35,12 +33,7 @@ class Judge:
     """Least gap of a world, and most excess of its ball joints, over the frames seen."""
 
     def __init__(self, world: World) -> None:
-        body = world.geometry.body
-        pairs = [
-            pair for pair in combinations(range(len(body)), 2)
-            if body[pair[0]] != body[pair[1]] and may_meet(world.geometry.wanted, body[pair[0]], body[pair[1]])
-        ]
-        self.world, self.pairs, self.scratch = world, np.array(pairs), make_scratch()
+        self.world, self.pairs, self.scratch = world, wanted_pairs(world.geometry), make_scratch()
         self.gap, self.excess = 1.0, -1.0
 
     def see(self) -> None:

@@ -1,5 +1,6 @@
 """Bodies attached to links: they keep their place, weigh on the drive, stop the link at what they meet, fly on when released."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -9,37 +10,24 @@ from avatarsim.attaching import is_antipodal
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.many_worlds import advance_many
-from avatarsim.scene.avatar import Avatar, rigid_avatar
-from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
+from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from avatarsim.tolerances import JUDGED
-from reference.judging.judge import Judge
 from scenarios import catalog
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
+from tests.coupling.scenes import FLOOR, LAW, cube, deepest, fist
 from tests.rigid.upper_world import G
+from tests.worlds.loaded import DT, loaded
 
-DT, K = 1.0 / 60.0, 1000.0
-LAW = PairTable({("m", "m"): ContactLaw(0.0, 0.6)})
-FLOOR = fixed("floor", (Piece(Box((6.0, 6.0, 0.1))),), "m", (0.0, 0.0, -0.05))
-CUBE, FIST = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Sphere(0.05)),)
+K = 1000.0
 SLIPS = 1e-9
 """Farthest that an attached body goes from its place [m]."""
-
-
-def fist(name: str = "fist") -> Avatar:
-    """A rigid hand of 0.5 kg."""
-    return rigid_avatar(name, FIST, solid(FIST, 0.5), "m")
-
-
-def cube(mass: float, place: tuple[float, float, float] = (0.0, 0.0, 0.05), name: str = "cube") -> Body:
-    """A cube of 10 cm."""
-    return simulated(name, CUBE, "m", solid(CUBE, mass), place)
 
 
 def led(place: tuple[float, float, float], angle: float = 0.0) -> TrackerSample:
@@ -50,8 +38,7 @@ def led(place: tuple[float, float, float], angle: float = 0.0) -> TrackerSample:
 def begun(*bodies: Body, place: tuple[float, float, float] = (0.0, 0.0, 0.1502)) -> tuple[AvatarsimEngine, Scene]:
     """An engine with a floor, these bodies and a hand."""
     scene = Scene("attached", (FLOOR, *bodies), (fist(),), materials=LAW, start=led(place))
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     return engine, scene
 
 
@@ -59,12 +46,6 @@ def place_on(record: FrameRecord, body: int, link: int) -> np.ndarray:
     """Position of a body in the frame of a link [m]."""
     shown = record.shown
     return rotation.rotate(rotation.conjugate(shown.orientations[link]), shown.positions[body] - shown.positions[link])
-
-
-def deepest(scene: Scene, records: list[FrameRecord]) -> float:
-    """Largest overlap [m] by the judge."""
-    positions = np.array([one.shown.positions for one in records])
-    return Judge(scene).deepest(positions, np.array([one.shown.orientations for one in records]))
 
 
 def waved(k: int) -> TrackerSample:
@@ -121,26 +102,30 @@ def test_it_pushes_loose_bodies_as_a_part_of_the_hand_would() -> None:
     assert deepest(scene, records) <= JUDGED
 
 
-def test_a_person_carries_a_box_on_one_hand() -> None:
+def walked(
+    mass: float, aside: tuple[float, float], way: Callable[[float], float], frames: int, *walls: Body
+) -> tuple[Scene, list[FrameRecord], np.ndarray]:
+    """A person goes along x with a cube attached beside the right wrist: scene, frames, places of the cube on the wrist."""
     person = replace(humanoid(), name="person")
     person = replace(person, links=tuple(replace(link, material="m") for link in person.links))
-    start = standing(person)
-    scene = Scene("person", (FLOOR, cube(1.0, (1.5, 0.0, 0.0501))), (person,), materials=LAW, start=start)
-    engine = AvatarsimEngine()
-    first = engine.load(scene, Settings(), DT)
-    hand = "person/right_wrist"
-    link = scene.names.index(hand)
-    # where it touches nothing, beside the hand
-    reach = first.shown.positions[link] + [0.0, 0.12 * np.sign(first.shown.positions[link, 1]), 0.0]
-    scene = replace(scene, bodies=(FLOOR, cube(1.0, tuple(float(x) for x in reach))))
-    engine.load(scene, Settings(), DT)
-    engine.attach("cube", hand)
-    records = []
-    for k in range(120):
+    start, wrist = standing(person), "person/right_wrist"
+    alone = Scene("person", (FLOOR, *walls, cube(mass, (-1.5, 0.0, 0.0501))), (person,), materials=LAW, start=start)
+    link = alone.names.index(wrist)
+    place = loaded(alone).reset().shown.positions[link]
+    place = place + [aside[0], aside[1] * np.sign(place[1]), 0.0]
+    scene = replace(alone, bodies=(FLOOR, *walls, cube(mass, tuple(float(x) for x in place))))
+    engine, records = loaded(scene), []
+    engine.attach("cube", wrist)
+    for k in range(frames):
         there = start.positions.copy()
-        there[0, 0] += 0.5 * min(1.0, 0.5 * k * DT)
+        there[0, 0] += way(k * DT)
         records.append(engine.advance(replace(start, time=k * DT, positions=there), DT))
-    assert max(np.linalg.norm(place_on(one, 1, link) - place_on(records[0], 1, link)) for one in records) < 1e-4
+    return scene, records, np.array([place_on(one, 1 + len(walls), link) for one in records])
+
+
+def test_a_person_carries_a_box_on_one_hand() -> None:
+    scene, records, places = walked(1.0, (0.0, 0.12), lambda time: 0.5 * min(1.0, 0.5 * time), 120)
+    assert np.linalg.norm(places - places[0], axis=1).max() < 1e-4
     assert records[-1].shown.positions[1, 0] - records[0].shown.positions[1, 0] > 0.4
     assert deepest(scene, records) <= JUDGED
 
@@ -148,8 +133,7 @@ def test_a_person_carries_a_box_on_one_hand() -> None:
 def test_a_lift_holds_what_is_attached_to_it() -> None:
     lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=1000.0)
     scene = Scene("lift", (FLOOR, cube(1.0, (0.0, 0.0, 0.15))), (lift,), materials=LAW)
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     engine.attach("cube", "lift")
     for k in range(120):
         record = engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + 0.3 * min(1.0, k * DT)), (1.0, 0.0, 0.0, 0.0))})
@@ -254,22 +238,7 @@ def test_a_row_of_cubes_keeps_its_places(count: int) -> None:
 
 @pytest.mark.parametrize("mass", [0.1, 1.0, 10.0])
 def test_a_person_with_a_box_walks_into_a_wall(mass: float) -> None:
-    person = replace(humanoid(), name="person")
-    person = replace(person, links=tuple(replace(link, material="m") for link in person.links))
-    start, wall = standing(person), fixed("wall", (Piece(Box((0.1, 4.0, 4.0))),), "m", (1.2, 0.0, 0.0))
-    scene = Scene("wall", (FLOOR, wall, cube(mass, (-1.5, 0.0, 0.0501))), (person,), materials=LAW, start=start)
-    engine = AvatarsimEngine()
-    first = engine.load(scene, Settings(), DT)
-    link = scene.names.index("person/right_wrist")
-    before = first.shown.positions[link] + [0.13, 0.0, 0.0]
-    scene = replace(scene, bodies=(FLOOR, wall, cube(mass, tuple(float(x) for x in before))))
-    engine.load(scene, Settings(), DT)
-    engine.attach("cube", "person/right_wrist")
-    records = []
-    for k in range(150):
-        there = start.positions.copy()
-        there[0, 0] += min(1.5, k * DT)
-        records.append(engine.advance(replace(start, time=k * DT, positions=there), DT))
-    first_place = place_on(records[0], 2, link)
-    assert max(np.linalg.norm(place_on(one, 2, link) - first_place) for one in records) < 2e-3
+    wall = fixed("wall", (Piece(Box((0.1, 4.0, 4.0))),), "m", (1.2, 0.0, 0.0))
+    scene, records, places = walked(mass, (0.13, 0.0), lambda time: min(1.5, time), 150, wall)
+    assert np.linalg.norm(places - places[0], axis=1).max() < 2e-3
     assert deepest(scene, records) <= JUDGED

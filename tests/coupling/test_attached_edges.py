@@ -13,9 +13,10 @@ from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.simulator import AvatarsimEngine
 from avatarsim.tolerances import JUDGED
-from tests.coupling.test_attached import CUBE, DT, FLOOR, LAW, begun, cube, deepest, led
+from tests.coupling.scenes import FLOOR, LAW, cube, deepest
+from tests.coupling.test_attached import begun, led
+from tests.worlds.loaded import DT, loaded
 
 AROUND_Z = Hinges((Hinge((0.0, 0.0, 1.0), -2.0, 2.0),))
 
@@ -25,8 +26,7 @@ def test_a_body_on_the_floor_that_turns_about_an_upright_hinge_stays_finite() ->
     piece = (Piece(Box((0.1, 0.1, 0.1)), (0.06, 0.0, 0.0)),)
     arm = Avatar("arm", (Link("p", None, AROUND_Z, piece, solid(piece, 1.0), "m", (0.0, 0.0, 0.3)),), size_range=(0.0, 100.0))
     scene = Scene("upright", (FLOOR, cube(1.0, (0.1, 0.0, 0.05002), "thing")), (arm,), materials=LAW)
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     engine.attach("thing", "arm")
     records = [engine.advance(replace(rest((arm,)), angles=np.array([np.sin(3.0 * k * DT)])), DT) for k in range(90)]
     assert max(float(np.abs(one.shown.velocities).max()) for one in records) < 2.0
@@ -45,8 +45,7 @@ def test_bodies_on_two_links_that_touch_stay_finite() -> None:
         ("one", (0.15, 0.0, 1.0 + 0.13)), ("other", (0.15, 0.0, 1.0 + 0.1902)))]
     start = TrackerSample(0.0, np.array([(0.0, 0.0, 1.0), (0.0, 0.0, 0.0)]), np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)), np.zeros(1))
     scene = Scene("two links", (FLOOR, *bodies), (avatar,), materials=LAW, start=start)
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     engine.attach("one", "two/trunk")
     engine.attach("other", "two/arm")
     records = [engine.advance(replace(start, angles=np.array([0.8 * np.sin(4.0 * k * DT)])), DT) for k in range(120)]
@@ -70,8 +69,7 @@ def test_a_change_that_could_not_hold_what_is_attached_is_refused_and_changes_no
 @pytest.mark.parametrize("narrow", ["coupling", "dynamics"])
 def test_scenes_that_attach_nothing_say_so(narrow: str) -> None:
     _, scene = begun(cube(1.0))
-    engine = AvatarsimEngine()
-    engine.load(replace(scene, narrow=(narrow,)), Settings(), DT)
+    engine = loaded(replace(scene, narrow=(narrow,)))
     with pytest.raises(UnsupportedScene):
         engine.attach("cube", "fist")
     assert not engine.attached()
@@ -85,7 +83,7 @@ def test_a_body_with_another_centre_of_mass_keeps_its_place() -> None:
     for _ in range(30):
         before = engine.advance(led((0.0, 0.0, 0.3)), DT).shown
     heavy_top = solid((Piece(Box((0.1, 0.1, 0.1)), (0.0, 0.0, 0.03)),), 1.0)
-    engine.change(replace(scene, bodies=(FLOOR, simulated("cube", CUBE, "m", heavy_top, (0.0, 0.0, 0.05)))))
+    engine.change(replace(scene, bodies=(FLOOR, replace(cube(1.0), mass=heavy_top))))
     after = engine.advance(led((0.0, 0.0, 0.3)), DT).shown
     assert after.positions[1] - after.positions[2] == pytest.approx(before.positions[1] - before.positions[2], abs=1e-9)
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from avatarsim.coupling.tracked_motion import give_to_roots, receive
-from avatarsim.engine import Settings
 from avatarsim.model.world import World, build
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import TABLE_1, Body, fixed, simulated, solid
@@ -14,7 +13,7 @@ from avatarsim.scene.joint import Free, Hinge, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
-from avatarsim.simulator import AvatarsimEngine
+from tests.worlds.loaded import loaded
 
 DT = 1.0 / 60.0
 NO_GRAVITY = (0.0, 0.0, 0.0)
@@ -76,8 +75,7 @@ def test_where_only_roots_have_springs_momentum_is_that_of_the_root() -> None:
 def test_a_finger_that_meets_a_heavy_block_does_not_throw_its_hand_away(preset: str, mass: float) -> None:
     """The user goes 10 cm into it at 1 m/s; the hand is never farther than that from its user, and comes back too."""
     avatar = pointing()
-    engine = AvatarsimEngine()
-    engine.load(Scene("point", (block(mass, 0.15),), (avatar,), gravity=NO_GRAVITY), Settings(preset), DT)
+    engine = loaded(Scene("point", (block(mass, 0.15),), (avatar,), gravity=NO_GRAVITY), preset)
     farthest, x = 0.0, 0.0
     for k in range(40):
         x = min(0.15, (k + 1) * DT) if k < 20 else 0.0
@@ -91,8 +89,7 @@ def test_a_finger_that_meets_a_heavy_block_does_not_throw_its_hand_away(preset: 
 def pressed_against(body: Body, *more: Body) -> np.ndarray:
     """Impulse on a hand of 0.5 kg that a user holds 5 cm inside a body, over half a second [N s]."""
     avatar = rigid_avatar("hand", (Piece(Box((0.04, 0.1, 0.1))),), solid(PALM, 0.5))
-    engine = AvatarsimEngine()
-    engine.load(Scene("press", (body, *more), (avatar,), gravity=NO_GRAVITY), Settings(), DT)
+    engine = loaded(Scene("press", (body, *more), (avatar,), gravity=NO_GRAVITY))
     total = np.zeros(3)
     for k in range(90):
         engine.advance(at(avatar, min(0.13, 0.01 * k)), DT)
@@ -115,8 +112,7 @@ def test_a_hand_strikes_whether_or_not_it_is_struck_back(narrow: tuple[str, ...]
     """Eqs 8 and 9: a hand of 2 kg at 1.5 m/s meets a block of 1 kg, wood on wood."""
     palm = rigid_avatar("palm", PALM, solid(PALM, 2.0), material="wood")
     scene = Scene("strike", (block(1.0, 0.1),), (palm,), gravity=NO_GRAVITY, narrow=narrow)
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     struck = list[float]()
     for k in range(21):
         speed = float(engine.advance(at(palm, 1.5 * DT * k), DT).shown.velocities[0, 0])

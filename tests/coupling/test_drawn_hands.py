@@ -1,13 +1,11 @@
 """Drawn hands with hinges, led by shaking trackers into drawn things and into their own fingers: nothing overlaps."""
 
-from itertools import combinations
 
 import numpy as np
 import pytest
 
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.engine import Settings
-from avatarsim.model.geometry import may_meet
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.joint import Free, Hinge, Hinges
@@ -16,7 +14,7 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
-from tests.rigid.upper_world import least_gap
+from tests.rigid.upper_world import least_gap, wanted_pairs
 
 
 def hand(random: np.random.Generator) -> Avatar:
@@ -73,11 +71,7 @@ def test_drawn_hands_overlap_nothing(seed: int) -> None:
     engine, dt = AvatarsimEngine(), (1.0 / 30.0, 1.0 / 60.0, 1.0 / 90.0, 1.0 / 240.0)[seed % 4]
     engine.load(Scene("drawn", (floor, *bodies), (avatar,), materials=law, start=sample(0.0)), Settings(), dt)
     world = engine._running().world
-    body, scratch = world.geometry.body, make_scratch()
-    pairs = np.array([
-        pair for pair in combinations(range(len(body)), 2)
-        if body[pair[0]] != body[pair[1]] and may_meet(world.geometry.wanted, body[pair[0]], body[pair[1]])
-    ])
+    pairs, scratch = wanted_pairs(world.geometry), make_scratch()
     for k in range(round(2.5 / dt)):
         shown = engine.advance(sample((k + 1) * dt), dt).shown
         assert np.isfinite(shown.positions).all()

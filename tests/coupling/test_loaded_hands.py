@@ -22,6 +22,7 @@ from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from scenarios import catalog
 from tests.rigid.upper_world import G, World, hand
+from tests.worlds.loaded import loaded
 
 DT = 1.0 / 60.0
 PALM = (Piece(Box((0.2, 0.2, 0.02))),)
@@ -177,8 +178,7 @@ def test_a_hand_goes_on_carrying_when_another_body_comes() -> None:
     avatar = rigid_avatar("palm", PALM, solid(PALM, 0.5), "m")
     sample = TrackerSample(0.0, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
     scene = Scene("carry", (box("box", 0.011),), (avatar,), materials=table(0.0), start=sample)
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     for _ in range(120):
         before = engine.advance(sample, DT).shown.positions
     engine.change(Scene("carry", (box("box", 0.011), box("far", 3.0)), (avatar,), materials=table(0.0), start=sample))
@@ -212,8 +212,7 @@ def test_a_pinch_with_crooked_pads_launches_nothing(tilt: float) -> None:
         turns = [rotation.from_axis_angle((0.0, 0.0, 1.0), angle) for angle in (tilt, -0.9 * tilt)]
         return TrackerSample(time, np.array([(x, 0.02, 0.05), (-x, 0.02, 0.05)]), np.array(turns), np.zeros(0))
 
-    engine = AvatarsimEngine()
-    engine.load(Scene("pinch", (floor, box("box", 2e-7)), pads, materials=table(0.0), start=sample(0.0)), Settings(), DT)
+    engine = loaded(Scene("pinch", (floor, box("box", 2e-7)), pads, materials=table(0.0), start=sample(0.0)))
     for k in range(90):
         assert np.linalg.norm(engine.advance(sample((k + 1) * DT), DT).shown.velocities, axis=1).max() < 10.0
 

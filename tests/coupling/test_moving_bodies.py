@@ -9,8 +9,8 @@ import pytest
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.errors import InvalidSample, InvalidScene, UnknownName
 from avatarsim.many_worlds import advance_many
-from avatarsim.scene.avatar import Avatar, rigid_avatar
-from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.joint import Hinge, Hinges
 from avatarsim.scene.moving import Pose, moving
 from avatarsim.scene.scene import Scene
@@ -18,13 +18,11 @@ from avatarsim.scene.shape import Box, ConvexHull, Piece, Shape, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.tolerances import JUDGED
-from reference.judging.judge import Judge
+from tests.coupling.scenes import FLOOR, LAW, cube, deepest, fist
 from tests.rigid.upper_world import G
+from tests.worlds.loaded import DT, loaded
 
-DT = 1.0 / 60.0
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
-LAW = PairTable({("m", "m"): ContactLaw(0.0, 0.6)})
-FLOOR = fixed("floor", (Piece(Box((6.0, 6.0, 0.1))),), "m", (0.0, 0.0, -0.05))
 LEAF = (Piece(Box((0.8, 0.04, 1.0)), (0.42, 0.0, 0.52)),)
 """Of a door, whose hinges are at its frame's origin."""
 LEFT = Hinges((Hinge((0.0, 0.0, 1.0), -2.0, 2.0),))
@@ -33,18 +31,6 @@ LEFT = Hinges((Hinge((0.0, 0.0, 1.0), -2.0, 2.0),))
 def pieces(shape: Shape) -> tuple[Piece, ...]:
     """One shape."""
     return (Piece(shape),)
-
-
-def box(name: str, place: tuple[float, float, float], mass: float = 1.0, size: float = 0.1) -> Body:
-    """A cube."""
-    cube = pieces(Box((size, size, size)))
-    return simulated(name, cube, "m", solid(cube, mass), place)
-
-
-def fist(name: str = "fist") -> Avatar:
-    """A rigid hand: a ball of 10 cm and 0.5 kg."""
-    ball = pieces(Sphere(0.05))
-    return rigid_avatar(name, ball, solid(ball, 0.5), "m")
 
 
 def turned(angle: float) -> tuple[float, float, float, float]:
@@ -67,8 +53,7 @@ class Run:
     @property
     def deepest(self) -> float:
         """Largest overlap [m] by the judge."""
-        positions = np.array([one.shown.positions for one in self.records])
-        return Judge(self.scene).deepest(positions, np.array([one.shown.orientations for one in self.records]))
+        return deepest(self.scene, self.records)
 
     def blocked(self) -> np.ndarray:
         """Number of blocked bodies in each frame."""
@@ -110,7 +95,7 @@ def rising(k: int) -> float:
 
 
 def test_a_lift_carries_a_box_lowered_by_its_weight() -> None:
-    seen = run([FLOOR, box("box", (0.0, 0.0, 0.151), 2.0)], [lift()], 120, lambda k: {"lift": ((0.0, 0.0, rising(k)), UPRIGHT)})
+    seen = run([FLOOR, cube(2.0, (0.0, 0.0, 0.151), "box")], [lift()], 120, lambda k: {"lift": ((0.0, 0.0, rising(k)), UPRIGHT)})
     lag = [rising(k) - z for k, z in enumerate(seen.place("lift")[:, 2])]
     # while it rises at constant speed
     assert lag[60] == pytest.approx(2.0 * G / 1e6, rel=1e-3)
@@ -121,14 +106,14 @@ def test_a_lift_carries_a_box_lowered_by_its_weight() -> None:
 
 
 def test_what_lies_on_a_lift_that_stands_sleeps() -> None:
-    seen = run([FLOOR, box("box", (0.0, 0.0, 0.151))], [lift()], 200, lambda k: {"lift": ((0.0, 0.0, rising(k)), UPRIGHT)})
+    seen = run([FLOOR, cube(1.0, (0.0, 0.0, 0.151), "box")], [lift()], 200, lambda k: {"lift": ((0.0, 0.0, rising(k)), UPRIGHT)})
     assert seen.records[60].counts["substeps"] > 0
     assert seen.records[-1].counts["segments"] == 0
 
 
 def test_a_lift_below_its_load_is_blocked() -> None:
     seen = run(
-        [FLOOR, box("box", (0.0, 0.0, 0.201), 2.0, 0.2)], [lift(largest_force=10.0)], 150,
+        [FLOOR, cube(2.0, (0.0, 0.0, 0.201), "box", 0.2)], [lift(largest_force=10.0)], 150,
         lambda k: {"lift": ((0.0, 0.0, rising(k)), UPRIGHT)},
     )
     assert seen.blocked()[30:].all()
@@ -142,7 +127,7 @@ def test_a_turntable_keeps_a_box_at_its_radius() -> None:
     rim = [(0.6 * np.cos(a), 0.6 * np.sin(a), z) for a in around for z in (-0.02, 0.02)]
     table = moving("table", pieces(ConvexHull(np.array(rim))), "m", position=(0.0, 0.0, 0.03))
     angle = np.cumsum([min(3.0, 1.5 * k * DT) * DT for k in range(600)])
-    seen = run([box("box", (0.2, 0.0, 0.1))], [table], 600, lambda k: {"table": ((0.0, 0.0, 0.03), turned(angle[k]))})
+    seen = run([cube(1.0, (0.2, 0.0, 0.1), "box")], [table], 600, lambda k: {"table": ((0.0, 0.0, 0.03), turned(angle[k]))})
     radius = np.linalg.norm(seen.place("box")[:, :2], axis=1)
     assert np.abs(radius - 0.2).max() < 1e-4
     assert seen.deepest <= JUDGED
@@ -151,7 +136,7 @@ def test_a_turntable_keeps_a_box_at_its_radius() -> None:
 def test_a_belt_brings_a_box_to_its_speed() -> None:
     """By friction mu g at first, then with the belt."""
     belt = moving("belt", pieces(Box((4.0, 0.6, 0.1))), "m", position=(0.0, 0.0, 0.05), surface_velocity=(1.0, 0.0, 0.0))
-    seen = run([box("box", (-1.5, 0.0, 0.15))], [belt], 100, lambda k: {})
+    seen = run([cube(1.0, (-1.5, 0.0, 0.15), "box")], [belt], 100, lambda k: {})
     speed = np.diff(seen.place("box")[:, 0]) / DT
     assert speed[5] - speed[2] == pytest.approx(0.6 * G * 3.0 * DT, rel=0.02)
     assert speed[-1] == pytest.approx(1.0, abs=1e-4)
@@ -203,7 +188,7 @@ def test_a_door_stops_at_boxes_without_a_jerk() -> None:
         fixed("side", pieces(Box((0.1, 1.2, 0.6))), "m", (0.97, -0.6, 0.3)),
         fixed("near", pieces(Box((0.1, 0.45, 0.6))), "m", (0.1, -0.4, 0.3)),
     ]
-    boxes = [box(f"box {k}", (0.25 + 0.19 * (k % 4), -0.25 - 0.19 * (k // 4), 0.0901), 2.0, 0.18) for k in range(8)]
+    boxes = [cube(2.0, (0.25 + 0.19 * (k % 4), -0.25 - 0.19 * (k // 4), 0.0901), f"box {k}", 0.18) for k in range(8)]
     seen = run([FLOOR, *walls, *boxes], [door()], 300, lambda k: {"door": -min(0.8 * k * DT, 1.5)})
     angles = np.array([record.angles[0] for record in seen.records])
     assert angles[-1] > -1.45 and seen.blocked()[-1] == 1
@@ -254,7 +239,7 @@ def test_moving_bodies_pass_each_other_and_what_is_fixed() -> None:
 
 
 def test_what_is_not_given_keeps_its_last_pose_and_a_full_sample_says_the_same() -> None:
-    scene = Scene("two ways", (FLOOR, box("box", (0.0, 0.0, 0.151))), (lift(), fist()), materials=LAW,
+    scene = Scene("two ways", (FLOOR, cube(1.0, (0.0, 0.0, 0.151), "box")), (lift(), fist()), materials=LAW,
                   start=replace(rest((lift(), fist())), positions=np.array([(0.0, 0.0, 0.06), (0.3, 0.0, 0.6)])))
     engines = [AvatarsimEngine() for _ in range(3)]
     for engine in engines:
@@ -282,8 +267,7 @@ def test_what_is_not_given_keeps_its_last_pose_and_a_full_sample_says_the_same()
     ({"lift": "up"}, InvalidSample), ({"lift": 1.0}, InvalidSample), ({"fist": ((0.0, 0.0, 0.0), UPRIGHT)}, UnknownName),
 ])
 def test_poses_that_are_none_are_refused_and_nothing_has_moved(given: object, error: type[Exception]) -> None:
-    engine = AvatarsimEngine()
-    engine.load(Scene("lift", (), (lift(),), materials=LAW), Settings(), DT)
+    engine = loaded(Scene("lift", (), (lift(),), materials=LAW))
     before = engine.snapshot()
     with pytest.raises(error):
         engine.advance(rest(()), DT, moving=given)  # type: ignore[arg-type]
@@ -291,8 +275,7 @@ def test_poses_that_are_none_are_refused_and_nothing_has_moved(given: object, er
 
 
 def test_poses_in_a_scene_without_moving_bodies_are_refused() -> None:
-    engine = AvatarsimEngine()
-    engine.load(Scene("hand", (), (fist(),), materials=LAW), Settings(), DT)
+    engine = loaded(Scene("hand", (), (fist(),), materials=LAW))
     with pytest.raises(UnknownName):
         engine.advance(rest((fist(),)), DT, moving={"fist": ((0.0, 0.0, 0.0), UPRIGHT)})
 
@@ -308,8 +291,7 @@ def test_a_moving_body_that_cannot_be_is_refused(wrong: dict[str, object]) -> No
 @pytest.mark.parametrize("off", ["coupling", "dynamics"])
 def test_without_the_coupling_it_follows_its_poses_as_hands_do(off: str) -> None:
     scene = Scene("narrowed", (), (lift(),), materials=LAW, narrow=(off,))
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     for k in range(40):
         record = engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.06 + 0.001 * k), UPRIGHT)})
     assert record.shown.positions[0, 2] == pytest.approx(0.099, abs=1e-9)
@@ -319,7 +301,7 @@ def test_a_lift_raises_what_its_largest_force_can_bear() -> None:
     """Five tons are 49 kN; the lift's own ten kilograms are no limit."""
     for force, rises in ((4e4, False), (6e4, True)):
         seen = run(
-            [FLOOR, box("box", (0.0, 0.0, 0.201), 5000.0, 0.2)], [lift(largest_force=force, stiffness=1e7)], 120,
+            [FLOOR, cube(5000.0, (0.0, 0.0, 0.201), "box", 0.2)], [lift(largest_force=force, stiffness=1e7)], 120,
             lambda k: {"lift": ((0.0, 0.0, 0.06 + 0.3 * min(1.0, k / 90)), UPRIGHT)},
         )
         assert (seen.place("lift")[-1, 2] > 0.3) == rises
@@ -330,7 +312,7 @@ def test_a_jump_of_its_pose_throws_nothing_far() -> None:
     def jumps(k: int) -> dict[str, Pose]:
         return {"lift": ((0.0, 0.0, 0.06 + 0.5 * (k > 20)), UPRIGHT)}
 
-    seen = run([FLOOR, box("box", (0.0, 0.0, 0.151), 2.0)], [lift()], 120, jumps)
+    seen = run([FLOOR, cube(2.0, (0.0, 0.0, 0.151), "box")], [lift()], 120, jumps)
     assert max(float(np.abs(one.shown.velocities[1]).max()) for one in seen.records) < 10.0
     assert abs(seen.place("lift")[-1, 2] - 0.56) < 1e-3 and seen.deepest <= JUDGED
 

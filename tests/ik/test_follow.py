@@ -19,6 +19,7 @@ from avatarsim.spatial import rotation
 from scenarios import catalog
 from tests.stability.hostile import DT, hinged_avatar, link_error
 from tests.worlds.little_worlds import X, Y, at, hand_scene, panel, piece
+from tests.worlds.loaded import loaded
 from tests.worlds.ride import ride
 
 CUBE = np.array([[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)])
@@ -110,8 +111,7 @@ def test_a_body_that_starts_at_rest_on_the_floor_can_leave_it(gap: float, shape:
     """A start that is accepted as free must not be a trap, also when it touches to rounding."""
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 1.0))),), "wood", (0.0, 0.0, -0.5))
     scene = hand_scene((0.0, 0.0, 0.1 + gap), floor, shape=(Piece(shape),))
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     above = at(scene.first_sample, (0.3, 0.0, 0.5))
     for _ in range(10):
         record = engine.advance(above, DT)
@@ -175,8 +175,7 @@ def far(x: float) -> Callable[[TrackerSample], TrackerSample]:
 def test_a_tracker_at_the_end_of_the_number_range_does_no_harm(places: Iterable[float]) -> None:
     """The samples are finite, so they are valid; the avatar need not arrive, but it must stay a pose and come home."""
     scene = hand_scene((0.0, 0.0, 0.0))
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(), DT)
+    engine = loaded(scene)
     for x in places:
         for _ in range(25):
             record = engine.advance(far(x)(scene.first_sample), DT)

@@ -13,7 +13,7 @@ from avatarsim.collision.scratch import Scratch, make_scratch
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import dynamics, velocities
-from avatarsim.model.geometry import Shapes, geometry, may_meet, poses
+from avatarsim.model.geometry import Geometry, Shapes, geometry, may_meet, poses
 from avatarsim.rigid.state import Switches, make_events, make_memory
 from avatarsim.rigid.step import advance
 from avatarsim.scene.avatar import Avatar, rigid_avatar
@@ -36,6 +36,14 @@ def least_gap(vertices: Array, shapes: Shapes, pairs: NDArray[np.int64], scratch
             return gap
         least = min(least, gap)
     return least
+
+
+def wanted_pairs(of: Geometry) -> NDArray[np.int64]:
+    """Pairs of pieces (n, 2) of bodies that must not overlap."""
+    body, both = of.body, combinations(range(len(of.body)), 2)
+    return np.array(
+        [(a, b) for a, b in both if body[a] != body[b] and may_meet(of.wanted, body[a], body[b])], dtype=np.int64
+    ).reshape(-1, 2)
 
 
 def thing(name: str, shape: Shape, position: Sequence[float], mass: float = 1.0, **more: Any) -> Body:
@@ -124,10 +132,7 @@ class World:
     @cached_property
     def apart(self) -> NDArray[np.int64]:
         """Pairs of pieces that must not overlap (n, 2)."""
-        body, wanted = self.geometry.body, self.geometry.wanted
-        both = combinations(range(len(body)), 2)
-        pairs = [(a, b) for a, b in both if body[a] != body[b] and may_meet(wanted, body[a], body[b])]
-        return np.array(pairs, dtype=np.int64).reshape(-1, 2)
+        return wanted_pairs(self.geometry)
 
     @cached_property
     def scratch(self) -> Scratch:
