@@ -5,7 +5,7 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize, nnls
+from scipy.optimize import nnls
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
@@ -121,20 +121,3 @@ def dumb_core_distance(a: Solid, b: Solid) -> float:
         return float(np.linalg.norm(base))
     share, *_ = np.linalg.lstsq(edges, -base, rcond=1e-12)
     return float(np.linalg.norm(base + edges @ share))
-
-
-def dumb_ellipsoid_gap(a: Solid, b: Solid, starts: int = 40) -> float:
-    """Signed gap of two smooth solids: the greatest of -h_(A-B)(-n) over unit n, from many starts."""
-
-    def reach(solid: Solid, d: Array) -> float:
-        if solid.kind == ELLIPSOID:
-            return float(solid.rows[0] @ d + np.linalg.norm(solid.rows[1:] @ d))
-        return float((solid.rows @ d).max() + solid.radius * np.linalg.norm(d))
-
-    def lost(n: Array) -> float:
-        n = n / np.linalg.norm(n)
-        return reach(a, -n) + reach(b, n)
-
-    rng = np.random.default_rng(0)
-    tries = [minimize(lost, rng.normal(size=3), options={"gtol": 1e-11}) for _ in range(starts)]
-    return -min(found.fun for found in tries)

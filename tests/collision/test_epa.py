@@ -11,17 +11,7 @@ from avatarsim.collision.epa import cone_to, epa, find_horizon, grow_tetrahedron
 from avatarsim.collision.gjk import WHOLE, add_support, gjk
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.status import CONVERGED, OUT_OF_ITERATIONS
-from tests.collision.solids import (
-    NO_SEED,
-    SCRATCH,
-    as_arrays,
-    ball,
-    box,
-    capsule,
-    ellipsoid,
-    exact_core_depth,
-    random_hull,
-)
+from tests.collision.solids import NO_SEED, SCRATCH, as_arrays, ball, box, capsule, ellipsoid, exact_core_depth, random_hull
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 

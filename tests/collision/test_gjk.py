@@ -9,7 +9,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collision.gjk import closest_on_segment, closest_on_tetrahedron, closest_on_triangle, closest_points, gjk, upright
+from avatarsim.collision.gjk import (
+    closest_on_segment,
+    closest_on_tetrahedron,
+    closest_on_triangle,
+    closest_points,
+    gjk,
+    upright,
+)
 from avatarsim.collision.status import CONVERGED, NOT_FINITE
 from avatarsim.collision.support import gap_along
 from tests.collision.solids import (

@@ -1,4 +1,4 @@
-"""The query against closed forms, qhull, least squares and a random search; its symmetries; its awkward cases."""
+"""The query against closed forms and exact answers to random polytopes; coincident centres; poses that are no numbers."""
 
 from math import nan
 
@@ -49,8 +49,6 @@ def check_against_exact(a, b):
     assert np.linalg.norm(n) == pytest.approx(1.0, abs=1e-12)
     np.testing.assert_allclose(on_a - on_b, gap * n, atol=RELATIVE * size)
     return gap
-
-
 
 
 @given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0), st.floats(0.01, 1.0), st.floats(0.01, 1.0))
@@ -122,8 +120,6 @@ def test_coincident_centres_give_the_same_finite_unit_normal_every_time(seed):
         np.testing.assert_allclose(ask(ball(0.4), ball(0.4), seed)[2], np.array(seed) / 3.0, atol=1e-15)
 
 
-
-
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
 def test_random_polytopes_with_radius_at_every_scale(scale):
     rng = np.random.default_rng(21)
@@ -143,10 +139,6 @@ def test_random_polytopes_with_radius_at_every_scale(scale):
     assert signs == {True, False}
 
 
-
-
-
-
 def test_a_nan_pose_is_a_status_and_never_apart():
     vertices, shapes = as_arrays(box(0.1, 0.1, 0.1).moved(shift=(nan, 0.0, 0.0)), ball(0.2))
     status, gap, _, _, _ = signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH)
@@ -162,3 +154,41 @@ def test_the_same_question_gives_the_same_bits_whatever_was_asked_before():
     first = signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH)
     ask(ellipsoid(0.5, 0.5, 0.5), ellipsoid(0.3, 0.3, 0.3))
     assert signed_distance(vertices, shapes, 0, 1, NO_SEED, SCRATCH) == first
+
+
+def checked_both_ways(a, b):
+    """Status, proof along the normal, witness points, and both orders; returns the gap."""
+    status, gap, n, on_a, on_b = ask(a, b)
+    size = max(a.size, b.size)
+    vertices, shapes = as_arrays(a, b)
+    assert status == CONVERGED
+    assert gap_along(vertices, shapes, 0, 1, tuple(n)) == pytest.approx(gap, abs=RELATIVE * size)
+    np.testing.assert_allclose(on_a - on_b, gap * n, atol=RELATIVE * size)
+    other = ask(b, a)
+    assert other[0] == CONVERGED
+    assert other[1] == pytest.approx(gap, abs=RELATIVE * size)
+    return gap
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (1e-10, 2e-10, 0.0), (1e-4, 0.0, 1e-5)])
+def test_concentric_and_nearly_so(shift, scale):
+    for a, b, depth in (
+        (ellipsoid(0.5, 0.5, 0.5), ellipsoid(0.3, 0.3, 0.3), 0.8),
+        (ellipsoid(0.5, 0.49, 0.48), ellipsoid(0.3, 0.31, 0.31), 0.79),
+        (ellipsoid(0.5, 0.3, 0.2), ellipsoid(0.5, 0.3, 0.2), 0.4),
+        (ellipsoid(0.5, 0.4, 0.3), ball(0.1), 0.4),
+        (ellipsoid(0.5, 0.5, 0.5), box(0.3, 0.2, 0.1), 0.6),
+        (ellipsoid(0.5, 0.5, 0.5), capsule(0.1, 0.2), 0.6),
+    ):
+        gap = checked_both_ways(a.moved(scale=scale), b.moved(scale=scale, shift=np.array(shift) * scale)) / scale
+        assert gap == pytest.approx(-depth, abs=RELATIVE + 2.0 * np.linalg.norm(shift))
+
+
+def test_needles_and_plates():
+    for a, b, depth in (
+        (ellipsoid(1.0, 1e-3, 1e-3), ellipsoid(1e-3, 1.0, 1e-3), 2e-3),
+        (ellipsoid(1.0, 1.0, 1e-3), ellipsoid(1e-3, 1.0, 1.0), 1.001),
+        (ellipsoid(1.0, 1.0, 1e-3), box(1.0, 1.0, 1e-3), 2e-3),
+    ):
+        assert checked_both_ways(a, b) == pytest.approx(-depth, abs=RELATIVE)

@@ -16,28 +16,15 @@ from avatarsim.collision.warm_query import signed_distance_coherent
 from avatarsim.collision.warm_start import (
     EDGES,
     PAIR,
-    POINTS_KEPT,
     deepest_kept,
     lowest_kept,
     make_pair_memory,
-    recall_axis,
     recall_differences,
     recall_faces,
     recall_points,
-    remember_points,
     remember_polytope,
 )
-from tests.collision.solids import (
-    NO_SEED,
-    SCRATCH,
-    as_arrays,
-    ball,
-    box,
-    capsule,
-    ellipsoid,
-    hull_of_ellipsoid,
-    random_hull,
-)
+from tests.collision.solids import NO_SEED, SCRATCH, as_arrays, ball, box, capsule, ellipsoid, hull_of_ellipsoid, random_hull
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
@@ -231,56 +218,3 @@ def test_every_single_wrong_number_in_the_surface_is_noticed():
                     assert lowest_kept(points, memory[1], scratch)[0] == 0.0
                 field[1, f, e] = good
     assert recall_faces(points, memory[1], scratch) == faces
-
-
-def test_a_surface_beside_the_origin_is_refused():
-    vertices, shapes, _, memory, _, _ = remembered()
-    scratch = make_scratch()
-    vertices[shapes.start[1] : shapes.start[2], 0] += 3.0
-    points = recall_points(vertices, shapes, 1, 2, memory[1], scratch)
-    assert points > 3
-    assert lowest_kept(points, memory[1], scratch)[0] == 0.0
-    assert recall_faces(points, memory[1], scratch) == 0
-
-
-def test_a_number_that_is_no_vertex_is_refused():
-    vertices, shapes, _, memory, _, _ = remembered()
-    for column, many in ((0, shapes.start[2] - shapes.start[1]), (1, shapes.start[3] - shapes.start[2])):
-        good = int(memory.rows[1, 1, column])
-        for wrong in (2**32 - 1, many, 10**6):
-            memory.rows[1, 1, column] = wrong
-            assert recall_points(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
-            assert recall_differences(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
-        memory.rows[1, 1, column] = good
-    for count in (0, -1, POINTS_KEPT + 1):
-        memory.used[1, 0] = count
-        assert recall_points(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
-        assert recall_differences(vertices, shapes, 1, 2, memory[1], make_scratch()) == 0
-
-
-def test_a_simplex_comes_back_and_so_does_the_axis():
-    vertices, shapes, left, memory, _, _ = remembered(shift=(2.0, 0.3, 0.1))
-    count = gjk(vertices, shapes, 1, 2, NO_SEED, inf, left)[3]
-    remember_points(shapes, 1, 2, UP, count, left, memory[0])
-    scratch = make_scratch()
-    assert recall_points(vertices, shapes, 1, 2, memory[0], scratch) == count
-    np.testing.assert_array_equal(scratch.w[:count], left.w[:count])
-    np.testing.assert_array_equal(scratch.rows[:count], left.rows[:count])
-    assert recall_axis(memory[0]) == UP
-
-
-@pytest.mark.parametrize("bad", [np.nan, np.inf, 0.0, 3.0])
-def test_an_axis_that_is_no_unit_vector_is_refused(bad):
-    memory = make_pair_memory(1)
-    memory.axis[0] = (bad, 0.0, 0.0)
-    assert recall_axis(memory[0]) == NO_SEED
-
-
-def test_a_surface_with_too_many_corners_is_forgotten():
-    vertices, shapes, scratch, memory, _, faces = remembered()
-    many = POINTS_KEPT + 1
-    scratch.corner[:many, 0] = np.arange(many)
-    scratch.corner[:many, 1:] = 0
-    scratch.alive[:many] = 1
-    remember_polytope(shapes, 1, 2, UP, many, many, scratch, memory[1])
-    assert not memory.used[1].any()

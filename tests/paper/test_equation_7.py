@@ -4,12 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.rigid.contact_law import (
-    normal_velocity,
-    point_velocity,
-    relative_velocity,
-    tangential_velocity,
-)
+from avatarsim.rigid.contact_law import normal_velocity, point_velocity, relative_velocity, tangential_velocity
 
 V = tuple[float, float, float]
 vectors = st.tuples(*[st.floats(-10.0, 10.0)] * 3)

@@ -4,18 +4,7 @@ import numpy as np
 import pytest
 
 from avatarsim.model.geometry import place
-from avatarsim.paper.state import (
-    GAVE_WAY,
-    HELD,
-    ITERATIONS,
-    JOINTS,
-    PAIRS,
-    QUERIES,
-    ROUNDS,
-    UNCHECKED,
-    WALK_TESTS,
-    WALKED_BACK,
-)
+from avatarsim.paper.state import GAVE_WAY, HELD, ITERATIONS, JOINTS, PAIRS, QUERIES, ROUNDS, UNCHECKED, WALK_TESTS, WALKED_BACK
 from avatarsim.pose_queries import overlapping_pairs
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.shape import Box, Piece, Sphere

@@ -7,15 +7,7 @@ from scipy.spatial.transform import Rotation
 from avatarsim.collision.conservative_advancement import BROKEN, CLEAR, ROUNDS, UNKNOWN, time_of_impact
 from avatarsim.collision.path import FREE, HELD, STILL
 from avatarsim.model.geometry import place
-from avatarsim.rigid.first_event import (
-    ROUND_WORK,
-    SEARCH_WORK,
-    ahead_of,
-    balls_meet,
-    event_of_pair,
-    first_event,
-    out_of_reach,
-)
+from avatarsim.rigid.first_event import ROUND_WORK, SEARCH_WORK, ahead_of, balls_meet, event_of_pair, first_event, out_of_reach
 from avatarsim.rigid.islands import behind, make_islands, part
 from avatarsim.rigid.near_pairs import MARGIN, NARROW, boxes_near, grow, margin_for, turn_within
 from avatarsim.rigid.state import SEARCHES, WORK

@@ -7,7 +7,17 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.engine import Settings
 from avatarsim.rigid.contact_generation import SEEN, note_drift, note_shown
-from avatarsim.rigid.contacts import DRIVEN_A, DRIVEN_B, Masses, add_contact, axis, make_contacts, speed_along, velocity_at, weigh
+from avatarsim.rigid.contacts import (
+    DRIVEN_A,
+    DRIVEN_B,
+    Masses,
+    add_contact,
+    axis,
+    make_contacts,
+    speed_along,
+    velocity_at,
+    weigh,
+)
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.joint import Free, Rigid

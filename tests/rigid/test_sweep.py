@@ -3,7 +3,17 @@
 import numpy as np
 import pytest
 
-from avatarsim.rigid.contacts import DRIVEN_A, DRIVEN_B, MOTION, NOT_DRIVEN, ROW, Masses, add_contact, make_contacts, weigh_after
+from avatarsim.rigid.contacts import (
+    DRIVEN_A,
+    DRIVEN_B,
+    MOTION,
+    NOT_DRIVEN,
+    ROW,
+    Masses,
+    add_contact,
+    make_contacts,
+    weigh_after,
+)
 from avatarsim.rigid.solver import (
     JACOBIAN,
     JACOBIAN_SIZE,

@@ -6,21 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.spatial.random import MODULUS, draw, seeded
-from avatarsim.spatial.vec3 import (
-    add,
-    along,
-    cross,
-    dot,
-    neg,
-    norm,
-    perpendicular,
-    put_row,
-    row,
-    scale,
-    solved,
-    sub,
-    unit,
-)
+from avatarsim.spatial.vec3 import add, along, cross, dot, neg, norm, perpendicular, put_row, row, scale, solved, sub, unit
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
