@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidScene, StartOverlaps
 from avatarsim.model.geometry import place
 from avatarsim.pose_queries import overlapping_pairs
@@ -21,6 +20,7 @@ from avatarsim.simulator import AvatarsimEngine
 from scenarios.catalog import get
 from tests.stability.hostile import DT
 from tests.worlds.little_worlds import X, Z, at, hand, mixed_avatar, random_sample
+from tests.worlds.loaded import loaded
 
 BALL, CRATE = (Piece(Sphere(0.1)),), (Piece(Box((0.2, 0.3, 0.1))),)
 TABLE = fixed("table", (Piece(Box((1.0, 1.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
@@ -32,13 +32,6 @@ def loose(name: str, place: tuple[float, float, float], shape: tuple[Piece, ...]
     """A body that flies through the air, turning."""
     speed, spin = (0.1, 0.0, 0.0), (1.0, 2.0, 3.0)
     return simulated(name, shape, "wood", solid(shape, 1.0), place, velocity=speed, angular_velocity=spin)
-
-
-def loaded(scene: Scene, preset: str = "default") -> AvatarsimEngine:
-    """An engine that has loaded a scene."""
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(preset), DT)
-    return engine
 
 
 def rows(engine: AvatarsimEngine, *names: str) -> list[list[bytes]]:
@@ -199,6 +192,3 @@ def test_an_avatar_of_another_build_begins_where_the_scene_starts() -> None:
     assert engine.change(Scene("b", (), (other,), start=at(rest((other,)), (0.0, 0.0, 7.0)))).shown.positions[0, 2] == 7.0
 
 
-def test_nothing_changes_before_load() -> None:
-    with pytest.raises(AvatarsimError, match="no scene is loaded"):
-        AvatarsimEngine().change(Scene("a", (TABLE,)))

@@ -100,19 +100,6 @@ def test_a_failing_child_is_reported_by_its_code(monkeypatch: pytest.MonkeyPatch
     assert "nobody knows how to compile bad parts" in capfd.readouterr().err
 
 
-def test_where_nothing_can_be_kept_nothing_is_compiled_ahead_and_that_is_said(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    blocked = tmp_path / "a_file"
-    blocked.write_text("", encoding="utf-8")
-    monkeypatch.setattr(places, "PLACES", Places(blocked / "kernels"))
-    monkeypatch.setattr(compile_ahead, "run_shares", lambda *_: pytest.fail("compiled"))
-    monkeypatch.setattr("avatarsim.console._SAID", set())
-    assert compile_everything() and compile_everything()
-    said = capsys.readouterr().err
-    assert said.count("\n") == 1 and "cannot be kept" in said and str(blocked) in said
-
-
 def test_what_is_compiled_for_any_processor_whose_code_runs_here_counts(stamp: Path) -> None:
     base = stamp.parents[2]
     for cpu in usable():

@@ -5,27 +5,19 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from avatarsim.engine import Settings
-from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput
+from avatarsim.errors import EngineInUse, InvalidInput
 from avatarsim.pose_queries import Contact
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.simulator import AvatarsimEngine
 from tests.stability.hostile import DT
 from tests.worlds.little_worlds import at, hand_scene, panel
+from tests.worlds.loaded import loaded
 
 FLOOR = Box((4.0, 4.0, 0.2))
 FREE = Scene("hand", (panel(),), hand_scene((-0.5, 0.0, 0.0)).avatars, start=hand_scene((-0.5, 0.0, 0.0)).start)
-
-
-def loaded(scene: Scene, preset: str = "default") -> AvatarsimEngine:
-    """An engine that has loaded a scene."""
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(preset), DT)
-    return engine
 
 
 def of_balls(centres: np.ndarray, radii: np.ndarray, within: float) -> dict[tuple[str, str], tuple]:
@@ -111,13 +103,11 @@ def test_asking_changes_nothing_and_pairs_left_out_are_left_out() -> None:
 
 @pytest.mark.parametrize("within", [-1e-9, 1.5, float("nan"), "near"])
 def test_a_gap_that_is_none_is_refused(within: float) -> None:
-    with pytest.raises(InvalidInput, match=r"largest gap of contacts \[m\] is .*; valid: a number from 0 to 1"):
+    with pytest.raises(InvalidInput, match="largest gap of contacts"):
         loaded(FREE).contacts(within)
 
 
-def test_contacts_are_of_a_scene_and_of_one_call_at_a_time() -> None:
-    with pytest.raises(AvatarsimError, match="no scene is loaded"):
-        AvatarsimEngine().contacts()
+def test_contacts_are_of_one_call_at_a_time() -> None:
     engine = loaded(FREE)
     with engine._alone(), pytest.raises(EngineInUse):
         engine.contacts()

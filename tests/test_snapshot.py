@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.engine import FrameRecord, Settings
+from avatarsim.engine import FrameRecord
 from avatarsim.errors import AvatarsimError, InvalidSnapshot, NotCopied
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import fixed, simulated, solid
@@ -26,6 +26,7 @@ from avatarsim.simulator import AvatarsimEngine
 from avatarsim.snapshot import DIGEST, HEAD, digest_of, kept_by
 from tests.stability.hostile import DT, hinged_trial, hostile_motion
 from tests.worlds.little_worlds import at
+from tests.worlds.loaded import loaded
 from tests.worlds.traps import limbed, pocket
 
 FRAMES = 1000
@@ -131,13 +132,6 @@ def run_up(case: Case, engine: AvatarsimEngine) -> tuple[list[FrameRecord], dict
     return seen, kept
 
 
-def loaded(scene: Scene, method: str = "default", **settings: object) -> AvatarsimEngine:
-    """An engine with a scene."""
-    engine = AvatarsimEngine()
-    engine.load(scene, Settings(method, **settings), DT)
-    return engine
-
-
 @pytest.mark.parametrize("name", list(cases()))
 def test_a_thousand_frames_after_a_snapshot_are_the_same_to_the_bit(name: str) -> None:
     """In an engine that has been elsewhere, had another seed, and records."""
@@ -239,13 +233,6 @@ def test_where_the_avatar_began_and_what_is_recorded_are_no_part_of_it(taken: tu
     hand = heap().avatars
     elsewhere = replace(heap(), start=at(rest(hand), (-1.0, 0.4, 0.3)))
     assert loaded(elsewhere, record_inside=True, time_stages=True, seed=4).restore(taken[1]).shown.time > 0.0
-
-
-def test_an_engine_without_a_scene_has_no_state(taken: tuple[AvatarsimEngine, bytes]) -> None:
-    with pytest.raises(AvatarsimError, match="no scene is loaded"):
-        AvatarsimEngine().snapshot()
-    with pytest.raises(AvatarsimError, match="no scene is loaded"):
-        AvatarsimEngine().restore(taken[1])
 
 
 def resealed(data: bytes, body: bytes, size: int | None = None) -> bytes:

@@ -74,17 +74,6 @@ def test_finds_the_pairs_of_the_dumb_twin_frame_after_frame(seed, count, kind, o
             boxes[:, 3:] += 0.25
 
 
-def test_what_is_found_does_not_depend_on_what_was_before():
-    rng = np.random.default_rng(3)
-    boxes, wanted = random_boxes(rng, 80), some_filter(rng, 80)
-    memory = make_sweep_memory(80, 4000)
-    for _ in range(20):
-        both(random_boxes(rng, 80), wanted, memory)
-    one, other = np.zeros((4000, 2), np.int64), np.zeros((4000, 2), np.int64)
-    assert sweep_and_prune(boxes, wanted, memory, one) == sweep_and_prune(boxes, wanted, make_sweep_memory(80, 4000), other)
-    assert (one == other).all() and one.any()
-
-
 def test_bodies_that_keep_to_their_boxes_are_not_searched_for():
     """A body that moves steadily leaves its fat box once in a while, one that rests never does."""
     rng = np.random.default_rng(4)

@@ -8,6 +8,7 @@ from avatarsim.paper.state import GAVE_WAY, HELD, ITERATIONS, JOINTS, PAIRS, QUE
 from avatarsim.pose_queries import overlapping_pairs
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.shape import Box, Piece, Sphere
+from avatarsim.spatial import rotation
 from tests.worlds.arms import arm, ball_hand, limited_ball, planar
 from tests.worlds.loops import Loop
 
@@ -88,13 +89,7 @@ def wild(loop, seed, frames):
         if frame % 5 == 0:
             target = loop.target(angles=rng.uniform(-3.0, 3.0, 4))
             target.root[-1] = rng.uniform(-1.0, 1.0, 3)
-            q = rng.normal(size=4)
-            w, x, y, z = q / np.linalg.norm(q)
-            target.turn[0] = [
-                [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-                [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-                [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-            ]
+            target.turn[0] = rotation.to_matrix(rotation.normalised(rng.normal(size=4)))
         loop.frame(target)
         yield frame
 

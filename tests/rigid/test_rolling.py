@@ -1,5 +1,6 @@
-"""What lies on a smooth surface rolls: logs, eggs and balls against closed forms, at every frame time."""
+"""What lies on a smooth surface rolls, and tops precess, as closed forms say, at every frame time."""
 
+from itertools import combinations_with_replacement
 from math import cos, radians, sin, sqrt
 
 import numpy as np
@@ -8,8 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.rigid.state import SEGMENTS, SUBSTEPS
-from avatarsim.scene.body import ContactLaw, PairTable, fixed
+from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Shape
+from avatarsim.spatial import rotation
+from reference.closed_form import top_precession
+from scenarios.catalog.contact.top import piece, reach
 from tests.rigid.upper_world import G, World, ball, slab, thing
 
 R, LAID = 0.05, 2e-8
@@ -100,26 +104,23 @@ def test_a_log_spins_about_the_vertical(rate: float) -> None:
     np.testing.assert_allclose(world.velocities.angular[1], expected, atol=5e-3)
 
 
-@pytest.mark.parametrize("radii", [(0.1, 0.06, 0.05), (0.06, 0.06, 0.05), (0.3, 0.1, 0.04)])
+@pytest.mark.parametrize(("radii", "velocity", "friction", "most"), [
+    ((0.1, 0.06, 0.05), 0.0, 0.0, 3e-2), ((0.06, 0.06, 0.05), 0.0, 0.0, 3e-2), ((0.3, 0.1, 0.04), 0.0, 0.0, 3e-2),
+    ((0.1, 0.06, 0.05), 0.15, 1.0, 2e-2),
+])
 @pytest.mark.parametrize("rate", RATES)
-def test_an_egg_rocks_without_friction(rate: float, radii: tuple[float, float, float]) -> None:
-    """It gains no energy, loses three hundredths of its motion's in a second at most, and its centre stays above one point."""
-    body = thing("egg", Ellipsoid(radii), (0.0, 0.0, radii[2] + LAID), angular_velocity=(0.0, 3.0, 0.0))
-    world = World([slab(), body], 0.0, 0.0)
-    motion = 0.5 * world.dynamics.inertia[1][1, 1] * 9.0
-    assert run(world, 1.0, rate) < 3e-2 * motion
-    np.testing.assert_allclose(world.poses.position[1, :2], 0.0, atol=1e-9)
-
-
-@pytest.mark.parametrize("rate", RATES)
-def test_an_egg_rolls_to_and_fro(rate: float) -> None:
-    """On a rough floor too it loses next to nothing."""
+def test_an_egg_rocks_or_rolls_to_and_fro(
+    rate: float, radii: tuple[float, float, float], velocity: float, friction: float, most: float
+) -> None:
+    """It gains no energy and loses hundredths of its motion's in a second; without friction its centre stays above one point."""
     body = thing(
-        "egg", Ellipsoid((0.1, 0.06, 0.05)), (0.0, 0.0, 0.05 + LAID), velocity=(0.15, 0.0, 0.0), angular_velocity=(0.0, 3.0, 0.0)
+        "egg", Ellipsoid(radii), (0.0, 0.0, radii[2] + LAID), velocity=(velocity, 0.0, 0.0), angular_velocity=(0.0, 3.0, 0.0)
     )
-    world = World([slab(), body], 0.0, 1.0)
-    motion = world.energy() - G * (0.05 + LAID)
-    assert run(world, 1.0, rate) < 2e-2 * motion
+    world = World([slab(), body], 0.0, friction)
+    motion = world.energy() - G * (radii[2] + LAID)
+    assert run(world, 1.0, rate) < most * motion
+    if friction == 0.0:
+        np.testing.assert_allclose(world.poses.position[1, :2], 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("rate", RATES)
@@ -150,15 +151,19 @@ def test_what_rolls_off_a_log_obeys_energy(rate: float, shape: Shape) -> None:
     assert world.velocities.angular[1, 1] == pytest.approx(speed / R, rel=1e-3)
 
 
+def on_ice(carrier: str, friction: float) -> PairTable:
+    """Everything slides on everything but for "m" on the carrier and on itself."""
+    names = ("floor", carrier, "m")
+    pairs = dict.fromkeys(combinations_with_replacement(names, 2), ContactLaw(0.0, 0.0))
+    return PairTable(pairs | dict.fromkeys(((carrier, "m"), ("m", "m")), ContactLaw(0.0, friction)))
+
+
 @pytest.mark.parametrize("rate", RATES)
 def test_a_ball_on_a_turntable_runs_in_a_circle(rate: float) -> None:
     """Its velocity turns at 2/7 of what the table does (Earnshaw)."""
     table = thing("table", Box((2.0, 2.0, 0.1)), (0.0, 0.0, 0.05 + LAID), 1e5, material="table", angular_velocity=(0.0, 0.0, 2.0))
     body = ball("ball", (0.0, 0.0, 0.1 + R + 2.0 * LAID), R, velocity=(0.3, 0.0, 0.0), angular_velocity=(0.0, 6.0, 0.0))
-    smooth, rough = ContactLaw(0.0, 0.0), ContactLaw(0.0, 1.0)
-    pairs = {("floor", "floor"): smooth, ("floor", "table"): smooth, ("table", "table"): smooth, ("floor", "m"): smooth,
-             ("m", "table"): rough, ("m", "m"): rough}
-    world = World([slab(material="floor"), table, body], materials=PairTable(pairs))
+    world = World([slab(material="floor"), table, body], materials=on_ice("table", 1.0))
     for _ in range(round(rate)):
         assert world.frame(1.0 / rate) == 0
     angle = 2.0 / 7.0 * 2.0
@@ -171,10 +176,7 @@ def test_what_rolls_on_a_sledge_shares_its_momentum(rate: float, shape: Shape, t
     """On ice, sledge of four times the mass: slip ends, momentum stays, and the log's part is m / (m + 1 / (1/M + r^2/I))."""
     sledge = thing("sledge", Box((2.0, 1.0, 0.1)), (0.0, 0.0, 0.05 + LAID), 4.0, material="sledge")
     body = thing("log", shape, (0.0, 0.0, 0.1 + R + 2.0 * LAID), orientation=turn, velocity=(1.0, 0.0, 0.0))
-    ice, rough = ContactLaw(0.0, 0.0), ContactLaw(0.0, 0.3)
-    pairs = {("floor", "floor"): ice, ("floor", "sledge"): ice, ("sledge", "sledge"): ice, ("floor", "m"): ice,
-             ("m", "sledge"): rough, ("m", "m"): rough}
-    world = World([slab(material="floor"), sledge, body], materials=PairTable(pairs))
+    world = World([slab(material="floor"), sledge, body], materials=on_ice("sledge", 0.3))
     run(world, 0.5, rate)
     k = float(world.dynamics.inertia[2][2, 2]) / R**2
     pushed = 1.0 / (1.0 + 1.0 / 4.0 + 1.0 / k)
@@ -201,3 +203,57 @@ def test_an_egg_that_lands_and_rolls_costs_few_segments(seed: int) -> None:
     assert np.median(segments) <= 15
     assert sum(segments) <= 3000
     assert spent <= 10
+
+
+SECONDS = 2.0
+
+
+def drawn(seed: int, friction: float) -> tuple[World, float, float, float]:
+    """(a top on a slab, its spin [rad/s], precession without friction [rad/s], seconds of a frame); all drawn by ``seed``."""
+    random = np.random.default_rng(seed)
+    mass, spin, lean = 10.0 ** random.uniform(-2.0, 0.5), random.uniform(100.0, 300.0), random.uniform(0.05, 0.4)
+    pieces: tuple[Piece, ...] = (piece(),)
+    held, axis = solid(pieces, mass), np.array([sin(lean), 0.0, cos(lean)])
+    place = (0.0, 0.0, reach() * cos(lean) + 2e-8)
+    turn = tuple(rotation.from_rotation_vector(np.array([0.0, lean, 0.0])))
+    top: Body = simulated("top", pieces, "m", held, place, turn, angular_velocity=tuple(spin * axis))
+    moments = np.diag(held.inertia)
+    rate = top_precession(float(moments[0]), float(moments[2]), mass, reach(), spin, lean, G)
+    return World([slab(), top], 0.0, friction), spin, rate, 1.0 / random.uniform(60.0, 240.0)
+
+
+def watched(world: World, dt: float) -> tuple[np.ndarray, float, float]:
+    """(spin [rad/s] after every frame, mean precession [rad/s], largest rise of energy in a frame as a part of it)."""
+    spins, angle, last, most, energy = [], 0.0, 0.0, 0.0, world.energy()
+    frames = round(SECONDS / dt)
+    for _ in range(frames):
+        assert world.frame(dt) == 0
+        axis = world.poses.rotation[1, :, 2]
+        spins.append(axis @ world.velocities.angular[1])
+        now = float(np.arctan2(axis[1], axis[0]))
+        angle += (now - last + np.pi) % (2.0 * np.pi) - np.pi
+        last = now
+        most, energy = max(most, (world.energy() - energy) / energy), world.energy()
+    assert world.gap() > -1e-6
+    return np.array(spins), angle / (frames * dt), most
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_top_keeps_its_spin_and_precesses(seed: int) -> None:
+    """Its axis goes round as by closed form, but for the part of a nod in which the time ends; nods alone lose energy."""
+    world, spin, rate, dt = drawn(seed, 0.0)
+    energy = world.energy()
+    spins, found, most = watched(world, dt)
+    np.testing.assert_allclose(spins, spin, rtol=1e-4)
+    assert found == pytest.approx(rate, rel=0.03) and most < 1e-9
+    assert world.energy() == pytest.approx(energy, rel=1e-4)
+
+
+@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("friction", [0.01, 0.3])
+def test_friction_at_its_tip_takes_no_spin_and_gives_no_energy(friction: float, seed: int) -> None:
+    """The tip is on the axis: friction there has no torque about it."""
+    world, spin, _, dt = drawn(seed, friction)
+    spins, _, most = watched(world, dt)
+    np.testing.assert_allclose(spins, spin, rtol=1e-3)
+    assert most < 1e-9
