@@ -9,6 +9,8 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 from setuptools import find_packages
 
+from avatarsim.version import VERSION
+
 ROOT = Path(__file__).resolve().parents[2]
 LOCK = (ROOT / "requirements.lock").read_text(encoding="utf-8")
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -71,6 +73,11 @@ def test_exactly_one_distribution_owns_mujoco() -> None:
     }
     assert owners == {"mujoco"}
     assert [name for name in _pins() if name.startswith("mujoco")] == ["mujoco"]
+
+
+def test_the_newest_release_of_the_changelog_is_the_version_of_the_package() -> None:
+    released = re.findall(r"(?m)^## \[([\d.]+)\]", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"))
+    assert released[0] == VERSION
 
 
 def test_only_avatarsim_ships() -> None:

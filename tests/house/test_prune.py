@@ -10,72 +10,50 @@ MAKEFILE = Path(__file__).parents[2] / "Makefile"
 OLD, LAST, RUNNING = "20250101-120000-compare", "20250102-080000-compare", "20250102-080000-compare-1"
 OLD_CHECK, LAST_CHECK = "20250101-130000-check", "20250103-080000-check"
 BENCH = "20250101-140000-bench"
+OTHERS = {"stability", "found", "notes.csv"}
+"""No runs."""
 
 
-def pruned(folder: Path) -> tuple[str, list[str]]:
-    """What it says in a project whose runs are in `folder`, and what is left."""
+def pruned(folder: Path) -> set[str]:
+    """Names left in the `reports/out` of a project."""
     recipe = MAKEFILE.read_text(encoding="utf-8")
     recipe = recipe[recipe.index("prune:") :].split("\n\n")[0]
     (folder / "Makefile").write_text(f"{recipe}\n", encoding="utf-8")
     make = shutil.which("make")
     if make is None:
         pytest.skip("no make")
-    said = subprocess.run([make, "-s", "-C", str(folder), "prune"], capture_output=True, text=True, check=True)
-    assert said.stderr == ""
-    return said.stdout, sorted(path.name for path in (folder / "reports" / "out").iterdir())
+    done = subprocess.run([make, "-s", "-C", str(folder), "prune"], capture_output=True, text=True, check=True)
+    assert done.stderr == ""
+    return {path.name for path in (folder / "reports" / "out").iterdir()}
 
 
-def a_project(folder: Path, *runs: str) -> Path:
-    out = folder / "reports" / "out"
-    for name in (*runs, "stability", "found"):
+@pytest.mark.parametrize(
+    ("runs", "links", "removed"),
+    [
+        pytest.param([OLD, LAST, RUNNING], {"latest": LAST}, {OLD}, id="older runs"),
+        pytest.param([OLD, LAST], {}, set(), id="no last run"),
+        pytest.param([OLD, LAST, RUNNING, OLD_CHECK, LAST_CHECK, BENCH], {"latest": LAST, "latest-check": LAST_CHECK},
+                     {OLD, OLD_CHECK, BENCH}, id="a last run of each command; one without goes by the comparison"),
+        pytest.param([OLD, LAST, OLD_CHECK, LAST_CHECK], {"latest": OLD_CHECK, "latest-check": LAST_CHECK}, {OLD},
+                     id="a link to an older run of another command"),
+        pytest.param([OLD, OLD_CHECK, LAST_CHECK], {"latest-check": LAST_CHECK}, {OLD_CHECK}, id="no comparison"),
+        pytest.param([], {}, set(), id="no runs"),
+    ],
+)
+def test_older_runs_are_removed_and_all_else_stays(
+    tmp_path: Path, runs: list[str], links: dict[str, str], removed: set[str]
+) -> None:
+    out = tmp_path / "reports" / "out"
+    for name in (*runs, *OTHERS):
         (out / name / "recordings").mkdir(parents=True)
-    (out / "notes.csv").write_text("kept", encoding="utf-8")
-    return out
+    for link, run in links.items():
+        (out / link).symlink_to(run)
+    left = ({*runs} - removed) | OTHERS | {*links}
+    assert pruned(tmp_path) == left
+    assert pruned(tmp_path) == left
 
 
-def test_older_runs_go_and_all_else_stays(tmp_path: Path) -> None:
-    out = a_project(tmp_path, OLD, LAST, RUNNING)
-    (out / "latest").symlink_to(LAST)
-    said, left = pruned(tmp_path)
-    assert said == f"removed reports/out/{OLD}\n"
-    assert left == [LAST, RUNNING, "found", "latest", "notes.csv", "stability"]
-    assert pruned(tmp_path) == ("", left)
-
-
-@pytest.mark.parametrize("by_hand", [False, True])
-def test_without_a_last_run_nothing_goes(tmp_path: Path, by_hand: bool) -> None:
-    out = a_project(tmp_path, OLD, LAST)
-    if by_hand:
-        (out / "latest").mkdir()
-    said, left = pruned(tmp_path)
-    assert said == "reports/out has no last run; nothing removed\n" and {OLD, LAST} <= set(left)
-
-
-def test_each_command_has_a_last_run_of_its_own(tmp_path: Path) -> None:
-    """A comparison that runs while a check ends stays; a command without a link goes by the last comparison."""
-    out = a_project(tmp_path, OLD, LAST, RUNNING, OLD_CHECK, LAST_CHECK, BENCH)
-    (out / "latest").symlink_to(LAST)
-    (out / "latest-check").symlink_to(LAST_CHECK)
-    said, left = pruned(tmp_path)
-    assert set(said.split()) == {"removed", *(f"reports/out/{name}" for name in (OLD, OLD_CHECK, BENCH))}
-    assert {LAST, RUNNING, LAST_CHECK, "latest", "latest-check"} <= set(left)
-
-
-def test_what_a_link_leads_to_stays_whatever_its_age(tmp_path: Path) -> None:
-    """`latest` may lead to a run of another command, made by an earlier version."""
-    out = a_project(tmp_path, OLD, LAST, OLD_CHECK, LAST_CHECK)
-    (out / "latest").symlink_to(OLD_CHECK)
-    (out / "latest-check").symlink_to(LAST_CHECK)
-    assert pruned(tmp_path) == (f"removed reports/out/{OLD}\n", sorted([LAST, OLD_CHECK, LAST_CHECK, "latest", "latest-check",
-                                                                       "found", "notes.csv", "stability"]))
-
-
-def test_without_a_comparison_the_runs_of_a_check_alone_go(tmp_path: Path) -> None:
-    out = a_project(tmp_path, OLD, OLD_CHECK, LAST_CHECK)
-    (out / "latest-check").symlink_to(LAST_CHECK)
-    assert pruned(tmp_path)[0] == f"removed reports/out/{OLD_CHECK}\n" and (out / OLD).is_dir()
-
-
-def test_without_runs_nothing_is_wrong(tmp_path: Path) -> None:
-    (tmp_path / "reports" / "out").mkdir(parents=True)
-    assert pruned(tmp_path) == ("reports/out has no last run; nothing removed\n", [])
+def test_a_folder_in_place_of_the_link_removes_nothing(tmp_path: Path) -> None:
+    for name in (OLD, LAST, "latest"):
+        (tmp_path / "reports" / "out" / name).mkdir(parents=True)
+    assert pruned(tmp_path) == {OLD, LAST, "latest"}

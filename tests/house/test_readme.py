@@ -53,10 +53,3 @@ def test_every_word_of_the_harness_is_on_the_page_of_commands() -> None:
 def test_the_page_of_commands_has_the_exit_codes_of_the_harness() -> None:
     [table] = re.findall(r"^## Exit codes\n.*?(^\|.*?)\n\n", COMMANDS, re.DOTALL | re.MULTILINE)
     assert {int(code) for code in re.findall(r"^\| (\d+) \|", table, re.MULTILINE)} == set(MEANINGS)
-
-
-def test_one_screen_stands_before_the_first_table() -> None:
-    lines = README.splitlines()
-    before = lines[: lines.index("## What it shows today")]
-    assert len(before) <= 50 and sum(line.startswith("![") for line in before) == 1
-    assert not any(line.startswith("|") for line in before)

@@ -1,4 +1,4 @@
-"""The set-up: which Python is taken, what is said when something is in the way, when work is repeated."""
+"""Set-up: the Python that is chosen, obstacles that are reported, work that is repeated."""
 
 import ast
 import importlib.util
@@ -54,18 +54,15 @@ def test_first_usable_python_is_chosen(found: list[Any], path: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("found", "words"),
+    ("found", "named"),
     [
-        ([], ["3.11, 3.12 or 3.13", "no Python that runs"]),
-        ([OLD], ["3.11, 3.12 or 3.13", "old is Python 3.10.13"]),
-        ([NEW], ["new is Python 3.14.0"]),
-        ([OLD, BARE], ["bare (Python 3.11.2)", "ensurepip", "python3.11-venv"]),
+        ([], ["3.11", "3.13"]), ([OLD], ["old", "3.10.13"]), ([NEW], ["new", "3.14.0"]),
+        ([OLD, BARE], ["bare", "ensurepip", "python3.11-venv"]),
     ],
 )
-def test_sentence_names_what_is_in_the_way(found: list[Any], words: list[str]) -> None:
+def test_without_a_usable_python_the_obstacles_are_named(found: list[Any], named: list[str]) -> None:
     path, sentence = choose_python.choose(found)
-    assert path == "" and "\n" not in sentence
-    assert [word for word in words if word not in sentence] == []
+    assert path == "" and [word for word in named if word not in sentence] == []
 
 
 def test_names_come_before_folders_and_3_11_first(tmp_path: Path) -> None:
@@ -87,24 +84,21 @@ def test_probe_sees_through_shims_that_fail(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("script", "words"),
+    ("script", "named"),
     [
-        ("echo 3.10.13", "is Python 3.10.13"),
-        ("echo 2.7.18", "is Python 2.7.18"),
-        ("echo 3.12.3 ensurepip", "python3.12-venv"),
-        ("exit 1", "no Python that runs"),
+        ("echo 3.10.13", "3.10.13"), ("echo 2.7.18", "2.7.18"), ("echo 3.12.3 ensurepip", "python3.12-venv"),
+        ("exit 1", "Python"),
     ],
 )
-def test_unusable_python_is_one_plain_sentence(tmp_path: Path, script: str, words: str) -> None:
+def test_an_unusable_python_ends_the_set_up(tmp_path: Path, script: str, named: str) -> None:
     asked = _fake_python(tmp_path / "asked", script)
     command = [sys.executable, str(ROOT / ".setup" / "choose_python.py")]
     ended = subprocess.run(command, env={"PYTHON": asked}, capture_output=True, text=True, check=False)
     assert ended.returncode == 1 and ended.stdout == ""
-    assert ended.stderr.startswith("Set-up stopped: ") and ended.stderr.count("\n") == 1
-    assert words in ended.stderr
+    assert named in ended.stderr and "Traceback" not in ended.stderr
 
 
-def test_make_says_so_when_there_is_no_python(tmp_path: Path) -> None:
+def test_make_fails_where_there_is_no_python(tmp_path: Path) -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     recipe = makefile[makefile.index("SET_UP = @") :].split("\n\n")[0]
     (tmp_path / "Makefile").write_text(f"{recipe}\nsetup:\n\t$(SET_UP)\n", encoding="utf-8")
@@ -112,8 +106,7 @@ def test_make_says_so_when_there_is_no_python(tmp_path: Path) -> None:
     make = subprocess.run(["which", "make"], capture_output=True, text=True, check=True).stdout.strip()
     command = [make, "-C", str(tmp_path), "SHELL=/bin/sh", "setup"]
     ended = subprocess.run(command, env={"PATH": str(tmp_path)}, capture_output=True, text=True, check=False)
-    assert ended.returncode != 0
-    assert ended.stderr.startswith("Set-up stopped: no working python3")
+    assert ended.returncode != 0 and "python3" in ended.stderr
 
 
 def test_chooser_is_readable_by_an_old_python() -> None:
@@ -149,6 +142,7 @@ class _House:
         monkeypatch.setattr(self.install, "make_venv", lambda: self.stamp.parent.mkdir(exist_ok=True))
         monkeypatch.setattr(self.install, "pip_install", self._pip)
         monkeypatch.setattr(self.install, "compiler_obstacle", lambda: "")
+        monkeypatch.setattr(self.install, "extract_pybullet_data", lambda pin: False)
 
     def _project(self) -> None:
         self.installs += 1
@@ -170,20 +164,20 @@ def test_pybullet_is_split_off_and_nothing_is_lost() -> None:
     assert others == LOCK.replace(pybullet, "")
 
 
-def test_second_run_does_nothing_until_the_lock_changes(house: _House) -> None:
-    assert house.install.main() == 0 and len(house.asked) == 2
-    assert house.install.main() == 0 and len(house.asked) == 2
-    house.lock.write_text(LOCK.replace("numpy==2", "numpy==3"), encoding="utf-8")
-    assert house.install.main() == 0 and len(house.asked) == 4
+def test_work_is_repeated_only_where_its_inputs_changed_or_its_output_is_gone(house: _House) -> None:
+    def repeated() -> tuple[int, int]:
+        before = len(house.asked), house.installs
+        assert house.install.main() == 0
+        return len(house.asked) - before[0], house.installs - before[1]
 
-
-def test_the_project_is_installed_again_where_its_command_is_missing_or_its_metadata_changed(house: _House) -> None:
-    assert house.install.main() == 0 and house.installs == 1
+    assert repeated() == (2, 1)
+    assert repeated() == (0, 0)
     house.command.unlink()
-    assert house.install.main() == 0 and house.installs == 2
+    assert repeated() == (0, 1)
     house.project.write_text("[project]", encoding="utf-8")
-    assert house.install.main() == 0 and house.installs == 3
-    assert house.install.main() == 0 and house.installs == 3 and len(house.asked) == 2
+    assert repeated() == (0, 1)
+    house.lock.write_text(LOCK.replace("numpy==2", "numpy==3"), encoding="utf-8")
+    assert repeated()[0] == 2
 
 
 def test_the_command_and_all_packages_of_the_checkout_work_from_any_folder(tmp_path: Path) -> None:
@@ -203,52 +197,23 @@ def test_the_command_and_all_packages_of_the_checkout_work_from_any_folder(tmp_p
     assert not (source / "avatarsim.egg-info").exists()
 
 
-def test_failed_set_up_leaves_no_stamp(house: _House, capfd: pytest.CaptureFixture[str]) -> None:
+def test_failed_set_up_leaves_no_stamp(house: _House) -> None:
     house.answers["others"] = "WARNING: NewConnectionError(...)\nERROR: No matching distribution found for x"
     assert house.install.main() == 1 and not house.stamp.exists()
-    said = capfd.readouterr().err
-    assert said.count("\n") == 1 and "there is no network" in said
 
 
-@pytest.mark.parametrize(
-    ("answer", "obstacle", "words"),
-    [
-        (NO_WHEEL, "there is no C++ compiler.", "no C++ compiler"),
-        (f"{NO_WHEEL}\nBuilding wheel for pybullet", "", "does not compile here"),
-        (f"NameResolutionError\n{NO_WHEEL}", "", "there is no network"),
-    ],
-)
-def test_missing_pybullet_stops_nothing(
-    house: _House,
-    monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-    answer: str,
-    obstacle: str,
-    words: str,
+@pytest.mark.parametrize("answer", [NO_WHEEL, f"{NO_WHEEL}\nBuilding wheel for pybullet", f"NameResolutionError\n{NO_WHEEL}"])
+@pytest.mark.parametrize("obstacle", ["there is no C++ compiler.", ""])
+def test_missing_pybullet_stops_nothing_and_an_explicit_set_up_tries_it_again(
+    house: _House, monkeypatch: pytest.MonkeyPatch, answer: str, obstacle: str
 ) -> None:
     house.answers["pybullet"] = answer
     monkeypatch.setattr(house.install, "compiler_obstacle", lambda: obstacle)
+    monkeypatch.setattr(house.install, "build_obstacle", lambda pin: "no build here")
     assert house.install.main() == 0 and house.stamp.exists()
-    said = capfd.readouterr().out
-    assert words in said and "not-measured" in said
     tries = len(house.asked)
     house.answers.clear()
-    assert house.install.main() == 0 and len(house.asked) > tries, "an explicit set-up tries pybullet again"
-
-
-def test_build_is_announced_before_it_starts(
-    house: _House, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
-) -> None:
-    heard: list[str] = []
-
-    def build(pin: str) -> str:
-        heard.append(capfd.readouterr().out)
-        return ""
-
-    house.answers["pybullet"] = NO_WHEEL
-    monkeypatch.setattr(house.install, "build_obstacle", build)
-    assert house.install.main() == 0
-    assert "about 4 minutes" in heard[0] and "C++ compiler" in heard[0]
+    assert house.install.main() == 0 and len(house.asked) > tries
 
 
 def test_other_python_than_in_venv_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -262,23 +227,23 @@ def test_compiler_is_looked_for_on_path(tmp_path: Path, monkeypatch: pytest.Monk
     install = _load("install")
     monkeypatch.delenv("CXX", raising=False)
     monkeypatch.setenv("PATH", str(tmp_path))
-    assert "C++ compiler" in install.compiler_obstacle()
+    assert "C++" in install.compiler_obstacle()
     _fake_python(tmp_path / "g++", "")
     monkeypatch.setenv("CC", "my-cc -pthread")
     assert "my-cc" in install.compiler_obstacle()
 
 
 @pytest.mark.parametrize(
-    ("output", "words"),
+    ("output", "named"),
     [
-        ("ERROR: THESE PACKAGES DO NOT MATCH THE HASHES FROM ...", "differs from its hash"),
-        ("OSError: [Errno 28] No space left on device", "disk is full"),
-        ("Temporary failure in name resolution", "there is no network"),
-        ("ERROR: No matching distribution found for coal==3.0.3", "has no coal==3.0.3"),
-        ("ERROR: something else\nnoise", "ERROR: something else"),
-        ("", "no reason"),
+        ("ERROR: THESE PACKAGES DO NOT MATCH THE HASHES FROM ...", "hash"),
+        ("OSError: [Errno 28] No space left on device", "disk"),
+        ("Temporary failure in name resolution", "network"),
+        ("ERROR: No matching distribution found for coal==3.0.3", "coal==3.0.3"),
+        ("ERROR: something else\nnoise", "something else"),
+        ("", ""),
     ],
 )
-def test_pip_failure_becomes_one_sentence(output: str, words: str) -> None:
+def test_a_failure_of_pip_is_named_on_one_line(output: str, named: str) -> None:
     sentence = _load("install").pip_sentence(output)
-    assert words in sentence and sentence.endswith(".") and "\n" not in sentence
+    assert sentence and named in sentence and "\n" not in sentence
