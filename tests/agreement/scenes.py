@@ -1,18 +1,16 @@
 """Small scenes on which the engines must agree: every kind of joint, shape and mass, in few bodies."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Mass, fixed, simulated, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece, Sphere, ellipsoid_hull
-from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
+from tests.agreement.runs import FRAME
 
-Array = NDArray[np.float64]
-FRAME = 1.0 / 60.0
 LIMITS = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.8, (-0.5, 0.5))
 """Of a limb along x whose frame is its parent's at rest."""
 
@@ -100,17 +98,6 @@ def hull_on_slab() -> Scene:
     ))
 
 
-def sliding_box(degrees: float) -> Scene:
-    """A flat box on a large slab, sliding at 2 m/s in a direction of the plane."""
-    angle = np.radians(degrees)
-    box = (Piece(Box((0.2, 0.2, 0.05))),)
-    return Scene("slide", (
-        fixed("slab", (Piece(Box((20.0, 20.0, 0.1))),), "wood", (0.0, 0.0, -0.05)),
-        simulated("box", box, "wood", solid(box, 1.0), (0.0, 0.0, 0.025),
-                  velocity=(2.0 * float(np.cos(angle)), 2.0 * float(np.sin(angle)), 0.0)),
-    ))
-
-
 def hand() -> Avatar:
     """A rigid hand of fifteen ellipsoids of about a hundred triangles each: a palm, five fingers."""
     pieces = [Piece(ellipsoid_hull((0.045, 0.04, 0.015)))]
@@ -175,8 +162,3 @@ def swung(frame: int, reach: float = 0.4) -> TrackerSample:
     t = frame * FRAME
     turn = rotation.from_rotation_vector(np.array([0.0, reach * np.sin(3.0 * t), reach * np.sin(2.0 * t)]))
     return TrackerSample(t, np.zeros((3, 3)), np.tile(turn, (3, 1)), np.zeros(0))
-
-
-def nobody(scene: Scene, frame: int) -> TrackerSample:
-    """The empty sample of a scene without avatars."""
-    return rest(scene.avatars, (frame + 1) * FRAME)

@@ -14,7 +14,8 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sh
 from avatarsim.scene.tracker import TrackerSample, rest
 from reference.judging.judge import Judge
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
-from tests.agreement.scenes import FRAME, turned
+from tests.agreement.runs import FRAME
+from tests.agreement.scenes import turned
 
 GAP = 3e-4
 """Gap [m] to the wall: within Bullet's threshold of 2 % of a shape's size, for shapes of 0.1 m."""

@@ -9,8 +9,8 @@ import pytest
 
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
-from scenarios import catalog
 from scenarios.catalog.impacts.oblique_bounce import RESTITUTION, SPEED, after
+from tests.agreement.runs import of_catalog
 
 SLIDES = [(45.0, 0.1), (70.0, 0.1), (70.0, 0.3)]
 """Angles [deg] and frictions of oblique_bounce at which the sphere still slides when it leaves."""
@@ -21,14 +21,8 @@ CONVEX: dict[str, object] = {"impratio": 1.0, "noslip_iterations": 0}
 
 def left_with(name: str, options: dict[str, object]) -> dict[str, np.ndarray]:
     """Velocity (3,) [m/s] of every body at the end of a scene, by name, by tuned settings and `options`."""
-    scenario = catalog.get(name)
-    scene, engine = scenario.build(), MujocoEngine()
-    motion = scenario.motion(scene, 0)
-    engine.load(scene, Settings("tuned", options), scenario.dt)
-    for frame in range(scenario.frames):
-        shown = engine.advance(motion(frame), scenario.dt).shown
-    engine.close()
-    return dict(zip(scene.names, shown.velocities, strict=True))
+    scene, records = of_catalog(MujocoEngine(), name, Settings("tuned", options))
+    return dict(zip(scene.names, records[-1].shown.velocities, strict=True))
 
 
 def lifted(angle: float, friction: float) -> float:

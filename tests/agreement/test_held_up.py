@@ -12,7 +12,8 @@ from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from scenarios.job import Job
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
-from tests.agreement.scenes import FRAME, every_joint, posture, skewed, turned
+from tests.agreement.runs import played
+from tests.agreement.scenes import every_joint, posture, skewed, turned
 
 BALL = (Piece(Sphere(0.1)),)
 LIMP = {"root_force": 0.0, "hand_force": 0.0, "hinge_force": 0.0, "ball_force": 0.0, "limit_force": 0.0}
@@ -34,11 +35,8 @@ JOINTED = Avatar("jointed", tuple(link for link in every_joint().links if link.n
 def test_a_turned_link_that_nobody_drives_stays_where_it_is(avatar: Avatar) -> None:
     start = posture(avatar, 3)
     start.rotations[0] = turned(8)
-    engine = PybulletEngine()
-    first = engine.load(beside_a_falling_ball(avatar, start), Settings("tuned", LIMP), FRAME).shown
-    for _ in range(20):
-        shown = engine.advance(start, FRAME).shown
-    engine.close()
+    records = played(PybulletEngine(), beside_a_falling_ball(avatar, start), [start] * 20, Settings("tuned", LIMP))
+    first, shown = records[0].shown, records[-1].shown
     assert shown.positions[0, 2] < first.positions[0, 2] - 0.4
     # upwards is not the only way to go: a force that turns with the link pushes it sideways
     assert np.abs(shown.positions[1:] - first.positions[1:]).max() < 1e-6
@@ -54,10 +52,8 @@ def test_looking_inside_frames_changes_no_bit(engine: Engine, preset: str, scene
         job = Job(scene, engine.name, preset, frames=12)
         scenario, built, motion = job.asked()
         opened = type(engine)()
-        shown = opened.load(built, job.settings(opened, inside=inside), scenario.dt)
-        for k in range(12):
-            shown = opened.advance(motion(k), scenario.dt)
-        lasts.append(shown.state_hash())
-        opened.close()
-        assert bool(shown.inside) == inside
+        samples = [motion(k) for k in range(12)]
+        last = played(opened, built, samples, job.settings(opened, inside=inside), scenario.dt)[-1]
+        lasts.append(last.state_hash())
+        assert bool(last.inside) == inside
     assert lasts[0] == lasts[1]

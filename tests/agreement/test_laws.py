@@ -15,7 +15,8 @@ from reference.in_mujoco.engine import MujocoEngine
 from reference.in_mujoco.laws import contact_laws, law_between
 from scenarios import catalog
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
-from tests.agreement.scenes import FRAME, every_joint, hand, posture, pressed
+from tests.agreement.runs import FRAME, played
+from tests.agreement.scenes import every_joint, hand, posture, pressed
 
 MATERIALS = ("human", "metal", "wood")
 BALL = (Piece(Sphere(0.1)),)
@@ -118,13 +119,12 @@ def test_a_loose_margin_holds_what_rests_apart_and_leaves_the_hand_its_own(margi
 def test_margin_keeps_a_driven_hand_off_the_table(margin: float) -> None:
     """Contacts begin at the margin and hold there: the hand rests that far above."""
     table = fixed("table", (Piece(Box((1.5, 1.0, 0.05))),), "wood", (0.0, 0.0, -0.025))
-    scene, engine = Scene("press", (table,), (hand(),), start=pressed(0)), MujocoEngine()
-    engine.load(scene, Settings("tuned", {"margin": margin}), FRAME)
-    for frame in range(1, 31):
-        record = engine.advance(pressed(frame), FRAME)
-    turn = record.shown.orientations[1]
+    scene = Scene("press", (table,), (hand(),), start=pressed(0))
+    samples = [pressed(frame) for frame in range(1, 31)]
+    shown = played(MujocoEngine(), scene, samples, Settings("tuned", {"margin": margin}))[-1].shown
+    turn = shown.orientations[1]
     lowest = min(
         float((rotation.rotate(turn, piece.shape.vertices + np.array(piece.position))[:, 2]).min())
         for piece in scene.links[0].pieces
     )
-    assert lowest + record.shown.positions[1, 2] == pytest.approx(margin, abs=2e-4)
+    assert lowest + shown.positions[1, 2] == pytest.approx(margin, abs=2e-4)

@@ -8,9 +8,9 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from reference.in_mujoco.engine import MujocoEngine
-from scenarios.measure.posture.limits import joint_limit_excess
 from tests.agreement.reached.mannequin import before_wall, posed
-from tests.agreement.scenes import FRAME, LIMITS, chain, swung
+from tests.agreement.runs import FRAME, limit_excess, played
+from tests.agreement.scenes import LIMITS, chain, swung
 
 MOTORS: dict[str, object] = {
     "drive": "motors", "motor_force": 0.0, "integrator": "DISCRETE", "refsafe": False, "contact": "soft", "contact_steps": 0.1,
@@ -45,7 +45,7 @@ def test_balls_arrive_without_swinging_on() -> None:
     assert max(off[arrived:]) < 8e-3
 
 
-def test_who_is_led_ahead_follows_a_swing_several_times_nearer() -> None:
+def test_leading_ahead_follows_a_swing_several_times_nearer() -> None:
     """From half a second on: at the start no engine can foresee that the tracker will move."""
     scene, off = Scene("chain", (), (chain(),), start=swung(0)), {}
     for lead in (0.0, 1.0):
@@ -59,14 +59,11 @@ def test_who_is_led_ahead_follows_a_swing_several_times_nearer() -> None:
 def test_no_ball_is_led_beyond_its_limits() -> None:
     """Asked for 1.5 rad where 0.8 are allowed."""
     scene = Scene("cone", (), (chain(LIMITS),), start=swung(0, 0.0))
-    engine = MujocoEngine()
-    engine.load(scene, Settings("tuned", MOTORS), FRAME)
-    frames = [engine.advance(swung(k, 1.5), FRAME) for k in range(1, 90)]
-    turns = np.array([frame.shown.orientations for frame in frames])
-    assert np.degrees(joint_limit_excess(scene, turns, np.zeros((len(turns), 0)))).max() < 0.05
+    frames = played(MujocoEngine(), scene, [swung(k, 1.5) for k in range(1, 90)], Settings("tuned", MOTORS))
+    assert limit_excess(scene, frames).max() < 0.05
 
 
-def test_a_torque_has_its_most() -> None:
+def test_torques_stay_within_the_limit_that_is_set() -> None:
     scene = Scene("chain", (), (chain(),), start=swung(20))
     engine, _ = settled(scene, swung(0), {**MOTORS, "motor_force": 3.0}, 1)
     forces = np.linalg.norm(engine._data.actuator_force.reshape(-1, 3), axis=1)

@@ -14,7 +14,6 @@ import pytest
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from runfiles import native_files
-from runfiles.naming import COMPILED
 from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.job import Job
@@ -65,21 +64,9 @@ def test_what_was_told_in_every_step_plays_the_scene_again_without_this_project(
     model = native_files.written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
     ran = subprocess.run([sys.executable, *(str(tmp_path / name) for name in (program, model, steps))], capture_output=True,
                          text=True, check=True, timeout=60.0)
-    assert ran.stdout.startswith("deepest ") and "median frame" in ran.stdout
     told = np.array(ran.stdout.partition("qpos ends at [")[2].replace("]", "").split(), dtype=np.float64)
     assert np.allclose(told, engine._data.qpos, rtol=0.0, atol=1e-7)
-    assert "error of the frame time: none" in gzip.decompress((tmp_path / model).read_bytes()).decode()
     assert native_files.steps_written(tmp_path, "mocap_punch_wall", "mujoco/default", 0) == ()
-
-
-def test_numbers_of_a_scene_stand_among_its_settings() -> None:
-    scenario, engine = catalog.get("driven_10cm_wall"), MujocoEngine()
-    engine.load(scenario.build(), Settings("tuned"), scenario.dt)
-    told = {name.removeprefix(COMPILED): said[0] for name, said in engine.settings_as_run().items() if isinstance(said, tuple)}
-    model = engine._model
-    assert told["flag autoreset"] is False and told["flag nativeccd"] is True and told["exclusions"] == model.nexclude
-    first, second = (f"({a:.6g}, {b:.6g}) x 1" for a, b in sorted(model.geom_solref.tolist()))
-    assert told["geom solref"] == f"{first}, {second}" and told["geom condim"] == "3 x 2"
 
 
 @needs_pybullet

@@ -17,18 +17,8 @@ from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_tracker.engine import RawTracker
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
-from tests.agreement.scenes import (
-    FRAME,
-    anchored,
-    ball_on_slab,
-    bodies_of_all_shapes,
-    chain,
-    every_joint,
-    hand_over_table,
-    nobody,
-    posture,
-    pressed,
-)
+from tests.agreement.runs import FRAME, idle, played
+from tests.agreement.scenes import anchored, ball_on_slab, bodies_of_all_shapes, chain, every_joint, posture
 
 PRESETS = pytest.mark.parametrize("preset", ["default", "tuned"])
 
@@ -45,9 +35,8 @@ def same_turn(a: np.ndarray, b: np.ndarray) -> float:
     [every_joint(), chain(), anchored(Rigid()), anchored(Ball()), anchored(Hinges((Hinge((0.0, 1.0, 0.0)),)))],
     ids=["all", "chain", "rigid", "ball", "hinge"],
 )
-@pytest.mark.parametrize("seed", [0, 1])
-def test_first_pose_is_that_of_the_plain_kinematics(engine: Engine, preset: str, avatar: Avatar, seed: int) -> None:
-    sample = posture(avatar, seed)
+def test_first_pose_is_that_of_the_plain_kinematics(engine: Engine, preset: str, avatar: Avatar) -> None:
+    sample = posture(avatar, 0)
     scene = Scene("pose", avatars=(avatar,), start=sample)
     shown = engine.load(scene, Settings(preset), FRAME)
     positions, orientations = link_poses(scene.avatars, sample)
@@ -107,7 +96,7 @@ def test_mujoco_meshes_are_where_the_scene_has_them() -> None:
 
 @needs_pybullet
 def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
-    """A tiny ball outside every vertex is as far away as it should be, to the 0.1 mm of Bullet's own measurement."""
+    """A tiny ball 0.2 m outside a vertex is as far away as it should be, to the 0.1 mm of Bullet's own measurement."""
     scene = bodies_of_all_shapes()
     engine = PybulletEngine()
     shown = engine.load(scene, Settings("tuned"), FRAME).shown
@@ -120,30 +109,18 @@ def test_pybullet_hulls_are_where_the_scene_has_them() -> None:
         points = rotation.rotate(piece.orientation, piece.shape.vertices) + np.array(piece.position)
         points = rotation.rotate(shown.orientations[k], points) + shown.positions[k]
         middle = points.mean(axis=0)
+        found = []
         for point in points:
             out = (point - middle) / np.linalg.norm(point - middle)
-            place = point + 0.2 * out
-            pybullet.resetBasePositionAndOrientation(probe, place.tolist(), [0, 0, 0, 1], physicsClientId=client)
+            pybullet.resetBasePositionAndOrientation(probe, (point + 0.2 * out).tolist(), [0, 0, 0, 1], physicsClientId=client)
             near = pybullet.getClosestPoints(probe, part.body, 1.0, physicsClientId=client)
-            distance = min(contact[8] for contact in near)
-            # never farther than the vertex; how much nearer depends on the hull's shape, so the support decides
-            support = _distance_to_hull(place, points) - radius
-            if k == 3:
-                assert abs(distance - support) <= 1e-4
-            assert distance <= 0.2 - radius + 1e-4
+            distance = min(contact[8] for contact in near) - (0.2 - radius)
+            assert distance <= 1e-4
+            # the vertex itself is nearest where it is the support in that direction; the second body has another piece
+            if k == 3 and (points @ out).max() == point @ out:
+                found.append(distance)
+        assert k != 3 or (len(found) >= 5 and np.abs(found).max() <= 1e-4)
     engine.close()
-
-
-def _distance_to_hull(place: np.ndarray, points: np.ndarray) -> float:
-    """Distance of a point outside from a hull: Frank and Wolfe's method with exact line search, plain and slow."""
-    nearest = points[np.argmin(np.linalg.norm(points - place, axis=1))].copy()
-    for _ in range(20000):
-        step = points[np.argmin(points @ (nearest - place))] - nearest
-        gain = -float(step @ (nearest - place))
-        if not gain > 1e-9:
-            break
-        nearest += min(1.0, gain / float(step @ step)) * step
-    return float(np.linalg.norm(nearest - place))
 
 
 @ENGINES
@@ -152,37 +129,29 @@ def test_free_fall_is_right_to_the_order_of_the_integrator(engine: Engine, prese
     """Semi-implicit Euler falls g t h / 2 further than the law, h being the step; nothing else may differ."""
     scene = ball_on_slab(height=5.0)
     options = {"damping": 0.0} if engine.name == "pybullet" else {}
-    engine.load(scene, Settings(preset, options), FRAME)
-    for frame in range(30):
-        record = engine.advance(nobody(scene, frame), FRAME)
-    value = engine.settings_as_run()["dt as run"]
-    assert isinstance(value, tuple)
-    t, step = 30 * FRAME, float(value[0])
-    engine.close()
+    record = played(engine, scene, idle(scene, 30), Settings(preset, options))[-1]
+    t, step = 30 * FRAME, FRAME / record.counts["steps"]
     assert record.shown.time == pytest.approx(t, rel=1e-12)
     assert record.shown.positions[1, 2] == pytest.approx(5.05 - 0.5 * 9.81 * t * (t + step), abs=1e-9)
     assert record.shown.velocities[1, 2] == pytest.approx(-9.81 * t, abs=1e-9)
+
+
+def centre_and_momentum(record: FrameRecord, body: int, mass: Mass) -> tuple[np.ndarray, np.ndarray]:
+    """Centre of mass [m] and angular momentum about it, in world axes."""
+    shown = record.shown
+    turn = rotation.to_matrix(shown.orientations[body])
+    return shown.positions[body] + turn @ np.array(mass.centre), turn @ mass.inertia @ turn.T @ shown.angular_velocities[body]
 
 
 @ENGINES
 def test_skewed_bodies_spin_alike(engine: Engine) -> None:
     """No force acts: mass centres go straight on, angular momentum turns with nothing but the integrator's error."""
     scene = bodies_of_all_shapes()
-    records = [engine.load(scene, Settings("tuned"), FRAME)]
-    records += [engine.advance(nobody(scene, k), FRAME) for k in range(30)]
-    engine.close()
+    records = played(engine, scene, idle(scene, 30), Settings("tuned"))
     t = 30 * FRAME
     for k, body in enumerate(scene.bodies):
         assert body.mass is not None
-
-        def state(record: FrameRecord, k: int = k, body_mass: object = body.mass) -> tuple[np.ndarray, np.ndarray]:
-            shown = record.shown
-            turn = rotation.to_matrix(shown.orientations[k])
-            centre = shown.positions[k] + turn @ np.array(body_mass.centre)  # type: ignore[attr-defined]
-            inertia = turn @ body_mass.inertia @ turn.T  # type: ignore[attr-defined]
-            return centre, inertia @ shown.angular_velocities[k]
-
-        (at, momentum), (later, after) = state(records[0]), state(records[-1])
+        (at, momentum), (later, after) = (centre_and_momentum(record, k, body.mass) for record in (records[0], records[-1]))
         # MuJoCo moves the frame's origin, whose path is curved: an error of the order of the step
         assert np.abs(later - at - t * np.array(body.velocity)).max() <= 1e-5
         assert np.abs(records[0].shown.velocities[k] - body.velocity).max() <= 1e-12
@@ -194,9 +163,7 @@ def test_skewed_bodies_spin_alike(engine: Engine) -> None:
 @PRESETS
 def test_steps_inside_a_frame_are_recorded_in_order(engine: Engine, preset: str) -> None:
     scene = ball_on_slab()
-    engine.load(scene, Settings(preset, record_inside=True), FRAME)
-    record = engine.advance(nobody(scene, 0), FRAME)
-    engine.close()
+    record = played(engine, scene, idle(scene, 1), Settings(preset, record_inside=True))[-1]
     times = [snapshot.time for snapshot in record.inside]
     assert len(times) == record.counts["steps"]
     assert all(a < b for a, b in pairwise(times))
@@ -204,19 +171,6 @@ def test_steps_inside_a_frame_are_recorded_in_order(engine: Engine, preset: str)
     assert record.inside[-1].positions.tobytes() == record.shown.positions.tobytes()
     heights = [snapshot.positions[1, 2] for snapshot in record.inside]
     assert all(a > b for a, b in pairwise(heights))
-
-
-@ENGINES
-@PRESETS
-def test_two_runs_give_the_same_bits(engine: Engine, preset: str) -> None:
-    """And recording inside a frame changes nothing."""
-    scene = hand_over_table()
-    hashes = []
-    for inside in (False, True):
-        engine.load(scene, Settings(preset, record_inside=inside), FRAME)
-        hashes.append([engine.advance(pressed(k), FRAME).state_hash() for k in range(1, 41)])
-        engine.close()
-    assert hashes[0] == hashes[1]
 
 
 def test_raw_tracker_shows_the_plain_kinematics() -> None:
@@ -247,8 +201,5 @@ def test_links_without_shapes_go_along(engine: Engine, preset: str) -> None:
         Link("lower", "elbow", Ball(), ball, solid(ball, 1.0), anchor=(0.0, 0.0, 0.3)),
     ))
     scene = Scene("chain", (), (sparse,), gravity=(0.0, 0.0, 0.0))
-    shown = engine.load(scene, Settings(preset), FRAME).shown
-    for _ in range(3):
-        shown = engine.advance(rest((sparse,)), FRAME).shown
+    shown = played(engine, scene, [rest((sparse,))] * 3, Settings(preset))[-1].shown
     assert shown.positions[:, 2] == pytest.approx([0.0, 0.3, 0.6, 0.9], abs=1e-6)
-    engine.close()

@@ -1,7 +1,4 @@
-"""Two traps of MuJoCo that are not stepped into: its depth of a capsule in a box, and actuators that leak through walls.
-
-The other ten are in `test_traps.py`.
-"""
+"""Two traps of MuJoCo that are not stepped into: its depth of a capsule in a box, and actuators that leak through walls."""
 
 import mujoco
 import numpy as np
@@ -14,7 +11,8 @@ from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.judging.judge import Judge
-from tests.agreement.scenes import FRAME, arm, hand_over_table
+from tests.agreement.runs import FRAME
+from tests.agreement.scenes import arm, hand_over_table
 
 HALF = np.array([0.2, 0.15, 0.1])
 """Half edges of the box [m]."""
@@ -47,7 +45,7 @@ def sampled_depth(place: np.ndarray, turn: np.ndarray) -> float:
     return float(np.min(np.abs(net) @ HALF + np.abs(net @ along) + RADIUS + net @ -place))
 
 
-def poses() -> list[tuple[np.ndarray, np.ndarray]]:
+def capsules() -> list[tuple[np.ndarray, np.ndarray]]:
     """Capsules whose middle is in the box, anyhow."""
     random = np.random.default_rng(0)
     turns = random.normal(size=(40, 4))
@@ -59,7 +57,7 @@ def test_7_mujoco_underrates_a_capsule_deep_in_a_box() -> None:
     """The trap is real: most depths are wrong, by up to some centimetres."""
     model = mujoco.MjModel.from_xml_string(BESIDE)
     data, short = mujoco.MjData(model), []
-    for place, turn in poses():
+    for place, turn in capsules():
         data.qpos[:3], data.qpos[3:] = place, turn
         mujoco.mj_kinematics(model, data)
         mujoco.mj_comPos(model, data)
@@ -73,7 +71,7 @@ def test_7_the_judge_does_not() -> None:
     pieces = (Piece(Capsule(RADIUS, LONG)),)
     box = fixed("box", (Piece(Box((0.4, 0.3, 0.2))),), "wood")
     judge = Judge(Scene("deep", (box, simulated("capsule", pieces, "wood", solid(pieces, 1.0)))))
-    for place, turn in poses():
+    for place, turn in capsules():
         found = judge.overlaps(np.array([[0.0, 0.0, 0.0], place]), np.array([[1.0, 0.0, 0.0, 0.0], turn])).deepest
         sampled = sampled_depth(place, turn)
         assert sampled - NET <= found <= sampled + 1e-9

@@ -3,18 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from avatarsim.engine import Engine, Settings
 from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.shape import Box, Piece, Shape, Sphere
-from avatarsim.scene.tracker import rest
 from avatarsim.spatial import rotation
 from scenarios.building.cases import pair_table
-
-Array = NDArray[np.float64]
+from tests.agreement.runs import Array, idle, played
 
 GRAVITY = -EARTH[2]
 """[m/s^2]"""
@@ -63,10 +60,8 @@ def over_floor(name: str, thrown: list[Thrown], gravity: float = GRAVITY) -> Sce
 def seen(engine: Engine, scene: Scene, rate: int, seconds: float, preset: str = "tuned", **options: object) -> Seen:
     """All bodies but the first at the start and after every step."""
     step = 1.0 / rate
-    frames = [engine.load(scene, Settings(preset, {"dt": step, **options}), step)]
-    frames += [engine.advance(rest(scene.avatars, (k + 1) * step), step) for k in range(round(seconds * rate))]
-    engine.close()
-    shown = [frame.shown for frame in frames]
+    records = played(engine, scene, idle(scene, round(seconds * rate), step), Settings(preset, {"dt": step, **options}), step)
+    shown = [record.shown for record in records]
     return Seen(
         np.array([state.positions[1:] for state in shown]), np.array([state.velocities[1:] for state in shown]),
         np.array([state.angular_velocities[1:] for state in shown]),

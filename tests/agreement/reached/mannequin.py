@@ -10,7 +10,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from tests.agreement.reached.driven import FRAME, eased
+from tests.agreement.reached.driven import eased
+from tests.agreement.runs import FRAME
 from tests.agreement.scenes import rotation_of_z_to_x
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)

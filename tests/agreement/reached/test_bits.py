@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from avatarsim.engine import Engine, Settings
-from scenarios import catalog
 from scenarios.engines import opened
 from tests.agreement.rivals import ENGINES
+from tests.agreement.runs import of_catalog
 
 ROOT = Path(__file__).resolve().parents[3]
 SCENE, FRAMES = "driven_10cm_wall", 60
@@ -22,14 +22,7 @@ print(fingerprint(opened({name!r}), {preset!r}))
 
 def fingerprint(engine: Engine, preset: str) -> str:
     """What a run ends in, as digits of all its bits."""
-    scenario = catalog.get(SCENE)
-    scene = scenario.build()
-    motion = scenario.motion(scene, 0)
-    engine.load(scene, Settings(preset), scenario.dt)
-    for frame in range(FRAMES):
-        record = engine.advance(motion(frame), scenario.dt)
-    engine.close()
-    return record.state_hash()
+    return of_catalog(engine, SCENE, Settings(preset), FRAMES)[1][-1].state_hash()
 
 
 @ENGINES

@@ -10,9 +10,9 @@ from mujoco import rollout
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from scenarios import catalog
-from tests.agreement.reached.driven import FRAME, Array
 from tests.agreement.reached.test_solvers import scene
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
+from tests.agreement.runs import FRAME, Array
 
 BEFORE, AFTER = 100, 100
 """Steps until the state is kept, and from there on."""
@@ -30,9 +30,9 @@ def falling() -> tuple[mujoco.MjModel, mujoco.MjData]:
     return model, data
 
 
-def kept(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
-    state = np.empty(mujoco.mj_stateSize(model, KEPT))
-    mujoco.mj_getState(model, data, state, KEPT)
+def kept(model: mujoco.MjModel, data: mujoco.MjData, parts: int) -> Array:
+    state = np.empty(mujoco.mj_stateSize(model, parts))
+    mujoco.mj_getState(model, data, state, parts)
     return state
 
 
@@ -47,7 +47,7 @@ def gone_on(model: mujoco.MjModel, data: mujoco.MjData) -> Array:
 
 def test_mujoco_goes_on_from_a_kept_state_bit_for_bit() -> None:
     model, data = falling()
-    state = kept(model, data)
+    state = kept(model, data, KEPT)
     first = gone_on(model, data)
     other = mujoco.MjData(model)
     for again in (data, other):
@@ -57,17 +57,12 @@ def test_mujoco_goes_on_from_a_kept_state_bit_for_bit() -> None:
 
 def test_mujoco_s_rollout_is_its_loop_bit_for_bit() -> None:
     model, data = falling()
-    full = int(mujoco.mjtState.mjSTATE_FULLPHYSICS)
-    start = np.empty(mujoco.mj_stateSize(model, full))
-    mujoco.mj_getState(model, data, start, full)
+    start = kept(model, data, int(mujoco.mjtState.mjSTATE_FULLPHYSICS))
     warm, led = data.qacc_warmstart.copy(), mujoco.MjData(model)
     led.mocap_pos[:], led.mocap_quat[:] = data.mocap_pos, data.mocap_quat
     spec = int(mujoco.mjtState.mjSTATE_MOCAP_POS) | int(mujoco.mjtState.mjSTATE_MOCAP_QUAT)
-    control = np.empty(mujoco.mj_stateSize(model, spec))
-    mujoco.mj_getState(model, data, control, spec)
-    states, _ = rollout.rollout(
-        model, led, start, np.tile(control, (AFTER, 1)), control_spec=spec, nstep=AFTER, initial_warmstart=warm,
-    )
+    control = np.tile(kept(model, data, spec), (AFTER, 1))
+    states, _ = rollout.rollout(model, led, start, control, control_spec=spec, nstep=AFTER, initial_warmstart=warm)
     # time comes first
     assert np.array_equal(states[0][:, 1 : 1 + model.nq], gone_on(model, data))
 

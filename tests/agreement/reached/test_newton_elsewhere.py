@@ -6,15 +6,15 @@ from math import sqrt
 import numpy as np
 import pytest
 
-from avatarsim.engine import Settings
+from avatarsim.engine import Engine, Settings
 from avatarsim.scene.body import ContactLaw, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
-from avatarsim.scene.tracker import rest
 from reference.in_mujoco.engine import MujocoEngine
 from scenarios.building.cases import NOWHERE, pair_table, turned_by
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, Seen, Thrown, over_floor, seen
 from tests.agreement.rivals import PybulletEngine, needs_pybullet
+from tests.agreement.runs import idle, played
 
 HALF = ContactLaw(0.5, 0.0)
 BOX = Box((0.1, 0.1, 0.1))
@@ -31,6 +31,12 @@ def after(found: Seen, body: int = 0) -> float:
     return float(speed[k] / -speed[k - 1]) if k else 0.0
 
 
+def bounced(engine: Engine, speed: float, rate: int, **options: object) -> float:
+    """v+/v- of a ball of restitution 0.5 that meets the floor at a speed [m/s], without gravity."""
+    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.02 * speed), (0.0, 0.0, -speed), HALF)
+    return after(seen(engine, over_floor("slow", [ball], gravity=0.0), rate, 0.1, **options))
+
+
 @pytest.mark.parametrize("other", [0.2, 2.0])
 def test_two_free_spheres_part_at_half_their_speed(other: float) -> None:
     pieces = (Piece(Sphere(0.05)),)
@@ -39,11 +45,9 @@ def test_two_free_spheres_part_at_half_their_speed(other: float) -> None:
         simulated("waits", pieces, "ball", solid(pieces, other)),
     )
     scene = Scene("pair", bodies, materials=pair_table(["ball"], {("ball", "ball"): HALF}), gravity=NOWHERE)
-    engine, step = MujocoEngine(), 1.0 / 240.0
-    engine.load(scene, Settings("tuned", {"dt": step, "kappa": 0.0}), step)
-    for k in range(40):
-        velocities = engine.advance(rest((), (k + 1) * step), step).shown.velocities
-    engine.close()
+    step = 1.0 / 240.0
+    settings = Settings("tuned", {"dt": step, "kappa": 0.0})
+    velocities = played(MujocoEngine(), scene, idle(scene, 40, step), settings, step)[-1].shown.velocities
     # to seven decimals of the speed they met at
     assert velocities[1, 0] - velocities[0, 0] == pytest.approx(0.5, abs=2e-7)
 
@@ -59,9 +63,7 @@ def test_a_box_that_lands_on_four_corners_or_on_two_leaves_with_half_its_speed(t
 @pytest.mark.parametrize("rate", [240, 1000])
 @pytest.mark.parametrize("speed", [0.01, 0.1, 1.0])
 def test_slow_impacts_bounce_as_fast_ones_do(speed: float, rate: int) -> None:
-    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.02 * speed), (0.0, 0.0, -speed), HALF)
-    found = seen(MujocoEngine(), over_floor("slow", [ball], gravity=0.0), rate, 0.1, kappa=0.0)
-    assert after(found) == pytest.approx(0.5, abs=5e-5)
+    assert bounced(MujocoEngine(), speed, rate, kappa=0.0) == pytest.approx(0.5, abs=5e-5)
 
 
 def test_with_gravity_impacts_of_any_speed_are_within_the_known_range() -> None:
@@ -100,9 +102,7 @@ def test_a_bouncing_box_at_rest_creeps_no_faster_than_known() -> None:
 @needs_pybullet
 @pytest.mark.parametrize("speed", [0.2, 0.5, 2.0])
 def test_pybullet_bounces_from_twenty_centimetres_a_second_on(speed: float) -> None:
-    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius + 0.02 * speed), (0.0, 0.0, -speed), HALF)
-    found = seen(PybulletEngine(), over_floor("slow", [ball], gravity=0.0), 240, 0.1)
-    assert after(found) == pytest.approx(0.5, abs=5e-5)
+    assert bounced(PybulletEngine(), speed, 240) == pytest.approx(0.5, abs=5e-5)
 
 
 @needs_pybullet

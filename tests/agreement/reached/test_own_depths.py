@@ -13,7 +13,8 @@ from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from reference.judging.judge import Judge
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
-from tests.agreement.scenes import FRAME, hand_over_table, pressed
+from tests.agreement.runs import FRAME
+from tests.agreement.scenes import hand_over_table, pressed
 
 FRAMES = 40
 AGREES = {"mujoco": 1e-10, "pybullet": 1e-6}

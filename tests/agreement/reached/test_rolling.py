@@ -34,24 +34,19 @@ BOUNCED = 0.304
 @ENGINES
 @pytest.mark.parametrize("rate", [60, 240, 1000])
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
-def test_what_is_left_is_as_near_to_five_sevenths_as_known(engine: Engine, rate: int, restitution: float) -> None:
+def test_a_sliding_ball_rolls_in_time_at_as_near_to_five_sevenths_of_its_speed_as_known(
+    engine: Engine, rate: int, restitution: float
+) -> None:
     ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius - TOUCHES), (SPEED, 0.0, 0.0), ContactLaw(restitution, FRICTION))
     found = seen(engine, over_floor("slide_to_roll", [ball]), rate, 0.6)
     error = abs(found.velocities[-1, 0, 0] / SPEED - SHARE)
     assert error <= abs(ROLLS_AT[engine.name][rate] - SHARE) + 2.0 * LAST_DIGIT
-
-
-@ENGINES
-@pytest.mark.parametrize("rate", [60, 240, 1000])
-def test_sliding_ends_within_a_step_of_its_time(engine: Engine, rate: int) -> None:
-    """Of a ball that could bounce in MuJoCo: friction of others is softer there, the rest of the slip dies out in 20 steps."""
-    ball = Thrown(BALL, BALL_MASS, (0.0, 0.0, BALL.radius - TOUCHES), (SPEED, 0.0, 0.0),
-                  ContactLaw(0.3 if engine.name == "mujoco" else 0.0, FRICTION))
-    found = seen(engine, over_floor("slide_to_roll", [ball]), rate, 0.6)
-    slip = found.velocities[:, 0, 0] - BALL.radius * found.spins[:, 0, 1]
-    # less is left than friction takes in half a step
-    ends = int(np.argmax(slip < 0.5 * 3.5 * FRICTION * GRAVITY / rate)) / rate
-    assert ends == pytest.approx(ROLLS_FROM, abs=1.0 / rate)
+    # MuJoCo's friction of balls that cannot bounce is softer: the rest of the slip dies out in 20 steps
+    if restitution == (0.3 if engine.name == "mujoco" else 0.0):
+        slip = found.velocities[:, 0, 0] - BALL.radius * found.spins[:, 0, 1]
+        # less is left than friction takes in half a step
+        ends = int(np.argmax(slip < 0.5 * 3.5 * FRICTION * GRAVITY / rate)) / rate
+        assert ends == pytest.approx(ROLLS_FROM, abs=1.0 / rate)
 
 
 @ENGINES

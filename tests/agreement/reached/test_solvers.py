@@ -6,7 +6,6 @@ A hand of fifteen ellipsoids is pressed on a table and moved along it, against a
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
@@ -14,9 +13,8 @@ from avatarsim.scene.body import simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from reference.in_mujoco.engine import MujocoEngine
-from reference.judging.judge import Judge
-from tests.agreement.reached.driven import FRAME, MM, Array
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
+from tests.agreement.runs import FRAME, MM, depths
 from tests.agreement.scenes import hand_over_table, pressed
 
 RATE, FRAMES = 240, 75
@@ -35,22 +33,21 @@ def scene() -> Scene:
     return replace(table, bodies=(*table.bodies, *balls))
 
 
-def depths(engine: MujocoEngine | PybulletEngine, options: dict[str, object], **engine_s_own: float) -> Array:
-    """Largest depth (F,) [m] of any two bodies, frame by frame."""
+def deepest(engine: MujocoEngine | PybulletEngine, options: dict[str, object], **engine_s_own: float) -> float:
+    """Largest depth [m] of any two bodies in any frame."""
     world = scene()
     engine.load(world, Settings("tuned", {"dt": 1.0 / RATE, **options}), FRAME)
     if engine_s_own:
         pybullet.setPhysicsEngineParameter(physicsClientId=engine._client, **engine_s_own)
-    shown = [engine.advance(pressed(frame), FRAME).shown for frame in range(1, FRAMES + 1)]
+    records = [engine.advance(pressed(frame), FRAME) for frame in range(1, FRAMES + 1)]
     engine.close()
-    places, turns = np.array([state.positions for state in shown]), np.array([state.orientations for state in shown])
-    assert places[-1, 1, 0] > 0.26, "the hand pushes the ball"
-    return np.array([max((depth for *_, depth in verdict.pairs), default=0.0) for verdict in Judge(world).each(places, turns)])
+    assert records[-1].shown.positions[1, 0] > 0.26, "the hand pushes the ball"
+    return float(depths(world, records).max())
 
 
 @cache
-def usual(name: str) -> Array:
-    return depths(MujocoEngine(), EARLY) if name == "mujoco" else depths(PybulletEngine(), {})
+def usual(name: str) -> float:
+    return deepest(MujocoEngine(), EARLY) if name == "mujoco" else deepest(PybulletEngine(), {})
 
 
 # conjugate gradients take more iterations than Newton: with its 100 they stop before they have converged, on some processors
@@ -60,7 +57,7 @@ def usual(name: str) -> Array:
     {"noslip_iterations": 3},
 ], ids=str)
 def test_mujoco_ends_as_deep_with_any_solver(options: dict[str, object]) -> None:
-    assert abs(depths(MujocoEngine(), EARLY | options).max() - usual("mujoco").max()) < NOISE * MM
+    assert abs(deepest(MujocoEngine(), EARLY | options) - usual("mujoco")) < NOISE * MM
 
 
 @needs_pybullet
@@ -69,4 +66,4 @@ def test_mujoco_ends_as_deep_with_any_solver(options: dict[str, object]) -> None
     {"useSplitImpulse": 1},
 ], ids=str)
 def test_pybullet_ends_as_deep_however_it_begins(parameters: dict[str, float]) -> None:
-    assert abs(depths(PybulletEngine(), {}, **parameters).max() - usual("pybullet").max()) < NOISE * MM
+    assert abs(deepest(PybulletEngine(), {}, **parameters) - usual("pybullet")) < NOISE * MM

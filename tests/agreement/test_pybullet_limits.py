@@ -1,4 +1,4 @@
-"""PyBullet's balls at their limits: excess is found as the measure of limits finds it, and held back."""
+"""Limits of PyBullet's joints: excess of balls is found as the measure of limits finds it, and held back."""
 
 import numpy as np
 import pytest
@@ -9,8 +9,9 @@ from avatarsim.spatial import rotation
 from reference.target_kernels import BEYOND, beyond_stops
 from scenarios import catalog
 from scenarios.measure.posture.joints import places
-from scenarios.measure.posture.limits import joint_limit_excess, swing_twist
+from scenarios.measure.posture.limits import swing_twist
 from tests.agreement.rivals import PybulletEngine, needs_pybullet
+from tests.agreement.runs import limit_excess, of_catalog
 from tests.agreement.scenes import turned
 
 
@@ -33,29 +34,30 @@ def test_beyond_is_what_the_measure_of_limits_calls_beyond() -> None:
     assert (found == wanted).all()
 
 
-def worst_excess(force: float) -> float:
-    """Largest excess [deg] over any limit while a user runs, legs brushing one another, motors holding so hard [N m]."""
-    scenario = catalog.get("mocap_run")
-    scene = scenario.build()
-    motion, engine, first = scenario.motion(scene, 0), PybulletEngine(), len(scene.bodies)
-    frames = [engine.load(scene, Settings("tuned", {"limit_force": force}), scenario.dt)]
-    frames += [engine.advance(motion(frame), scenario.dt) for frame in range(scenario.short or scenario.frames)]
-    engine.close()
-    turns = np.array([frame.shown.orientations[first:] for frame in frames])
-    return float(np.degrees(np.max(joint_limit_excess(scene, turns, np.array([frame.angles for frame in frames])))))
+def worst_excess(name: str, frames: int | None, options: dict[str, object]) -> float:
+    """Largest excess [deg] over any limit in a scene of the catalogue."""
+    return float(limit_excess(*of_catalog(PybulletEngine(), name, Settings("tuned", options), frames)).max())
 
 
 @needs_pybullet
-def test_legs_that_meet_stay_within_a_few_degrees() -> None:
-    assert any(isinstance(place.joint, Ball) for place in places(catalog.get("mocap_run").build()))
-    assert worst_excess(5000.0) < 5.0 < 50.0 < worst_excess(0.0)
+def test_motors_keep_balls_of_legs_that_meet_within_a_few_degrees() -> None:
+    scenario = catalog.get("mocap_run")
+    assert any(isinstance(place.joint, Ball) for place in places(scenario.build()))
+    assert worst_excess("mocap_run", scenario.short, {"limit_force": 5000.0}) < 5.0
+    assert worst_excess("mocap_run", scenario.short, {"limit_force": 0.0}) > 50.0
+
+
+@needs_pybullet
+def test_a_hand_in_a_corner_keeps_its_limits_where_it_is_led_by_the_force_of_a_hand() -> None:
+    """It is in the corner from the tenth frame on; forces that lead a body break its fingers' limits."""
+    assert worst_excess("hand_in_corner", 40, {}) < 20.0
+    assert worst_excess("hand_in_corner", 40, {"root_force": 2000.0, "hinge_force": 100.0, "solver_iterations": 50}) > 60.0
 
 
 @needs_pybullet
 @pytest.mark.parametrize("force", [0.0, 5000.0])
-def test_a_scene_without_balls_is_what_it_was(force: float) -> None:
-    scenario = catalog.get("hand_over_table")
-    scene, engine = scenario.build(), PybulletEngine()
-    engine.load(scene, Settings("tuned", {"limit_force": force}), scenario.dt)
+def test_scenes_without_balls_have_no_stops(force: float) -> None:
+    scenario, engine = catalog.get("hand_over_table"), PybulletEngine()
+    engine.load(scenario.build(), Settings("tuned", {"limit_force": force}), scenario.dt)
     assert not engine._drive._stops
     engine.close()
