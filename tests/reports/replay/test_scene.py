@@ -8,7 +8,7 @@ import pytest
 
 from reports.pages.scripts import data
 from reports.reading.kept import Drawn, drawn, shown
-from reports.replay.packed import unpacked
+from reports.replay.packed import codes, text, unpacked
 from reports.replay.scene import BYTES_PER_POSE, MOST_BYTES, counts_of, replay, stride
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import OURS
@@ -86,6 +86,14 @@ def test_nothing_recorded_is_nothing_to_play(folder: Path) -> None:
     assert replay(bodies(folder), [], OURS) is None
     recording(folder, NAME, "tracker/default")
     assert replay(bodies(folder), shown(folder, NAME, ["tracker/default"]), OURS) is None
+
+
+def test_packed_numbers_come_back_within_half_a_step() -> None:
+    values = np.array([-1.0, 0.0, 0.123456, 3.0, np.nan, np.inf, 9.0])
+    found = unpacked(text(codes(values, (-1.0, 3.0))), (-1.0, 3.0))
+    assert found[:4] == pytest.approx(values[:4], abs=0.5 * 4.0 / 65534 + 1e-12)
+    assert np.isnan(found[4:6]).all() and found[6] == 3.0
+    assert unpacked(text(codes(np.zeros(3), (0.0, 0.0))), (0.0, 0.0)).tolist() == [0.0] * 3
 
 
 @pytest.mark.parametrize("frames", [1, 600, 1200, 3601])

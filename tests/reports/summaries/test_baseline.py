@@ -7,7 +7,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.errors import InvalidFile
 from reports import BASELINE
 from reports.__main__ import main
 from reports.summaries import baseline
@@ -59,33 +58,6 @@ def test_the_file_holds_watched_figures_of_the_gated_engine_and_nothing_else(tmp
 def test_what_is_no_number_is_never_committed(value: float | None, tmp_path: Path) -> None:
     run = run_of([figure("a", OURS, OVERLAP, 0.0), figure("b", OURS, OVERLAP, value)])
     assert baseline.load(kept(run, tmp_path / "kept.csv")).scenario.tolist() == ["a"]
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        "",
-        "scenario,run,metric,unit,value\n",
-        "scenario,run\na,b\n",
-        "scenario,run,metric,unit,value\na,b/c,d,m,\n",
-        "scenario,run,metric,unit,value\na,b/c,d,m,much\n",
-        "scenario,run,metric,unit,value\na,b/c,d,m,inf\n",
-        '"',
-    ],
-)
-def test_a_damaged_baseline_is_named(tmp_path: Path, content: str) -> None:
-    path = tmp_path / "kept.csv"
-    path.write_text(content, encoding="utf-8")
-    with pytest.raises(InvalidFile, match=r"kept\.csv"):
-        baseline.load(path)
-
-
-def test_a_baseline_that_is_no_text_or_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(InvalidFile, match=r"none\.csv"):
-        baseline.load(tmp_path / "none.csv")
-    (tmp_path / "kept.csv").write_bytes(b"\xff\xfe\x00\x01")
-    with pytest.raises(InvalidFile, match=r"kept\.csv"):
-        baseline.load(tmp_path / "kept.csv")
 
 
 def test_the_command_writes_what_the_function_returns(run_dir: Write, results: Json, tmp_path: Path) -> None:

@@ -52,7 +52,9 @@ def test_figures_are_traceable_to_run_commit_and_day() -> None:
 def test_the_picture_is_an_svg_of_plain_colours() -> None:
     svg = picture(run())
     root = ElementTree.fromstring(svg)
-    assert root.tag.endswith("svg") and "@" not in svg and not any("href" in name for node in root.iter() for name in node.attrib)
+    assert (
+        root.tag.endswith("svg") and "@" not in svg and not any("href" in name for node in root.iter() for name in node.attrib)
+    )
 
 
 def test_a_run_without_provenance_has_a_block_too() -> None:

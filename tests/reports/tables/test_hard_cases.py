@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.errors import InvalidFile
 from reports.tables.hard_cases import by_case, trials
 from tests.reports.small_runs import MUJOCO, OURS, write_trials
 
@@ -52,14 +51,3 @@ def test_a_file_is_read_as_written(tmp_path: Path) -> None:
     rows = {row.case: row for row in by_case(table).itertuples()}
     assert (rows["stack"].drift, rows["stack"].overlap, rows["stack"].trials) == (2e-3, 1e-7, 2)
     assert rows["pile"].not_finite == 1 and math.isnan(rows["pile"].drift)
-
-
-def test_no_file_is_no_table(tmp_path: Path) -> None:
-    assert trials(tmp_path) is None
-
-
-@pytest.mark.parametrize("content", [b"", b"case,run\na,b\n", b"\xff\xfe\x00", b'case,run\n"a', b"case,run\na,b,c,d\n"])
-def test_a_damaged_file_is_named(tmp_path: Path, content: bytes) -> None:
-    (tmp_path / "stability.csv").write_bytes(content)
-    with pytest.raises(InvalidFile, match=r"stability\.csv"):
-        trials(tmp_path)

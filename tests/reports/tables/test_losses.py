@@ -16,7 +16,9 @@ from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure,
 METRICS = (OVERLAP, "course_error_max", "link_jump_max", "joint_limit_excess_max")
 numbers = st.sampled_from([0.0, 1e-7, 1e-6, 2e-6, 1e-4, 1.05e-4, 1e-2, 3.0, math.nan])
 tables = st.dictionaries(
-    st.tuples(st.sampled_from("abc"), st.sampled_from((OURS, MUJOCO, BULLET, RAW)), st.sampled_from(METRICS), st.integers(0, 1)),
+    st.tuples(
+        st.sampled_from("abc"), st.sampled_from((OURS, MUJOCO, BULLET, RAW)), st.sampled_from(METRICS), st.integers(0, 1)
+    ),
     numbers | st.none(),
     min_size=1,
 )

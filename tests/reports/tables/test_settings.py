@@ -11,7 +11,6 @@ from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from avatarsim.errors import InvalidFile
 from reports.tables.settings import settings
 from runfiles.accuracy import counts, follows, largest
 from runfiles.engines import about
@@ -78,17 +77,6 @@ def test_options_come_back_in_the_engines_own_words(tmp_path: Path) -> None:
 def test_a_step_is_written_as_the_fraction_that_it_is(rate: int) -> None:
     [line] = about("pybullet").in_own_words({"dt": 1.0 / rate})
     assert f"1/{rate}" in line if rate > 1 else line.rstrip(")").endswith("1")
-
-
-def test_no_file_is_no_table(tmp_path: Path) -> None:
-    assert settings(tmp_path) is None
-
-
-@pytest.mark.parametrize("content", [b"", b"scenario,engine\na,b\n", b"\xff\xfe\x00\x01", b'scenario,"'])
-def test_a_damaged_file_is_named(tmp_path: Path, content: bytes) -> None:
-    (tmp_path / "sweep.csv").write_bytes(content)
-    with pytest.raises(InvalidFile, match=r"sweep\.csv"):
-        settings(tmp_path)
 
 
 @pytest.mark.parametrize(
