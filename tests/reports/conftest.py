@@ -48,21 +48,14 @@ def whole_run() -> Json:
     rows.append(row("ball_drop", "mujoco/tuned", "residual_overlap_max", None, "m", status="not-measured", note="not installed"))
     engines = [
         {
-            "name": "mujoco",
-            "version": "3.17.0",
-            "preset": "default",
-            "scenario": scene,
+            "name": "mujoco", "version": "3.17.0", "preset": "default", "scenario": scene,
             "cannot_say": {"restitution": "no coefficient: bounces follow solref"},
             "settings": {"timestep": [1 / 240, "quarter of a frame"], "cone": "elliptic", "solref": [0.02, 1.0 + 0.1 * index]},
         }
         for index, scene in enumerate(("arm_wall", "hand_over_table"))
     ]
     return {
-        "schema_version": 1,
-        "exit_code": 1,
-        "rows": rows,
-        "engines": engines,
-        "series": series,
+        "schema_version": 1, "exit_code": 1, "rows": rows, "engines": engines, "series": series,
         "provenance": {"cpu": "Abacus 9", "python": "3.11", "versions": {"numpy": "2.3"}, "command": "run", "seconds": 12.5},
     }
 

@@ -14,13 +14,8 @@ from runfiles.metrics import unit
 HOST: Mapping[str, object] = {"cpu": "Abacus 9", "cpus": 2, "platform": "Linux", "python": "3.11"}
 """Provenance of a run whose times may be compared."""
 
-OVERLAP, OURS, MUJOCO, BULLET, RAW = (
-    "residual_overlap_max",
-    "avatarsim/default",
-    "mujoco/tuned",
-    "pybullet/tuned",
-    "tracker/default",
-)
+OVERLAP = "residual_overlap_max"
+OURS, MUJOCO, BULLET, RAW = "avatarsim/default", "mujoco/tuned", "pybullet/tuned", "tracker/default"
 """A metric and runs."""
 
 
@@ -69,18 +64,8 @@ SETTING = (
     "moving,at_rest,sleeps,step,avatar,slowest,gap"
 ).split(",")
 PLAIN_SETTING: Mapping[str, object] = {
-    "scenario": "arm_wall",
-    "metric": OVERLAP,
-    "unit": "m",
-    "error": 1e-4,
-    "p50": 20.0,
-    "p95": 30.0,
-    "slowest": 40.0,
-    "state": "measured",
-    "base": "tuned",
-    "rests": 0.0,
-    "sleeps": 0,
-    "avatar": 0,
+    "scenario": "arm_wall", "metric": OVERLAP, "unit": "m", "error": 1e-4, "p50": 20.0, "p95": 30.0, "slowest": 40.0,
+    "state": "measured", "base": "tuned", "rests": 0.0, "sleeps": 0, "avatar": 0,
 }
 
 
@@ -91,14 +76,7 @@ def write_settings(folder: Path, *rows: Mapping[str, object]) -> None:
 
 TRIAL = ("case,run,kind,level,start,seed,user,dt,scale,far,state,frames,overlap,energy,bad,moved,seconds,note,form").split(",")
 PLAIN_TRIAL: Mapping[str, object] = {
-    "case": "stack",
-    "run": OURS,
-    "kind": "dt",
-    "level": "small",
-    "state": "survived",
-    "overlap": 0.0,
-    "energy": 0.0,
-    "bad": 0,
+    "case": "stack", "run": OURS, "kind": "dt", "level": "small", "state": "survived", "overlap": 0.0, "energy": 0.0, "bad": 0,
     "moved": 0.0,
 }
 

@@ -63,39 +63,25 @@ def drawn(pieces: list[Piece]) -> list[int]:
     return order(pieces, [piece.outline(AXES) for piece in pieces], TOWARDS, 1.0)
 
 
+def box(size: tuple[float, float, float], position: np.ndarray, turn: np.ndarray = UPRIGHT) -> Piece:
+    return placed({"kind": "box", "size": size, "position": (0.0, 0.0, 0.0), "orientation": UPRIGHT.tolist()}, position, turn)
+
+
 def test_a_ball_before_a_large_wall_is_drawn_after_it() -> None:
     """The wall's centre is nearer to the eye than the ball's, and still the ball covers it."""
-    wall = placed(
-        {"kind": "box", "size": [4.0, 4.0, 0.1], "position": [0.0, 0.0, 0.0], "orientation": [1.0, 0.0, 0.0, 0.0]},
-        np.array([0.0, -1.5, 0.0]),
-        UPRIGHT,
-    )
+    wall = box((4.0, 4.0, 0.1), np.array([0.0, -1.5, 0.0]))
     below, above = (placed(PIECES["sphere"] | OWN, np.array([0.0, 0.0, height]), UPRIGHT) for height in (-0.9, 0.2))
     assert below.centre @ TOWARDS < above.centre @ TOWARDS
     assert drawn([above, wall, below]) == [2, 1, 0]
 
 
 def test_a_stack_is_drawn_from_below_and_a_ring_still_is_drawn_whole() -> None:
-    boxes = [
-        placed(
-            {"kind": "box", "size": [0.3, 0.3, 0.3], "position": [0.0, 0.0, 0.0], "orientation": UPRIGHT.tolist()},
-            np.array([0.0, 0.0, 0.3 * k]),
-            UPRIGHT,
-        )
-        for k in (3, 0, 2, 1)
-    ]
-    assert drawn(boxes) == [1, 3, 2, 0]
+    assert drawn([box((0.3, 0.3, 0.3), np.array([0.0, 0.0, 0.3 * k])) for k in (3, 0, 2, 1)]) == [1, 3, 2, 0]
     spokes = []
     for turn in (0.0, 2.0, 4.0):
-        place = np.array([0.25 * np.cos(turn), 0.25 * np.sin(turn), 0.0])
         tilt = np.array([np.cos(0.2), 0.2 * np.cos(turn), 0.2 * np.sin(turn), 0.0])
-        spokes.append(
-            placed(
-                {"kind": "box", "size": [1.0, 0.1, 0.1], "position": [0, 0, 0], "orientation": UPRIGHT.tolist()},
-                place,
-                tilt / np.linalg.norm(tilt),
-            )
-        )
+        place = np.array([0.25 * np.cos(turn), 0.25 * np.sin(turn), 0.0])
+        spokes.append(box((1.0, 0.1, 0.1), place, tilt / np.linalg.norm(tilt)))
     assert sorted(drawn(spokes)) == [0, 1, 2]
 
 

@@ -15,6 +15,7 @@ from tests.reports.pages.reading import read
 from tests.reports.small_runs import OURS
 
 RECORDING = f"recordings/arm_wall.{OURS.replace('/', '.')}.0.npz"
+TABLES = ("sweep.csv", "stability.csv", "ablation.json", "growth.csv")
 PAGES = {"index.html", "method.html", "engines.html", "glossary.html"}
 
 
@@ -25,18 +26,7 @@ def spoil(path: Path, how: str) -> None:
 
 
 @pytest.mark.parametrize("how", ["cut", "empty", "other"])
-@pytest.mark.parametrize(
-    "name",
-    [
-        RECORDING,
-        "scenes/arm_wall.json",
-        "overlaps/arm_wall.mujoco.tuned.0.npz",
-        "sweep.csv",
-        "stability.csv",
-        "ablation.json",
-        "growth.csv",
-    ],
-)
+@pytest.mark.parametrize("name", [RECORDING, "scenes/arm_wall.json", "overlaps/arm_wall.mujoco.tuned.0.npz", *TABLES])
 def test_a_damaged_file_is_named_and_all_pages_are_there(tmp_path: Path, name: str, how: str) -> None:
     folder = filled(tmp_path / "run")
     spoil(folder / name, how)

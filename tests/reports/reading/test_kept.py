@@ -41,52 +41,32 @@ def test_recordings_come_back_in_the_order_asked_for(folder: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value"),
+    ("kind", "name", "value"),
     [
-        ("positions", np.zeros((12, 2, 3))),
-        ("velocities", np.zeros(3)),
-        ("counts:contacts", np.zeros(12)),
-        ("meta", np.array("[]")),
-        ("meta", np.array(json.dumps({"schema_version": 1}))),
-        ("raw_positions", None),
+        ("recordings", "positions", np.zeros((12, 2, 3))),
+        ("recordings", "velocities", np.zeros(3)),
+        ("recordings", "counts:contacts", np.zeros(12)),
+        ("recordings", "meta", np.array("[]")),
+        ("recordings", "meta", np.array(json.dumps({"schema_version": 1}))),
+        ("recordings", "raw_positions", None),
+        *(("overlaps", "frame", value) for value in (np.array([12, 0, 0]), np.zeros(3), None)),
+        *(("overlaps", "first", value) for value in (np.array([-1, 0, 0]), None)),
+        ("overlaps", "second", np.array([3, 0, 0])),
+        *(("overlaps", "depth", value) for value in (np.zeros(2), np.full(3, np.nan))),
     ],
 )
-def test_a_recording_that_contradicts_itself_is_named(folder: Path, name: str, value: Any) -> None:
-    replaced(folder / "recordings" / FILE, name, value)
+def test_a_file_that_contradicts_itself_is_named(folder: Path, kind: str, name: str, value: Any) -> None:
+    replaced(folder / kind / FILE, name, value)
     with pytest.raises(InvalidFile, match=re.escape(FILE)):
         shown(folder, NAME, [THEIRS])
 
 
-@pytest.mark.parametrize(
-    ("name", "value"),
-    [
-        ("frame", np.array([12, 0, 0])),
-        ("first", np.array([-1, 0, 0])),
-        ("second", np.array([3, 0, 0])),
-        ("depth", np.zeros(2)),
-        ("depth", np.full(3, np.nan)),
-        ("frame", np.zeros(3)),
-        ("first", None),
-        ("frame", None),
-    ],
+CHANGES = (
+    {"bodies": [3]}, {"gravity": [10**400, 0, 0]}, {"gravity": [1.0]}, {"schema_version": 2}, {"parents": [5]}, {"parents": "x"},
 )
-def test_pairs_that_are_nowhere_are_named(folder: Path, name: str, value: Any) -> None:
-    replaced(folder / "overlaps" / FILE, name, value)
-    with pytest.raises(InvalidFile, match=rf"{name} in .*{re.escape(FILE)}"):
-        shown(folder, NAME, [THEIRS])
 
 
-@pytest.mark.parametrize(
-    "change",
-    [
-        {"bodies": [3]},
-        {"gravity": [10**400, 0, 0]},
-        {"gravity": [1.0]},
-        {"schema_version": 2},
-        {"parents": [5]},
-        {"parents": "x"},
-    ],
-)
+@pytest.mark.parametrize("change", CHANGES)
 def test_a_file_of_a_scene_that_is_none_is_named(folder: Path, change: dict[str, object]) -> None:
     scene(folder, NAME, **change)
     with pytest.raises(InvalidFile, match=NAME):

@@ -3,11 +3,9 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.errors import InvalidFile
 from reports import Judged, judged, said
 from reports.reading.load import Row
 from reports.summaries.text import COLUMNS, engines, headline, markdown, terminal
@@ -75,11 +73,6 @@ def test_said_is_the_summary_of_a_folder_and_names_what_changed(run_dir: Write, 
     assert said(new, old) == terminal(found.run, found.checks, found.changes, found.losses)
     assert [one.count("worse") for one in found.changes] == [1] and old.name in said(new, old)
     assert [one.count("worse") for one in judged(old, old).changes] == [0] and judged(old).changes == []
-
-
-def test_said_of_no_run_is_an_error(tmp_path: Path) -> None:
-    with pytest.raises(InvalidFile):
-        said(tmp_path / "none")
 
 
 def test_damage_is_in_the_summary() -> None:
