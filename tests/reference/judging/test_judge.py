@@ -109,25 +109,18 @@ def test_a_moved_and_rotated_world_gives_the_same_verdict():
             == {frozenset(pair[:2]) for pair in here.pairs if pair[2] > PROMISE}
 
 
-@pytest.mark.parametrize(("row", "column", "value"),
-                         [(2, 0, np.nan), (6, 2, np.inf), (0, 1, -np.inf), (3, 2, -1e300), (3, 2, 1e8)])
-def test_positions_that_are_no_numbers_give_a_depth_that_fails_every_bound(row, column, value):
-    at = FREE.copy()
-    at[row, column] = value
-    verdict = Judge(ROOM).overlaps(at, upright(at))
-    assert np.isnan(verdict.deepest)
-    assert not verdict.deepest <= 1.0
-    assert len(verdict.faults) == 1
-    assert ROOM.names[row] in verdict.faults[0]
-
-
-@pytest.mark.parametrize("quaternion", [(np.nan, 0, 0, 0), (0, 0, 0, 0), (1.001, 0, 0, 0), (0.7, 0.7, 0, 0.01)])
-def test_a_quaternion_that_is_no_rotation_is_flagged(quaternion):
-    turns = upright(FREE)
-    turns[3] = quaternion
-    verdict = Judge(ROOM).overlaps(FREE, turns)
-    assert np.isnan(verdict.deepest)
-    assert "dumbbell" in verdict.faults[0]
+@pytest.mark.parametrize(("body", "place", "turn"), [
+    ("ball", (0.0, np.nan, 0.0), rotation.IDENTITY), ("arm/hand", (0.0, 0.0, np.inf), rotation.IDENTITY),
+    ("table", (0.0, -np.inf, 0.0), rotation.IDENTITY), ("dumbbell", (0.0, 0.0, -1e300), rotation.IDENTITY),
+    ("dumbbell", (0.0, 0.0, 1e8), rotation.IDENTITY),
+    *(("dumbbell", (0.0, -0.3, 0.5), turn) for turn in ((np.nan, 0, 0, 0), (0, 0, 0, 0), (1.001, 0, 0, 0), (0.7, 0.7, 0, 0.01))),
+])
+def test_a_pose_that_is_none_gives_a_depth_that_fails_every_bound(body, place, turn):
+    at, turns = FREE.copy(), upright(FREE)
+    at[ROOM.names.index(body)], turns[ROOM.names.index(body)] = place, turn
+    verdict = Judge(ROOM).overlaps(at, turns)
+    assert np.isnan(verdict.deepest) and not verdict.deepest <= 1.0
+    assert len(verdict.faults) == 1 and body in verdict.faults[0]
 
 
 def test_a_quaternion_off_by_rounding_is_accepted_and_normalised():
@@ -140,7 +133,7 @@ def test_a_quaternion_off_by_rounding_is_accepted_and_normalised():
 
 @pytest.mark.parametrize("shapes", [((7, 3), (8, 4)), ((8, 3), (8, 3)), ((8,), (8, 4))])
 def test_poses_that_do_not_fit_the_scene_are_refused(shapes):
-    with pytest.raises(InvalidInput, match="one row per body"):
+    with pytest.raises(InvalidInput):
         Judge(ROOM).overlaps(np.ones(shapes[0]), np.ones(shapes[1]))
 
 

@@ -7,7 +7,6 @@ from avatarsim.scene.body import Mass, fixed, simulated
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.spatial import rotation
-from reference.judging import second_opinion as module
 from reference.judging.in_fcl import fcl_distance, fcl_geometry
 from reference.judging.judge import Judge
 from reference.judging.second_opinion import second_opinion
@@ -31,7 +30,6 @@ def states(count, spread, seed=41):
 def test_brute_force_sides_with_the_judge_wherever_fcl_differs(record_property):
     opinion = second_opinion(Judge(CLUTTER), states(60, 0.4))
     record_property("fcl_disagreement_rate", opinion.rate)
-    print(opinion)
     assert opinion.asked > 2000
     assert opinion.judge_wrong == 0
     for found in opinion.disagreements:
@@ -73,11 +71,3 @@ def test_fcl_measures_along_the_same_axes_and_units(shape, touch):
         got = fcl_distance(fcl_geometry(shape), np.eye(3), np.array([0.0, 0.0, 1.0 + height]), ground, np.eye(3), np.zeros(3))
         # fcl itself is 0.4 mm off here; a wrong axis or unit would be centimetres
         assert got == pytest.approx(height - touch, abs=1e-3)
-
-
-def test_the_opinion_reads_as_a_sentence():
-    found = module.Disagreement(("a", "b"), judged=-0.1, fcl=-0.2, decided=-0.1)
-    opinion = module.Opinion(4, (found,))
-    assert found.judge_was_right
-    assert opinion.rate == 0.25
-    assert "1 of 4 pairs (25 %), of which 1 overlap" in str(opinion)
