@@ -1,6 +1,7 @@
 """Runs of an engine, and figures of what it shows."""
 
 from collections.abc import Iterable
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,7 @@ from scenarios import catalog
 from scenarios.measure.posture.limits import joint_limit_excess
 
 Array = NDArray[np.float64]
+AnyEngine = TypeVar("AnyEngine", bound=Engine)
 FRAME = 1.0 / 60.0
 MM = 1e-3
 
@@ -24,6 +26,12 @@ def played(engine: Engine, scene: Scene, samples: Iterable[TrackerSample], setti
     records += [engine.advance(sample, dt) for sample in samples]
     engine.close()
     return records
+
+
+def loaded(engine: AnyEngine, scene: Scene, settings: Settings, dt: float = FRAME) -> AnyEngine:
+    """The engine at the start of a scene; it stays open."""
+    engine.load(scene, settings, dt)
+    return engine
 
 
 def idle(scene: Scene, frames: int, dt: float = FRAME) -> list[TrackerSample]:

@@ -14,7 +14,7 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sh
 from avatarsim.scene.tracker import TrackerSample, rest
 from reference.judging.judge import Judge
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
-from tests.agreement.runs import FRAME
+from tests.agreement.runs import FRAME, loaded
 from tests.agreement.scenes import turned
 
 GAP = 3e-4
@@ -29,8 +29,7 @@ WALL = fixed("wall", (Piece(Box((1.0, 4.0, 4.0))),), "wood", (1.5, 0.0, 0.0))
 
 def contacts(scene: Scene, options: dict[str, object]) -> int:
     """Contacts after one step in empty space, of which none moves anything."""
-    engine = PybulletEngine()
-    engine.load(scene, Settings("tuned", {"dt": FRAME, "processing_threshold": 1.0, **options}), FRAME)
+    engine = loaded(PybulletEngine(), scene, Settings("tuned", {"dt": FRAME, "processing_threshold": 1.0, **options}))
     pybullet.stepSimulation(physicsClientId=engine._client)
     found = len(pybullet.getContactPoints(physicsClientId=engine._client))
     engine.close()

@@ -1,4 +1,4 @@
-"""PyBullet's product rule: exact where it can be, closest where it cannot, and honest about the difference."""
+"""PyBullet's product rule: exact where it can be, closest where it cannot, and reported where it differs."""
 
 import numpy as np
 import pytest
@@ -7,11 +7,20 @@ from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Ellipsoid, Piece, Sphere
 from reference.in_pybullet.cannot_say import cannot_say
-from reference.in_pybullet.factors import coefficients, fit, weights
+from reference.in_pybullet.factors import Array, coefficients, fit, weights
+from reference.in_pybullet.minimax import CLOSE, least_worst
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.scenes import hand, pressed
 
 BALL = (Piece(Sphere(0.05)),)
+MATERIALS = ("wood", "human", "metal")
+KNOWN = {"restitution": 0.050, "friction": 0.033}
+"""Largest miss where all materials meet all, known to three decimals."""
+HALF_A_DIGIT = 5e-4
+GRID = 0.02
+"""Between two factors that are tried."""
+STEEPEST = 2.0
+"""Of a product of two factors up to 1, against both."""
 
 
 def test_three_classes_that_touch_are_exact() -> None:
@@ -52,7 +61,7 @@ def test_zero_stays_almost_zero_and_many_bodies_share_factors() -> None:
 def test_factors_do_not_depend_on_the_size_of_the_world(scale: float) -> None:
     """Six balls on six slabs, in millimetres and in kilometres: the same pairs meet."""
     def balls(size: float) -> Scene:
-        materials = [(a, b) for k, a in enumerate(("wood", "human", "metal")) for b in ("wood", "human", "metal")[k:]]
+        materials = [(a, b) for k, a in enumerate(MATERIALS) for b in MATERIALS[k:]]
         ball, slab = (Piece(Sphere(0.1 * size)),), (Piece(Box((0.6 * size, 0.6 * size, 0.2 * size))),)
         bodies = [fixed(f"slab_{k}", slab, b, (k * size, 0.0, 0.0)) for k, (_, b) in enumerate(materials)]
         return Scene("balls", (*bodies, *(
@@ -67,3 +76,41 @@ def test_ellipsoids_are_reported_as_unsupported() -> None:
     egg = (Piece(Ellipsoid((0.1, 0.2, 0.3))),)
     scene = Scene("egg", (simulated("egg", egg, "wood", solid(egg, 1.0)),))
     assert "ellipsoids" in cannot_say(scene)
+
+
+@pytest.mark.parametrize("what", [0, 1], ids=list(KNOWN))
+def test_table_1_is_missed_by_no_more_than_known_where_all_meet_all(what: int) -> None:
+    """Two balls of each material, all in one place."""
+    bodies = tuple(simulated(f"{material}_{k}", BALL, material, solid(BALL, 1.0)) for material in MATERIALS for k in range(2))
+    scene = Scene("crowd", bodies)
+    found = fit(scene, coefficients(scene)[what], weights(scene)[what])
+    worst = max(abs(wanted - said) for _, _, wanted, said in found.misses)
+    assert worst <= list(KNOWN.values())[what] + HALF_A_DIGIT
+    assert list(KNOWN)[what] in cannot_say(scene)
+
+
+def tried(first: Array, second: Array, wanted: Array, weight: Array) -> float:
+    """The smallest of the largest weighted misses, of all triples of factors on a grid."""
+    steps = np.arange(GRID, 1.0 + GRID, GRID)
+    factors = np.stack(np.meshgrid(steps, steps, steps, indexing="ij")).reshape(3, -1)
+    return float((weight[:, None] * np.abs(factors[first] * factors[second] - wanted[:, None])).max(axis=0).min())
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_no_factors_of_a_grid_are_better(seed: int) -> None:
+    """Any table of three materials, any weights, and a guess that is far off."""
+    draw = np.random.default_rng(seed)
+    first, second = np.triu_indices(3)
+    wanted, weight = draw.uniform(0.05, 0.9, 6), draw.uniform(0.1, 1.0, 6)
+    logs = least_worst(first, second, wanted, weight, np.log(np.full(3, 0.9)))
+    worst = float((weight * np.abs(np.exp(logs[first] + logs[second]) - wanted)).max())
+    best = tried(first, second, wanted, weight)
+    assert best - STEEPEST * GRID <= worst <= best + CLOSE
+
+
+def test_factors_are_found_from_their_products() -> None:
+    """Factors of 0.3, 0.5, 0.8 and 1 from their products."""
+    factors = np.array([0.3, 0.5, 0.8, 1.0])
+    first, second = np.triu_indices(4, 1)
+    logs = least_worst(first, second, factors[first] * factors[second], np.full(6, 0.5), np.zeros(4))
+    np.testing.assert_allclose(np.exp(logs), factors, atol=10.0 * CLOSE)

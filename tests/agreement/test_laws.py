@@ -15,7 +15,7 @@ from reference.in_mujoco.engine import MujocoEngine
 from reference.in_mujoco.laws import contact_laws, law_between
 from scenarios import catalog
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
-from tests.agreement.runs import FRAME, played
+from tests.agreement.runs import loaded, played
 from tests.agreement.scenes import every_joint, hand, posture, pressed
 
 MATERIALS = ("human", "metal", "wood")
@@ -60,8 +60,7 @@ def test_table_1_needs_few_explicit_pairs() -> None:
 def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -> None:
     """Read from the contacts that MuJoCo makes when all balls overlap: every wanted pair once, and no other."""
     scene = crowd(["human", "metal", "wood", "wood", "metal"], [False, False, False, True, True], exclude=(("s0", "s1"),))
-    engine = MujocoEngine()
-    engine.load(scene, Settings("tuned"), FRAME)
+    engine = loaded(MujocoEngine(), scene, Settings("tuned"))
     model, data = engine._world.model, engine._data
     mujoco.mj_forward(model, data)
     found = {}
@@ -78,8 +77,7 @@ def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -
 
 def test_frictionless_scenes_have_frictionless_contacts() -> None:
     scene = crowd(["wood", "wood"], [False, True], narrow=("friction",))
-    engine = MujocoEngine()
-    engine.load(scene, Settings("tuned"), FRAME)
+    engine = loaded(MujocoEngine(), scene, Settings("tuned"))
     mujoco.mj_forward(engine._world.model, engine._data)
     assert engine._data.ncon == 1
     assert engine._data.contact[0].dim == 1
@@ -89,8 +87,7 @@ def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says(
     """MuJoCo's own rule would also drop grandparents across rigid joints."""
     avatar = every_joint()
     scene = Scene("self", avatars=(avatar,), start=posture(avatar, 0))
-    engine = MujocoEngine()
-    engine.load(scene, Settings("tuned"), FRAME)
+    engine = loaded(MujocoEngine(), scene, Settings("tuned"))
     model = engine._world.model
     excluded = {(int(s) >> 16, int(s) & 0xFFFF) for s in model.exclude_signature}
     ids = engine._world.body_ids
@@ -104,8 +101,8 @@ def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says(
 @pytest.mark.parametrize("margin", [0.0, 0.0004])
 def test_a_loose_margin_holds_what_rests_apart_and_leaves_the_hand_its_own(margin: float) -> None:
     """Geoms and pairs that are not driven add up to it; a link and what is loose meet at the margin of the links."""
-    scenario, engine = catalog.get("stack_ten"), MujocoEngine()
-    engine.load(scenario.build(), Settings("tuned", {"loose_margin": margin}), scenario.dt)
+    scenario = catalog.get("stack_ten")
+    engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned", {"loose_margin": margin}), scenario.dt)
     assert np.allclose(engine._model.geom_margin, 0.5 * margin) and np.allclose(engine._model.pair_margin, margin)
     grasp = catalog.get("hand_grasp")
     engine.load(grasp.build(), Settings("tuned", {"loose_margin": margin, "margin": 0.001}), grasp.dt)

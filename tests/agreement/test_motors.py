@@ -9,7 +9,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from reference.in_mujoco.engine import MujocoEngine
 from tests.agreement.reached.mannequin import before_wall, posed
-from tests.agreement.runs import FRAME, limit_excess, played
+from tests.agreement.runs import FRAME, limit_excess, loaded, played
 from tests.agreement.scenes import LIMITS, chain, swung
 
 MOTORS: dict[str, object] = {
@@ -21,8 +21,7 @@ MOTORS: dict[str, object] = {
 
 def settled(scene: Scene, goal: TrackerSample, options: dict[str, object], frames: int = 120) -> tuple[MujocoEngine, list[float]]:
     """The engine after `frames` of being asked for `goal`, and how far off [m] the link farthest off was in each."""
-    engine = MujocoEngine()
-    engine.load(scene, Settings("tuned", options), FRAME)
+    engine = loaded(MujocoEngine(), scene, Settings("tuned", options))
     there, off = engine._targets.posture(goal)[0], list[float]()
     for k in range(frames):
         asked = TrackerSample((k + 1) * FRAME, goal.positions, goal.rotations, goal.angles)
@@ -49,8 +48,7 @@ def test_leading_ahead_follows_a_swing_several_times_nearer() -> None:
     """From half a second on: at the start no engine can foresee that the tracker will move."""
     scene, off = Scene("chain", (), (chain(),), start=swung(0)), {}
     for lead in (0.0, 1.0):
-        engine = MujocoEngine()
-        engine.load(scene, Settings("tuned", {**MOTORS, "lead": lead}), FRAME)
+        engine = loaded(MujocoEngine(), scene, Settings("tuned", {**MOTORS, "lead": lead}))
         found = [engine.advance(swung(k), FRAME).shown.positions - engine._targets.posture(swung(k))[0] for k in range(1, 120)]
         off[lead] = float(np.linalg.norm(found[30:], axis=2).max())
     assert off[1.0] < 0.25 * off[0.0]

@@ -19,6 +19,7 @@ from scenarios.engines import opened
 from scenarios.job import Job
 from scenarios.results import native
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
+from tests.agreement.runs import loaded
 
 WRITTEN = 1e-13
 """Share by which a number may differ that was written with 17 digits, some of them as parts of a sum."""
@@ -36,9 +37,9 @@ FIELDS = (
     ("falling_rod", "default"),
 ])
 def test_the_xml_of_a_scene_compiles_to_the_model_that_was_run(name: str, preset: str) -> None:
-    scenario, engine = catalog.get(name), MujocoEngine()
+    scenario = catalog.get(name)
     scene = scenario.build()
-    engine.load(scene, Settings(preset), scenario.dt)
+    engine = loaded(MujocoEngine(), scene, Settings(preset), scenario.dt)
     ending, text = engine.native()
     assert ending == "xml" and engine.native() == (ending, text)
     ours, theirs = engine._model, mujoco.MjModel.from_xml_string(text)
@@ -74,8 +75,8 @@ def test_what_was_told_in_every_step_plays_the_scene_again_without_this_project(
     ("ball_drop", "tuned"), ("mocap_punch_wall", "tuned"), ("mocap_punch_wall", "default"),
 ])
 def test_the_calls_set_bullet_as_it_was_run(name: str, preset: str) -> None:
-    scenario, engine = catalog.get(name), PybulletEngine()
-    engine.load(scenario.build(), Settings(preset), scenario.dt)
+    scenario = catalog.get(name)
+    engine = loaded(PybulletEngine(), scenario.build(), Settings(preset), scenario.dt)
     ending, text = engine.native()
     given: list[tuple[str, tuple[object, ...], dict[str, object]]] = []
 
@@ -108,8 +109,8 @@ def test_the_calls_set_bullet_as_it_was_run(name: str, preset: str) -> None:
 
 
 def test_a_run_keeps_it_once_and_an_engine_that_cannot_tell_gives_none(tmp_path: Path) -> None:
-    scenario, engine = catalog.get("driven_10cm_wall"), MujocoEngine()
-    engine.load(scenario.build(), Settings("tuned"), scenario.dt)
+    scenario = catalog.get("driven_10cm_wall")
+    engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned"), scenario.dt)
     native.write(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"))
     path = native_files.written(tmp_path, "driven_10cm_wall", "mujoco/tuned", 0)
     assert gzip.decompress((tmp_path / path).read_bytes()).decode() == engine.native()[1]
@@ -123,9 +124,9 @@ def test_a_run_keeps_it_once_and_an_engine_that_cannot_tell_gives_none(tmp_path:
 @pytest.mark.parametrize("preset", ["default", "tuned"])
 @pytest.mark.parametrize("name", ["falling_rod", "painleve"])
 def test_the_floor_of_rods_is_the_plane_of_its_top_and_both_ends_are_met(name: str, preset: str) -> None:
-    scenario, engine = catalog.get(name), MujocoEngine()
+    scenario = catalog.get(name)
     scene = scenario.build()
-    engine.load(scene, Settings(preset), scenario.dt)
+    engine = loaded(MujocoEngine(), scene, Settings(preset), scenario.dt)
     model = engine._model
     floors = np.flatnonzero(model.geom_type == int(mujoco.mjtGeom.mjGEOM_PLANE))
     assert [scene.names[0]] == ["floor"] and len(floors) == 1

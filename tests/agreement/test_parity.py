@@ -17,7 +17,7 @@ from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_tracker.engine import RawTracker
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
-from tests.agreement.runs import FRAME, idle, played
+from tests.agreement.runs import FRAME, idle, loaded, played
 from tests.agreement.scenes import anchored, ball_on_slab, bodies_of_all_shapes, chain, every_joint, posture
 
 PRESETS = pytest.mark.parametrize("preset", ["default", "tuned"])
@@ -48,8 +48,7 @@ def test_first_pose_is_that_of_the_plain_kinematics(engine: Engine, preset: str,
 
 def test_mujoco_has_the_stated_masses_and_inertias() -> None:
     scene = bodies_of_all_shapes()
-    engine = MujocoEngine()
-    engine.load(scene, Settings(), FRAME)
+    engine = loaded(MujocoEngine(), scene, Settings())
     model = engine._world.model
     for body, k in zip(scene.bodies, engine._world.body_ids, strict=True):
         assert body.mass is not None
@@ -62,8 +61,7 @@ def test_mujoco_has_the_stated_masses_and_inertias() -> None:
 @needs_pybullet
 @pytest.mark.parametrize("scene", [bodies_of_all_shapes(), Scene("all", avatars=(every_joint(),))], ids=["bodies", "avatar"])
 def test_pybullet_has_the_stated_masses_and_inertias(scene: Scene) -> None:
-    engine = PybulletEngine()
-    engine.load(scene, Settings(), FRAME)
+    engine = loaded(PybulletEngine(), scene, Settings())
     owners = [*scene.bodies, *scene.links]
     for owner, part in zip(owners, engine._world.parts, strict=True):
         mass, _, moments, centre, *_ = pybullet.getDynamicsInfo(part.body, part.link, physicsClientId=engine._client)

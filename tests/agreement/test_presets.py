@@ -20,7 +20,7 @@ from reference.presets import Chosen, Kind, kind_of, of_one_scene
 from scenarios import catalog
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
-from tests.agreement.runs import FRAME, depths, idle, played, poses
+from tests.agreement.runs import FRAME, depths, idle, loaded, played, poses
 from tests.agreement.scenes import arm, ball_on_slab, bent, chain, hand_over_table, pressed, swung
 
 
@@ -115,8 +115,7 @@ def test_unknown_words_are_refused(engine: Engine, preset: str) -> None:
 
 @pytest.mark.parametrize("preset", ["default", "tuned", "sleeping", "servos"])
 def test_departures_from_mujoco_s_defaults_are_among_the_settings_as_run(preset: str) -> None:
-    engine = MujocoEngine()
-    engine.load(hand_over_table(), Settings(preset), FRAME)
+    engine = loaded(MujocoEngine(), hand_over_table(), Settings(preset))
     run = engine.settings_as_run()
     assert run["version"] == (mujoco.__version__, PINNED)
     bits = mujoco.mjtDisableBit

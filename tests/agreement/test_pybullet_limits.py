@@ -11,7 +11,7 @@ from scenarios import catalog
 from scenarios.measure.posture.joints import places
 from scenarios.measure.posture.limits import swing_twist
 from tests.agreement.rivals import PybulletEngine, needs_pybullet
-from tests.agreement.runs import limit_excess, of_catalog
+from tests.agreement.runs import limit_excess, loaded, of_catalog
 from tests.agreement.scenes import turned
 
 
@@ -57,7 +57,7 @@ def test_a_hand_in_a_corner_keeps_its_limits_where_it_is_led_by_the_force_of_a_h
 @needs_pybullet
 @pytest.mark.parametrize("force", [0.0, 5000.0])
 def test_scenes_without_balls_have_no_stops(force: float) -> None:
-    scenario, engine = catalog.get("hand_over_table"), PybulletEngine()
-    engine.load(scenario.build(), Settings("tuned", {"limit_force": force}), scenario.dt)
+    scenario = catalog.get("hand_over_table")
+    engine = loaded(PybulletEngine(), scenario.build(), Settings("tuned", {"limit_force": force}), scenario.dt)
     assert not engine._drive._stops
     engine.close()

@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
@@ -174,6 +174,12 @@ class Browser:
         """Press and let go of a key."""
         for kind in ("keyDown", "keyUp"):
             self.tell("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number)
+
+    def press(self, keys: str | Sequence[str]) -> None:
+        """Send keys to the page's own listener, without the browser's."""
+        for key in keys:
+            event = f"new KeyboardEvent('keydown', {{key: {json.dumps(key)}, bubbles: true}})"
+            self.value(f"document.body.dispatchEvent({event})")
 
     def value(self, expression: str) -> Any:
         """The value of a JavaScript expression in the page. RuntimeError when it throws."""

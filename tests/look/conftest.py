@@ -12,6 +12,15 @@ SIZES = {"wide": (1400, 900), "narrow": (390, 900)}
 WINDOWS = [f"{size}-{colours}" for size in SIZES for colours in ("light", "dark")]
 
 
+COLOURS = """
+(() => {
+  const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
+  return new Set(new Uint32Array(pen.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
+})()
+"""
+"""Number of different colours in a picture that a page draws by itself."""
+
+
 @pytest.fixture(scope="module", params=WINDOWS)
 def opened(request: pytest.FixtureRequest) -> Iterator[tuple[Browser, str]]:
     """A browser with a window of each size, in each taste, and a name for its screenshots."""

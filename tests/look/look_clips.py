@@ -13,17 +13,9 @@ import pytest
 from avatarsim.cli import main
 from tests.clips.made import bvh, csv, robot
 from tests.look.browser import Browser
-from tests.look.conftest import SCREENSHOTS
+from tests.look.conftest import COLOURS, SCREENSHOTS
 
-COLOURS = """
-(() => {
-  const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
-  return new Set(new Uint32Array(pen.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
-})()
-"""
-"""How many different colours the picture has."""
 SHOWN = "Number(document.getElementById('stage').dataset.frame)"
-TOLD = "document.getElementById('told').textContent"
 HOSTILE = "</script><script>document.title='taken'</script>.bvh"
 
 
@@ -65,17 +57,14 @@ def test_the_summary_leads_to_every_clip_and_back(folder: Path, opened: tuple[Br
         quiet(one, folder / link)
 
 
-def test_a_clip_opens_at_its_deepest_moment_and_says_so(folder: Path, opened: tuple[Browser, str]) -> None:
+def test_a_clip_opens_at_its_deepest_moment(folder: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
     page = folder / "pages" / "sinks.bvh.html"
     one.open(page)
     one.until(f"{SHOWN} > 0")
     clip = json.loads((folder / "certificates" / "sinks.bvh.json").read_text())
     assert clip["overlap"]["before"]["frames"] > 0
-    first = one.value("document.querySelector('.moments button').textContent")
-    assert first.startswith("deepest overlap before")
     assert one.value(f"{SHOWN} === Number(document.querySelector('.moments button').dataset.frame)")
-    assert "before: overlap" in one.value(TOLD) and "after: no overlap" in one.value(TOLD)
     assert one.value("document.getElementById('stage').classList.contains('overlaps')")
     assert one.value(COLOURS) > 30
     # both figures, the room, and the time line with what overlaps in red in the row above and nowhere in the one below
@@ -91,19 +80,14 @@ def test_a_clip_plays_and_is_led_by_slider_keys_and_line(folder: Path, opened: t
     one.open(folder / "index.html")
     one.open(page, "#f=3")
     one.until(f"{SHOWN} === 3")
-    assert "no overlap" in one.value(TOLD) and not one.value("document.getElementById('stage').classList.contains('overlaps')")
+    assert not one.value("document.getElementById('stage').classList.contains('overlaps')")
     one.value("document.getElementById('play').click()")
     one.until(f"{SHOWN} > 8")
     one.value("document.getElementById('play').click()")
     assert one.value("document.getElementById('stage').dataset.state") == "paused"
-
-    def press(key: str) -> None:
-        one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {json.dumps(key)}, bubbles: true}}))")
-
-    press("End")
+    one.press(["End"])
     assert one.value(f"{SHOWN} === 39 && document.getElementById('bar').value === '39'")
-    press("ArrowLeft")
-    press("ArrowLeft")
+    one.press(["ArrowLeft", "ArrowLeft"])
     assert one.value(f"{SHOWN}") == 37
     one.value("(() => { const bar = document.getElementById('bar'); bar.value = 11; bar.dispatchEvent(new Event('input')); })()")
     assert one.value(f"{SHOWN}") == 11
@@ -112,8 +96,8 @@ def test_a_clip_plays_and_is_led_by_slider_keys_and_line(folder: Path, opened: t
     one.value(f"document.getElementById('line').dispatchEvent({click})")
     assert one.value(f"{SHOWN}") == 20
     # to the end by itself, and again from the start
-    press("End")
-    press(" ")
+    one.press(["End"])
+    one.press(" ")
     one.until(f"{SHOWN} < 30 && {SHOWN} > 0")
     quiet(one, page)
 
@@ -154,5 +138,4 @@ def test_a_clip_that_was_free_has_nothing_red(folder: Path, opened: tuple[Browse
     one.open(page)
     one.until(f"{SHOWN} >= 0")
     assert one.value("document.querySelectorAll('#line .red, #line .chord').length") == 0
-    assert one.value("document.querySelector('h2 + p').textContent") == "Nothing was flagged."
     quiet(one, page)

@@ -18,17 +18,15 @@ from PIL import Image, ImageSequence
 from reports import write_report
 from reports.tables.figures import quantity
 from tests.look.browser import Browser
-from tests.look.conftest import SCREENSHOTS, SIZES
+from tests.look.conftest import SCREENSHOTS
 from tests.look.shown_pages import (
     BLANK,
     COLOURS,
-    CONTRAST,
     CONTROLS,
     DIMMED,
     DOT,
     MARKUP,
     SHOWN,
-    WRITTEN,
     by_hand,
     choose,
     click,
@@ -179,7 +177,6 @@ def test_the_table_of_all_figures_is_filtered(run: Path, opened: tuple[Browser, 
     show(one, page)
     one.value("document.getElementById('load').click()")
     one.until("document.querySelectorAll('#grid tbody tr').length > 1")
-    assert one.value(CONTRAST) > 250
     narrow_enough(one)
     one.value("document.getElementById('figures').scrollIntoView({behavior: 'instant'})")
     one.picture(SCREENSHOTS / f"table-{run.name}-{name}.png")
@@ -292,15 +289,11 @@ def test_a_click_on_a_chart_leads_to_its_time(run: Path, opened: tuple[Browser, 
 def test_keys_lead_the_replay(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     replayed(one, scenes(run)[0])
-
-    def press(key: str) -> None:
-        one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: {json.dumps(key)}, bubbles: true}}))")
-
     for key, state in (("Home", "0"), ("ArrowRight", "1"), ("End", "Number(document.querySelector('[data-part=bar]').max)")):
-        press(key)
+        one.press([key])
         one.until(f"{SHOWN} === {state}")
     for state in ("playing", "paused"):
-        press(" ")
+        one.press(" ")
         assert one.value("document.getElementById('replay').dataset.state") == state
     assert one.errors == []
 
@@ -349,33 +342,13 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
         assert one.errors == []
 
 
-def test_captions_leave_the_picture_free_where_there_is_no_room(run: Path, opened: tuple[Browser, str]) -> None:
-    one, name = opened
-    replayed(one, scenes(run)[0])
-    over = one.value("""[...document.querySelectorAll('.view')].map((view) => {
-        const parts = ['.called', '.picture', '.said'];
-        const [called, picture, said] = parts.map((one) => view.querySelector(one).getBoundingClientRect());
-        return [picture.top - called.bottom, said.top - picture.bottom, picture.height / picture.width];
-    })""")
-    assert all(share == pytest.approx(0.75, abs=0.02) for _, _, share in over)
-    if SIZES[name.partition("-")[0]] == SIZES["narrow"]:
-        assert all(above >= -0.5 and below >= -0.5 for above, below, _ in over)
-        assert one.value("[...document.querySelectorAll('.said')].every((said) => said.scrollHeight <= said.clientHeight)")
-
-
 def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, str], tmp_path: Path) -> None:
     one, _ = opened
     page = shortest(run)
     one.downloads(tmp_path)
     replayed(one, page)
-    one.value(WRITTEN)
     one.value("document.querySelector('[data-part=film]').click()")
-    one.until("document.querySelector('[data-part=film]').textContent.startsWith('Stop: picture')")
     one.until("document.getElementById('replay').dataset.filmed !== undefined", patience=300.0)
-    # its words have the width that they need, and no digits that nothing was measured to
-    words = one.value("window.written")
-    assert words and all(width <= most + 0.5 for _, width, most in words)
-    assert not [text for text, *_ in words if re.search(r"\d\.\d{3}", text)]
     saved, until = tmp_path / f"{page.stem}.gif", time.monotonic() + 10.0
     while not saved.exists() and time.monotonic() < until:
         time.sleep(0.1)

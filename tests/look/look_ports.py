@@ -15,11 +15,12 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from avatarsim.live.messages import State
 from avatarsim.live.ports.protocol import Goals
 from reports.replay.three_js import library
 from tests.live.ports.opened import Opened, state, until
 from tests.look.browser import Browser
-from tests.look.conftest import SCREENSHOTS
+from tests.look.conftest import COLOURS, SCREENSHOTS
 
 RENDERER = Path(__file__).resolve().parents[2] / "examples" / "renderer"
 HEADSET = """
@@ -86,10 +87,15 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 def opens(one: Browser, url: str) -> None:
     """Load a page over HTTP."""
-    one.errors.clear()
-    one.requests.clear()
-    one.tell("Page.navigate", url=url)
+    one.visit(url)
     one.until(f"document.readyState === 'complete' && location.href === {url!r}")
+
+
+def hand_over_table() -> State:
+    """Frame 3, with the hand 20 cm above the table."""
+    shown = state(3)
+    shown.positions[:] = [[0.0, 0.0, -0.05], [0.0, 0.0, 0.2]]
+    return shown
 
 
 def quiet(one: Browser) -> None:
@@ -141,17 +147,11 @@ def test_a_tracked_wrist_leads_its_link_from_where_it_is_shown(ports: Opened, op
 
 def test_the_example_draws_the_newest_poses(ports: Opened, folder: str, opened: tuple[Browser, str]) -> None:
     one, name = opened
-    shown = state(3)
-    shown.positions[:] = [[0.0, 0.0, -0.05], [0.0, 0.0, 0.2]]
-    ports.ports.publish(shown)
+    ports.ports.publish(hand_over_table())
     opens(one, f"{folder}/index.html?ws=127.0.0.1:{ports.web[1]}")
     one.until("document.body.dataset.frame === '3'")
     assert one.value("document.body.dataset.view") == "canvas"
-    colours = one.value("""(() => {
-      const canvas = document.getElementById("view"), pen = canvas.getContext("2d");
-      return new Set(new Uint32Array(pen.getImageData(0, 0, canvas.width, canvas.height).data.buffer)).size;
-    })()""")
-    assert colours > 20
+    assert one.value(COLOURS) > 20
     one.picture(SCREENSHOTS / f"renderer-{name}.png")
     ports.ports.publish(state(4))
     one.until("document.body.dataset.frame === '4'")
@@ -162,12 +162,10 @@ def test_the_example_draws_with_a_copy_of_three_js_that_is_named(
     ports: Opened, folder: str, opened: tuple[Browser, str], tmp_path: Path
 ) -> None:
     one, name = opened
-    shown = state(3)
-    shown.positions[:] = [[0.0, 0.0, -0.05], [0.0, 0.0, 0.2]]
     opens(one, f"{folder}/index.html?ws=127.0.0.1:{ports.web[1]}&three=three.module.js")
     one.until("document.body.dataset.view === 'three'")
     one.picture(tmp_path / "empty.png")
-    ports.ports.publish(shown)
+    ports.ports.publish(hand_over_table())
     one.until("document.body.dataset.frame === '3'")
     one.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     place = SCREENSHOTS / f"renderer-three-{name}.png"

@@ -53,8 +53,7 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
         if number not in wanted:
             one.value(f"document.querySelector('[data-view=\"{number}\"]').click()")
     # from where a fist in the wall is seen from the side
-    for key in TURNS:
-        one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: '{key}', bubbles: true}}))")
+    one.press(TURNS)
     last = int(one.value("document.querySelector('[data-part=bar]').max"))
     step = float(one.value("page.replay.dt"))
     one.value("document.querySelectorAll('.controls').forEach((one) => { one.style.display = 'none'; })")
@@ -110,8 +109,7 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
         )
         # from one place, so that what stands still need not be drawn again
         one.value("(() => { const box = document.querySelector('[data-part=follow]'); if (box.checked) box.click(); })()")
-        for key in TURNS + NEARER:
-            one.value(f"document.body.dispatchEvent(new KeyboardEvent('keydown', {{key: '{key}', bubbles: true}}))")
+        one.press(TURNS + NEARER)
         one.value(f"""(() => {{ const box = document.querySelector('[data-part=speed]');
             box.value = '{speed:g}'; box.dispatchEvent(new Event('change')); }})()""")
         one.value("document.querySelector('[data-part=film]').click()")

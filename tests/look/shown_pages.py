@@ -33,17 +33,6 @@ new Promise((done) => {
 })
 """
 """How many different colours the replay's canvas has."""
-WRITTEN = """
-(() => {
-  const pen = CanvasRenderingContext2D.prototype, write = pen.fillText;
-  window.written = [];
-  pen.fillText = function (text, x, y, most) {
-    window.written.push([text, this.measureText(text).width, most === undefined ? this.canvas.width - x : most]);
-    write.apply(this, arguments);
-  };
-})()
-"""
-"""Keeps the words that are written into pictures, the width of each, and the room that it has [px]."""
 BLANK = """
 [...document.querySelectorAll("[data-chart]")].filter((place) => {
   const svg = place.querySelector("svg"), box = svg && svg.getBoundingClientRect();
@@ -76,16 +65,6 @@ STRIPS.map((name) => {
 }).every(Boolean)
 """
 """Whether in every strip the dots of scenes other than NEAR are dimmed, and only those."""
-CONTRAST = """
-(() => {
-  const numbers = (colour) => colour.match(/[\\d.]+/g).map(Number), bright = (colour) => numbers(colour)[0] + numbers(colour)[1];
-  let below = document.querySelector("#grid td");
-  const ink = getComputedStyle(below).color;
-  while (below.parentElement && numbers(getComputedStyle(below).backgroundColor)[3] === 0) below = below.parentElement;
-  return Math.abs(bright(ink) - bright(getComputedStyle(below).backgroundColor));
-})()
-"""
-"""How much brighter or darker the words of the table are than what is behind them, from 0 to 510."""
 CONTROLS = """
 [...document.querySelectorAll("a[href], button, select, input, summary, [tabindex='0']")].filter((one) => {
   return one.checkVisibility({ visibilityProperty: true }) && one.getBoundingClientRect().height && !one.disabled;
