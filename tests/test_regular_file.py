@@ -12,8 +12,7 @@ from avatarsim.errors import InvalidFile
 from avatarsim.files import DEEPEST, make_private, parsed_json, read_json, read_toml, write_entry
 from reports import write_report
 from runfiles import record
-from scenarios.studies.hard_cases.finished import Finished
-from scenarios.studies.hard_cases.outcome import Outcome
+from scenarios.studies.checkpoint import Checkpoint
 from tests.hostile import valid_files
 
 
@@ -62,10 +61,12 @@ def test_recordings_and_finished_trials_end_there_too(tmp_path: Path) -> None:
     deep = nested(DEEPEST, '{"a":1}')
     with pytest.raises(InvalidFile, match="nested too deeply"):
         record.about(np.array(f'{{"schema_version": 1, "more": {deep}}}'), tmp_path / "some.npz")
-    line = '{"stamp": "0", "key": "%s", "outcome": %s, "more": %s}'
-    kept = json.dumps(Outcome("survived", 36, 0.0, 0.0).as_json())
-    (tmp_path / "lines").write_text(f"{line % ('k', kept, deep)}\n{line % ('l', kept, 1)}\n")
-    assert list(Finished(tmp_path / "lines", "0").known) == ["l"]
+    kept = Checkpoint(tmp_path / "lines", "0")
+    kept.put("k", {})
+    kept.put("l", {})
+    first, last = (tmp_path / "lines").read_text().splitlines()
+    (tmp_path / "lines").write_text(f"{first[:-1]}, \"more\": {deep}}}\n{last}\n")
+    assert list(Checkpoint(tmp_path / "lines", "0").known) == ["l"]
 
 
 @pytest.mark.parametrize("levels", [DEEPEST, 100_000])

@@ -36,6 +36,11 @@ def _digest(text: str) -> str:
     return hashlib.blake2b(text.encode("utf-8", "surrogatepass"), digest_size=8).hexdigest()
 
 
+def _check(key: str, answer: Entry) -> str:
+    """Return the checksum of a line: an answer that a disk or a hand has changed is found again."""
+    return _digest(key + json.dumps(plain(answer), sort_keys=True))
+
+
 class Checkpoint:
     """Answers by key, kept in a file; in memory alone without one. Answers of other sources are dropped from the file."""
 
@@ -53,9 +58,10 @@ class Checkpoint:
     def _read(self, line: str) -> bool:
         try:
             entry = parsed_json(line, "line", "one that a study wrote")
-            if entry["stamp"] != self.stamp:
+            key, answer = str(entry["key"]), dict(entry["answer"])
+            if entry["stamp"] != self.stamp or entry["check"] != _check(key, answer):
                 return False
-            self.known[str(entry["key"])] = dict(entry["answer"])
+            self.known[key] = answer
         except (InvalidFile, KeyError, TypeError, ValueError):
             return False
         return True
@@ -70,4 +76,5 @@ class Checkpoint:
         if self.path is not None:
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({"stamp": self.stamp, "key": key, "answer": plain(answer)}, allow_nan=False) + "\n")
+                line = {"stamp": self.stamp, "key": key, "check": _check(key, answer), "answer": plain(answer)}
+                file.write(json.dumps(line, allow_nan=False) + "\n")

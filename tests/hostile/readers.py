@@ -32,9 +32,8 @@ from scenarios.building.avatars.stl import hull_of
 from scenarios.job import Job
 from scenarios.motion.mocap import retimed
 from scenarios.results.resume import check_plan, earlier_run, has_ended, write_plan
-from scenarios.results.store import Store
 from scenarios.running.own_settings import read as read_settings
-from scenarios.studies.hard_cases.finished import Finished
+from scenarios.studies.checkpoint import Checkpoint
 from scenarios.table_2 import rows as rows_of_table_2
 from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid
@@ -142,20 +141,11 @@ def cached(folder: Path, path: Path) -> object:
     return sound(answer)
 
 
-def store(folder: Path, path: Path) -> object:
-    """What a sweep has found before: nothing, or what it was."""
-    found = Store(folder).get("kind", "key")
-    if found is not None and {name: value for name, value in found.items() if name not in ("key", "kind")} != STORED:
-        raise Unsound("an entry that was changed")
-    return found
-
-
 def finished(folder: Path, path: Path) -> object:
-    """What a run on stability has finished before."""
-    found = Finished(path, "0")
-    for one in found.known.values():
-        assert all(type(getattr(one, name)) is kind for name, kind in (("state", str), ("frames", int), ("note", str)))
-        assert all(isinstance(x, float) for place in one.end for x in place)
+    """What a study has finished before: nothing, or what it was."""
+    found = Checkpoint(path, "0").known
+    if found and found != {"key": ANSWER}:
+        raise Unsound("an answer that was changed")
     return found
 
 
@@ -177,10 +167,7 @@ def table_2(folder: Path, path: Path) -> object:
     return found
 
 
-STORED = {"figures": {"p50": 3.5, "note": ""}, "end": [[0.1, 2.5, -3.0]], "run": "mujoco/default"}
-OUTCOME = (b'{"state": "survived", "frames": 36, "overlap": 1e-7, "energy": "NaN", "bad": 0, "end": [[0.1, 2.5, -3.0], [1, 2]], '
-           b'"seconds": 0.25, "note": ""}')
-FINISHED = {"stability.jsonl": b'{"stamp": "0", "key": "k", "outcome": %s}\n' % OUTCOME * 3}
+ANSWER = {"state": "measured", "values": {"a": 3.5}, "end": [[0.1, 2.5, -3.0]], "note": ""}
 EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "python -m scenarios compare --full"}, "rows": []}'}
 
 
@@ -246,9 +233,8 @@ def doors() -> tuple[Door, ...]:
             lambda: {"results.json": valid.run()["results.json"].replace(valid.SCENE.encode(), valid.TABLE_2.encode()),
                      **valid.recorded_apart()}, damaged_of_run, table_2), slow=True),
         of_files("kept pieces", 30.0, FileDoor(valid.pieces, damaged, cached), slow=True),
-        of_files("found before", 15.0, FileDoor(
-            lambda: made(lambda folder: Store(folder).put("kind", "key", STORED)), damaged_json, store)),
-        of_files("finished before", 15.0, FileDoor(lambda: FINISHED, damaged_line, finished)),
+        of_files("finished before", 15.0, FileDoor(
+            lambda: made(lambda folder: Checkpoint(folder / "study.jsonl", "0").put("key", ANSWER)), damaged_line, finished)),
         of_files("earlier run", 15.0, FileDoor(
             lambda: EARLIER, damaged_json, lambda folder, path: has_ended(earlier_run(folder, "compare")))),
         of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv,

@@ -11,7 +11,7 @@ from runfiles import array_file
 from tests.look.browser import Browser
 from tests.reports.conftest import row, whole_run
 from tests.reports.recorded import recording, scene
-from tests.reports.small_runs import write_all, write_settings
+from tests.reports.small_runs import FINE, MUJOCO, OURS, OVERLAP, SETTING, Part, write_all, write_study
 
 LONG = 1300
 """States of the run made by hand: more than a page draws, so that a drawn state stands for three."""
@@ -100,14 +100,12 @@ def by_hand(folder: Path) -> Path:
             recording(folder, name, run, states=LONG, sinks=run != runs[0])
             _aside(folder / "recordings" / f"{name}.{run.replace('/', '.')}.0.npz")
     write_all(folder)
-    fine = "[mujoco.fine]\npreset = 'tuned'\ndt = 0.001\n"
-    write_settings(
-        folder,
-        {"engine": "avatarsim", "setting": "default", "base": "default"},
-        {"engine": "mujoco", "setting": "tuned", "error": 4e-3},
-        {"engine": "mujoco", "setting": "tuned dt 1/1000", "options": fine, "p50": 70.0},
-        {"scenario": "hand_over_table", "engine": "avatarsim", "setting": "default", "base": "default", "error": 2e-7},
-        {"scenario": "hand_over_table", "engine": "mujoco", "setting": "tuned", "p50": 33.0},
+    write_study(
+        folder, "settings",
+        Part("arm_wall", OURS, "", SETTING), Part("arm_wall", MUJOCO, "", {**SETTING, OVERLAP: 4e-3}),
+        Part("arm_wall", MUJOCO, "tuned dt 1/1000", {**SETTING, "frame_time_p50": 70.0}, FINE),
+        Part("hand_over_table", OURS, "", {**SETTING, OVERLAP: 2e-7}),
+        Part("hand_over_table", MUJOCO, "", {**SETTING, "frame_time_p50": 33.0}),
     )
     write_report(folder)
     return folder

@@ -1,15 +1,16 @@
 """Runs of a few figures, made by hand: rows for tables, and the files that other commands add to a folder."""
 
-import csv
-import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from reports.reading.load import EngineNote, Results, Row, Series
+from reports.reading.load import EngineNote, Results, Series
 from reports.tables.run import Run
 from runfiles.metrics import unit
+from runfiles.table import STUDIED, Row, Status, csv_text
+from scenarios.studies.study import Head
 
 HOST: Mapping[str, object] = {"cpu": "Abacus 9", "cpus": 2, "platform": "Linux", "python": "3.11"}
 """Provenance of a run whose times may be compared."""
@@ -52,69 +53,62 @@ def timed(times: Iterable[float]) -> Series:
     return Series(np.zeros(1), np.array(list(times), dtype=np.float64))
 
 
-def _write(path: Path, columns: Sequence[str], rows: Iterable[Mapping[str, object]], plain: Mapping[str, object]) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.DictWriter(file, columns, restval="")
-        writer.writeheader()
-        writer.writerows({**plain, **row} for row in rows)
+SETTING: Mapping[str, float] = {OVERLAP: 1e-4, "frame_time_p50": 20.0, "frame_time_p95": 30.0, "frame_time_max": 40.0}
+TRIAL: Mapping[str, float] = {OVERLAP: 0.0, "energy_added_max": 0.0, "not_finite_frames": 0.0, "wrong_side_frames": 0.0,
+                              "end_distance": 0.0}
+"""Figures of a plain setting, and of a plain trial."""
 
 
-SETTING = (
-    "scenario,engine,setting,metric,unit,error,p50,p99,state,front,reached,note,base,options,repeats,frames,settable,p95,rests,"
-    "moving,at_rest,sleeps,step,avatar,slowest,gap"
-).split(",")
-PLAIN_SETTING: Mapping[str, object] = {
-    "scenario": "arm_wall", "metric": OVERLAP, "unit": "m", "error": 1e-4, "p50": 20.0, "p95": 30.0, "slowest": 40.0,
-    "state": "measured", "base": "tuned", "rests": 0.0, "sleeps": 0, "avatar": 0,
-}
+@dataclass(frozen=True)
+class Part:
+    """One run of a study: its figures, or its state where it has none."""
+
+    scenario: str
+    run: str
+    change: str = ""
+    figures: Mapping[str, float | None] = field(default_factory=dict)
+    options: str = ""
+    status: Status = "info"
+    bounds: Mapping[str, float] = field(default_factory=dict)
+
+    def rows(self, study: str) -> list[Row]:
+        """Rows of the table."""
+        engine, _, preset = self.run.partition("/")
+        head = Head(study, self.scenario, engine, preset, self.change, self.options)
+        if self.status != "info":
+            return [head.without(self.status, "a reason")]
+        return [head.row(name, value, bound=self.bounds.get(name)) for name, value in self.figures.items()]
 
 
-def write_settings(folder: Path, *rows: Mapping[str, object]) -> None:
-    """Write sweep.csv: a row per setting and metric, those columns that differ from a plain one."""
-    _write(folder / "sweep.csv", SETTING, rows, PLAIN_SETTING)
+def write_study(folder: Path, study: str, *parts: Part) -> None:
+    """Write the file of a study."""
+    (folder / f"{study}.csv").write_text(csv_text([row for part in parts for row in part.rows(study)], STUDIED))
 
 
-TRIAL = ("case,run,kind,level,start,seed,user,dt,scale,far,state,frames,overlap,energy,bad,moved,seconds,note,form").split(",")
-PLAIN_TRIAL: Mapping[str, object] = {
-    "case": "stack", "run": OURS, "kind": "dt", "level": "small", "state": "survived", "overlap": 0.0, "energy": 0.0, "bad": 0,
-    "moved": 0.0,
-}
+def effect(scene: str, name: str, share: float, broken: Sequence[str] = ("course_error_max",)) -> list[Part]:
+    """Return a scene with and without an effect that takes a share of its frame of 10 us."""
+    bounds = dict.fromkeys(broken, 1e-6)
+    there = {"frame_time_p50": 10.0, **dict.fromkeys(broken, 0.0)}
+    gone = {"frame_time_p50": 10.0 * (1.0 - share), **dict.fromkeys(broken)}
+    return [Part(scene, OURS, "", there, bounds=bounds), Part(scene, OURS, f"without {name}", gone, bounds=bounds)]
 
 
-def write_trials(folder: Path, *rows: Mapping[str, object]) -> None:
-    """Write stability.csv: a row per trial."""
-    _write(folder / "stability.csv", TRIAL, rows, PLAIN_TRIAL)
-
-
-def effect(scene: str, name: str, share: object, **more: object) -> dict[str, object]:
-    """Return one line of ablation.json."""
-    plain = {"scenario": scene, "effect": name, "share": share, "with_us": 10.0, "without_us": 4.0}
-    return {**plain, "broken": [["course_error_max", 1e-3, None, 1e-6]], **more}
-
-
-def write_effects(folder: Path, *lines: Mapping[str, object]) -> None:
-    """Write ablation.json."""
-    (folder / "ablation.json").write_text(json.dumps({"schema_version": 2, "lines": lines}), encoding="utf-8")
+FINE = "[mujoco.fine]\npreset = 'tuned'\ndt = 0.001\n"
 
 
 def write_all(folder: Path) -> None:
     """Write one of each file that other commands add."""
-    options = "[mujoco.fine]\npreset = 'tuned'\ndt = 0.001\n"
-    write_settings(
-        folder,
-        {"engine": "avatarsim", "setting": "default", "base": "default"},
-        {"engine": "mujoco", "setting": "tuned"},
-        {"engine": "mujoco", "setting": "tuned dt 1/1000", "options": options, "p50": 70.0},
-        {"engine": "pybullet", "setting": "tuned", "state": "not-measured", "error": "", "p50": "", "note": "no time left"},
+    write_study(
+        folder, "settings",
+        Part("arm_wall", OURS, "", SETTING), Part("arm_wall", MUJOCO, "", SETTING),
+        Part("arm_wall", MUJOCO, "tuned dt 1/1000", {**SETTING, "frame_time_p50": 70.0}, FINE),
+        Part("arm_wall", BULLET, status="not-measured"),
     )
-    write_trials(
-        folder,
-        {"kind": "plain"},
-        {"moved": 1e-3},
-        {"run": MUJOCO, "kind": "plain", "state": "lost", "bad": 3},
-        {"run": BULLET, "state": "cannot-say"},
+    write_study(
+        folder, "hard_cases",
+        Part("stack", OURS, "", TRIAL), Part("stack", OURS, "size 10", {**TRIAL, "end_distance": 1e-3}),
+        Part("stack", MUJOCO, "", {"not_finite_frames": 3.0}), Part("stack", BULLET, status="cannot-say"),
     )
-    write_effects(
-        folder, effect("arm_wall", "coupling", 0.6), effect("arm_wall", "sleeping", -0.5), effect("ball_drop", "gyroscopic", 0.01)
-    )
+    switched = (("arm_wall", "coupling", 0.6), ("ball_drop", "sleeping", -0.5), ("stack", "gyroscopic", 0.01))
+    write_study(folder, "effects", *(part for one in switched for part in effect(*one)))
     (folder / "growth.csv").write_text("grows,mode,run,p50,note\nchain,held,mujoco/default,2.5,\nchain,held,a/b,,slow\n")

@@ -38,9 +38,9 @@ def test_write_makes_the_report_from_the_results_alone(run_dir: Write, results: 
 
 def test_a_damaged_part_is_named_and_the_exit_code_is_2(tmp_path: Path, capsys: Output) -> None:
     folder = filled(tmp_path / "run")
-    (folder / "sweep.csv").write_bytes(b"\xff\xfe\x00")
+    (folder / "settings.csv").write_bytes(b"\xff\xfe\x00")
     assert main(["write", str(folder)]) == 2
-    assert "sweep.csv" in capsys.readouterr().err and (folder / "index.html").exists()
+    assert "settings.csv" in capsys.readouterr().err and (folder / "index.html").exists()
 
 
 def unusable(tmp_path: Path, kind: str) -> Path:

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from runfiles.accuracy import FOLLOWS, Reached, counts, follows, largest, missing
-from scenarios.results.store import Entry
+from scenarios.studies.checkpoint import Entry
 
 OVERLAP, OFFSET, STOP = "residual_overlap_max", "tracker_offset_rms_free", "stop_distance_error_max"
 

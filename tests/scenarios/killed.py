@@ -1,14 +1,13 @@
 """Crash testing: kill -9 at random moments, go on, and compare with a run that was left in peace.
 
-`python -m tests.scenarios.killed [--kills N] [--of compare sweep] [--seed S] [--each K] [--whole]` runs both commands over a few
+`python -m tests.scenarios.killed [--kills N] [--of compare study] [--seed S] [--each K] [--whole]` runs both commands over a few
 cheap scenes and engines, kills each run K times at moments drawn over the length of one that is left in peace (in turn the
 parent alone and the whole process group), goes on as a user would, and compares what is left in the end. Times differ from run to
 run, and so do what is chosen by them and the pages that show them. All else has to be equal to the last byte:
 
 compare: results.json and results.csv but for rows of the timing pass, series of times and, of the provenance, when and how long
 it ran; every array of every recording, and its meta but for the rough time of a frame; the files of scenes and of overlapping
-pairs; the plan. Nothing half written is left. sweep: the entries of errors in its store; sweep.csv but for the columns of times
-and of the front, which times decide.
+pairs; the plan. Nothing half written is left. study: its rows but for those of times.
 
 `--whole` runs scenes at their short lengths, with the studies that are part of a comparison, whose files have to be there.
 Exit codes: 0 all equal; 1 something differs.
@@ -37,17 +36,15 @@ ROOT = Path(__file__).resolve().parents[2]
 ENGINES = ("avatarsim", "mujoco", "tracker")
 WORDS: Mapping[str, Sequence[str]] = {
     "compare": ("compare", "--engine", *ENGINES, "--filter", "ball_drop,hand_over_table"),
-    "sweep": ("sweep", "--engine", "avatarsim", "--filter", "ball_drop"),
+    "study": ("study", "settings", "--engine", "avatarsim", "--filter", "ball_drop"),
 }
 """What is run, but for its length."""
 CUT = ("--frames", "12")
 """The length of it unless it is `--whole`: cheap, and every stage is passed."""
 PATIENCE = 600.0
 """Longest a run may take [s]."""
-TIMES = ("p50", "p95", "p99", "slowest", "moving", "at_rest", "rests", "repeats", "frames", "front")
-"""Columns of sweep.csv that times decide."""
-STUDIED = ("sweep.csv", "sweep.json", "ablation.json", "judge.json")
-"""What the studies of a whole comparison of these scenes leave; of times, or chosen by them."""
+STUDIED = ("settings.csv", "effects.csv", "judge.json")
+"""Files of the studies of a whole comparison of these scenes; of times, or chosen by them."""
 Kept = dict[str, object]
 """What has to be equal, by a name for it."""
 
@@ -64,8 +61,8 @@ class Command:
 def commands(whole: bool, words: Mapping[str, Sequence[str]] = WORDS) -> dict[str, Command]:
     """The commands by name."""
     length = () if whole else CUT
-    kept: dict[str, Callable[[Path], Kept]] = {"compare": lambda out: of_run(run_of(out), whole), "sweep": of_sweep}
-    again: dict[str, Callable[[Path], tuple[str, ...]]] = {"compare": resumed, "sweep": lambda out: ()}
+    kept: dict[str, Callable[[Path], Kept]] = {"compare": lambda out: of_run(run_of(out), whole), "study": of_study}
+    again: dict[str, Callable[[Path], tuple[str, ...]]] = {"compare": resumed, "study": lambda out: ()}
     return {name: Command((*line, *length), kept[name], again[name]) for name, line in words.items()}
 
 
@@ -108,15 +105,12 @@ def of_run(folder: Path, whole: bool) -> Kept:
     return kept
 
 
-def of_sweep(out: Path) -> Kept:
-    """What a sweep left that has nothing to do with times."""
-    folder = out / "sweep"
-    kept: Kept = {path.name: path.read_bytes() for path in (folder / "found").glob("*.errors.json")}
-    with (folder / "sweep.csv").open(newline="") as file:
-        kept["rows"] = [{name: cell for name, cell in row.items() if name not in TIMES} for row in csv.DictReader(file)]
-    kept["times"] = sorted(path.name for path in (folder / "found").glob("*.times.json"))
-    kept["halves"] = sorted(path.name for path in folder.rglob(".*"))
-    return kept
+def of_study(out: Path) -> Kept:
+    """What a study left that has nothing to do with times."""
+    folder = out / "studies"
+    with (folder / "settings.csv").open(newline="") as file:
+        rows = [row for row in csv.DictReader(file) if not is_time(row["metric"]) and row["metric"] != "resting_frames"]
+    return {"rows": rows, "halves": sorted(path.name for path in folder.rglob(".*"))}
 
 
 def begin(words: Sequence[str], out: Path) -> subprocess.Popen[str]:

@@ -17,7 +17,7 @@ from avatarsim.scene.effects import Effects
 from reports.charts import cells, curves, marks, strips
 from reports.pages.scripts import data, source
 from reports.tables.effects import effects
-from reports.tables.hard_cases import by_case, trials
+from reports.tables.hard_cases import by_case
 from reports.tables.losses import losses
 from reports.tables.run import Run
 from runfiles.engines import about
@@ -38,7 +38,7 @@ def specifications(folder: Path) -> dict[str, marks.Spec]:
     """One of every chart."""
     made = run()
     write_all(folder)
-    table, switched = trials(folder), effects(folder)
+    table, switched = by_case(folder), effects(folder)
     assert table is not None and switched is not None
     times = np.arange(5.0)
     return {
@@ -46,7 +46,7 @@ def specifications(folder: Path) -> dict[str, marks.Spec]:
         "settings": curves.error_against_time(["avatarsim", "mujoco"]),
         "time": curves.over_time({OURS: (times, times), MUJOCO: (times, times**2)}, "us", "some words", 0.1),
         "energy": curves.over_time({OURS: (times, times), "avatarsim/paper": (times, -times)}, "J", "some words"),
-        "hard": cells.hard_cases(made, by_case(table)),
+        "hard": cells.hard_cases(made, table),
         "effects": cells.effects(switched),
         "losses": cells.bars(losses(made)),
     }

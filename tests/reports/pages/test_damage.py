@@ -15,7 +15,7 @@ from tests.reports.pages.reading import read
 from tests.reports.small_runs import OURS
 
 RECORDING = f"recordings/arm_wall.{OURS.replace('/', '.')}.0.npz"
-TABLES = ("sweep.csv", "stability.csv", "ablation.json", "growth.csv")
+TABLES = ("settings.csv", "hard_cases.csv", "effects.csv", "growth.csv")
 PAGES = {"index.html", "method.html", "engines.html", "glossary.html"}
 
 

@@ -77,5 +77,5 @@ def test_said_is_the_summary_of_a_folder_and_names_what_changed(run_dir: Write, 
 
 def test_damage_is_in_the_summary() -> None:
     run = run_of(some("pass"))
-    text = markdown(run, checks(run), [], losses(run), ["sweep.csv is cut"])
-    assert "sweep.csv is cut" in text and "sweep.csv is cut" not in both(run)[1]
+    text = markdown(run, checks(run), [], losses(run), ["settings.csv is cut"])
+    assert "settings.csv is cut" in text and "settings.csv is cut" not in both(run)[1]

@@ -1,6 +1,5 @@
 """Tables that other commands add to a run are read as they were written; a missing one is no table, a damaged one is named."""
 
-import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -10,28 +9,22 @@ import pytest
 from avatarsim.errors import InvalidFile
 from reports.summaries import baseline
 from reports.tables.effects import effects
-from reports.tables.hard_cases import trials
+from reports.tables.hard_cases import by_case
 from reports.tables.settings import settings
-from tests.reports.small_runs import effect, write_effects
+from runfiles.table import STUDIED
+from tests.reports.small_runs import effect, write_study
 
 READERS: dict[str, Callable[[Path], object]] = {
-    "ablation.json": effects,
-    "stability.csv": trials,
-    "sweep.csv": settings,
+    "effects.csv": effects,
+    "hard_cases.csv": by_case,
+    "settings.csv": settings,
     "kept.csv": lambda folder: baseline.load(folder / "kept.csv"),
 }
 KEPT = "scenario,run,metric,unit,value\n"
 DAMAGED = {
-    "ablation.json": [
-        "{",
-        "[]",
-        "{}",
-        '{"lines": 3}',
-        '{"lines": [{"share": 1}]}',
-        *(json.dumps({"lines": [one]}) for one in (3, effect("a", "b", "much"), effect("a", "b", "NaN"))),
-    ],
-    "stability.csv": ["case,run\na,b\n", 'case,run\n"a', "case,run\na,b,c,d\n"],
-    "sweep.csv": ["scenario,engine\na,b\n", 'scenario,"'],
+    "effects.csv": ["{", f"{','.join(STUDIED)}\n,,,,,,,,,,,odd,,\n"],
+    "hard_cases.csv": ["scenario,engine\na,b\n", 'scenario,run\n"a', "scenario,run\na,b,c,d\n"],
+    "settings.csv": [f"{','.join(STUDIED)}\na,b,c,d,e,0,much,m,1,,,info,,\n", 'scenario,"'],
     "kept.csv": [KEPT, "scenario,run\na,b\n", '"', *(f"{KEPT}a,b/c,d,m,{value}\n" for value in ("", "much", "inf"))],
 }
 
@@ -48,18 +41,17 @@ def test_a_damaged_file_is_named(tmp_path: Path, name: str, content: bytes) -> N
 
 
 def test_a_missing_table_is_none_and_a_missing_baseline_is_named(tmp_path: Path) -> None:
-    assert effects(tmp_path) is trials(tmp_path) is settings(tmp_path) is None
+    assert effects(tmp_path) is by_case(tmp_path) is settings(tmp_path) is None
     with pytest.raises(InvalidFile, match=r"kept\.csv"):
         READERS["kept.csv"](tmp_path)
 
 
-def test_effects_come_back_but_for_those_that_were_not_switched(tmp_path: Path) -> None:
+def test_effects_come_back_with_their_shares_and_the_bounds_that_need_them(tmp_path: Path) -> None:
     """An effect may take all of the frame, none of it, or save time."""
-    lines = [("a", "coupling", 0.6), ("b", "sleeping", -3.0), ("b", "dynamics", 1.0), ("c", "limits", 0.0)]
-    broken = [["course_error_max", 1e-3, None, 1e-6]]
-    write_effects(
-        tmp_path, *(effect(*line, broken=broken if line[0] == "a" else []) for line in lines), effect("b", "friction", None)
-    )
+    lines = [("a", "coupling", 0.6), ("b", "sleeping", -3.0), ("c", "dynamics", 1.0), ("d", "limits", 0.0)]
+    parts = [part for line in lines for part in effect(*line, broken=["course_error_max"] if line[0] == "a" else [])]
+    write_study(tmp_path, "effects", *parts)
     table = effects(tmp_path)
-    assert table is not None and list(zip(table.scenario, table.effect, table.share, strict=True)) == lines
+    assert table is not None and list(zip(table.scenario, table.effect, strict=True)) == [line[:2] for line in lines]
+    assert list(table.share) == pytest.approx([line[2] for line in lines])
     assert [list(one) for one in table.broken] == [["course_error_max"], [], [], []]

@@ -3,51 +3,48 @@
 import math
 from pathlib import Path
 
-import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from reports.tables.hard_cases import by_case, trials
-from tests.reports.small_runs import MUJOCO, OURS, write_trials
+from reports.tables.hard_cases import by_case
+from tests.reports.small_runs import MUJOCO, OURS, Part, write_study
 
-Trial = tuple[str, str, str, str, int, float, float, float]
-trial = st.tuples(
-    st.sampled_from("ab"),
-    st.sampled_from((OURS, MUJOCO)),
-    st.sampled_from(("plain", "dt", "scale")),
-    st.sampled_from(("survived", "lost", "cannot-say", "not-measured")),
-    st.integers(0, 2),
-    *(st.sampled_from((0.0, 1e-6, 2e-3, 0.5, math.nan)) for _ in range(3)),
+figures = st.fixed_dictionaries({
+    "residual_overlap_max": st.sampled_from((0.0, 1e-6, 2e-3)), "energy_added_max": st.sampled_from((0.0, 0.5, None)),
+    "not_finite_frames": st.sampled_from((0.0, 0.0, 3.0)), "wrong_side_frames": st.sampled_from((0.0, 0.0, 2.0)),
+    "end_distance": st.sampled_from((0.0, 1e-6, 0.5, None)),
+})
+part = st.builds(
+    Part, st.sampled_from("ab"), st.sampled_from((OURS, MUJOCO)), st.sampled_from(("", "size 10", "start 1 m")), figures,
+    status=st.sampled_from(("info", "info", "info", "crashed", "cannot-say")),
 )
-COLUMNS = ["case", "run", "kind", "state", "bad", "moved", "overlap", "energy"]
 
 
-def most(values: list[float]) -> float:
+def most(values: list[float | None]) -> float:
     """The largest number; nan without one."""
-    return max((value for value in values if value == value), default=math.nan)
+    return max((value for value in values if value is not None), default=math.nan)
 
 
-@given(st.lists(trial, min_size=1, max_size=25))
-def test_summary_is_that_of_a_count_by_hand(given_trials: list[Trial]) -> None:
-    found = {(row.case, row.run): row for row in by_case(pd.DataFrame(given_trials, columns=COLUMNS)).itertuples()}
-    assert set(found) == {one[:2] for one in given_trials}
-    for key, row in found.items():
-        part = [one for one in given_trials if one[:2] == key]
-        survived, lost = [one for one in part if one[3] == "survived"], [one for one in part if one[3] == "lost"]
-        plain = [one[3] for one in survived + lost if one[2] == "plain"]
-        assert (row.trials, row.unsupported) == (len(survived) + len(lost), len(part) - len(survived) - len(lost))
-        assert (row.not_finite, row.left) == (sum(one[4] > 0 for one in lost), sum(one[4] == 0 for one in lost))
-        anchored = bool(plain) and "lost" not in plain
-        drift = most([one[5] for one in survived]) if anchored else math.nan
-        expected = [drift, most([one[6] for one in survived]), most([one[7] for one in survived])]
+@given(st.lists(part, min_size=1, max_size=25, unique_by=lambda one: (one.scenario, one.run, one.change)))
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_summary_is_that_of_a_count_by_hand(tmp_path: Path, parts: list[Part]) -> None:
+    write_study(tmp_path, "hard_cases", *parts)
+    table = by_case(tmp_path)
+    assert table is not None
+    found = {(row.case, row.run): row for row in table.itertuples()}
+    assert set(found) == {(one.scenario, one.run) for one in parts}
+    for (case, run), row in found.items():
+        own = [one for one in parts if (one.scenario, one.run) == (case, run)]
+        tried = [one for one in own if one.status == "info"]
+        inside = [one for one in tried if one.figures["not_finite_frames"] == one.figures["wrong_side_frames"] == 0.0]
+        assert (row.trials, row.unsupported) == (len(tried), len(own) - len(tried))
+        assert row.not_finite == sum(one.figures["not_finite_frames"] > 0 for one in tried)
+        assert row.left == sum(one.figures["wrong_side_frames"] > 0 for one in tried)
+        anchored = any(one.change == "" for one in inside)
+        expected = [
+            most([one.figures["end_distance"] for one in inside]) if anchored else math.nan,
+            most([one.figures["residual_overlap_max"] for one in inside]),
+            most([one.figures["energy_added_max"] for one in inside]),
+        ]
         assert [row.drift, row.overlap, row.energy] == pytest.approx(expected, nan_ok=True)
-
-
-def test_a_file_is_read_as_written(tmp_path: Path) -> None:
-    write_trials(tmp_path, {"kind": "plain", "overlap": 1e-7}, {"moved": 2e-3}, {"case": "pile", "state": "lost", "bad": 2})
-    table = trials(tmp_path)
-    assert table is not None and len(table) == 3
-    rows = {row.case: row for row in by_case(table).itertuples()}
-    assert (rows["stack"].drift, rows["stack"].overlap, rows["stack"].trials) == (2e-3, 1e-7, 2)
-    assert rows["pile"].not_finite == 1 and math.isnan(rows["pile"].drift)

@@ -22,8 +22,7 @@ from scenarios.running import cluster as module
 from scenarios.running.cluster import cluster
 from scenarios.running.harness import Run
 from scenarios.running.processes import side_by_side
-from scenarios.studies.hard_cases.finished import NAME as FINISHED
-from tests.scenarios.killed import differing, of_run, of_sweep, run_of
+from tests.scenarios.killed import differing, of_run, run_of
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -89,19 +88,13 @@ def test_a_comparison_on_a_cluster_leaves_the_same_bytes(address: str, tmp_path:
     assert json.loads((run_of(there) / "results.json").read_text())["provenance"]["timing"]["seconds"] > 0.0
 
 
-def test_sweep_and_stability_on_a_cluster_find_the_same(address: str, tmp_path: Path) -> None:
-    sweep = ["sweep", "--engine", "mujoco", "--preset", "default", "--filter", "ball_drop", "--frames", "2", "--jobs", "2"]
-    stability = ["stability", "--engine", "tracker", "--filter", "stack_ten", "--draws", "0", "--jobs", "2"]
+def test_studies_on_a_cluster_find_the_same(address: str, tmp_path: Path) -> None:
+    words = ["study", "hard_cases", "contact_law", "--engine", "mujoco", "--preset", "default", "--filter", "squeeze"]
     found = []
-    for name, more in (("here", []), ("there", ["--scheduler", address])):
-        folder = tmp_path / name
-        assert main([*sweep, *more, "--out", str(folder)]) in (0, 3)
-        main([*stability, *more, "--run", str(folder), "--kept", str(folder)])
-        ends = [json.loads(line) for line in (folder / FINISHED).read_text().splitlines()]
-        for end in ends:
-            del end["outcome"]["seconds"]
-        found.append((of_sweep(folder), sorted(map(str, ends))))
-    assert differing(found[0][0], found[1][0]) == [] and found[0][1] == found[1][1] != []
+    for name, more in (("here", ["--jobs", "2"]), ("there", ["--scheduler", address])):
+        assert main([*words, *more, "--out", str(tmp_path / name)]) in (0, 3)
+        found.append([(tmp_path / name / "studies" / f"{study}.csv").read_text() for study in ("hard_cases", "contact_law")])
+    assert found[0] == found[1] and all("mujoco" in text for text in found[0])
 
 
 def test_a_cluster_that_runs_other_sources_is_refused(address: str, monkeypatch: pytest.MonkeyPatch) -> None:

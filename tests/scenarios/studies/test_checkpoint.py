@@ -26,7 +26,7 @@ def test_answers_are_kept_and_a_torn_line_is_asked_again(tmp_path: Path) -> None
     assert not Checkpoint(path, "other sources").known and path.read_text() == ""
 
 
-@pytest.mark.parametrize("line", ["3", "[]", '{"stamp": "stamp"}', '{"stamp": "stamp", "key": "k", "answer": 3}'])
+@pytest.mark.parametrize("line", ["3", "[]", '{"stamp": "stamp"}', '{"stamp": "stamp", "key": "k", "check": "", "answer": {}}'])
 def test_a_line_that_holds_something_else_is_asked_again(tmp_path: Path, line: str) -> None:
     path = tmp_path / "study.jsonl"
     path.write_text(line + "\n")
