@@ -80,7 +80,7 @@ class About:
     baseline        flag: it handles no contact, and is ranked nowhere
     variants        further presets by name
     unsupported     features by the name that the adapter reports
-    native          options of the adapter in the engine's own words, {} is the value; of a flag a text for true and one for false
+    native          options of the adapter in the engine's own words, {} is the value; of a flag one for true and one for false
     alone           options that are all that changes in a preset
     unlike          differences of scenes in this engine, a sentence each
     issues          known ones

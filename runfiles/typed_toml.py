@@ -22,8 +22,8 @@ def read(path: Path, kind: type[T]) -> T:
     """Return a file as a dataclass. Raises InvalidFile, which names the file, the key, the value and the valid range.
 
     Annotations are those of TOML's values: str, bool, int, tuple[X, ...] of a list, Mapping[str, X] and dataclasses of a table,
-    enumerations by value, X | Y, and object of anything, a list as a tuple. Literal names all values; Annotated[X, valid] adds a
-    pattern of a text, or a collection of values."""
+    enumerations by value, X | Y, and object of anything, a list as a tuple. Literal names all values; Annotated[X, valid] adds
+    a pattern of a text, or a collection of values."""
     found: T = _value(path, kind, read_toml(path, str(path), "a readable TOML file"), "")
     return found
 
@@ -44,7 +44,8 @@ def _value(path: Path, kind: Any, value: object, key: str) -> Any:
     elif origin is Mapping and isinstance(value, dict):
         return {name: _value(path, inner[1], one, f"{key}.{name}") for name, one in value.items()}
     elif isinstance(kind, EnumType) or origin is Literal:
-        known = {one.value: one for one in kind.__members__.values()} if isinstance(kind, EnumType) else {one: one for one in inner}
+        members: Mapping[str, Any] = getattr(kind, "__members__", {})
+        known = {one.value: one for one in members.values()} or {one: one for one in inner}
         if isinstance(value, str) and value in known:
             return known[value]
         raise _invalid(path, key, value, _listed(known))

@@ -1,8 +1,8 @@
 """Forty dominoes in a row: the first leans, and the wave that it starts runs to the end.
 
-The speed of the wave, once steady, was found by this project's exact solution of every impact and contact, which takes a thousand
-times the work that a frame may cost: 0.909 m/s. Engines with fixed steps of 240 Hz give 0.78 to 0.86, with dominoes 2 to 5 mm
-deep in each other.
+The speed of the wave, once steady, was found by this project's exact solution of every impact and contact, which takes a
+thousand times the work that a frame may cost: 0.909 m/s. Engines with fixed steps of 240 Hz give 0.78 to 0.86, with dominoes
+2 to 5 mm deep in each other.
 """
 
 import math

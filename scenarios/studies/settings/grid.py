@@ -1,4 +1,4 @@
-"""Settings of engines that are swept, each named by the difference from one of its engine's presets: `reference/*/sweep.toml`."""
+"""Settings of engines that are swept, each named by its difference from a preset beneath: `reference/*/sweep.toml`."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
@@ -118,8 +118,8 @@ def settings_of(engine: str, presets: Iterable[str], own: Iterable[OwnSettings] 
 
 
 def short_order(engine: str, presets: Iterable[str]) -> tuple[str, ...]:
-    """Return the names of the settings that a short sweep takes, in the order in which it spends its time: those of the grid that
-    span cost and accuracy, presets first, or the presets where there is no grid."""
+    """Return the names of the settings that a short sweep takes, in the order in which it spends its time: those of the grid
+    that span cost and accuracy, presets first, or the presets where there is no grid."""
     return tuple(setting.name for setting, short in _grid(engine) if short) or tuple(presets)
 
 
