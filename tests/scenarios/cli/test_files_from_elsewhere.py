@@ -48,8 +48,8 @@ def test_settings_that_cannot_be_meant(
 ) -> None:
     path = tmp_path / "mine.toml"
     path.write_text(text)
-    for command in ("check", "sweep"):
-        words = [command, "--engine", "tunnels", "--filter", "ball_drop", "--settings", str(path)]
+    for command in (["check"], ["study", "settings"]):
+        words = [*command, "--engine", "tunnels", "--filter", "ball_drop", "--settings", str(path)]
         assert called(tmp_path, *words) == 2 and said in capsys.readouterr().err
 
 
@@ -92,9 +92,9 @@ def test_a_number_beyond_all_floats_in_a_clip(tmp_path: Path) -> None:
 
 
 def test_a_sweep_has_nothing_to_resume(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["sweep", "--engine", "mujoco", "--filter", "stop_distance", "--out", str(tmp_path), "--resume", str(tmp_path)]
+    words = ["study", "settings", "--engine", "mujoco", "--filter", "stop_distance", "--out", str(tmp_path), "--resume", str(tmp_path)]
     assert scenarios(words) == 2
-    assert "the same command goes on" in capsys.readouterr().err and not list(tmp_path.iterdir())
+    assert "--resume" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("seed", ["-1", "4294967296"])

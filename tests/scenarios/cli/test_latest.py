@@ -11,7 +11,7 @@ def links(out: Path) -> dict[str, str]:
     return {path.name: path.readlink().name for path in out.glob("latest*")}
 
 
-@pytest.mark.parametrize("command", ["check", "run", "bench", "ablate"])
+@pytest.mark.parametrize("command", ["check", "run", "bench"])
 def test_a_command_that_is_no_comparison_leaves_latest_where_it_is(
     tmp_path: Path, command: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
