@@ -47,10 +47,8 @@ bench: $(READY)  ## times: frames, the paper's Table 2, up to 199 links and 100 
 	@$(COMPILED)
 	@code=0; run=reports/out/latest-bench; $(VENV_PYTHON) -m scenarios bench || code=$$?; \
 	  [ -e $$run ] || exit $$code; report=$(REPORTED); \
-	  $(VENV_PYTHON) -m scenarios.table_2 --run $$run --to $$report || code=$$?; \
-	  $(VENV_PYTHON) -m scenarios.growth --run $$report || code=$$?; \
-	  $(VENV_PYTHON) -m reference.narrow_phase --run $$report || code=$$?; \
-	  $(VENV_PYTHON) -m reference.broad_phase --run $$report || code=$$?; \
+	  $(VENV_PYTHON) -m benchmarks table-2 --of $$run --run $$report || code=$$?; \
+	  for name in growth narrow-phase broad-phase; do $(VENV_PYTHON) -m benchmarks $$name --run $$report || code=$$?; done; \
 	  for page in $$run $$report; do $(VENV_PYTHON) -m reports write $$page || code=$$?; done; exit $$code
 
 # A study goes on where it was stopped: finished runs are kept below reports/out until a source changes.
@@ -148,4 +146,4 @@ prune:  ## remove the runs in reports/out that are older than the last one of th
 
 clean:  ## remove caches and build leftovers; .venv and reports/out stay
 	rm -rf build dist *.egg-info .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis
-	find avatarsim runfiles reference scenarios reports tests .setup -name __pycache__ -type d -prune -exec rm -rf {} +
+	find avatarsim runfiles reference scenarios benchmarks reports tests .setup -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -154,7 +154,7 @@ class UnsupportedVersion(AvatarsimError, ImportError):
     """An installed package is of a version that cannot be used; the message says which one can. Raised by imports."""
 
 
-OWN = ("avatarsim", "runfiles", "reference", "scenarios", "reports", "tests")
+OWN = ("avatarsim", "runfiles", "reference", "scenarios", "benchmarks", "reports", "tests")
 """Top-level packages of the project: a lack of memory is located in the innermost function of these."""
 
 

@@ -25,8 +25,8 @@ root_doc = "docs/index"
 include_patterns = ["docs/*.md", "README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md"]
 # Sphinx walks through all folders that are not named here.
 exclude_patterns = [
-    ".*", "*.egg-info", "avatarsim", "build", "dist", "docs/extensions", "docs/templates", "reference", "reports", "scenarios",
-    "tests",
+    ".*", "*.egg-info", "avatarsim", "benchmarks", "build", "dist", "docs/extensions", "docs/templates", "reference", "reports",
+    "scenarios", "tests",
 ]
 
 # Every name that is referred to has to be documented, or to be another package's.

@@ -1,4 +1,4 @@
-"""Compile the kernels of the harness ahead: adapters of other engines, and our side of the two benchmarks of collision queries.
+"""Compile the kernels of the harness ahead: adapters of other engines.
 
 `python -m avatarsim compile` runs this in a checkout. No other engine is imported, since some of them may not be installed.
 """
@@ -6,10 +6,6 @@
 import numpy as np
 
 from avatarsim.compile_ahead import part_scene
-from avatarsim.scene.shape import Sphere
-from reference.broad_phase.clock import KERNELS, course
-from reference.broad_phase.layouts import field
-from reference.narrow_phase.ours import Pairs, coherent_queries
 from reference.reading_kernels import about_own_centres, body_frames
 from reference.target_kernels import beyond_stops
 from reference.targets import Followed, Targets
@@ -19,7 +15,6 @@ def compile_kernels() -> None:
     """Call every kernel of this package once, from Python, with arguments of the types that its callers pass."""
     compile_targets()
     compile_readings()
-    compile_benchmarks()
 
 
 def compile_targets() -> None:
@@ -40,14 +35,3 @@ def compile_readings() -> None:
     place, turn, motion, body = np.zeros((0, 1, 3)), np.zeros((0, 1, 4)), np.zeros((0, 1, 6)), np.zeros(1, dtype=np.int64)
     body_frames(np.zeros((0, 1, 13)), np.zeros((1, 4)), np.zeros((1, 3)), place, turn, place, place)
     about_own_centres(place, turn, motion, place, place, body, body, place, turn, place, place)
-
-
-def compile_benchmarks() -> None:
-    """Query a pair of spheres, and sweep few boxes."""
-    pairs = Pairs([Sphere(0.1), Sphere(0.1)])
-    pairs.place(np.tile(np.eye(3), (2, 1, 1)), np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]]))
-    pairs.cold()
-    coherent_queries(pairs.words, 0, pairs.count)
-    boxes = field("cube", "all slow", 20)
-    for what in KERNELS.values():
-        course(boxes, what).seconds(what, 1)

@@ -25,8 +25,8 @@ BENCHES: Mapping[str, str] = {
     "figure_7.csv": "Figure 7: time of a frame",
     "figure_7_shares.csv": "Figure 7: shares of a frame",
     "figure_8.csv": "Figure 8",
-    "growth.csv": "Growth with the number of bodies",
-    "narrow_phase_cells.csv": "Narrow phase",
+    "growth.csv": "Growth with links, avatars and objects",
+    "narrow_phase_engines.csv": "Narrow phase",
     "broad_phase.csv": "Broad phase",
 }
 """Files of benchmarks that a run folder may hold, and their titles."""

@@ -13,6 +13,7 @@ from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, describe
 from runfiles.files import clear_halves, latest, plain, point_latest, run_folder
 from runfiles.naming import GATED
 from runfiles.table import Row
+from scenarios.catalog.paper import TABLE_2
 from scenarios.cli.table import table
 from scenarios.engines import known
 from scenarios.job import Job, Outcome, State
@@ -26,7 +27,6 @@ from scenarios.running.harness import Run, offers
 from scenarios.running.offered import filtered, unmatched
 from scenarios.running.own_settings import OwnSettings, read, tried
 from scenarios.scenario import Scenario
-from scenarios.table_2.printed import SCENES
 from scenarios.variants import VARIANTS, variants_of
 
 MOST_SEED = 2**31 - 1
@@ -56,7 +56,7 @@ def scenes(asked: argparse.Namespace) -> dict[str, Scenario]:
     if asked.filter is not None:
         found = filtered(found, asked.filter)
     elif asked.command == "bench" and not asked.full:
-        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in (*SCENES, *PILES)}
+        everyday = {key: scenario for key, scenario in found.items() if scenario.everyday or key in (*TABLE_2, *PILES)}
         said = f"{len(everyday)} everyday scenes, piles and those of Table 2 of {len(found)}"
         print(f"{said}; --full (make: FULL=1) or --filter '*' takes all", file=sys.stderr)
         found = everyday

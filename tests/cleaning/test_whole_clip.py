@@ -17,8 +17,8 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
+from benchmarks.cleaning import between, depths
 from reference.judging.judge import Judge
-from scenarios.cleaned import between, depths
 from tests.cleaning.rooms import FLOOR, lowered, model, swinging, walker, wall
 
 OPTIONS = Options(opinion=False)

@@ -18,6 +18,7 @@ from avatarsim.clips import certificate
 from avatarsim.clips.page.index_page import index_page
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.motion import Motion
+from benchmarks import table_2 as rows_of_table_2
 from reports import write_report
 from reports.pages import articles
 from reports.reading import kept
@@ -34,7 +35,6 @@ from scenarios.motion.mocap import retimed
 from scenarios.results.resume import check_plan, earlier_run, has_ended, write_plan
 from scenarios.running.own_settings import read as read_settings
 from scenarios.studies.checkpoint import Checkpoint
-from scenarios.table_2 import rows as rows_of_table_2
 from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid
 from tests.hostile.doors import Damage, Door, FileDoor, Unsound, finite, of_files, sound

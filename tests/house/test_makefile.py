@@ -49,7 +49,7 @@ def test_the_report_that_is_written_is_that_of_the_comparison_where_there_is_one
 
 def test_the_parts_of_bench_go_into_one_report(tmp_path: Path) -> None:
     a_run(tmp_path, "latest-bench")
-    found = [call for call in calls(tmp_path, "bench") if "scenarios." in call or "reference." in call]
+    found = [call for call in calls(tmp_path, "bench") if "benchmarks " in call]
     assert len(found) == 4 and all(call.endswith(" reports/out/latest-bench") for call in found)
 
 

@@ -7,9 +7,9 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-ROOMS = ("avatarsim", "docs", "examples", "reference", "reports", "runfiles", "scenarios", "tests")
+ROOMS = ("avatarsim", "benchmarks", "docs", "examples", "reference", "reports", "runfiles", "scenarios", "tests")
 FILES = [file for room in ROOMS for file in sorted((ROOT / room).rglob("*.py"))]
-FOLDERS = ("", "avatarsim", "reference", "reports", "scenarios")
+FOLDERS = ("", "avatarsim", "benchmarks", "reference", "reports", "scenarios")
 """Folders from which a file or a module may be named, beside that of the file that names it."""
 SPAN = re.compile(r"(`+)([^`]+?)\1")
 FILE = re.compile(r"(?:[\w.-]+/)*[\w-]+\.(?:py|toml|css|js)")

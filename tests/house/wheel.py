@@ -49,7 +49,7 @@ print(avatarsim.__file__, os.getuid(), os.access(os.environ["HOME"], os.W_OK), o
 """
 LIGHT = """
 import sys, avatarsim.simulator
-optional = {"pandas", "trimesh", "coacd", "mujoco", "pybullet", "runfiles", "scenarios"}
+optional = {"pandas", "trimesh", "coacd", "mujoco", "pybullet", "runfiles", "scenarios", "benchmarks"}
 print(sorted({name.partition(".")[0] for name in sys.modules} & optional))
 """
 

@@ -102,11 +102,11 @@ TABLES = {
         ("ball_drop",),
     ),
     "table 2": Claim(
-        "frame time, joints, iterations, pairs and shares of four scenes",
+        "frame time, joints, iterations and pairs of four scenes; shares as printed",
         (
-            "scenarios/table_2/test_rows.py::test_the_papers_rows_are_its_table",
-            "scenarios/table_2/test_rows.py::test_counts_are_means_over_all_frames_advanced_and_times_over_those_timed",
-            "scenarios/table_2/test_rows.py::test_the_command_writes_table_and_trace",
+            "benchmarks/test_table_2.py::test_the_papers_rows_are_its_table",
+            "benchmarks/test_table_2.py::test_counts_are_means_over_all_frames_advanced_and_times_over_those_timed",
+            "benchmarks/test_table_2.py::test_the_command_writes_table_and_traces",
         ),
         ("two_arms", "self_collision", "two_arms_and_leg", "arm_in_corner"),
     ),
@@ -165,6 +165,7 @@ FIGURES = {
             "paper/test_figure_7.py::test_idle_the_hand_asks_for_no_contact",
             "paper/test_figure_7.py::test_two_plateaus_with_a_break_between",
             "paper/test_figure_7.py::test_spikes_towards_the_end_when_the_ball_is_hit",
+            "benchmarks/test_table_2.py::test_every_frame_of_figure_7_has_a_time_and_stages_have_shares",
         ),
         ("hand_over_table",),
     ),
@@ -172,7 +173,7 @@ FIGURES = {
         "frame time of two arms: a spike for each push into the wall",
         (
             "paper/test_figure_8.py::test_a_spike_for_every_push_and_silence_between",
-            "scenarios/table_2/test_rows.py::test_the_command_writes_table_and_trace",
+            "benchmarks/test_table_2.py::test_the_command_writes_table_and_traces",
         ),
         ("two_arms",),
     ),

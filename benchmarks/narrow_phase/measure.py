@@ -1,0 +1,188 @@
+"""Times and errors of every contender in every cell."""
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from functools import partial
+from importlib import import_module
+from math import inf, nan
+from pathlib import Path
+
+import numpy as np
+
+from avatarsim.errors import InvalidInput, described
+from benchmarks.narrow_phase.contender import Array, Cell, Contender, Mode, Trial
+from benchmarks.narrow_phase.pairs import MODES, cells, trial, truths
+from benchmarks.output import print_pivot, print_rows, write_rows
+from benchmarks.timing import take_turns
+
+LIBRARIES = ("avatarsim", "coal", "fcl", "mujoco", "pybullet")
+RIGHT = 1e-6
+"""Error [m] up to which an answer is right: the bound on residual overlap."""
+WARM_FRAMES = 2
+"""Frames that a contender runs before each of its turns, untimed: the others have just emptied the processor's caches."""
+ENOUGH = 2.0
+"""Time [s] after which a contender gets no further repeat in a cell: fcl iterates for milliseconds on spheres that overlap."""
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Pairs per cell, frames, repeats, and every how many frames answers are judged."""
+
+    pairs: int
+    frames: int
+    repeats: int
+    judge_every: int
+
+
+FULL: dict[Mode, Plan] = {"cold": Plan(20, 10, 9, 1), "coherent": Plan(20, 100, 5, 5)}
+QUICK: dict[Mode, Plan] = {"cold": Plan(3, 2, 1, 1), "coherent": Plan(3, 6, 1, 2)}
+
+
+@dataclass(frozen=True)
+class Row:
+    """One contender in one cell and mode: time [us] per query, of each frame over the repeats, then the mean of all frames;
+    largest error [m] of the judged answers (inf: one is missing), share of those that are not right; nan where it failed."""
+
+    shape_a: str
+    shape_b: str
+    regime: str
+    mode: str
+    engine: str
+    library: str
+    per_call: bool
+    us_p50: float = nan
+    us_p25: float = nan
+    us_p75: float = nan
+    max_error_m: float = nan
+    share_wrong: float = nan
+    judged: int = 0
+    repeats: int = 0
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """One contender in all cells: geometric means of its times [us] per query, number of cells and modes in which every judged
+    answer is right, of how many, and its largest error [m] where it answered."""
+
+    engine: str
+    per_call: bool
+    us_cold: float
+    us_coherent: float
+    right: int
+    cells: int
+    max_error_m: float
+
+
+def contenders(libraries: Sequence[str] = LIBRARIES) -> tuple[list[Contender], dict[str, str]]:
+    """All contenders there are, and of each library that cannot be used the reason."""
+    found: list[Contender] = []
+    absent: dict[str, str] = {}
+    for library in libraries:
+        try:
+            found += import_module(f"benchmarks.narrow_phase.in_{library}").contenders()
+        except Exception as error:
+            # a broken installation of a library does not end the others
+            absent[library] = described(error)
+    return found, absent
+
+
+def measure(taking_part: Sequence[Contender], cell: Cell, mode: Mode, plan: Plan) -> list[Row]:
+    """One row per contender. A first pass, untimed, gives the answers; a contender that fails there gets no times."""
+    asked = trial(cell, mode, plan.pairs, plan.frames)
+    judged = range(0, plan.frames, plan.judge_every)
+    truth = truths(asked, judged)
+    errors: dict[str, Array] = {}
+    notes: dict[str, str] = {}
+    for one in taking_part:
+        try:
+            one.load(asked)
+            errors[one.name] = errors_of(answers(one, asked, judged), truth)
+        except Exception as error:
+            # whatever a library raises is its own result
+            notes[one.name] = described(error)
+    turns: dict[str, Callable[[], Array]] = {one.name: partial(times, one, asked) for one in taking_part if one.name in errors}
+    spent = take_turns(turns, plan.repeats, ENOUGH)
+    rows = []
+    for one in taking_part:
+        head = (*cell, mode, one.name, one.library, one.per_call)
+        if one.name in notes:
+            rows.append(Row(*head, note=notes[one.name]))
+            continue
+        low, middle, high = np.percentile(spent[one.name], (25, 50, 75), axis=0).mean(axis=1).tolist()
+        wrong, repeats = errors[one.name], len(spent[one.name])
+        share = float((wrong > RIGHT).mean())
+        rows.append(Row(*head, middle, low, high, float(wrong.max()), share, wrong.size, repeats))
+    return rows
+
+
+def errors_of(answers: Array, truth: Array) -> Array:
+    """Distance of answers from the truth [m]; inf for an answer that is missing or is no number."""
+    return np.where(np.isfinite(answers), np.abs(answers - truth), inf)
+
+
+def answers(one: Contender, asked: Trial, judged: range) -> Array:
+    """Answers (judged frames, pairs) [m] of a pass through all frames."""
+    one.begin()
+    found = []
+    for frame in range(len(asked.at)):
+        one.pose(frame)
+        one.query()
+        if frame in judged:
+            found.append(one.answers())
+    return np.array(found)
+
+
+def times(one: Contender, asked: Trial) -> Array:
+    """Microseconds (frames,) per query."""
+    clock, spent = time.perf_counter_ns, []
+    for frame in range(min(WARM_FRAMES, len(asked.at))):
+        one.pose(frame)
+        one.query()
+    one.begin()
+    for frame in range(len(asked.at)):
+        one.pose(frame)
+        begun = clock()
+        one.query()
+        spent.append(clock() - begun)
+    return np.array(spent) / (1e3 * asked.pairs)
+
+
+def summaries(rows: Sequence[Row]) -> list[Summary]:
+    """One row per contender that was measured."""
+    found = []
+    for engine in dict.fromkeys(row.engine for row in rows if not row.note):
+        own = [row for row in rows if row.engine == engine and not row.note]
+        logs = ([np.log(row.us_p50) for row in own if row.mode == mode] for mode in MODES)
+        cold, coherent = (float(np.exp(np.mean(times or [nan]))) for times in logs)
+        right = sum(row.max_error_m <= RIGHT for row in own)
+        largest = max((row.max_error_m for row in own if row.max_error_m < inf), default=nan)
+        found.append(Summary(engine, own[0].per_call, cold, coherent, right, len(own), largest))
+    return found
+
+
+def run(asked: argparse.Namespace, folder: Path) -> int:
+    """Measure, write, print. 3: a library is missing. Raises InvalidInput for a pattern that matches no cell."""
+    chosen = [cell for cell in cells() if fnmatchcase(cell.name, asked.cells)]
+    if not chosen:
+        raise InvalidInput("--cells", asked.cells, f"a pattern that matches one of {', '.join(cell.name for cell in cells())}")
+    taking_part, absent = contenders()
+    rows: list[Row] = []
+    for number, cell in enumerate(chosen, start=1):
+        for mode, plan in (QUICK if asked.quick else FULL).items():
+            rows += measure(taking_part, cell, mode, plan)
+        print(f"narrow phase {number}/{len(chosen)}  {cell.name}", file=sys.stderr, flush=True)
+    for mode in MODES:
+        here = [row for row in rows if row.mode == mode]
+        print_pivot(f"{mode}: us per query, median", here, ("shape_a", "shape_b", "regime"), "engine", "us_p50")
+    print_rows(f"all cells; right: off by at most {RIGHT:g} m from the exact distance", summaries(rows))
+    write_rows(folder / "narrow_phase.csv", rows, Row)
+    write_rows(folder / "narrow_phase_engines.csv", summaries(rows), Summary)
+    notes = {f"{row.engine}, {row.shape_a}-{row.shape_b} {row.regime}": row.note for row in rows if row.note}
+    for name, why in (absent | notes).items():
+        print(f"{name}: not measured: {why}")
+    return 3 if absent else 0
