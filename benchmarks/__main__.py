@@ -15,7 +15,7 @@ COMMANDS = {
     "narrow-phase": ("narrow_phase.measure", "time and error of one signed-distance query, five libraries"),
     "broad-phase": ("broad_phase", "time per object of the sweep, 20 to 20,000 objects"),
     "growth": ("growth", "frame time against links, avatars and objects"),
-    "first-frame": ("first_frame", "the first frame after load against the median frame; 1: one is long, or loads a kernel"),
+    "first-frame": ("first_frame", "the first frame after load against the median frame; 1: one is long"),
     "table-2": ("table_2", "Table 2, Figures 7 and 8 of the paper, from a run with times; 5: it has none of the scenes"),
     "cleaning": ("cleaning", "recorded clips made free of overlap, before and after; 1: a promise is broken"),
 }
