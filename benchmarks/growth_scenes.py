@@ -1,6 +1,6 @@
 """Scenes of any size: combs of many limbs over a floor, and objects on a floor below a hand.
 
-A module of scenarios by name, as the catalogue is: `links_31_contact`, `avatars_10_apart`, `objects_2000_idle`.
+A module of scenarios by name, as the catalogue is: `links_31_contact`, `avatars_10_apart`.
 """
 
 from dataclasses import replace

@@ -3,7 +3,7 @@
 import argparse
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from functools import partial
@@ -44,8 +44,8 @@ QUICK: dict[Mode, Plan] = {"cold": Plan(3, 2, 1, 1), "coherent": Plan(3, 6, 1, 2
 
 @dataclass(frozen=True)
 class Row:
-    """One contender in one cell and mode: time [us] per query, of each frame over the repeats, then the mean of all frames;
-    largest error [m] of the judged answers (inf: one is missing), share of those that are not right; nan where it failed."""
+    """One contender in one cell and mode: time [us] per query, median of each frame over the repeats, then the mean of all
+    frames; largest error [m] of the judged answers (inf: one is missing), and the share of those that are not right."""
 
     shape_a: str
     shape_b: str
@@ -54,14 +54,11 @@ class Row:
     engine: str
     library: str
     per_call: bool
-    us_p50: float = nan
-    us_p25: float = nan
-    us_p75: float = nan
-    max_error_m: float = nan
-    share_wrong: float = nan
-    judged: int = 0
-    repeats: int = 0
-    note: str = ""
+    us_p50: float
+    max_error_m: float
+    share_wrong: float
+    judged: int
+    repeats: int
 
 
 @dataclass(frozen=True)
@@ -92,31 +89,24 @@ def contenders(libraries: Sequence[str] = LIBRARIES) -> tuple[list[Contender], d
 
 
 def measure(taking_part: Sequence[Contender], cell: Cell, mode: Mode, plan: Plan) -> list[Row]:
-    """One row per contender. A first pass, untimed, gives the answers; a contender that fails there gets no times."""
+    """One row per contender. A first pass, untimed, gives the answers; a contender that fails there has no row."""
     asked = trial(cell, mode, plan.pairs, plan.frames)
     judged = range(0, plan.frames, plan.judge_every)
     truth = truths(asked, judged)
-    errors: dict[str, Array] = {}
-    notes: dict[str, str] = {}
+    errors: dict[Contender, Array] = {}
     for one in taking_part:
         try:
             one.load(asked)
-            errors[one.name] = errors_of(answers(one, asked, judged), truth)
+            errors[one] = errors_of(answers(one, asked, judged), truth)
         except Exception as error:
             # whatever a library raises is its own result
-            notes[one.name] = described(error)
-    turns: dict[str, Callable[[], Array]] = {one.name: partial(times, one, asked) for one in taking_part if one.name in errors}
-    spent = take_turns(turns, plan.repeats, ENOUGH)
+            print(f"{one.name}, {cell.name}, {mode}: not measured: {described(error)}", file=sys.stderr)
+    spent = take_turns({one: partial(times, one, asked) for one in errors}, plan.repeats, ENOUGH)
     rows = []
-    for one in taking_part:
+    for one, wrong in errors.items():
+        us, share = float(np.median(spent[one], axis=0).mean()), float((wrong > RIGHT).mean())
         head = (*cell, mode, one.name, one.library, one.per_call)
-        if one.name in notes:
-            rows.append(Row(*head, note=notes[one.name]))
-            continue
-        low, middle, high = np.percentile(spent[one.name], (25, 50, 75), axis=0).mean(axis=1).tolist()
-        wrong, repeats = errors[one.name], len(spent[one.name])
-        share = float((wrong > RIGHT).mean())
-        rows.append(Row(*head, middle, low, high, float(wrong.max()), share, wrong.size, repeats))
+        rows.append(Row(*head, us, float(wrong.max()), share, wrong.size, len(spent[one])))
     return rows
 
 
@@ -155,8 +145,8 @@ def times(one: Contender, asked: Trial) -> Array:
 def summaries(rows: Sequence[Row]) -> list[Summary]:
     """One row per contender that was measured."""
     found = []
-    for engine in dict.fromkeys(row.engine for row in rows if not row.note):
-        own = [row for row in rows if row.engine == engine and not row.note]
+    for engine in dict.fromkeys(row.engine for row in rows):
+        own = [row for row in rows if row.engine == engine]
         logs = ([np.log(row.us_p50) for row in own if row.mode == mode] for mode in MODES)
         cold, coherent = (float(np.exp(np.mean(times or [nan]))) for times in logs)
         right = sum(row.max_error_m <= RIGHT for row in own)
@@ -182,7 +172,6 @@ def run(asked: argparse.Namespace, folder: Path) -> int:
     print_rows(f"all cells; right: off by at most {RIGHT:g} m from the exact distance", summaries(rows))
     write_rows(folder / "narrow_phase.csv", rows, Row)
     write_rows(folder / "narrow_phase_engines.csv", summaries(rows), Summary)
-    notes = {f"{row.engine}, {row.shape_a}-{row.shape_b} {row.regime}": row.note for row in rows if row.note}
-    for name, why in (absent | notes).items():
+    for name, why in absent.items():
         print(f"{name}: not measured: {why}")
     return 3 if absent else 0

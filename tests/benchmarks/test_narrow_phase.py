@@ -85,14 +85,13 @@ def test_a_contender_that_fails_has_no_figures_and_does_not_stop_the_others() ->
             raise RuntimeError("no such shape")
 
     rows = measure.measure([Fails("bad", "bad", True), THERE[0]], SOME[0], "cold", measure.QUICK["cold"])
-    assert rows[0].note.startswith("RuntimeError") and np.isnan(rows[0].us_p50)
-    assert rows[1].us_p50 > 0.0 and rows[1].max_error_m < 1e-9 and rows[1].judged == 6
-    assert [one.engine for one in summaries(rows)] == ["avatarsim"]
+    assert [row.engine for row in rows] == ["avatarsim"]
+    assert rows[0].us_p50 > 0.0 and rows[0].max_error_m < 1e-9 and rows[0].judged == 6
 
 
 def test_a_summary_is_over_all_cells() -> None:
     def row(mode: str, us: float, error: float) -> Row:
-        return Row("box", "box", "deep", mode, "lib", "lib", True, us, max_error_m=error)
+        return Row("box", "box", "deep", mode, "lib", "lib", True, us, error, 0.0, 1, 1)
 
     (one,) = summaries([row("cold", 1.0, 0.0), row("cold", 4.0, 1e-3), row("coherent", 3.0, np.inf)])
     assert (one.us_cold, one.us_coherent, one.right, one.cells, one.max_error_m) == (2.0, pytest.approx(3.0), 1, 3, 1e-3)
