@@ -49,10 +49,10 @@ def parser() -> argparse.ArgumentParser:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command."""
-    asked = parser().parse_args(argv)
-    module, _ = COMMANDS[asked.name]
+    arguments = parser().parse_args(argv)
+    module, _ = COMMANDS[arguments.name]
     try:
-        code: int = import_module(f"benchmarks.{module}").run(asked, asked.run or last_comparison(OUT, "benchmarks"))
+        code: int = import_module(f"benchmarks.{module}").run(arguments, arguments.run or last_comparison(OUT, "benchmarks"))
     except (AvatarsimError, OSError) as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 2

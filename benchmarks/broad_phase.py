@@ -169,9 +169,9 @@ def measure(layout: str, motion: str, name: str, sizes: Sequence[int], plan: tup
     return rows
 
 
-def run(asked: argparse.Namespace, folder: Path) -> int:
+def run(arguments: argparse.Namespace, folder: Path) -> int:
     """Measure, write, print. 1: near pairs were missed."""
-    plan, sizes = (QUICK, SIZES[:3]) if asked.quick else (FULL, SIZES)
+    plan, sizes = (QUICK, SIZES[:3]) if arguments.quick else (FULL, SIZES)
     rows: list[Row] = []
     for layout in LAYOUTS:
         for motion in MOTIONS:

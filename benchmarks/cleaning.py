@@ -126,15 +126,16 @@ def ratio(after: float, before: float) -> float:
     return 1.0 if after == before else after / before if before > 0.0 else nan
 
 
-def run(asked: argparse.Namespace, folder: Path) -> int:
+def run(arguments: argparse.Namespace, folder: Path) -> int:
     """Clean, write, print. 1: a promise is broken. Raises UnknownName for a clip or room that is not there."""
     clips = {played.clip: played for played in PLAYED}
-    names, rooms = asked.clips or (["walk"] if asked.quick else list(clips)), asked.rooms or ROOMS[: 1 if asked.quick else 2]
+    names = arguments.clips or (["walk"] if arguments.quick else list(clips))
+    rooms = arguments.rooms or (["floor"] if arguments.quick else ROOMS)
     for kind, given, known in (("clip", names, clips), ("room", rooms, ROOMS)):
         for name in given:
             if name not in known:
                 raise UnknownName(kind, name, known)
-    options = Options(margin=asked.margin, blend=asked.blend, opinion=False)
+    options = Options(margin=arguments.margin, blend=arguments.blend, opinion=False)
     # the first call loads kernels
     row(clips[names[0]], rooms[0], options)
     rows = []

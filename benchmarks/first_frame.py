@@ -69,16 +69,16 @@ def best(scene: str, preset: str, frames: int) -> Row | str:
     return min(found, key=lambda row: row.ratio)
 
 
-def run(asked: argparse.Namespace, folder: Path) -> int:
+def run(arguments: argparse.Namespace, folder: Path) -> int:
     """Measure, write, print. 1: a first frame is long; 3: a scene could not run. InvalidInput: no scene matches."""
-    names = filtered(catalog.scenarios(), asked.filter)
+    names = filtered(catalog.scenarios(), arguments.filter)
     if not names:
-        raise InvalidInput("--filter", asked.filter, "patterns that match scenes; `python -m scenarios list` names them")
+        raise InvalidInput("--filter", arguments.filter, "patterns that match scenes; `python -m scenarios list` names them")
     rows: list[Row] = []
     failed = 0
-    for preset in asked.preset:
+    for preset in arguments.preset:
         for name in names:
-            found = best(name, preset, QUICK_FRAMES if asked.quick else FRAMES)
+            found = best(name, preset, QUICK_FRAMES if arguments.quick else FRAMES)
             print(f"first frame  {name} {preset}{f': {found}' if isinstance(found, str) else ''}", file=sys.stderr, flush=True)
             if isinstance(found, Row):
                 rows.append(found)

@@ -68,9 +68,9 @@ def row(kind: str, mode: str, size: int, clocked: Clocked, smaller: Row | None) 
     return Row(*head, p50, p95, power, clocked.note)
 
 
-def run(asked: argparse.Namespace, folder: Path) -> int:
+def run(arguments: argparse.Namespace, folder: Path) -> int:
     """Time, write, print. 3: an engine gave no times. Raises UnknownName for an engine that is not known."""
-    names = asked.engine or [name for name in known() if name != BASELINE]
+    names = arguments.engine or [name for name in known() if name != BASELINE]
     for name in names:
         if name not in known():
             raise UnknownName("engine", name, known())
@@ -80,7 +80,7 @@ def run(asked: argparse.Namespace, folder: Path) -> int:
     for kind, sizes in scenes.SIZES.items():
         for mode in scenes.MODES[kind]:
             smaller: dict[str, Row] = {}
-            for size in sizes[:1] if asked.quick else sizes:
+            for size in sizes[:1] if arguments.quick else sizes:
                 # an engine that takes long gets fewer repeats
                 found = [row(kind, mode, size, one, smaller.get(one.job.run))
                          for one in timed_pass(jobs_of(kind, size, mode, engines), False)]

@@ -167,16 +167,16 @@ def figure_7(frames: int | None = None, repeats: int = REPEATS) -> tuple[list[Fr
     return rows, shares
 
 
-def run(asked: argparse.Namespace, folder: Path) -> int:
+def run(arguments: argparse.Namespace, folder: Path) -> int:
     """Read, write, print. 5: the run has no scene of the table."""
-    found = runs(asked.of or folder)
+    found = runs(arguments.of or folder)
     if not found:
         print(f"the run has timed none of {', '.join(SCENES)}", file=sys.stderr)
         return 5
     print_rows("Table 2 of the paper", table_2(found))
     write_rows(folder / "table_2.csv", table_2(found), Row)
     write_rows(folder / "figure_8.csv", figure_8(found), FrameRow)
-    trace, shares = figure_7(*((QUICK_FRAMES, 1) if asked.quick else ()))
+    trace, shares = figure_7(*((QUICK_FRAMES, 1) if arguments.quick else ()))
     write_rows(folder / "figure_7.csv", trace, FrameRow)
     write_rows(folder / "figure_7_shares.csv", shares, ShareRow)
     return 0

@@ -15,7 +15,7 @@ import numpy as np
 
 from avatarsim.errors import InvalidInput, described
 from benchmarks.narrow_phase.contender import Array, Cell, Contender, Mode, Trial
-from benchmarks.narrow_phase.pairs import MODES, cells, trial, truths
+from benchmarks.narrow_phase.pairs import MODES, cells, make_trial, truths
 from benchmarks.output import print_pivot, print_rows, write_rows
 from benchmarks.timing import take_turns
 
@@ -90,18 +90,18 @@ def contenders(libraries: Sequence[str] = LIBRARIES) -> tuple[list[Contender], d
 
 def measure(taking_part: Sequence[Contender], cell: Cell, mode: Mode, plan: Plan) -> list[Row]:
     """One row per contender. A first pass, untimed, gives the answers; a contender that fails there has no row."""
-    asked = trial(cell, mode, plan.pairs, plan.frames)
+    trial = make_trial(cell, mode, plan.pairs, plan.frames)
     judged = range(0, plan.frames, plan.judge_every)
-    truth = truths(asked, judged)
+    truth = truths(trial, judged)
     errors: dict[Contender, Array] = {}
     for one in taking_part:
         try:
-            one.load(asked)
-            errors[one] = errors_of(answers(one, asked, judged), truth)
+            one.load(trial)
+            errors[one] = errors_of(answers(one, trial, judged), truth)
         except Exception as error:
             # whatever a library raises is its own result
             print(f"{one.name}, {cell.name}, {mode}: not measured: {described(error)}", file=sys.stderr)
-    spent = take_turns({one: partial(times, one, asked) for one in errors}, plan.repeats, ENOUGH)
+    spent = take_turns({one: partial(times, one, trial) for one in errors}, plan.repeats, ENOUGH)
     rows = []
     for one, wrong in errors.items():
         us, share = float(np.median(spent[one], axis=0).mean()), float((wrong > RIGHT).mean())
@@ -115,11 +115,11 @@ def errors_of(answers: Array, truth: Array) -> Array:
     return np.where(np.isfinite(answers), np.abs(answers - truth), inf)
 
 
-def answers(one: Contender, asked: Trial, judged: range) -> Array:
+def answers(one: Contender, trial: Trial, judged: range) -> Array:
     """Answers (judged frames, pairs) [m] of a pass through all frames."""
     one.begin()
     found = []
-    for frame in range(len(asked.at)):
+    for frame in range(len(trial.at)):
         one.pose(frame)
         one.query()
         if frame in judged:
@@ -127,19 +127,19 @@ def answers(one: Contender, asked: Trial, judged: range) -> Array:
     return np.array(found)
 
 
-def times(one: Contender, asked: Trial) -> Array:
+def times(one: Contender, trial: Trial) -> Array:
     """Microseconds (frames,) per query."""
     clock, spent = time.perf_counter_ns, []
-    for frame in range(min(WARM_FRAMES, len(asked.at))):
+    for frame in range(min(WARM_FRAMES, len(trial.at))):
         one.pose(frame)
         one.query()
     one.begin()
-    for frame in range(len(asked.at)):
+    for frame in range(len(trial.at)):
         one.pose(frame)
         begun = clock()
         one.query()
         spent.append(clock() - begun)
-    return np.array(spent) / (1e3 * asked.pairs)
+    return np.array(spent) / (1e3 * trial.pairs)
 
 
 def summaries(rows: Sequence[Row]) -> list[Summary]:
@@ -155,15 +155,16 @@ def summaries(rows: Sequence[Row]) -> list[Summary]:
     return found
 
 
-def run(asked: argparse.Namespace, folder: Path) -> int:
+def run(arguments: argparse.Namespace, folder: Path) -> int:
     """Measure, write, print. 3: a library is missing. Raises InvalidInput for a pattern that matches no cell."""
-    chosen = [cell for cell in cells() if fnmatchcase(cell.name, asked.cells)]
+    chosen = [cell for cell in cells() if fnmatchcase(cell.name, arguments.cells)]
     if not chosen:
-        raise InvalidInput("--cells", asked.cells, f"a pattern that matches one of {', '.join(cell.name for cell in cells())}")
+        names = ", ".join(cell.name for cell in cells())
+        raise InvalidInput("--cells", arguments.cells, f"a pattern that matches one of {names}")
     taking_part, absent = contenders()
     rows: list[Row] = []
     for number, cell in enumerate(chosen, start=1):
-        for mode, plan in (QUICK if asked.quick else FULL).items():
+        for mode, plan in (QUICK if arguments.quick else FULL).items():
             rows += measure(taking_part, cell, mode, plan)
         print(f"narrow phase {number}/{len(chosen)}  {cell.name}", file=sys.stderr, flush=True)
     for mode in MODES:

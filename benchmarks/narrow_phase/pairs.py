@@ -63,7 +63,7 @@ def shapes_of(shape_a: str, shape_b: str, pairs: int) -> tuple[Shape, ...]:
     return tuple(drawn(kind, rng) for _ in range(pairs) for kind in (shape_a, shape_b))
 
 
-def trial(cell: Cell, mode: Mode, pairs: int, frames: int) -> Trial:
+def make_trial(cell: Cell, mode: Mode, pairs: int, frames: int) -> Trial:
     """The pairs of a cell through all frames, each moved along one direction to a gap or depth of its regime."""
     shapes = shapes_of(cell.shape_a, cell.shape_b, pairs)
     rng = np.random.default_rng([SEED, *(k.index(v) for k, v in zip((KINDS, KINDS, REGIMES), cell, strict=True)), len(mode)])

@@ -11,7 +11,7 @@ from benchmarks.__main__ import main
 from benchmarks.narrow_phase import measure
 from benchmarks.narrow_phase.contender import Cell, Contender, Mode
 from benchmarks.narrow_phase.measure import Row, contenders, errors_of, summaries
-from benchmarks.narrow_phase.pairs import DEPTHS, GAPS, KINDS, RATE, TURNING, cells, trial, truths
+from benchmarks.narrow_phase.pairs import DEPTHS, GAPS, KINDS, RATE, TURNING, cells, make_trial, truths
 
 EXACT = {"avatarsim": 1e-9, "avatarsim+place": 1e-9, "avatarsim/call": 1e-9, "coal exact": 1e-8, "coal fast": 2e-6,
          "coal default": 2e-6, "mj geomDist": 1e-6, "mj collision": 1e-6}
@@ -32,7 +32,7 @@ def test_there_is_a_cell_for_every_pair_of_kinds_and_regime() -> None:
 @pytest.mark.parametrize("mode", ["cold", "coherent"])
 @pytest.mark.parametrize("cell", SOME, ids=[cell.name for cell in SOME])
 def test_pairs_are_in_their_regime(cell: Cell, mode: Mode) -> None:
-    made = trial(cell, mode, 3, 4)
+    made = make_trial(cell, mode, 3, 4)
     truth = truths(made, range(4))
     if cell.regime == "apart":
         assert (truth > GAPS[0] - 1e-4).all() and (truth < GAPS[1] + 1e-4).all()
@@ -45,12 +45,12 @@ def test_pairs_are_in_their_regime(cell: Cell, mode: Mode) -> None:
 
 
 def test_coherent_pairs_turn_at_the_stated_rate_and_do_not_jump_and_cold_ones_are_drawn_anew() -> None:
-    made = trial(Cell("box", "hull", "shallow"), "coherent", 3, 5)
+    made = make_trial(Cell("box", "hull", "shallow"), "coherent", 3, 5)
     steps = np.swapaxes(made.turns[:-1], -1, -2) @ made.turns[1:]
     angles = np.linalg.norm(Rotation.from_matrix(steps.reshape(-1, 3, 3)).as_rotvec(), axis=1).reshape(4, 6)
     assert np.allclose(angles[:, ::2], TURNING * RATE) and np.allclose(angles[:, 1::2], 0.0)
     assert np.linalg.norm(np.diff(made.at, axis=0), axis=-1).max() < 0.02
-    cold = trial(Cell("box", "hull", "shallow"), "cold", 3, 3)
+    cold = make_trial(Cell("box", "hull", "shallow"), "cold", 3, 3)
     assert np.linalg.norm(np.diff(cold.turns, axis=0), axis=(-1, -2)).min() > 0.05
 
 
@@ -58,14 +58,14 @@ def test_coherent_pairs_turn_at_the_stated_rate_and_do_not_jump_and_cold_ones_ar
 @pytest.mark.parametrize("cell", [SOME[2], Cell("sphere", "ellipsoid", "apart")], ids=lambda cell: cell.name)
 @pytest.mark.parametrize("contender", THERE, ids=[contender.name for contender in THERE])
 def test_answers_belong_to_their_pairs(contender: Contender, cell: Cell, mode: Mode) -> None:
-    asked = trial(cell, mode, 3, 3)
-    contender.load(asked)
-    answers = measure.answers(contender, asked, range(3))
+    trial = make_trial(cell, mode, 3, 3)
+    contender.load(trial)
+    answers = measure.answers(contender, trial, range(3))
     if contender.name == "pb detection" and cell.regime == "apart":
         # further apart than its breaking threshold: no answer, and none made up
         assert np.isinf(answers).all()
         return
-    assert errors_of(answers, truths(asked, range(3))).max() <= EXACT.get(contender.name, LOOSE)
+    assert errors_of(answers, truths(trial, range(3))).max() <= EXACT.get(contender.name, LOOSE)
 
 
 def test_a_library_that_is_missing_is_left_out() -> None:
