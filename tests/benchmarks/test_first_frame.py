@@ -18,6 +18,7 @@ def test_a_scene_is_run_in_a_process_of_its_own(tmp_path: Path) -> None:
     (row,) = csv.DictReader((tmp_path / "first_frame.csv").read_text().splitlines())
     assert row["scene"] == "ball_drop" and float(row["load_s"]) > 0.0
     assert float(row["ratio"]) == pytest.approx(float(row["first_us"]) / float(row["median_us"]), rel=1e-4)
+    assert main(["first-frame", "--filter", "no_such_scene", "--run", str(tmp_path)]) == 2
 
 
 def test_a_scene_without_a_first_frame_has_the_reason() -> None:
@@ -40,7 +41,3 @@ def test_a_long_first_frame_is_measured_again(monkeypatch: pytest.MonkeyPatch) -
     answers = [replace(GOOD, ratio=60.0), replace(GOOD, ratio=4.0), GOOD]
     monkeypatch.setattr(first_frame, "measure", lambda scene, preset, frames: answers.pop(0))
     assert best("s", "default", 3) == replace(GOOD, ratio=4.0) and answers == [GOOD]
-
-
-def test_a_pattern_that_matches_nothing_is_refused(tmp_path: Path) -> None:
-    assert main(["first-frame", "--filter", "no_such_scene", "--run", str(tmp_path)]) == 2
