@@ -10,8 +10,7 @@ from runfiles.naming import BASELINE, GATED
 HOUSE = Path(__file__).resolve().parents[2]
 ROOMS, KINDS = ("scenarios", "runfiles", "reports"), ("*.py", "*.js", "*.j2")
 ALLOWED = {
-    # the largest sizes that engines can be asked for, an example in a help text, a reason
-    "scenarios/growth/__main__.py", "scenarios/beside/__main__.py", "scenarios/posture_table/__main__.py",
+    # a reason
     "scenarios/studies/contact_law/obtained.py",
 }
 

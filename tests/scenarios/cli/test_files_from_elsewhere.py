@@ -92,8 +92,8 @@ def test_a_number_beyond_all_floats_in_a_clip(tmp_path: Path) -> None:
 
 
 def test_a_sweep_has_nothing_to_resume(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["study", "settings", "--engine", "mujoco", "--filter", "stop_distance", "--out", str(tmp_path), "--resume", str(tmp_path)]
-    assert scenarios(words) == 2
+    words = ["study", "settings", "--engine", "mujoco", "--filter", "stop_distance", "--out", str(tmp_path)]
+    assert scenarios([*words, "--resume", str(tmp_path)]) == 2
     assert "--resume" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
