@@ -4,57 +4,13 @@ from pathlib import Path
 
 import numpy as np
 
-BVH = """\
-HIERARCHY
-ROOT Hips
-{
-  OFFSET 0 0 0
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT Spine
-  {
-    OFFSET 0 0.1 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    JOINT Head
-    {
-      OFFSET 0 0.45 0
-      CHANNELS 3 Zrotation Xrotation Yrotation
-      End Site
-      {
-        OFFSET 0 0.25 0
-      }
-    }
-  }
-  JOINT LeftUpLeg
-  {
-    OFFSET 0.12 0 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    JOINT LeftLeg
-    {
-      OFFSET 0 -0.42 0
-      CHANNELS 3 Zrotation Xrotation Yrotation
-      End Site
-      {
-        OFFSET 0 -0.42 0
-      }
-    }
-  }
-  JOINT RightUpLeg
-  {
-    OFFSET -0.12 0 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    JOINT RightLeg
-    {
-      OFFSET 0 -0.42 0
-      CHANNELS 3 Zrotation Xrotation Yrotation
-      End Site
-      {
-        OFFSET 0 -0.42 0
-      }
-    }
-  }
-}
-MOTION
-"""
+from tests.assets.motions.files import end, joint, root
+
+BVH = root(
+    "Hips", "ZXY", joint("Spine", "0 0.1 0", "ZXY", joint("Head", "0 0.45 0", "ZXY", end("0 0.25 0"))),
+    joint("LeftUpLeg", "0.12 0 0", "ZXY", joint("LeftLeg", "0 -0.42 0", "ZXY", end("0 -0.42 0"))),
+    joint("RightUpLeg", "-0.12 0 0", "ZXY", joint("RightLeg", "0 -0.42 0", "ZXY", end("0 -0.42 0"))),
+) + "MOTION\n"
 """A figure of 1.6 m without arms, y up, in metres."""
 
 COLUMNS = 6 + 6 * 3

@@ -3,70 +3,41 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-WALKER = """\
-HIERARCHY
-ROOT Hips
-{
-	OFFSET 0 0 0
-	CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation
-	JOINT Spine
-	{
-		OFFSET 0 10 0
-		CHANNELS 3 Zrotation Xrotation Yrotation
-		JOINT Head
-		{
-			OFFSET 0 45 0
-			CHANNELS 3 Yrotation Xrotation Zrotation
-			End Site
-			{
-				OFFSET 0 25 0
-			}
-		}
-		JOINT LeftArm
-		{
-			OFFSET 20 40 0
-			CHANNELS 3 Xrotation Yrotation Zrotation
-			JOINT LeftForeArm
-			{
-				OFFSET 28 0 0
-				CHANNELS 3 Zrotation Yrotation Xrotation
-				End Site
-				{
-					OFFSET 26 0 0
-				}
-			}
-		}
-	}
-	JOINT LeftUpLeg
-	{
-		OFFSET 9 -5 0
-		CHANNELS 3 Xrotation Zrotation Yrotation
-		JOINT LeftLeg
-		{
-			OFFSET 0 -42 0
-			CHANNELS 3 Yrotation Zrotation Xrotation
-			JOINT LeftFoot
-			{
-				OFFSET 0 -40 0
-				CHANNELS 3 Zrotation Yrotation Xrotation
-				End Site
-				{
-					OFFSET 0 -5 16
-				}
-			}
-		}
-	}
-	JOINT RightUpLeg
-	{
-		OFFSET -9 -5 0
-		CHANNELS 3 Zrotation Yrotation Xrotation
-		End Site
-		{
-			OFFSET 0 -80 0
-		}
-	}
-}
-"""
+
+def joint(name: str, offset: str, turns: str, *inside: str) -> str:
+    """A joint of a BVH file with turns by their axes in order, and joints or an end inside."""
+    channels = " ".join(f"{axis}rotation" for axis in turns)
+    return _block(f"JOINT {name}", f"OFFSET {offset}", f"CHANNELS {len(turns)} {channels}", *inside)
+
+
+def root(name: str, turns: str, *inside: str) -> str:
+    """A hierarchy of BVH below a root that also moves."""
+    channels = " ".join(["6 Xposition Yposition Zposition", *(f"{axis}rotation" for axis in turns)])
+    return "HIERARCHY\n" + _block(f"ROOT {name}", "OFFSET 0 0 0", f"CHANNELS {channels}", *inside) + "\n"
+
+
+def end(offset: str) -> str:
+    """The end of a limb."""
+    return _block("End Site", f"OFFSET {offset}")
+
+
+def _block(head: str, *lines: str) -> str:
+    inside = "\n".join("\t" + line for block in lines for line in block.split("\n"))
+    return f"{head}\n{{\n{inside}\n}}"
+
+
+WALKER = root(
+    "Hips", "ZYX",
+    joint(
+        "Spine", "0 10 0", "ZXY", joint("Head", "0 45 0", "YXZ", end("0 25 0")),
+        joint("LeftArm", "20 40 0", "XYZ", joint("LeftForeArm", "28 0 0", "ZYX", end("26 0 0"))),
+    ),
+    joint(
+        "LeftUpLeg", "9 -5 0", "XZY",
+        joint("LeftLeg", "0 -42 0", "YZX", joint("LeftFoot", "0 -40 0", "ZYX", end("0 -5 16"))),
+    ),
+    joint("RightUpLeg", "-9 -5 0", "ZYX", end("0 -80 0")),
+)
 """A human in centimetres with y up, every order of turns, 6 + 8 x 3 channels."""
 
 
@@ -75,8 +46,27 @@ def bvh(hierarchy: str, rows: ArrayLike, step: str = "0.008333") -> str:
     lines = [" ".join(map(repr, row)) for row in np.asarray(rows, dtype=np.float64).tolist()]
     return f"{hierarchy}MOTION\nFrames: {len(lines)}\nFrame Time: {step}\n" + "\n".join(lines) + "\n"
 
-FOLDED = WALKER.replace("0 10 0", "10 0 0").replace("0 45 0", "45 0 0").replace("0 25 0", "25 0 0").replace("20 40 0", "40 5 0")
-"""The same with trunk and legs along x at rest, as some tools write skeletons."""
+
+BONES = (
+    ("lhipjoint", "0.655637 -0.713449 0.247245", "2.5", "0 0 0  XYZ", "", ()),
+    ("lfemur", "0.34202 -0.939693 0", "7.6", "0 0 20  XYZ", "rx ry rz", ("(-160.0 20.0)", "(-70.0 70.0)", "(-60.0 70.0)")),
+    ("ltibia", "0.34202 -0.939693 0", "7.3", "0 0 20  XYZ", "rx", ("(-10.0 170.0)",)),
+    ("lfoot", "0.0886837 -0.243657 0.965798", "2.2", "-90 10 20  XYZ", "rx rz", ("(-45.0 90.0)", "(-70.0 20.0)")),
+    ("rhipjoint", "-0.655637 -0.713449 0.247245", "2.5", "0 0 0  XYZ", "", ()),
+    ("rfemur", "-0.34202 -0.939693 0", "7.6", "0 0 -20  ZYX", "rz ry rx", ()),
+    ("rfoot", "-0.4 -0.8 0.3", "7.5", "5 15 -20  XYZ", "rx", ()),
+    ("lowerback", "0.01 0.99 -0.1", "4.0", "0 30 0  XYZ", "rx ry rz", ()),
+    ("head", "0 1 0.1", "7.0", "0 0 0  XYZ", "rx ry rz", ()),
+)
+"""Name, direction, length, axis, degrees of freedom and limits of the bones of a skeleton."""
+
+
+def _bone(number: int, name: str, direction: str, length: str, axis: str, dof: str, limits: tuple[str, ...]) -> str:
+    text = f"  begin\n     id {number}\n     name {name}\n     direction {direction}\n     length {length}\n     axis {axis}\n"
+    text += f"    dof {dof}\n" if dof else ""
+    text += f"    limits {(chr(10) + ' ' * 11).join(limits)}\n" if limits else ""
+    return text + "  end\n"
+
 
 ASF = """\
 # made by hand
@@ -94,82 +84,7 @@ ASF = """\
    position 0 0 0
    orientation 0 0 0
 :bonedata
-  begin
-     id 1
-     name lhipjoint
-     direction 0.655637 -0.713449 0.247245
-     length 2.5
-     axis 0 0 0  XYZ
-  end
-  begin
-     id 2
-     name lfemur
-     direction 0.34202 -0.939693 0
-     length 7.6
-     axis 0 0 20  XYZ
-    dof rx ry rz
-    limits (-160.0 20.0)
-           (-70.0 70.0)
-           (-60.0 70.0)
-  end
-  begin
-     id 3
-     name ltibia
-     direction 0.34202 -0.939693 0
-     length 7.3
-     axis 0 0 20  XYZ
-    dof rx
-    limits (-10.0 170.0)
-  end
-  begin
-     id 4
-     name lfoot
-     direction 0.0886837 -0.243657 0.965798
-     length 2.2
-     axis -90 10 20  XYZ
-    dof rx rz
-    limits (-45.0 90.0)
-           (-70.0 20.0)
-  end
-  begin
-     id 5
-     name rhipjoint
-     direction -0.655637 -0.713449 0.247245
-     length 2.5
-     axis 0 0 0  XYZ
-  end
-  begin
-     id 6
-     name rfemur
-     direction -0.34202 -0.939693 0
-     length 7.6
-     axis 0 0 -20  ZYX
-    dof rz ry rx
-  end
-  begin
-     id 7
-     name rfoot
-     direction -0.4 -0.8 0.3
-     length 7.5
-     axis 5 15 -20  XYZ
-    dof rx
-  end
-  begin
-     id 8
-     name lowerback
-     direction 0.01 0.99 -0.1
-     length 4.0
-     axis 0 30 0  XYZ
-    dof rx ry rz
-  end
-  begin
-     id 9
-     name head
-     direction 0 1 0.1
-     length 7.0
-     axis 0 0 0  XYZ
-    dof rx ry rz
-  end
+""" + "".join(_bone(k, *bone) for k, bone in enumerate(BONES, 1)) + """\
 :hierarchy
   begin
     root lhipjoint rhipjoint lowerback

@@ -9,10 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.assets import caps
 from avatarsim.assets.models.coordinates import coordinates_of
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.motions.deepmimic import LAYOUT, read_clip, y_up, z_up, z_up_rotation
+from avatarsim.assets.motions.deepmimic import LAYOUT, read_clip, z_up, z_up_rotation
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.avatar import Avatar
@@ -35,31 +34,17 @@ def test_turning_then_changing_axes_is_changing_axes_then_turning(q: tuple[float
         return
     turn = rotation.normalised(q)
     assert np.allclose(z_up(rotation.rotate(turn, v)), rotation.rotate(z_up_rotation(turn), z_up(v)), atol=1e-9)
+    # up becomes up, and the right side minus y
+    assert np.array_equal(z_up(v), [v[0], -v[2], v[1]])
 
 
-def test_up_becomes_up_and_the_right_side_becomes_minus_y() -> None:
-    assert z_up([0.0, 1.0, 0.0]).tolist() == [0.0, 0.0, 1.0]
-    assert z_up([0.0, 0.0, 1.0]).tolist() == [0.0, -1.0, 0.0]
-
-
-@pytest.mark.parametrize(
-    ("frames", "says"),
-    [
-        ([upright(), upright()[:43]], "columns of frame 1.*43"),
-        ([upright(), [*upright(), 0.0]], "columns of frame 1.*45"),
-        ([upright(), "text"], "columns of frame 1.*str"),
-        ([upright()], "number of frames.* 1"),
-        ("none", "number of frames"),
-        ([upright(-0.1), upright()], "frame 0"),
-        ([upright(), [*upright()[:-1], float("nan")]], "frame 1"),
-        ([upright(), [*upright()[:-1], "x"]], "numbers of clip"),
-        ([upright(), [*upright()[:4], 0.0, *upright()[5:]]], "root quaternion in frame 1"),
-        ([upright(), [*upright()[:-1], 10**400]], "numbers of clip"),
-        ([upright(), [*upright()[:-1], None]], "frame 1|numbers of clip"),
-        ([upright(), [*upright()[:-1], [0.0]]], "numbers of clip"),
-        ([], "number of frames.* 0"),
-    ],
-)
+@pytest.mark.parametrize(("frames", "says"), [
+    ([upright(), upright()[:43]], "columns of frame 1.*43"), ([upright(), [*upright(), 0.0]], "columns of frame 1.*45"),
+    ([upright(), "text"], "columns of frame 1.*str"), ([upright()], "number of frames.* 1"), ("none", "number of frames"),
+    ([], "number of frames.* 0"), ([upright(-0.1), upright()], "frame 0"),
+    *(([upright(), [*upright()[:-1], value]], "frame 1|numbers of clip") for value in (float("nan"), "x", 10**400, None, [0.0])),
+    ([upright(), [*upright()[:4], 0.0, *upright()[5:]]], "root quaternion in frame 1"),
+])
 def test_a_malformed_file_is_refused_by_name(tmp_path: Path, frames: object, says: str) -> None:
     with pytest.raises(InvalidFile, match=says) as caught:
         read_clip(written(tmp_path / "broken.txt", frames))
@@ -85,13 +70,6 @@ def test_numbers_that_no_recording_has_are_refused(tmp_path: Path, column: int, 
     first[column] = value
     with pytest.raises(InvalidFile, match=says):
         read_clip(written(tmp_path / "broken.txt", [first, upright()]))
-
-
-def test_a_large_clip_is_refused_by_its_size(tmp_path: Path) -> None:
-    with (tmp_path / "some.txt").open("wb") as file:
-        file.truncate(caps.JSON_BYTES + 1)
-    with pytest.raises(InvalidFile, match="size of clip"):
-        load_motion(tmp_path / "some.txt")
 
 
 @pytest.mark.parametrize("name", ["walk", "kick", "backflip"])
@@ -128,21 +106,13 @@ def test_a_figure_drawn_with_y_up_moves_as_one_drawn_with_z_up(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("flat", [False, True])
-def test_a_motion_left_alone_keeps_the_files_numbers(tmp_path: Path, flat: bool) -> None:
-    path = tmp_path / "some.txt"
-    path.write_text(json.dumps({"Loop": "none", "More": [1, {"a": None}], "Frames": moving(6)}))
+def test_rows_that_stay_keep_the_files_numbers_and_others_come_back(tmp_path: Path, flat: bool) -> None:
+    rows, path, model = moving(6), tmp_path / "some.txt", figure(flat)
+    path.write_text(json.dumps({"Loop": "none", "More": [1, {"a": None}], "Frames": rows}))
     file = load_motion(path)
-    model = figure(flat)
-    assert json.loads(file.written(file.motion(model), model)) == json.loads(path.read_text())
-    assert file.format == "deepmimic" and file.model() is None
-
-
-@pytest.mark.parametrize("flat", [False, True])
-def test_what_is_written_is_read_back(tmp_path: Path, flat: bool) -> None:
-    rows = moving(6)
-    file = load_motion(written(tmp_path / "some.txt", rows, "none"))
-    model = figure(flat)
     motion = file.motion(model)
+    assert file.format == "deepmimic" and file.model() is None
+    assert json.loads(file.written(motion, model)) == json.loads(path.read_text())
     rng = np.random.default_rng(3)
     rotations, positions, angles = motion.rotations.copy(), motion.positions.copy(), motion.angles.copy()
     turned = [0, *(k for k, (_, width) in enumerate(LAYOUT) if width == 4)]
@@ -156,11 +126,9 @@ def test_what_is_written_is_read_back(tmp_path: Path, flat: bool) -> None:
         assert np.abs(getattr(again, part) - getattr(changed, part)).max() < 1e-15, part
     products = (again.rotations * changed.rotations).sum(axis=2, keepdims=True)
     assert np.abs(again.rotations * np.sign(products) - changed.rotations).max() < 1e-15
-    assert (again.times == motion.times).all()
     content = json.loads((tmp_path / "other.txt").read_text())
-    assert content["Loop"] == "none"
+    assert content["Loop"] == "none" and (again.times == motion.times).all()
     assert [k for k, (now, was) in enumerate(zip(content["Frames"], rows, strict=True)) if now != was] == [2, 3]
-    assert [row[0] for row in content["Frames"]] == [row[0] for row in rows]
 
 
 def test_another_rate_has_equal_steps(tmp_path: Path) -> None:
@@ -172,23 +140,9 @@ def test_another_rate_has_equal_steps(tmp_path: Path) -> None:
     assert np.abs(places(figure(), again) - places(figure(), motion)).max() < 1e-12
 
 
-def test_joints_that_a_clip_does_not_have_stay_and_are_said(tmp_path: Path) -> None:
+def test_joints_that_a_clip_does_not_have_stay(tmp_path: Path) -> None:
     file = load_motion(written(tmp_path / "some.txt", moving(3)))
-    assert (file.motion(figure()).angles[:, 4] == 0.0).all()
-    file.motion(figure())
-    assert [sentence for sentence in file.said if "left_hand" in sentence] == list(file.said)
-
-
-def test_an_avatar_of_another_size_is_said(tmp_path: Path) -> None:
-    whole = figure().avatar
-    assert whole is not None
-    links = tuple(replace(link, anchor=tuple(4.0 * x for x in link.anchor)) for link in whole.links)
-    large = Avatar("large", links)
-    file = load_motion(written(tmp_path / "some.txt", moving(3)))
-    file.motion(figure())
-    assert not any("legs" in sentence for sentence in file.said)
-    file.motion(Model(large, coordinates_of(large), (), ()))
-    assert any("legs of the avatar are 3.3 m long" in sentence for sentence in file.said)
+    assert (file.motion(figure()).angles[:, 4] == 0.0).all() and len(file.said) == 1
 
 
 def test_an_avatar_that_lacks_joints_is_refused_by_their_names(tmp_path: Path) -> None:
@@ -200,8 +154,3 @@ def test_an_avatar_that_lacks_joints_is_refused_by_their_names(tmp_path: Path) -
     stiff = Avatar("stiff", tuple(replace(link, joint=Ball()) if link.name == "left_knee" else link for link in whole.links))
     with pytest.raises(InvalidFile, match="joint left_knee for some.txt is 'ball'; valid: hinge"):
         file.motion(Model(stiff, coordinates_of(stiff), (), ()))
-
-
-@given(st.tuples(NUMBER, NUMBER, NUMBER))
-def test_axes_there_and_back(vector: tuple[float, ...]) -> None:
-    assert (y_up(z_up(vector)) == np.array(vector)).all()

@@ -11,10 +11,9 @@ from avatarsim.assets.motions.matching import (
     coordinates_of_model,
     left_alone,
     motion_of,
-    require_order,
     rows_near,
 )
-from avatarsim.errors import InvalidFile, UnknownName
+from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from tests.assets.motions.robots import JOINTS, puppet, robot, walk
 
@@ -102,9 +101,3 @@ def test_quaternions_without_a_file_do_not_jump() -> None:
     motion: Motion = motion_of("a", q, np.arange(4.0), of(robot()))
     rows = rows_near(motion, of(robot()), None)
     assert ((rows[1:, 3:7] * rows[:-1, 3:7]).sum(axis=1) > 0.0).all()
-
-
-def test_an_order_that_is_none_is_refused() -> None:
-    assert require_order("xyzw") == "xyzw"
-    with pytest.raises(UnknownName, match="wxyz, xyzw"):
-        require_order("wzyx")

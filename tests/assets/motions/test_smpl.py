@@ -112,7 +112,6 @@ def test_the_avatar_stands_and_its_joints_are_the_familys(tmp_path: Path) -> Non
     assert shown[0, names.index("left_wrist"), 0] - shown[0, names.index("right_wrist"), 0] > 1.0
     assert shown[0, names.index("left_foot"), 1] < shown[0, names.index("left_ankle"), 1]
     assert sum(link.mass.mass for link in model.avatar.links) == pytest.approx(75.0, abs=3.0)
-    assert any("approximate skeleton of our own" in sentence for sentence in found.said)
 
 
 def test_size_mass_and_limits_are_the_users_choice(tmp_path: Path) -> None:
@@ -146,7 +145,7 @@ def bent(motion: Motion, link: int, first: int, last: int) -> Motion:
 
 
 @pytest.mark.parametrize("form", FORMS)
-def test_a_motion_left_alone_is_written_bit_for_bit(tmp_path: Path, form: str) -> None:
+def test_bodies_are_written_bit_for_bit_where_nothing_moved(tmp_path: Path, form: str) -> None:
     arrays = FORMS[form]()
     found = load_motion(saved(tmp_path / "some.npz", arrays))
     model = found.model()
@@ -155,31 +154,20 @@ def test_a_motion_left_alone_is_written_bit_for_bit(tmp_path: Path, form: str) -
     assert list(written) == list(arrays)
     for key, values in arrays.items():
         assert written[key].dtype == values.dtype and written[key].tobytes() == values.tobytes()
-
-
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("link", [0, 5, 20])
-def test_what_is_written_is_read_back(tmp_path: Path, form: str, link: int) -> None:
-    arrays = FORMS[form]()
-    found = load_motion(saved(tmp_path / "some.npz", arrays))
-    model = found.model()
-    assert model is not None
-    changed = bent(found.motion(model), link, 2, 4)
-    (tmp_path / "other.npz").write_bytes(found.written(changed, model))
-    again = load_motion(tmp_path / "other.npz").motion(model)
-    fine = 3e-7 if form == "float32" else 1e-12
-    assert np.abs(links(model, again) - links(model, changed)).max() < 4.0 * fine
-    written = entries((tmp_path / "other.npz").read_bytes())
-    for key, values in arrays.items():
-        assert written[key].dtype == values.dtype
-        if key in ("poses", "trans", "root_orient", "pose_body"):
-            same = (written[key] == values).all(axis=1)
-            assert same[[0, 1, 5, 6, 7]].all()
-        else:
-            assert (written[key] == values).all(), key
-    if "poses" in arrays:
-        others = np.delete(np.arange(arrays["poses"].shape[1]), np.arange(3 * link, 3 * link + 3))
-        assert (written["poses"][:, others] == arrays["poses"][:, others]).all()
+    for link in (0, 5, 20):
+        changed = bent(found.motion(model), link, 2, 4)
+        (tmp_path / "other.npz").write_bytes(found.written(changed, model))
+        again = load_motion(tmp_path / "other.npz").motion(model)
+        fine = 3e-7 if form == "float32" else 1e-12
+        assert np.abs(links(model, again) - links(model, changed)).max() < 4.0 * fine
+        written = entries((tmp_path / "other.npz").read_bytes())
+        for key, values in arrays.items():
+            moves = key in ("poses", "trans", "root_orient", "pose_body")
+            same = (written[key] == values).all(axis=1)[[0, 1, 5, 6, 7]] if moves else written[key] == values
+            assert written[key].dtype == values.dtype and np.all(same), key
+        if "poses" in arrays:
+            others = np.delete(np.arange(arrays["poses"].shape[1]), np.arange(3 * link, 3 * link + 3))
+            assert (written["poses"][:, others] == arrays["poses"][:, others]).all()
 
 
 def test_another_rate_is_written_with_its_rate(tmp_path: Path) -> None:
@@ -237,10 +225,9 @@ def test_options_of_the_other_kind_are_refused(tmp_path: Path) -> None:
         load_motion(body, up="x")
 
 
-def test_objects_beside_the_pose_are_left_out_and_said(tmp_path: Path) -> None:
+def test_objects_beside_the_pose_are_left_out(tmp_path: Path) -> None:
     np.savez(tmp_path / "some.npz", **amass(), labels=np.array([{}], dtype=object))
     found = load_motion(tmp_path / "some.npz")
-    assert any("labels" in sentence and "pickle" in sentence for sentence in found.said)
     model = found.model()
     assert model is not None
     assert "labels" not in entries(found.written(found.motion(model), model))
