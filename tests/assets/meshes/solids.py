@@ -85,3 +85,16 @@ def surface_points(soup: Soup, count: int, seed: int = 0) -> Array:
     chosen = corners[rng.choice(len(corners), count, p=area / area.sum())]
     weight = rng.dirichlet((1.0, 1.0, 1.0), count)
     return np.asarray(np.einsum("nk,nki->ni", weight, chosen))
+
+
+def knot() -> Soup:
+    """A torus of which one vertex is pulled across its hole, through the other side."""
+    vertices, triangles = torus(around=12, across=8)
+    vertices[0] += [-2.2, 0.07, 0.03]
+    return vertices, triangles
+
+
+def through(soup: Soup) -> Soup:
+    """A mesh and a turned copy of it that go through one another; no edge of one lies in a face of the other."""
+    turn = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
+    return together(soup, (soup[0] @ turn.T + [0.3, 0.2, 0.4], soup[1]))

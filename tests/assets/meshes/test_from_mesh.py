@@ -1,6 +1,7 @@
 """`pieces_of_mesh` from the outside: what is taken as it is, what is decomposed, what is refused, what is kept."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,11 +10,10 @@ from numpy.typing import NDArray
 from avatarsim.assets.meshes import convex_pieces as from_mesh
 from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.convex_pieces import Pieces
-from avatarsim.assets.meshes.decompose import Wishes
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidShape, UnknownName
 from avatarsim.scene.body import volume
 from avatarsim.scene.shape import ConvexHull, ellipsoid_hull
-from tests.assets.meshes.solids import Soup, cube, ell, obj_text, surface_points, together, torus
+from tests.assets.meshes.solids import Soup, cube, ell, knot, obj_text, surface_points, through, torus
 
 Array = NDArray[np.float64]
 
@@ -140,9 +140,7 @@ def test_open_meshes_are_refused_unless_wrapped(repair: str, refused: bool, monk
 
 
 def test_a_surface_through_itself_is_wrapped_or_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    vertices, triangles = torus(around=12, across=8)
-    vertices = vertices.copy()
-    vertices[0] += [-2.2, 0.07, 0.03]
+    vertices, triangles = knot()
     with pytest.raises(InvalidShape, match="go through each other"):
         pieces_of_mesh((vertices, triangles), repair="refuse")
     asked = []
@@ -157,57 +155,39 @@ def test_a_surface_through_itself_is_wrapped_or_refused(monkeypatch: pytest.Monk
 
 
 def test_parts_through_one_another_are_decomposed_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
-    vertices, triangles = ell()
-    turn = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
-    counts = []
+    both, counts = through(ell()), []
 
     def by_part(meshes: list[object], wishes: object, remesh: bool, stream: object) -> list[Array]:
         counts.append((len(meshes), remesh))
-        return [vertices, vertices @ turn.T + [0.3, 0.2, 0.4]]
+        return [both[0][:12], both[0][12:]]
 
     monkeypatch.setattr(from_mesh, "decomposed", by_part)
-    found = pieces_of_mesh(together((vertices, triangles), (vertices @ turn.T + [0.3, 0.2, 0.4], triangles)))
-    assert counts == [(2, False)] and "one by one" not in found.repairs[0] and "by itself" in found.repairs[0]
+    found = pieces_of_mesh(both)
+    assert counts == [(2, False)] and len(found.repairs) == 1 and len(found.pieces) == 2
 
 
-@pytest.mark.parametrize(
-    ("mesh", "match"),
-    [
-        ((np.zeros((0, 3)), np.zeros((0, 3))), "number of triangles"),
-        ((np.zeros((4, 2)), [[0, 1, 2]]), r"shape of the vertices of a mesh is \(4, 2\)"),
-        ((cube()[0], [[0, 1, 9]]), "vertex number of a triangle is 9.0; valid: a whole number from 0 to 7"),
-        ((cube()[0] * [1.0, 1.0, np.nan], cube()[1]), "vertex 0 of the mesh"),
-        ((cube()[0] * [1.0, 1.0, 0.0], cube()[1]), "flat mesh has no volume|three different corners|border edges"),
-        ((1730.0 * cube()[0], cube()[1]), r"size of the mesh \[m\] at scale 1 .*0\.001 for millimetres"),
-        ((1e-6 * cube()[0], cube()[1]), r"size of the mesh \[m\] at scale 1"),
-    ],
-)
-def test_what_is_no_body_is_refused(mesh: tuple[Array, Array], match: str) -> None:
+@pytest.mark.parametrize(("mesh", "match"), [
+    ((np.zeros((0, 3)), np.zeros((0, 3))), "number of triangles"),
+    ((np.zeros((4, 2)), [[0, 1, 2]]), r"shape of the vertices of a mesh is \(4, 2\)"),
+    ((cube()[0], [[0, 1, 9]]), "vertex number of a triangle is 9.0; valid: a whole number from 0 to 7"),
+    ((cube()[0] * [1.0, 1.0, np.nan], cube()[1]), "vertex 0 of the mesh"),
+    ((cube()[0] * [1.0, 1.0, 0.0], cube()[1]), "flat mesh has no volume|three different corners|border edges"),
+    ((1730.0 * cube()[0], cube()[1]), r"size of the mesh \[m\] at scale 1 .*0\.001 for millimetres"),
+    ((1e-6 * cube()[0], cube()[1]), r"size of the mesh \[m\] at scale 1"),
+    *((value, "mesh") for value in (4.79, None, (np.zeros((4, 3)),), np.zeros((4, 3)))),
+])
+def test_what_is_no_body_is_refused(mesh: Any, match: str) -> None:
     with pytest.raises(InvalidShape, match=match):
         pieces_of_mesh(mesh)
 
 
-def test_wishes_out_of_range_are_refused() -> None:
-    with pytest.raises(InvalidInput, match="threshold of the decomposition is 5.0; valid: a finite number from 0.01 to 1"):
-        pieces_of_mesh(cube(), threshold=5.0)
-    with pytest.raises(InvalidInput, match="most vertices of a piece is 3; valid: a whole number from 8 to 4096"):
-        pieces_of_mesh(cube(), most_vertices=3)
-    with pytest.raises(InvalidInput, match="seed"):
-        pieces_of_mesh(cube(), seed=-1)
-    with pytest.raises(InvalidInput, match="scale of a mesh is 0"):
-        pieces_of_mesh(cube(), scale=0.0)
-    with pytest.raises(UnknownName, match="repair is 'pray'; valid: one of auto, refuse, remesh"):
-        pieces_of_mesh(cube(), repair="pray")
-    with pytest.raises(InvalidFile, match=r"nowhere\.obj"):
-        pieces_of_mesh("nowhere.obj")
-
-
-@pytest.mark.parametrize("mesh", [4.79, None, (np.zeros((4, 3)),), np.zeros((4, 3))])
-def test_what_is_no_mesh_is_named(mesh: object) -> None:
-    with pytest.raises(InvalidShape, match="mesh"):
-        pieces_of_mesh(mesh)  # type: ignore[arg-type]
-
-
-def test_whether_a_mesh_becomes_its_hull_is_true_or_false() -> None:
-    with pytest.raises(InvalidInput, match="True or False"):
-        Wishes(hull=(971, 1.6))  # type: ignore[arg-type]
+@pytest.mark.parametrize(("wish", "error", "match"), [
+    ({"threshold": 5.0}, InvalidInput, "threshold of the decomposition is 5.0; valid: a finite number from 0.01 to 1"),
+    ({"most_vertices": 3}, InvalidInput, "most vertices of a piece is 3; valid: a whole number from 8 to 4096"),
+    ({"seed": -1}, InvalidInput, "seed"), ({"scale": 0.0}, InvalidInput, "scale of a mesh is 0"),
+    ({"repair": "pray"}, UnknownName, "repair is 'pray'; valid: one of auto, refuse, remesh"),
+    ({"hull": (971, 1.6)}, InvalidInput, "True or False"), ({"mesh": "nowhere.obj"}, InvalidFile, r"nowhere\.obj"),
+])
+def test_wishes_out_of_range_are_refused(wish: dict[str, Any], error: type[InvalidInput], match: str) -> None:
+    with pytest.raises(error, match=match):
+        pieces_of_mesh(**{"mesh": cube(), **wish})

@@ -1,4 +1,4 @@
-"""Files: every format we name, and what is refused by name."""
+"""Meshes and their files: every format that is read, sizes with known answers, and refusals by name."""
 
 import json
 import os
@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from avatarsim.assets.meshes.mesh import BY_TRIMESH, groups_of, read_mesh, signed_volume
+from avatarsim.assets.meshes.mesh import BY_TRIMESH, areas, groups_of, read_mesh, signed_volume
 from avatarsim.assets.meshes.repairs import mended
 from avatarsim.errors import InvalidFile, MissingPackage
-from tests.assets.meshes.solids import cube, ell, obj_text
+from tests.assets.meshes.solids import cube, ell, mesh, obj_text, together
 
 
 @pytest.mark.parametrize("ending", [".obj", *BY_TRIMESH])
@@ -126,3 +126,19 @@ def test_without_trimesh_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.
     # OBJ needs nothing
     (tmp_path / "a.obj").write_text(obj_text(cube()), encoding="utf-8")
     assert len(read_mesh(tmp_path / "a.obj").triangles) == 12
+
+
+def test_area_volume_and_size() -> None:
+    thing = mesh(ell())
+    assert signed_volume(thing.corners) == pytest.approx(5.0)
+    assert signed_volume(thing.corners[:, ::-1]) == pytest.approx(-5.0)
+    assert areas(thing.corners).sum() == pytest.approx(2 * 5.0 + 12.0)
+    assert thing.size == pytest.approx(np.sqrt(19.0))
+    assert signed_volume(np.zeros((0, 3, 3))) == 0.0
+
+
+def test_a_part_keeps_the_order_of_the_file_and_only_the_vertices_it_uses() -> None:
+    both = mesh(together(cube(), cube(2.0, 3.0)))
+    part = both.part(np.arange(24) >= 12)
+    np.testing.assert_array_equal(part.vertices, cube(2.0, 3.0)[0])
+    np.testing.assert_array_equal(part.corners, both.corners[12:])

@@ -1,16 +1,18 @@
-"""What is mended and said, and what is refused by name and number."""
+"""Repairs of meshes: edges, parts and crossings that they rest on, what is mended, and what is refused by name and number."""
 
 import numpy as np
 import pytest
 
+from avatarsim.assets.meshes import repairs as crossings
 from avatarsim.assets.meshes.mesh import Mesh, signed_volume
-from avatarsim.assets.meshes.repairs import finite, mended
+from avatarsim.assets.meshes.repairs import crossing_pairs, edges_of, finite, mended, parts, to_flip
 from avatarsim.errors import InvalidShape
-from tests.assets.meshes.solids import Soup, cube, ell, mesh, together, torus
+from tests.assets.meshes.solids import cube, ell, knot, mesh, through, together, torus
 
 
 def test_a_sound_mesh_is_left_alone() -> None:
     for soup in (cube(), ell(), torus(), together(cube(), cube(2.0, 3.0))):
+        assert len(crossing_pairs(*soup)) == 0
         sound = mended(mesh(soup))
         assert sound.repairs == () and sound.faults == () and not sound.separate
         np.testing.assert_array_equal(sound.mesh.triangles, soup[1])
@@ -74,23 +76,13 @@ def test_an_open_surface_is_a_fault_with_the_number_of_its_border_edges() -> Non
 
 
 def test_a_surface_through_itself_is_a_fault() -> None:
-    # one vertex of a torus pulled across its hole, through the other side
-    vertices, triangles = torus(around=12, across=8)
-    vertices = vertices.copy()
-    vertices[0] += [-2.2, 0.07, 0.03]
-    sound = mended(mesh((vertices, triangles), "knot"))
+    sound = mended(mesh(knot(), "knot"))
     assert [(fault.open, fault.crossing) for fault in sound.faults] == [(False, True)]
     assert sound.faults[0].value > 0 and "go through each other" in sound.faults[0].thing
 
 
-def through() -> Soup:
-    vertices, triangles = cube()
-    turn = np.array([[0.8, -0.6, 0.0], [0.6, 0.8, 0.0], [0.0, 0.0, 1.0]])
-    return together((vertices, triangles), (vertices @ turn.T + [0.3, 0.2, 0.4], triangles))
-
-
 def test_closed_parts_through_one_another_are_taken_one_by_one() -> None:
-    sound = mended(mesh(through()))
+    sound = mended(mesh(through(cube())))
     assert sound.separate and sound.faults == ()
     assert sound.repairs == ("2 closed parts go through one another: every part was decomposed by itself",)
 
@@ -110,3 +102,84 @@ def test_nothing_at_all_is_refused() -> None:
         finite(empty)
     with pytest.raises(InvalidShape, match="three different corners"):
         mended(mesh((cube()[0], np.array([[0, 0, 1]]))))
+
+
+def test_a_closed_surface_has_no_border_and_is_balanced() -> None:
+    edges = edges_of(ell()[1])
+    assert edges.open == 0 and edges.unbalanced == 0
+    assert not edges.alike.any() and len(edges.pairs) == len(edges.counts)
+
+
+def test_a_missing_triangle_leaves_three_border_edges() -> None:
+    assert edges_of(ell()[1][1:]).open == 3
+
+
+def test_parts_are_counted() -> None:
+    triangles = together(cube(), cube(2.0, 3.0), ell())[1]
+    part = parts(len(triangles), edges_of(triangles))
+    assert len(set(part.tolist())) == 3
+    assert len(set(part[:12].tolist())) == 1 and len(set(part[12:24].tolist())) == 1
+
+
+def test_triangles_turned_over_are_found() -> None:
+    triangles = together(cube(), ell())[1].copy()
+    turned = np.isin(np.arange(len(triangles)), [3, 4, 9, 20])
+    triangles[turned] = triangles[turned][:, ::-1]
+    assert edges_of(triangles).unbalanced > 0
+    flips = to_flip(len(triangles), edges_of(triangles))
+    assert flips is not None
+    # in each part either these or all the others
+    for part in (slice(0, 12), slice(12, None)):
+        assert (flips[part] == turned[part]).all() or (flips[part] != turned[part]).all()
+
+
+def test_a_moebius_band_has_one_side() -> None:
+    n = 7
+    band = [t for i in range(n) for t in ((2 * i, 2 * i + 2, 2 * i + 1), (2 * i + 1, 2 * i + 2, 2 * i + 3))]
+    # the last two columns are the first two, upside down
+    triangles = np.array([[{2 * n: 1, 2 * n + 1: 0}.get(v, v) for v in t] for t in band])
+    assert to_flip(len(triangles), edges_of(triangles)) is None
+
+
+def crossing(*triangles: list[tuple[float, float, float]]) -> int:
+    vertices = np.array(triangles, dtype=float).reshape(-1, 3)
+    return len(crossing_pairs(vertices, np.arange(len(vertices)).reshape(-1, 3)))
+
+
+FLAT = [(0.0, 0.0, 0.0), (4.0, 0.0, 0.0), (0.0, 4.0, 0.0)]
+
+
+def test_through_beside_touching_and_in_one_plane() -> None:
+    assert crossing(FLAT, [(1.0, 1.0, -1.0), (1.0, 1.2, 1.0), (1.3, 1.0, 1.0)]) == 1
+    assert crossing(FLAT, [(3.0, 3.0, -1.0), (3.0, 3.2, 1.0), (3.3, 3.0, 1.0)]) == 0
+    assert crossing(FLAT, [(1.0, 1.0, 0.0), (1.0, 1.2, 1.0), (1.3, 1.0, 1.0)]) == 0
+    assert crossing(FLAT, [(1.0, 1.0, 0.0), (1.0, 1.2, 0.0), (1.3, 1.0, 0.0)]) == 0
+
+
+def test_two_cubes_through_each_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    both = through(cube())
+    pairs = crossing_pairs(*both)
+    assert len(pairs) > 0
+    assert (np.sort(pairs, axis=1) // 12 == [0, 1]).all()
+    # in small portions the answer is the same
+    monkeypatch.setattr(crossings, "PAIRS_AT_ONCE", 10)
+    assert {tuple(sorted(p)) for p in crossing_pairs(*both).tolist()} == {tuple(sorted(p)) for p in pairs.tolist()}
+
+
+def test_random_triangles_against_a_system_of_equations_per_edge() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(200):
+        one, other = rng.normal(size=(2, 3, 3))
+        got = crossing(one.tolist(), other.tolist()) == 1
+        assert got == (solved(one, other) or solved(other, one))
+
+
+def solved(one: np.ndarray, other: np.ndarray) -> bool:
+    """Whether a point on an edge of `one`, where the edge passes the plane of `other`, is in `other`, by barycentrics."""
+    for k in range(3):
+        p, q = one[k], one[(k + 1) % 3]
+        columns = np.stack([other[1] - other[0], other[2] - other[0], p - q], axis=1)
+        u, v, share = np.linalg.solve(columns, p - other[0])
+        if u > 0 and v > 0 and u + v < 1 and 0 < share < 1:
+            return True
+    return False
