@@ -35,13 +35,6 @@ def of_puppet() -> Coordinates:
     return found
 
 
-def test_names_and_width_are_those_of_the_slots() -> None:
-    assert of_puppet().names == ("root", "head", "hand.0", "hand.1")
-    assert of_puppet().width == 13
-    of_robot = robot().coordinates
-    assert of_robot is not None and of_robot.width == 11
-
-
 @given(st.integers(1, 6), st.integers(0, 99))
 def test_rows_of_a_motion_are_the_rows_that_it_was_made_of(frames: int, seed: int) -> None:
     q = rows(frames, seed)
@@ -86,12 +79,6 @@ def test_the_order_of_the_file_is_not_that_of_the_links() -> None:
     motion = coordinates.motion(q, np.zeros(1))
     assert np.allclose(motion.angles, [[0.1, 0.2, 0.15, 0.3]])
     assert np.allclose(coordinates.rows(motion), q, atol=1e-15)
-
-
-def test_an_avatar_without_joints_has_rows_without_numbers() -> None:
-    coordinates = Coordinates((), 1, 0)
-    motion = coordinates.motion(np.zeros((4, 0)), np.arange(4.0))
-    assert coordinates.rows(motion).shape == (4, 0)
 
 
 def test_coordinates_of_an_avatar_are_its_joints_link_by_link() -> None:

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from avatarsim.assets.models import smpl_skeleton
 from avatarsim.assets.models.smpl_skeleton import TREES, approximate, measured, ours, theirs, tree_of
 from avatarsim.errors import InvalidInput
 
@@ -23,16 +22,6 @@ def test_trees_have_parents_before_children_and_two_equal_sides(member: str) -> 
     for name, parent in tree[1:]:
         twin = tree[names.index(mirrored(name))]
         assert names[twin[1]] == mirrored(names[parent])
-
-
-def test_hands_hang_on_wrists_finger_by_finger() -> None:
-    for member in ("SMPL-H", "SMPL-X"):
-        names = [name for name, _ in TREES[member]]
-        parents = {name: names[parent] for name, parent in TREES[member][1:]}
-        assert parents["left_index1"] == "left_wrist" and parents["right_thumb1"] == "right_wrist"
-        assert parents["left_ring3"] == "left_ring2" and parents["right_pinky2"] == "right_pinky1"
-    assert [len(tree) for tree in TREES.values()] == [24, 52, 55]
-    assert tree_of(53) is None
 
 
 @pytest.mark.parametrize("member", TREES)
@@ -74,4 +63,3 @@ def test_joints_of_a_file_are_where_it_has_them() -> None:
 def test_statures_of_no_human_are_refused(stature: float) -> None:
     with pytest.raises(InvalidInput, match="stature"):
         approximate("SMPL", stature)
-    assert smpl_skeleton.LEAST_STATURE < smpl_skeleton.STATURE < smpl_skeleton.MOST_STATURE
