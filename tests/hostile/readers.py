@@ -38,7 +38,7 @@ from scenarios.studies.checkpoint import Checkpoint
 from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid
 from tests.hostile.doors import Damage, Door, FileDoor, Unsound, finite, of_files, sound
-from tests.hostile.mutation import damaged, damaged_csv, damaged_glb, damaged_json, damaged_xml, damaged_zip
+from tests.hostile.mutation import damaged, damaged_glb, damaged_json, damaged_words, damaged_zip
 
 ENGINES = ("avatarsim", "mujoco", "pybullet", "tracker")
 
@@ -205,13 +205,13 @@ def doors() -> tuple[Door, ...]:
     found += [
         of_files("motion clip", 60.0, FileDoor(valid.clip, damaged_json, clip)),
         of_files("trajectory npz", 40.0, FileDoor(valid.trajectory, damaged_zip, trajectory)),
-        reader("trajectory csv", 40.0, damaged_csv, trajectory),
+        reader("trajectory csv", 40.0, damaged_words, trajectory),
         of_files("body npz", 40.0, FileDoor(valid.body, damaged_zip, body), slow=True),
         reader("bvh", 60.0, damaged, recorded, slow=True), reader("amc", 30.0, damaged, recorded, "asf", slow=True),
         reader("asf", 30.0, damaged, recorded, "amc", slow=True),
-        reader("model", 60.0, damaged_xml, model, "mesh of a model", slow=True),
+        reader("model", 60.0, damaged_words, model, "mesh of a model", slow=True),
         # each is compiled in a process of its own, which takes half a second
-        reader("avatar", 1.0, damaged_xml, public_model, "mesh of an avatar", slow=True),
+        reader("avatar", 1.0, damaged_words, public_model, "mesh of an avatar", slow=True),
         reader("mesh of an avatar", 0.5, damaged, public_model, "avatar", slow=True),
         reader("mesh of a model", 30.0, damaged, lambda folder, path: finite(hull_of(path, np.full(3, 0.01), 64))),
         reader("certificate", 20.0, damaged_json, certified),
@@ -237,7 +237,7 @@ def doors() -> tuple[Door, ...]:
             lambda: made(lambda folder: Checkpoint(folder / "study.jsonl", "0").put("key", ANSWER)), damaged_line, finished)),
         of_files("earlier run", 15.0, FileDoor(
             lambda: EARLIER, damaged_json, lambda folder, path: has_ended(earlier_run(folder, "compare")))),
-        of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_csv,
+        of_files("baseline", 15.0, FileDoor(partial(committed, "baseline.csv"), damaged_words,
                                             lambda folder, path: baseline.load(path))),
         of_files("pages", 2.0, FileDoor(valid.run, damaged_by_name, lambda folder, path: write_report(folder), valid.kept),
                  slow=True, reserves=True),
@@ -266,7 +266,7 @@ def damaged_line(data: bytes, rng: random.Random) -> bytes:
 
 def damaged_by_name(data: bytes, rng: random.Random) -> bytes:
     """A table or a JSON file, told apart by its first byte."""
-    return (damaged_json if data[:1] in b"{[" else damaged_csv)(data, rng)
+    return (damaged_json if data[:1] in b"{[" else damaged_words)(data, rng)
 
 
 def kept_in(*folders: str) -> valid.Files:
