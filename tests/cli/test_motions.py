@@ -158,19 +158,6 @@ def test_the_shortest_clips_are_cleaned_too(tmp_path: Path, frames: int, sinks: 
     assert (one["overlap"]["before"]["frames"] > 0) == (sinks > 0.0) and one["second_opinion"] == {"before": None, "after": None}
 
 
-def test_rubbish_among_the_certificates_is_left_alone(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    assert clean(bvh(tmp_path / "a.bvh"), "-o", out) == 0
-    first = content(out)
-    good = json.loads((out / "certificates" / "a.bvh.json").read_text())
-    more = {"b.bvh.json": "{}", "c.bvh.json": "[" * 9999, "d.bvh.json": json.dumps(good), "e.bvh.json": json.dumps(
-        good | {"motion": "e.bvh", "moved": None}), "f.json": "\0"}
-    for name, text in more.items():
-        (out / "certificates" / name).write_text(text)
-    assert clean(tmp_path / "a.bvh", "-o", out) == 0
-    assert {name: one for name, one in content(out).items() if Path(name).name not in more} == first
-
-
 def rubbish(folder: Path) -> dict[str, str]:
     """Files that no reader takes, and what is said of each."""
     good = bvh(folder / "good.bvh").read_text()
@@ -285,29 +272,21 @@ def test_files_of_other_programs_stay(tmp_path: Path, name: str, code: int, caps
     assert ended("audit", clip, "-o", tmp_path) == 2 and (tmp_path / "audit.json").read_text() == "mine"
 
 
-def test_a_full_disk_costs_no_earlier_result(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_full_disk_costs_no_earlier_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert clean(bvh(tmp_path / "a.bvh", frames=4), "-o", tmp_path / "out") == 0
     before, clip = content(tmp_path / "out"), bvh(tmp_path / "b.bvh", frames=4)
 
     def full(*words: object) -> None:
         raise OSError(28, "No space left on device")
 
-    with monkeypatch.context() as patch:
-        patch.setattr("avatarsim.clips.whole_files.os.fsync", full)
-        with pytest.raises(OSError, match="No space left"):
-            clean(clip, "-o", tmp_path / "out")
-    assert content(tmp_path / "out") == before
-    with monkeypatch.context() as patch:
-        # full when the clip is to be written
-        patch.setattr("avatarsim.clips.task.put", full)
-        assert clean(clip, "-o", tmp_path / "out") == 3
+    # full when the clip is to be written
+    monkeypatch.setattr("avatarsim.clips.task.put", full)
+    assert clean(clip, "-o", tmp_path / "out") == 3
     whole = ("certificate.json", "index.html")
-    assert {name: one for name, one in content(tmp_path / "out").items() if name not in whole} == {
+    after = content(tmp_path / "out")
+    assert {name: one for name, one in after.items() if name not in whole} == {
         name: one for name, one in before.items() if name not in whole}
     assert [one["name"] for one in certified(tmp_path / "out")["not_done"]] == ["b.bvh"]
-    assert "b.bvh: the system refused" in capsys.readouterr().err
 
 
 BARE = """
@@ -344,14 +323,3 @@ def test_an_audit_tells_limits_from_overlap_and_names_the_deepest_pair(tmp_path:
     assert verdicts == {"deep.csv": "OVERLAPS", "bent.csv": "BEYOND LIMITS", "good.csv": "clean"}
     deepest = found["deep.csv"]["overlap"]["before"]
     assert deepest["frame"] in (4, 5) and deepest["pair"] and found["bent.csv"]["overlap"]["before"]["frame"] is None
-
-
-@pytest.mark.parametrize(("frames", "ways", "last"), [(1, 1, "OVERLAPS"), (0, 2, "NOT CERTIFIED"), (0, 0, "BEYOND LIMITS")])
-def test_the_verdict_is_the_worst_of_what_was_written(frames: int, ways: int, last: str) -> None:
-    one = {"frames": frames, "deepest_m": 0.0, "pair": None, "frame": None}
-    for name, other in (("before", None), ("after", one)):
-        entry = {
-            "is_clean": False, "overlap": {"before": one if other is None else {**one, "frames": 9}, "after": other},
-            "between_frames": {f"not_certified_{name}": ways},
-        }
-        assert verdict(entry) == last and verdict({**entry, "is_clean": True}) == "clean"

@@ -68,16 +68,6 @@ def test_a_second_command_keeps_what_the_first_left_undone(tmp_path: Path) -> No
     assert undone(tmp_path) == {}
 
 
-def test_clips_of_a_killed_command_are_open_until_they_are_done(tmp_path: Path) -> None:
-    command(tmp_path, "a.bvh", "b.bvh")
-    done(tmp_path, "a.bvh")
-    # killed here, after one clip; then another command
-    ended(tmp_path, command(tmp_path, "c.bvh"), "c.bvh")
-    assert undone(tmp_path) == {"b.bvh": UNFINISHED}
-    ended(tmp_path, command(tmp_path, "a.bvh", "b.bvh"), "a.bvh", "b.bvh")
-    assert undone(tmp_path) == {}
-
-
 def test_a_clip_that_got_worse_is_not_done_beside_its_earlier_result(tmp_path: Path) -> None:
     ended(tmp_path, command(tmp_path, "x.bvh"), "x.bvh")
     ended(tmp_path, command(tmp_path, "x.bvh"), broken=BROKEN)

@@ -12,9 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.clips.page.clip_page import PIECES, RUNS, room_of, runs
-from avatarsim.clips.page.drawn_pieces import corners, surface_of
-from avatarsim.clips.page.index_page import index_page, verdict
-from avatarsim.clips.page.layout import address, angle, data, esc, length, page
+from avatarsim.clips.page.drawn_pieces import surface_of
+from avatarsim.clips.page.layout import address, data, esc, page
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 
@@ -38,15 +37,6 @@ def test_surfaces_are_closed_turned_outwards_and_within_the_shape(name: str) -> 
     assert len({tuple(edge) for edge in edges.tolist()}) == len(edges)
     assert {tuple(edge) for edge in edges.tolist()} == {tuple(edge[::-1]) for edge in edges.tolist()}
     assert len(found.vertices) <= 80
-
-
-def test_large_hulls_are_drawn_by_their_farthest_corners() -> None:
-    rng = np.random.default_rng(3)
-    points = rng.normal(size=(4000, 3))
-    points /= np.linalg.norm(points, axis=1)[:, None]
-    drawn = corners(ConvexHull(points))
-    assert 40 <= len(drawn) <= 64 and {tuple(one) for one in drawn.tolist()} <= {tuple(one) for one in points.tolist()}
-    assert surface_of(()).triangles.shape == (0, 3)
 
 
 def test_a_room_of_many_pieces_is_drawn_by_the_largest_with_few_corners() -> None:
@@ -104,18 +94,3 @@ def test_addresses_lead_to_files_of_any_name() -> None:
     assert address("deep/a b.bvh") == "deep/a%20b.bvh" and address("100%#?.bvh") == "100%25%23%3F.bvh"
     assert address("\ud800") == "%3F"
     assert address("bad\udcff") == "bad%FF" and address("\"'<>") == "%22%27%3C%3E"
-
-
-@pytest.mark.parametrize(("metres", "told"), [
-    (0.0, "0"), (1.2345, "1.23 m"), (0.0305, "30.5 mm"), (2.5e-5, "25 µm"), (3e-9, "3 nm"), (None, "—"),
-])
-def test_lengths_have_a_unit_that_suits_them(metres: float | None, told: str) -> None:
-    assert length(metres) == told and angle(None) == "—" and angle(np.pi / 2.0) == "90°"
-
-
-def test_a_folder_of_nothing_has_a_page_that_says_so() -> None:
-    whole = {"clips": [], "not_done": [{"name": "<b>", "kind": "unreadable", "why": "cut & off"}]}
-    text = index_page(whole).decode()
-    assert "No clip." in text and "&lt;b&gt;" in text and "cut &amp; off" in text
-    assert verdict(1, 0, 0) == "1 clip: all free of overlap, in and between frames"
-    assert verdict(3, 1, 2) == "3 clips: 1 not clean; 2 not done"

@@ -35,17 +35,6 @@ def test_docstrings_of_public_names_are_understood(public: Public) -> None:
         assert "".join(words.split()) == "".join(text.replace("`", "").replace("Returns:", "Returns").split()).replace("\n- ", "")
 
 
-TABLE = "Posture of all.\n\nname    [m] what `it` is\n        and more\nother_  x* |y|\n"
-
-
-def test_a_table_is_a_definition_list() -> None:
-    document = parsed(restructured(TABLE.splitlines()))
-    items = list(document.findall(docutils.nodes.definition_list_item))
-    assert [item.children[0].astext() for item in items] == ["name", "other_"]
-    assert [item.children[-1].astext() for item in items] == ["[m] what it is and more", "x* |y|"]
-    assert [one.astext() for one in document.findall(docutils.nodes.literal)] == ["name", "it", "other_"]
-
-
 @pytest.mark.parametrize("text", [
     "Eq. (4): p' = p - (a_h . (p - o_h)) a_h, with a_ and |x| and *y* and [1]_ and ::", "- one entry\nand a line", "1. no list",
     ".. no: directive", "`name`s and x`name`y, ``both`` of <them>", "back\\slash and :role:`text`", ">>> no session",

@@ -10,6 +10,8 @@ from tests.paper.claims import EQUATIONS
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "equations.md").read_text(encoding="utf-8")
 SECTIONS = {int(n): text for n, text in re.findall(r"^## Equation (\d+):(.*?)(?=^## |\Z)", PAGE, re.DOTALL | re.MULTILINE)}
+
+
 def test_all_ten_are_there_in_order() -> None:
     assert list(SECTIONS) == list(range(1, 11)) and len(EQUATIONS) == 10
 
