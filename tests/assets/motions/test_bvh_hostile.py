@@ -66,19 +66,6 @@ def test_damaged_files_are_refused(tmp_path: Path, case: int) -> None:
         read_bvh(path)
 
 
-def test_the_file_without_damage_is_read(tmp_path: Path) -> None:
-    path = tmp_path / "good.bvh"
-    path.write_text(GOOD)
-    assert len(read_bvh(path, scale=0.01).recording.values) == 3
-
-
-def test_what_is_no_file_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidFile, match=r"gone.bvh is 'No such file"):
-        read_bvh(tmp_path / "gone.bvh")
-    with pytest.raises(InvalidFile, match="a folder"):
-        read_bvh(tmp_path)
-
-
 def test_lines_are_counted_before_they_are_parted(tmp_path: Path) -> None:
     path = tmp_path / "bad.bvh"
     path.write_bytes(b"1\n" * (caps.LINES + 1))

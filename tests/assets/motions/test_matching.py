@@ -1,6 +1,5 @@
 """Columns to joints: by name wherever the file has names, else by their number; what does not fit is named."""
 
-import numpy as np
 import pytest
 
 from avatarsim.assets.models.coordinates import Coordinates, Slot
@@ -9,13 +8,9 @@ from avatarsim.assets.motions.matching import (
     Layout,
     columns,
     coordinates_of_model,
-    left_alone,
-    motion_of,
-    rows_near,
 )
 from avatarsim.errors import InvalidFile
-from avatarsim.scene.motion import Motion
-from tests.assets.motions.robots import JOINTS, puppet, robot, walk
+from tests.assets.motions.robots import JOINTS, puppet, robot
 
 
 def of(model: Model) -> Coordinates:
@@ -27,17 +22,6 @@ def test_without_names_the_order_is_the_models() -> None:
     assert columns("a", Layout(None, "wxyz"), 11, of(robot())).tolist() == list(range(11))
     assert columns("a", Layout(None, "xyzw"), 11, of(robot())).tolist() == [0, 1, 2, 6, 3, 4, 5, 7, 8, 9, 10]
     assert columns("a", Layout(None, "xyzw"), 13, of(puppet())).tolist() == [0, 1, 2, 6, 3, 4, 5, 10, 7, 8, 9, 11, 12]
-
-
-def test_names_decide_where_there_are_some() -> None:
-    layout = Layout(("left_elbow", "tail", "waist", "right_shoulder", "left_shoulder"), "wxyz")
-    assert columns("a", layout, 12, of(robot())).tolist() == [*range(7), 9, 11, 10, 7]
-    assert left_alone(layout, of(robot())) == ("tail",)
-
-
-def test_the_roots_own_name_may_be_among_them() -> None:
-    layout = Layout(("waist", "floating_base", *JOINTS[1:]), "wxyz")
-    assert columns("a", layout, 11, of(robot())).tolist() == [*range(1, 8), 0, 8, 9, 10]
 
 
 def test_a_ball_has_four_columns() -> None:
@@ -73,31 +57,3 @@ def test_a_body_without_joints_is_driven_by_no_robots_motion() -> None:
 def test_a_room_has_no_joints() -> None:
     with pytest.raises(InvalidFile, match=r"avatar for a\.csv"):
         coordinates_of_model("a.csv", Model(None, None, (), ()))
-
-
-@pytest.mark.parametrize(("column", "value", "says"), [
-    (0, 1e6, "distance of floating_base from the origin in frame 2 of a"), (2, -1e300, "distance of floating_base"),
-    (3, 1e300, "length of the quaternion of floating_base in frame 2"), (3, 3.0, "length of the quaternion"),
-    (8, 1e5, "angle of left_shoulder in frame 2 of a .rad."),
-])
-def test_what_no_recording_holds_is_refused(column: int, value: float, says: str) -> None:
-    q = walk(4)
-    q[2, column] = value
-    with pytest.raises(InvalidFile, match=says):
-        motion_of("a", q, np.arange(4.0), of(robot()))
-
-
-def test_quaternions_keep_the_sign_of_the_files() -> None:
-    q = walk(4)
-    flipped = q.copy()
-    flipped[1:3, 3:7] *= -1.0
-    motion = motion_of("a", q, np.arange(4.0), of(robot()))
-    assert (rows_near(motion, of(robot()), flipped)[:, 3:7] == flipped[:, 3:7]).all()
-
-
-def test_quaternions_without_a_file_do_not_jump() -> None:
-    q = walk(4)
-    q[2:, 3:7] *= -1.0
-    motion: Motion = motion_of("a", q, np.arange(4.0), of(robot()))
-    rows = rows_near(motion, of(robot()), None)
-    assert ((rows[1:, 3:7] * rows[:-1, 3:7]).sum(axis=1) > 0.0).all()

@@ -167,13 +167,6 @@ def test_hostile_tables_end_in_a_sentence(tmp_path: Path, name: str) -> None:
         load_motion(written(tmp_path, make())).motion(robot())
 
 
-def test_a_large_table_is_refused_by_its_size(tmp_path: Path) -> None:
-    with (tmp_path / "some.csv").open("wb") as file:
-        file.truncate(caps.TEXT_BYTES + 1)
-    with pytest.raises(InvalidFile, match="size of table"):
-        load_motion(tmp_path / "some.csv")
-
-
 def test_options_that_are_none_are_refused(tmp_path: Path) -> None:
     path = written(tmp_path, FORMS["LAFAN1"][0])
     with pytest.raises(UnknownName, match="wxyz, xyzw"):

@@ -282,12 +282,6 @@ def test_files_that_do_not_fit_end_in_a_sentence(tmp_path: Path, arrays: Mapping
         load_motion(saved(tmp_path / "some.npz", arrays)).motion(robot())
 
 
-def test_pickled_rows_are_refused_by_name(tmp_path: Path) -> None:
-    np.savez(tmp_path / "some.npz", fps=50, qpos=np.array([[1.0], [1.0, 2.0]], dtype=object))
-    with pytest.raises(InvalidFile, match=r"qpos in some\.npz.*pickle"):
-        load_motion(tmp_path / "some.npz")
-
-
 def turning(frames: int, canonical: bool) -> np.ndarray:
     """Rows whose root makes two whole turns; if `canonical`, quaternions with a scalar part from 0 on."""
     q = walk(frames)
