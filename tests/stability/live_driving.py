@@ -11,13 +11,14 @@ bound of `BOUNDS` is missed.
 
 import argparse
 import asyncio
+import os
 import random
 import subprocess
 import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import NamedTuple
@@ -29,7 +30,7 @@ from avatarsim.cli.live import own_depth
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.keys import KEYS
-from avatarsim.live.messages import Order, Plan, State
+from avatarsim.live.messages import Order, Plan
 from avatarsim.live.ports.refusals import Refusals
 from avatarsim.live.ports.server import Ports
 from avatarsim.live.recording import OURS, read
@@ -45,8 +46,6 @@ BOUNDS = {"late_percent": 0.1, "worst_ms": 2.0, "latency_p99_ms": 20.0, "memory_
 """What a run keeps: late frames and growth of memory in percent, frame and latency in ms, overlap in metres."""
 WARM = 20.0
 """[s] after which figures and memory count: viewers load meanwhile."""
-BLOCK = 256
-"""States that the judge is given at once."""
 
 
 class Wild:
@@ -71,12 +70,12 @@ class Wild:
             self._page.post(lambda: self._page.driver.drag(name, goal))
         elif what < 0.7:
             held, self._held = self._held, []
-            self._page.post(lambda: [self._page.driver.release(name) for name in held] and None)
+            self._page.post(lambda: [self._page.driver.release(name) for name in held])
         elif what < 0.995:
             key = self._random.choice(KEYS).key
-            self._page.post(lambda: void(self._page.driver.press(key)))
+            self._page.post(lambda: self._page.driver.press(key))
         else:
-            self._page.post(lambda: void(self._page.session.command(Order.BACK)))
+            self._page.post(lambda: self._page.session.command(Order.BACK))
 
 
 def deaf(address: str, is_over: threading.Event) -> None:
@@ -100,27 +99,15 @@ def resident(pid: int) -> float:
 
 def judged(path: Path, every: int) -> tuple[float, int, bool]:
     """Deepest overlap [m] of every so many frames of a recording, how many those are, and whether it replays to the bit."""
-    found = read(path)
-    judge, deepest, count = Judge(found.plan.scene), 0.0, 0
-    poses: list[tuple[np.ndarray, np.ndarray]] = []
-
-    def ask() -> None:
-        nonlocal deepest
-        if poses:
-            deepest = max(deepest, float(judge.depths(*(np.array(one) for one in zip(*poses, strict=True))).max()))
-            poses.clear()
+    found, poses = read(path), list[tuple[np.ndarray, np.ndarray]]()
 
     def kept(frame: int, record: FrameRecord) -> None:
-        nonlocal count
         if frame % every == 0:
-            count += 1
             poses.append((record.shown.positions, record.shown.orientations))
-            if len(poses) == BLOCK:
-                ask()
 
     done = replay(found, kept)
-    ask()
-    return deepest, count, done.difference is None
+    positions, orientations = (np.array(one) for one in zip(*poses, strict=True))
+    return Judge(found.plan.scene).deepest(positions, orientations), len(poses), done.difference is None
 
 
 class Numbers(NamedTuple):
@@ -133,28 +120,20 @@ class Numbers(NamedTuple):
     skipped: int
 
 
-def numbers(state: State) -> Numbers:
-    """Of a state."""
-    return Numbers(state.is_late, state.engine_ns, state.cpu_ns, state.latency, state.skipped)
-
-
 def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
     """Drive for the time that is asked for; the figures."""
-    import os
-
-    found, states = stage(asked.scene), dict[int, Numbers]()
+    found, states, memory = stage(asked.scene), dict[int, Numbers](), list[float]()
     with ExitStack() as stack:
         session = stack.enter_context(Session([Plan(OURS, found.scene, Settings(time_stages=True), asked.rate)]))
         page = Page(session, Driver(found.scene), Shows(found, {}, own_depth(found.scene), port=0))
         stack.callback(page.close)
         is_over = threading.Event()
-        listener = threading.Thread(target=deaf, args=(page.address, is_over), daemon=True)
         refused = stack.enter_context(beside(page, found.scene, asked)) if asked.garbage else Refusals()
         for _ in range(asked.viewers - asked.deaf):
             stack.enter_context(Browser()).visit(page.address)
         if asked.deaf:
-            listener.start()
-        wild, begun, told, memory = Wild(page, asked.seed), time.monotonic(), 0.0, list[float]()
+            threading.Thread(target=deaf, args=(page.address, is_over), daemon=True).start()
+        wild, begun, told = Wild(page, asked.seed), time.monotonic(), 0.0
 
         def is_due() -> bool:
             nonlocal told
@@ -163,28 +142,30 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
             if now - told >= 5.0:
                 told = now
                 if now > WARM:
-                    states.update((state.frame, numbers(state)) for state in session.first.states())
+                    for s in session.first.states():
+                        states[s.frame] = Numbers(*(getattr(s, name) for name in Numbers._fields))
                     memory.append(resident(session.first.pid) + resident(os.getpid()))
                 print(f"\r{now:4.0f} s, {session.first.figures()}"[:150], end="", file=sys.stderr, flush=True)
             return now > asked.seconds
 
         page.rounds(is_due)
-        print(file=sys.stderr)
         is_over.set()
         session.save(folder / "a.live")
-        for (why, peer), count in sorted(refused.counts.items(), key=lambda one: -one[1]):
-            print(f"refused {count:8} {why.value} ({peer.value})", file=sys.stderr)
-        missed = max(state.skipped for state in states.values()) - min(state.skipped for state in states.values())
-    worst = max(states.values(), key=lambda state: state.engine_ns)
-    latencies = sorted(state.latency for state in states.values() if state.latency >= 0)
-    third = len(memory) // 3
+        print(f"\nrefused: {refused.counts}", file=sys.stderr)
+    return figures(list(states.values()), memory)
+
+
+def figures(states: list[Numbers], memory: list[float]) -> dict[str, float]:
+    """Late frames, slowest frames, latency and memory."""
+    missed = max(s.skipped for s in states) - min(s.skipped for s in states)
+    worst, third = max(states, key=lambda s: s.engine_ns), len(memory) // 3
     return {
-        "frames": len(states), "late_percent": 100.0 * (sum(s.is_late for s in states.values()) + missed) / len(states),
+        "frames": len(states), "late_percent": 100.0 * (sum(s.is_late for s in states) + missed) / len(states),
         "skipped": missed, "worst_ms": 1e-6 * worst.engine_ns, "its_cpu_ms": 1e-6 * worst.cpu_ns,
-        "worst_cpu_ms": 1e-6 * max(state.cpu_ns for state in states.values()),
-        "over_2_ms": sum(state.engine_ns > 2e6 for state in states.values()),
-        "p99_ms": 1e-6 * rank(sorted(s.engine_ns for s in states.values())),
-        "latency_p99_ms": 1e-6 * rank(latencies), "memory_mb": memory[-1],
+        "over_2_ms": sum(s.engine_ns > 2e6 for s in states),
+        "p99_ms": 1e-6 * float(np.percentile([s.engine_ns for s in states], 99)),
+        "latency_p99_ms": 1e-6 * float(np.percentile([s.latency for s in states if s.latency >= 0] or [0], 99)),
+        "memory_mb": memory[-1],
         "memory_percent": 100.0 * (float(np.median(memory[-third:])) / float(np.median(memory[:third])) - 1.0),
     }
 
@@ -199,11 +180,6 @@ def beside(page: Page, scene: Scene, asked: argparse.Namespace) -> Iterator[Refu
         with subprocess.Popen([sys.executable, "-m", "tests.stability.garbage", *where, *how_long]):
             yield page.ports.refusals
         print(f"refused at the page: {page.server.refusals.counts}", file=sys.stderr)
-
-
-def rank(values: Sequence[int]) -> int:
-    """The 99th percentile of sorted values."""
-    return values[min(len(values) - 1, int(0.99 * len(values)))]
 
 
 def main() -> int:
@@ -227,10 +203,6 @@ def main() -> int:
         kept = "" if bound is None else f"   at most {bound:g}{'' if value <= bound else '  MISSED'}"
         print(f"{name:16} {value:10.4g}{kept}")
     return int(not is_same or any(not figures[name] <= bound for name, bound in BOUNDS.items()))
-
-
-def void(value: object) -> None:
-    """Forget an answer."""
 
 
 if __name__ == "__main__":
