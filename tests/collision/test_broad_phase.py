@@ -8,21 +8,17 @@ from hypothesis import strategies as st
 from avatarsim.collision.broad_phase import all_pairs, forget, insert, merge_ascending, remove, sort_ascending, sweep_and_prune
 from avatarsim.collision.grid import (
     BEYOND,
-    FARTHEST,
-    LEVELS,
     LOOK,
     LOOKED,
     boxes_meet,
     cells_around,
     first_cell,
     half_cell,
-    key_of,
     last_cell,
     level_of,
     link,
     make_sweep_memory,
     partners,
-    place_of,
 )
 from avatarsim.collision.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.model.geometry import OPEN, pair_filter
@@ -224,23 +220,6 @@ def test_a_search_looks_into_the_cell_of_every_box_that_meets(place: float, mine
     if level != BEYOND and boxes_meet(boxes, 0, 1):
         cell = half_cell(boxes[1, 0], level) >> 1
         assert first_cell(boxes, 0, 0, level) <= cell <= last_cell(boxes, 0, 0, level)
-
-
-def test_levels_are_for_lengths_that_grow_fourfold() -> None:
-    for k in range(-9, 18):
-        box = np.array([[0.0, 0.0, 0.0, 4.0**k, 0.0, 0.0]])
-        here = level_of(box, 0)
-        # exactly a power of two goes one level up, a hair less does not
-        assert level_of(0.99 * box, 0) == here - 1 and level_of(4.0 * box, 0) == here + 1
-    assert level_of(np.zeros((1, 6)), 0) == 0
-    assert level_of(np.array([[-FARTHEST, 0, 0, 0, 0, 0.0]]), 0) == BEYOND
-    assert level_of(np.array([[-0.9 * FARTHEST, 0, 0, 0.9 * FARTHEST, 0, 0.0]]), 0) < LEVELS
-
-
-def test_keys_tell_neighbours_and_levels_apart() -> None:
-    keys = {key_of(x, y, z, level) for x in range(-3, 4) for y in range(-3, 4) for z in range(-3, 4) for level in range(LEVELS)}
-    assert len(keys) == 7**3 * LEVELS and min(keys) >= 0
-    assert {place_of(key, 64) for key in keys} == set(range(64))
 
 
 @pytest.mark.parametrize(("length", "portions"), [(2.0, 1), (4.0, 2), (6.1, 3), (7.2, 4)])

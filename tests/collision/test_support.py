@@ -69,8 +69,6 @@ def test_a_nan_in_a_pose_never_proves_separation(axis):
             assert not (gap_along(vertices, shapes, 1, 0, n) > 0.0)
 
 
-
-
 @pytest.mark.parametrize("many", [*range(1, 10), 16, 23, 52, 300])
 def test_the_lowest_row_of_those_with_the_largest_product(many):
     rng = np.random.default_rng(many)
@@ -85,27 +83,11 @@ def test_the_lowest_row_of_those_with_the_largest_product(many):
         assert largest(rows, 5, 5 + many, d) == products.max()
 
 
-@pytest.mark.parametrize("many", [3, 40])
-def test_of_nothing_but_nan_the_first_row(many):
-    rows = np.full((many, 3), np.nan)
-    assert farthest(rows, 0, many, (1.0, 0.0, 0.0)) == 0
-    assert farthest(np.ones((many, 3)), 0, many, (np.nan, 0.0, 0.0)) == 0
-
-
 @pytest.mark.parametrize("many", [1, 2, 3, 40])
 def test_a_first_row_that_is_no_number_reaches_the_largest_product(many):
     rows = np.ones((many, 3))
     rows[0] = np.nan
     assert np.isnan(largest(rows, 0, many, (1.0, 0.0, 0.0)))
-
-
-@pytest.mark.parametrize("many", [3, 4, 40])
-def test_infinite_rows_are_farthest(many):
-    for where in (many - 2, many - 1):
-        rows = np.ones((many, 3))
-        rows[where, 1] = np.inf
-        assert farthest(rows, 0, many, (0.5, 1.0, 0.5)) == where
-        assert largest(rows, 0, many, (0.5, 1.0, 0.5)) == np.inf
 
 
 @pytest.mark.nojit

@@ -6,23 +6,13 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collision.epa import SAME_FACE, deepest_points, epa, lowest_face
-from avatarsim.collision.gjk import gjk
-from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.collision.status import CONVERGED, NOT_FINITE
 from avatarsim.collision.support import gap_along
 from avatarsim.collision.warm_query import signed_distance_coherent
 from avatarsim.collision.warm_start import (
-    EDGES,
     PAIR,
-    deepest_kept,
-    lowest_kept,
     make_pair_memory,
-    recall_differences,
-    recall_faces,
-    recall_points,
-    remember_polytope,
 )
 from tests.collision.solids import NO_SEED, SCRATCH, as_arrays, ball, box, capsule, ellipsoid, hull_of_ellipsoid, random_hull
 
@@ -150,71 +140,3 @@ def test_a_pose_that_is_not_finite_is_a_status_and_the_memory_recovers(bad):
         with np.errstate(invalid="ignore"):
             assert coherent(a, b.moved(shift=(bad, 0.0, 0.0)), memory)[0] == NOT_FINITE
         check_equals_cold(a, b.moved(shift=shift), memory)
-
-
-UP = (0.0, 0.0, 1.0)
-
-
-def remembered(shift=(0.1, 0.05, 0.2)):
-    """A pair, its memory after a query, and the scratch that the query left, with its points and face slots."""
-    rng = np.random.default_rng(51)
-    vertices, shapes = as_arrays(box(0.1, 0.1, 0.1), random_hull(rng, 20), random_hull(rng, 20).moved(shift=shift))
-    scratch, memory = make_scratch(), make_pair_memory(2)
-    count = gjk(vertices, shapes, 1, 2, NO_SEED, inf, scratch)[3]
-    _, _, _, points, faces = epa(vertices, shapes, 1, 2, NO_SEED, count, scratch)
-    remember_polytope(shapes, 1, 2, UP, points, faces, scratch, memory[1])
-    return vertices, shapes, scratch, memory, points, faces
-
-
-def make_again(vertices, shapes, kept):
-    """A fresh scratch with the points of A - B that are kept, and nothing else."""
-    scratch = make_scratch()
-    assert recall_differences(vertices, shapes, 1, 2, kept, scratch) == kept.used[0]
-    return scratch
-
-
-def planes(scratch, faces):
-    """Planes of the living faces, sorted."""
-    alive = scratch.alive[:faces] == 1
-    found = np.hstack([scratch.normal[:faces][alive], scratch.height[:faces][alive, None]])
-    return found[np.lexsort(found.T.round(9))]
-
-
-def test_a_surface_comes_back_with_the_same_faces():
-    vertices, shapes, left, memory, _, faces = remembered()
-    scratch = make_scratch()
-    points = recall_points(vertices, shapes, 1, 2, memory[1], scratch)
-    height, m = lowest_kept(points, memory[1], scratch)
-    back = recall_faces(points, memory[1], scratch)
-    f, lowest = lowest_face(back, scratch)
-    assert height == pytest.approx(lowest, abs=1e-15) and height > 0.0
-    np.testing.assert_allclose(m, scratch.normal[f], atol=1e-14)
-    ours = deepest_kept(vertices, shapes, 1, 2, m, height, SAME_FACE, memory[1], make_again(vertices, shapes, memory[1]))
-    np.testing.assert_allclose(ours, deepest_points(m, height, back, 1.0, scratch), atol=1e-14)
-    assert back == (left.alive[:faces] == 1).sum()
-    np.testing.assert_allclose(planes(scratch, back), planes(left, faces), atol=1e-14)
-    assert (points, back) == tuple(memory.used[1])
-    assert back == 2 * points - 4
-    for f in range(back):
-        for e in range(3):
-            edge = (scratch.corner[f, e], scratch.corner[f, (e + 1) % 3])
-            g = scratch.across[f, e]
-            assert edge in [(scratch.corner[g, (i + 1) % 3], scratch.corner[g, i]) for i in range(3)]
-    assert not memory.used[0].any()
-
-
-def test_every_single_wrong_number_in_the_surface_is_noticed():
-    vertices, shapes, _, memory, _, _ = remembered()
-    scratch = make_scratch()
-    points, faces = (int(k) for k in memory.used[1])
-    assert recall_points(vertices, shapes, 1, 2, memory[1], scratch) == points
-    for field, bound in ((memory.corner, points), (memory.twin, EDGES * faces)):
-        for f in range(faces):
-            for e in range(3):
-                good = int(field[1, f, e])
-                for wrong in {(good + 1) % bound, (good + 4) % bound, 2**16 - 1, bound}:
-                    field[1, f, e] = wrong
-                    assert recall_faces(points, memory[1], scratch) == 0
-                    assert lowest_kept(points, memory[1], scratch)[0] == 0.0
-                field[1, f, e] = good
-    assert recall_faces(points, memory[1], scratch) == faces

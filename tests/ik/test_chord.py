@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.track import between
-from avatarsim.ik.chord import DEPTH, common_ancestors
+from avatarsim.ik.chord import DEPTH
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -164,12 +164,6 @@ def test_links_that_turn_with_their_ancestor_are_proved_at_once() -> None:
     before = rest((avatar,))
     after = replace(before, rotations=np.tile(rotation.from_rotation_vector((0.0, 3.0, 0.0)), (3, 1)))
     assert chords.free_until(before, after)[0] == 1.0
-
-
-def test_the_nearest_common_ancestor_of_each_pair_of_links() -> None:
-    avatar = mixed_avatar()
-    found = common_ancestors(Chords(scene_with(avatar, ())).world.skeleton)
-    assert found.tolist() == [[0, 0, 0, 0, 0], [0, 1, 1, 1, 0], [0, 1, 2, 2, 0], [0, 1, 2, 3, 0], [0, 0, 0, 0, 4]]
 
 
 def test_postures_outside_limits_come_to_the_nearest_within() -> None:

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.ik.kinematics import parts_of, tangent_error, try_step
+from avatarsim.ik.kinematics import tangent_error, try_step
 from avatarsim.model.skeleton import BALL
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
@@ -95,13 +95,3 @@ def test_rotations_stay_rotations_and_hinges_within_limits_over_many_steps() -> 
         assert (found.world.posture.angle >= limits[:, 0]).all() and (found.world.posture.angle <= limits[:, 1]).all()
     for turn in found.world.posture.turn:
         assert turn.T @ turn == pytest.approx(np.eye(3), abs=1e-15)
-
-
-@pytest.mark.parametrize("seed", range(2))
-def test_parts_of_a_step_are_the_norms_of_its_root_and_of_each_joint(seed: int) -> None:
-    found = at_random(seed)
-    skel, step = found.world.skeleton, np.random.default_rng(seed).normal(size=len(found.avatars.joint_of))
-    for link in range(len(skel.kind)):
-        mine = step[skel.first_dof[link] : skel.first_dof[link + 1]]
-        root, joint = (mine[:3], mine[3:]) if len(mine) == 6 else (mine[:0], mine)
-        assert parts_of(skel, link, step) == pytest.approx((np.linalg.norm(root), np.linalg.norm(joint)), abs=1e-14)

@@ -84,13 +84,6 @@ def by_reference(outer: Outer) -> float:
     return body(refer(refer(outer)))
 
 
-@kernel
-def two_at_once(a: Outer, b: Outer, second: bool) -> float:
-    """Which reference it is may be known at run time only."""
-    one = refer(b) if second else refer(a)
-    return one.alike.x
-
-
 def sample(count, factor, on):
     rng = np.random.default_rng(count)
     inner = Inner(rng.normal(size=count), rng.random(count) < 0.5, rng.integers(-5, 5, (count, 2)))
@@ -103,12 +96,6 @@ def test_a_reference_does_what_the_tuple_does(count, factor, on):
     assert by_reference(ours) == body(twin)
     for left, right in zip(ours.inner, twin.inner, strict=True):
         assert np.array_equal(left, right)
-
-
-def test_references_of_one_type_are_interchangeable():
-    a, b = sample(2, 1.0, True), sample(2, 2.0, True)
-    assert two_at_once(a, b, False) == 1.0
-    assert two_at_once(a, b, True) == 2.0
 
 
 def test_only_a_named_tuple_is_referred_to():

@@ -1,15 +1,22 @@
-"""A large kernel is compiled once, called by name from everywhere, and never missing when its caller comes from disk."""
+"""A large kernel is compiled once, called by name, never missing from disk; a stage lets threads run; numba alone agrees."""
 
 import json
+import os
 import pickle
 import shutil
 import subprocess
 import sys
+from pathlib import Path
+from threading import Thread
 
+import numpy as np
 import pytest
 
 from avatarsim.collision.support import support
 from avatarsim.jit import linking
+from avatarsim.jit.kernel import STOCK, WITHOUT_LOCK, entry_kernel, kernel
+from avatarsim.jit.linking import KernelDispatcher
+from tests.house import yardstick
 from tests.jit.kernel_package import make_package, plain_environment
 
 LARGE = """from avatarsim.jit.kernel import kernel
@@ -150,3 +157,53 @@ def test_a_folder_that_is_gone_while_a_process_runs_costs_no_more_than_compiling
 
 def test_a_kernel_is_pickled_by_name():
     assert pickle.loads(pickle.dumps(support)) is support
+
+
+MOST = 10**9
+"""Looks of a kernel at a flag: a second or so. Another thread sets the flag within milliseconds, or never."""
+
+
+@entry_kernel
+def seen(flags: np.ndarray, where: np.ndarray) -> bool:
+    """Whether another thread sets a flag while this looks at it; by an index that no compiler knows, or it would be read once."""
+    for k in range(MOST):
+        if flags[where[k % where.shape[0]]] == 1:
+            return True
+    return False
+
+
+def test_another_thread_runs_while_an_entry_kernel_does() -> None:
+    flags, where = np.zeros(1, dtype=np.int64), np.zeros(1024, dtype=np.int64)
+    flags[0] = 1
+    assert seen(flags, where)
+    flags[0] = 0
+    other = Thread(target=flags.__setitem__, args=(0, 1))
+    other.start()
+    assert seen(flags, where)
+    other.join()
+
+
+def test_only_entry_kernels_let_go_of_the_lock() -> None:
+    options = [one.targetoptions for one in (seen, total) if isinstance(one, KernelDispatcher)]
+    assert [WITHOUT_LOCK.items() <= one.items() for one in options] == [True, False]
+
+
+@kernel
+def total(numbers: np.ndarray) -> float:
+    """A kernel that is called by others."""
+    return numbers.sum()
+
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.mark.parametrize("name", ["pairs plates", "impacts"])
+def test_numba_alone_gives_the_same_bits(name: str, tmp_path: Path) -> None:
+    found = tmp_path / "found.json"
+    command = [sys.executable, "-m", "tests.house.yardstick", "--jobs", "1", "--filter", name, "-o", str(found)]
+    environment = {**os.environ, STOCK: "1", "NUMBA_CACHE_DIR": str(tmp_path / "kernels")}
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(found.read_text()) == {name: yardstick.slices()[name]()}
+    # numba's own cache, not the engine's
+    assert any((tmp_path / "kernels").rglob("*.nbi")) and not (tmp_path / "kernels" / "avatarsim-kernels").exists()

@@ -23,7 +23,7 @@ from avatarsim.paper.push_apart import (
 from avatarsim.pose_queries import overlapping_pairs
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.shape import Box, Piece, Sphere
-from tests.collision.solids import SCRATCH, as_arrays, ball, box, hull_of_ellipsoid
+from tests.collision.solids import SCRATCH, as_arrays, ball, hull_of_ellipsoid
 from tests.worlds.arms import ball_hand, world_of
 
 RADIUS = 0.2
@@ -46,12 +46,6 @@ def test_shares_move_both_by_their_part_and_leave_the_stand_off(share_a, share_b
     put(world, 1, world.poses.position[1] + of_b)
     gap = signed_distance(world.poses.vertices, world.geometry.shapes, 0, 1, STAY, SCRATCH)[1]
     assert gap == pytest.approx(stand_off, abs=1e-12)
-
-
-def test_bodies_that_do_not_overlap_stay():
-    world = world_of((ball_hand(RADIUS, "a"), ball_hand(RADIUS, "b")))
-    put(world, 1, [0.5, 0.0, 0.0])
-    assert push_apart(world.geometry, world.poses, 0, 1, 0.5, 0.5, 1e-4, SCRATCH) == (CONVERGED, STAY, STAY)
 
 
 def test_cancelling_normals_move_nothing_and_say_so():
@@ -138,14 +132,6 @@ def run(a_pieces, b_pieces):
     starts = np.array([0, len(a_pieces), len(a_pieces) + len(b_pieces)])
     status, pushed, count = global_depth(vertices, shapes, starts, 0, 1, SCRATCH)
     return status, np.array(pushed), count
-
-
-def test_pieces_that_are_apart_do_not_count():
-    pieces = [ball(0.5).moved(shift=(0, 0, 1.2)), ball(0.5).moved(shift=(0, 0, 3.0))]
-    assert run(pieces, [box(2.0, 2.0, 1.0)])[2] == 1
-    status, pushed, count = run(pieces[1:], [box(2.0, 2.0, 1.0)])
-    assert (status, count) == (CONVERGED, 0)
-    assert not pushed.any()
 
 
 def test_the_status_of_a_piece_is_not_lost():

@@ -8,8 +8,8 @@ from avatarsim.collision.conservative_advancement import BROKEN, CLEAR, ROUNDS, 
 from avatarsim.collision.path import FREE, HELD, STILL
 from avatarsim.model.geometry import place
 from avatarsim.rigid.first_event import ROUND_WORK, SEARCH_WORK, ahead_of, balls_meet, event_of_pair, first_event, out_of_reach
-from avatarsim.rigid.islands import behind, make_islands, part
-from avatarsim.rigid.near_pairs import MARGIN, NARROW, boxes_near, grow, margin_for, turn_within
+from avatarsim.rigid.islands import make_islands, part
+from avatarsim.rigid.near_pairs import MARGIN, NARROW, grow, margin_for, turn_within
 from avatarsim.rigid.state import SEARCHES, WORK
 from avatarsim.scene.shape import Box
 from tests.rigid.upper_world import GRAVITY, World, ball, slab, thing
@@ -156,17 +156,6 @@ def test_fixed_bodies_hold_nobody_together_and_driven_ones_do() -> None:
     assert own == [[[0, 1], [1, 2]], [[0, 3], [3, 5], [4, 5]], [[0, 6]]]
 
 
-@pytest.mark.nojit
-def test_who_is_behind_goes_first() -> None:
-    """Of islands at 0.2, 0.1 and 0.3 s it is the second; once all are at the end it is none."""
-    islands = make_islands(3, 1)
-    part(islands, np.zeros((0, 2), np.int64), 0, np.ones(3, np.int64), np.ones(3, np.int64), np.arange(3))
-    islands.due[:] = (0.2, 0.1, 0.3)
-    assert behind(islands, 1.0, 0.0, 2) == 1
-    islands.due[:] = 1.0
-    assert behind(islands, 1.0, 0.0, 0) == -1
-
-
 def test_a_grown_box_holds_the_whole_flight() -> None:
     """Tumbling boxes sampled along their frame never leave it."""
     rng = np.random.default_rng(5)
@@ -181,12 +170,6 @@ def test_a_grown_box_holds_the_whole_flight() -> None:
         for _ in range(40):
             assert world.frame(t / 40) == 0
             assert np.all(world.poses.hulls[0, :3] >= box[0, :3]) and np.all(world.poses.hulls[0, 3:] <= box[0, 3:])
-
-
-def test_boxes_near_is_symmetric_and_has_a_margin() -> None:
-    a = np.array([[0.0, 0.0, 0.0, 1.0, 1.0, 1.0], [1.00005, 0.0, 0.0, 2.0, 1.0, 1.0], [1.2, 0.0, 0.0, 2.0, 1.0, 1.0]])
-    assert boxes_near(a, a, 0, 1, MARGIN) and boxes_near(a, a, 1, 0, MARGIN)
-    assert not boxes_near(a, a, 0, 2, MARGIN)
 
 
 def test_a_sleeper_wakes_when_a_moving_body_comes_near_and_not_before() -> None:
