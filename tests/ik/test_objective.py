@@ -122,24 +122,6 @@ def test_the_model_lies_above_the_lagrangian_to_second_order(seed: int, by: floa
         assert bent <= x @ metric @ x + 1e-6
 
 
-@pytest.mark.parametrize("seed", range(3))
-def test_a_force_at_a_tip_counts_for_every_joint_that_carries_it(seed: int) -> None:
-    """It draws the tip away from the root: there a turn of the root alone bends the most."""
-    found, forces = apart(seed, 0.0), np.zeros((len(apart(seed, 0.0).world.skeleton.kind), 3))
-    tip = found.world.poses.position[found.world.skeleton.first + 3] - found.world.poses.position[found.world.skeleton.first]
-    forces[3] = -20.0 * tip / np.linalg.norm(tip)
-    for sign in (1.0, -1.0):
-        found.state.force[:] = sign * forces
-        model(found.world.skeleton, found.avatars, 0, found.state, found.world.poses, found.working.objective)
-        metric, h, none = metric_of(found)[:12, :12], 1e-4, nothing(found)
-        at = value_after(found, np.zeros(len(found.avatars.joint_of)), sign * forces, none)
-        for j in range(3, 6):
-            x = np.zeros(len(found.avatars.joint_of))
-            x[j] = h
-            bent = value_after(found, x, sign * forces, none) + value_after(found, -x, sign * forces, none) - 2.0 * at
-            assert bent / h**2 <= metric[j, j] + 1e-5
-
-
 @pytest.mark.parametrize("by", [0.0, 0.3])
 def test_a_target_far_beyond_pulls_no_harder_than_one_at_the_loss_radius(by: float) -> None:
     """A root that is 3 m off is drawn near, with all its origins, so that its posture is followed as if it were near."""

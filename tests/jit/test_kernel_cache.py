@@ -41,6 +41,14 @@ def package(tmp_path: Path) -> Path:
     return root
 
 
+@pytest.fixture
+def cache(package: Path, tmp_path: Path) -> dict[str, str]:
+    """The environment in which the package has been compiled once."""
+    environment = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
+    assert run(package, **environment) == (21.0, 0)
+    return environment
+
+
 def told(package: Path, before: str = "", **environment: str) -> tuple[float, int, str]:
     """The answer, the number of cache hits and what is said on standard error, from a process of its own that runs `before` when
     the kernels are imported and not yet called."""
@@ -85,23 +93,20 @@ def test_an_edited_callee_of_a_package_beside_the_engine_is_never_stale(package:
         assert said.split() == [str(answer), "0"]
 
 
-@pytest.mark.parametrize("setting", ["BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "USING_SVML", "EXTEND_VARIABLE_LIFETIMES"])
-def test_the_key_has_the_settings_of_numba_that_change_code(setting: str, monkeypatch: pytest.MonkeyPatch) -> None:
+SETTINGS = ("BOUNDSCHECK", "LOOP_VECTORIZE", "SLP_VECTORIZE", "USING_SVML", "EXTEND_VARIABLE_LIFETIMES")
+
+
+@pytest.mark.parametrize(("of", "name"), [
+    *((numba.config, name) for name in SETTINGS),
+    *((module, "__version__") for module in (np, numba, llvmlite)),
+])
+def test_the_key_has_the_settings_and_versions_that_change_code(of: object, name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     before = real.source_hash.__wrapped__(__file__)
-    monkeypatch.setattr(numba.config, setting, not getattr(numba.config, setting))
+    monkeypatch.setattr(of, name, "1.26.4" if name == "__version__" else not getattr(of, name))
     assert real.source_hash.__wrapped__(__file__) != before
 
 
-@pytest.mark.parametrize("module", [np, numba, llvmlite])
-def test_the_key_has_the_versions_that_compiled_code_depends_on(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
-    before = real.source_hash.__wrapped__(__file__)
-    monkeypatch.setattr(module, "__version__", "1.26.4")
-    assert real.source_hash.__wrapped__(__file__) != before
-
-
-def test_flags_do_not_share_compiled_code(package: Path, tmp_path: Path) -> None:
-    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    assert run(package, **cache) == (21.0, 0)
+def test_flags_do_not_share_compiled_code(package: Path, cache: dict[str, str]) -> None:
     assert run(package, NUMBA_BOUNDSCHECK="1", **cache) == (21.0, 0)
 
 
@@ -134,9 +139,7 @@ DAMAGE: dict[str, Callable[[bytes], bytes]] = {
 }
 
 
-def test_damaged_files_are_said_once_removed_and_compiled_anew(package: Path, tmp_path: Path) -> None:
-    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    assert run(package, **cache) == (21.0, 0)
+def test_damaged_files_are_said_once_removed_and_compiled_anew(package: Path, cache: dict[str, str], tmp_path: Path) -> None:
     whole = {path: path.read_bytes() for path in (tmp_path / "cache").rglob("*.kernel")}
     assert len(whole) == 2
     for kinds in (("cut", "emptied"), ("garbled", "foreign")):
@@ -173,9 +176,9 @@ write_entry(path, {content})
 """
 
 
-def test_whole_entries_that_cannot_be_loaded_are_said_once_and_compiled_anew(package: Path, tmp_path: Path) -> None:
-    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    assert run(package, **cache) == (21.0, 0)
+def test_whole_entries_that_cannot_be_loaded_are_said_once_and_compiled_anew(
+    package: Path, cache: dict[str, str], tmp_path: Path
+) -> None:
     [path] = (tmp_path / "cache").rglob("answer-*.kernel")
     for kind, content in UNLOADABLE.items():
         run_in(package, REWRITE.format(path=str(path), content=content), **cache)
@@ -195,9 +198,7 @@ def test_a_full_disk_is_said_once_and_stops_nothing(package: Path, tmp_path: Pat
     assert run(package, NUMBA_CACHE_DIR=str(tmp_path / "cache")) == (21.0, 0)
 
 
-def test_too_many_open_files_stop_nothing(package: Path, tmp_path: Path) -> None:
-    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    assert run(package, **cache) == (21.0, 0)
+def test_too_many_open_files_stop_nothing(package: Path, cache: dict[str, str]) -> None:
     # From here on no file can be opened; what numba imports late has to be in memory.
     none = "answer.py_func(1.0); import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (0, 4096))"
     answer, hits, said = told(package, f"from numba import njit; njit(lambda x: x)(1.0); {none}", **cache)
@@ -232,9 +233,7 @@ def test_kernels_of_the_baseline_run_where_the_processor_has_it_and_nowhere_else
     assert run(package, **cache) == (21.0, 1 if runs_baseline() else 0)
 
 
-def test_a_file_that_others_may_write_to_is_never_unpickled(package: Path, tmp_path: Path) -> None:
-    cache = {"NUMBA_CACHE_DIR": str(tmp_path / "cache")}
-    assert run(package, **cache) == (21.0, 0)
+def test_a_file_that_others_may_write_to_is_never_unpickled(package: Path, cache: dict[str, str], tmp_path: Path) -> None:
     for path in (tmp_path / "cache").rglob("*.kernel"):
         path.chmod(0o666)
     answer, hits, said = told(package, **cache)
