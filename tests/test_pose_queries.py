@@ -1,22 +1,27 @@
-"""Contacts of the shown state against dumb twins: closed forms over all pairs, without a broad phase."""
+"""Contacts of the shown state against dumb twins, and their forces, which balance weights and springs; asking changes nothing."""
 
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
 import pytest
 
-from avatarsim.errors import EngineInUse, InvalidInput
+from avatarsim.engine import Settings
+from avatarsim.errors import EngineInUse, InvalidInput, UnknownName
 from avatarsim.pose_queries import Contact
-from avatarsim.scene.avatar import rigid_avatar
+from avatarsim.scene.avatar import Drive, rigid_avatar
 from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
-from avatarsim.scene.tracker import TrackerSample
-from tests.stability.hostile import DT
+from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.simulator import AvatarsimEngine
+from scenarios import catalog
+from tests.coupling.scenes import FLOOR, LAW, cube, fist
+from tests.rigid.upper_world import G
 from tests.worlds.little_worlds import at, hand_scene, panel
-from tests.worlds.loaded import loaded
+from tests.worlds.loaded import DT, loaded
 
-FLOOR = Box((4.0, 4.0, 0.2))
 FREE = Scene("hand", (panel(),), hand_scene((-0.5, 0.0, 0.0)).avatars, start=hand_scene((-0.5, 0.0, 0.0)).start)
 
 
@@ -52,7 +57,7 @@ def test_balls_touch_where_their_centres_say(seed: int, within: float) -> None:
     centres = centres + rng.uniform(-0.004, 0.004, centres.shape)
     shapes = [(Piece(Sphere(r)),) for r in radii]
     balls = tuple(simulated(f"b{k}", shape, "wood", solid(shape, 1.0), tuple(centres[k])) for k, shape in enumerate(shapes))
-    engine = loaded(Scene("balls", (fixed("floor", (Piece(FLOOR),), "wood", (0.0, 0.0, -0.1)), *balls)))
+    engine = loaded(Scene("balls", (fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1)), *balls)))
     found, wanted = told(engine.contacts(within)), of_balls(centres, radii, within)
     assert found.keys() == wanted.keys() and (within < 0.05 or len(found) > 20)
     for pair, (gap, normal, point) in wanted.items():
@@ -62,7 +67,7 @@ def test_balls_touch_where_their_centres_say(seed: int, within: float) -> None:
 
 def test_a_box_stands_on_its_four_corners() -> None:
     box = (Piece(Box((0.2, 0.3, 0.1))),)
-    floor = fixed("floor", (Piece(FLOOR),), "wood", (0.0, 0.0, -0.1))
+    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
     engine = loaded(Scene("box", (floor, simulated("box", box, "wood", solid(box, 1.0), (0.5, 0.0, 0.051)))))
     assert engine.contacts() == ()
     found = engine.contacts(0.002)
@@ -111,3 +116,116 @@ def test_contacts_are_of_one_call_at_a_time() -> None:
     engine = loaded(FREE)
     with engine._alone(), pytest.raises(EngineInUse):
         engine.contacts()
+
+
+K, SAME = 1000.0, 1e-6
+"""Stiffness of hands [N/m], and how exact forces at rest are, relative."""
+
+
+def on(name: str, contacts: tuple[Contact, ...], *others: str) -> np.ndarray:
+    """Force on a body [N], of all or of some others."""
+    total = np.zeros(3)
+    for one in contacts:
+        for body, other, force in ((one.a, one.b, one.force), (one.b, one.a, -one.force)):
+            if body == name and (not others or other in others):
+                total += force
+    return total
+
+
+def hands(*places: tuple[float, float, float]) -> TrackerSample:
+    """Samples of rigid hands."""
+    return TrackerSample(0.0, np.array(places), np.tile((1.0, 0.0, 0.0, 0.0), (len(places), 1)), np.zeros(0))
+
+
+def test_each_cube_of_a_stack_bears_the_weight_of_those_above() -> None:
+    masses = [1.0, 3.0, 0.2, 5.0, 2.0, 0.7]
+    cubes = [cube(mass, (0.001 * k, 0.0, 0.05 + 0.10001 * k), f"cube {k}") for k, mass in enumerate(masses)]
+    engine = loaded(Scene("stack", (FLOOR, *cubes), materials=LAW))
+    for _ in range(60):
+        engine.advance(rest(()), DT)
+    before = engine.snapshot()
+    found = engine.contacts(forces=True)
+    assert engine.snapshot() == before
+    for k in range(len(masses)):
+        below = "floor" if k == 0 else f"cube {k - 1}"
+        assert on(f"cube {k}", found, below) == pytest.approx([0.0, 0.0, G * sum(masses[k:])], abs=SAME * G)
+    assert np.isnan(engine.contacts()[0].normal_force)
+
+
+def test_a_weight_on_a_hand_is_what_its_user_feels() -> None:
+    palm = (Piece(Box((0.2, 0.2, 0.02))),)
+    hand = rigid_avatar("palm", palm, solid(palm, 0.5), "m")
+    engine = loaded(Scene("weight", (cube(0.3, (0.0, 0.0, 0.0605)),), (hand,), materials=LAW))
+    for _ in range(120):
+        engine.advance(rest((hand,)), DT)
+    assert on("cube", engine.contacts(forces=True)) == pytest.approx([0.0, 0.0, 0.3 * G], abs=SAME)
+    assert engine.felt("palm") == pytest.approx(np.array([[0.0, 0.0, -0.3 * G]]), abs=SAME)
+
+
+def test_a_hand_presses_a_wall_by_its_lag_and_no_harder_than_its_largest_force() -> None:
+    wall = fixed("wall", (Piece(Box((0.1, 2.0, 2.0))),), "m", (0.2, 0.0, 0.0))
+    for drive, pressed in ((None, 1.0), (Drive(largest_force=20.0), 0.0)):
+        hand = replace(fist(), drive=drive)
+        engine = AvatarsimEngine()
+        # far below something falls, so that the scene has dynamics
+        engine.load(Scene("wall", (wall, cube(1.0, (0.0, 0.0, -9.0))), (hand,), materials=LAW), Settings(), DT)
+        for k in range(60):
+            record = engine.advance(hands((min(0.2, 0.01 * k), 0.0, 0.0)), DT)
+        force = K * (0.2 - record.shown.positions[2, 0]) if pressed else 20.0
+        assert on("wall", engine.contacts(forces=True)) == pytest.approx([force, 0.0, 0.0], rel=SAME, abs=SAME)
+        assert engine.felt("fist") == pytest.approx(np.array([[-force, 0.0, 0.0]]), rel=SAME, abs=SAME)
+
+
+def test_two_pads_squeeze_by_their_lag_and_friction_bears_the_weight() -> None:
+    pad = (Piece(Box((0.02, 0.05, 0.05))),)
+    pads = tuple(rigid_avatar(name, pad, solid(pad, 0.5), "m") for name in ("left", "right"))
+    scene = Scene("pinch", (FLOOR, cube(0.3, (0.0, 0.0, 0.0501))), pads, materials=LAW,
+                  start=hands((-0.08, 0.0, 0.05), (0.08, 0.0, 0.05)))
+    engine = loaded(scene)
+    for k in range(300):
+        x, z = 0.08 - 0.03 * min(1.0, k / 30), 0.05 + 0.2 * min(1.0, max(0.0, (k - 60) / 60))
+        record = engine.advance(hands((-x, 0.0, z), (x, 0.0, z)), DT)
+    found = engine.contacts(forces=True)
+    assert on("cube", found) == pytest.approx([0.0, 0.0, 0.3 * G], abs=1e-5)
+    lag = 0.05 - record.shown.positions[3, 0]
+    assert on("right", found)[0] == pytest.approx(-K * lag, rel=1e-4) and -K * lag > 1.0
+
+
+def test_fingers_with_joints_bear_a_mug_together() -> None:
+    scenario = catalog.get("mug_in_fingers")
+    scene = scenario.build()
+    engine, motion = AvatarsimEngine(), scenario.motion(scene, 0)
+    engine.load(scene, Settings(), scenario.dt)
+    for k in range(110):
+        engine.advance(motion(k), scenario.dt)
+    for _ in range(90):
+        engine.advance(motion(109), scenario.dt)
+    mass = next(body.mass.mass for body in scene.bodies if body.name == "mug" and body.mass is not None)
+    found = engine.contacts(forces=True)
+    assert on("mug", found) == pytest.approx([0.0, 0.0, mass * G], abs=1e-4)
+    assert engine.felt("hand").shape == (4, 3)
+
+
+def test_a_lift_that_stands_that_rises_and_that_speeds_up_bears_what_is_on_it() -> None:
+    for force, mass, rise in ((300.0, 2.0, 0.005), (1e4, 50.0, 0.0)):
+        lift = moving("lift", (Piece(Box((0.5, 0.5, 0.05))),), "m", position=(0.0, 0.0, 0.3), largest_force=force)
+        engine = loaded(Scene("lift", (FLOOR, cube(mass, (0.0, 0.0, 0.376))), (lift,), materials=LAW))
+        for k in range(90):
+            engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + rise * min(k, 60)), (1.0, 0.0, 0.0, 0.0))})
+        assert on("cube", engine.contacts(forces=True), "lift") == pytest.approx([0.0, 0.0, mass * G], rel=SAME, abs=1e-4)
+    for k in range(40):
+        engine.advance(rest(()), DT, moving={"lift": ((0.0, 0.0, 0.3 + 1.5 * (k * DT) ** 2), (1.0, 0.0, 0.0, 0.0))})
+    assert on("cube", engine.contacts(forces=True), "lift")[2] == pytest.approx(50.0 * (G + 3.0), rel=2e-2)
+
+
+def test_forces_are_asked_for_where_there_are_any() -> None:
+    hand = fist()
+    engine = loaded(Scene("alone", (FLOOR,), (hand,), materials=LAW, start=hands((0.0, 0.0, 1.0))))
+    with pytest.raises(InvalidInput):
+        engine.contacts(forces=True)
+    with pytest.raises(InvalidInput):
+        engine.felt("fist")
+    scene = Scene("two", (FLOOR, cube(1.0, (1.0, 0.0, 0.05))), (hand,), materials=LAW, start=hands((0.0, 0.0, 1.0)))
+    engine.load(scene, Settings(), DT)
+    with pytest.raises(UnknownName):
+        engine.felt("nobody")

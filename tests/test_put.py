@@ -1,4 +1,4 @@
-"""Postures in and out of an engine: what is put is what is shown, what cannot be shown is refused and changes nothing."""
+"""Postures in and out of an engine, at a start and between frames: what cannot be shown is refused and changes nothing."""
 
 from dataclasses import replace
 
@@ -7,19 +7,21 @@ import pytest
 
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, InvalidScene, StartOverlaps
+from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 from tests.worlds.little_worlds import LIMITS, at, hand, mixed_avatar
+from tests.worlds.loaded import DT, loaded
 
-DT = 1.0 / 60.0
 FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
 
 
-def loaded(preset: str = "default") -> tuple[AvatarsimEngine, Scene]:
+def above_a_floor(preset: str = "default") -> tuple[AvatarsimEngine, Scene]:
     """An engine with an avatar of every kind of joint above a floor."""
     avatar = mixed_avatar()
     engine, scene = AvatarsimEngine(), Scene("put", (FLOOR,), (avatar,), start=within(0.0, 0.5))
@@ -46,7 +48,7 @@ def alike(one: TrackerSample, other: TrackerSample) -> bool:
 
 
 def test_what_is_put_is_shown_and_read_again() -> None:
-    engine, scene = loaded()
+    engine, scene = above_a_floor()
     for turn in (0.5, -1.5, 3.0):
         record = engine.put(within(turn, 0.6))
         positions, turns = link_poses(scene.avatars, within(turn, 0.6))
@@ -57,7 +59,7 @@ def test_what_is_put_is_shown_and_read_again() -> None:
 
 
 def test_a_put_avatar_goes_on_as_one_that_was_loaded_there() -> None:
-    engine, scene = loaded()
+    engine, scene = above_a_floor()
     engine.advance(within(0.2, -0.2), DT)
     engine.put(within(1.0, 0.4))
     fresh = AvatarsimEngine()
@@ -69,7 +71,7 @@ def test_a_put_avatar_goes_on_as_one_that_was_loaded_there() -> None:
 
 
 def test_an_avatar_catches_up_with_a_user_that_stands_elsewhere() -> None:
-    engine, _ = loaded()
+    engine, _ = above_a_floor()
     engine.put(within(0.0, 0.8), within(0.0, 0.5))
     first = engine.advance(within(0.0, 0.49), DT).shown.positions[1, 2]
     assert 0.5 < first < 0.8
@@ -89,7 +91,7 @@ def test_an_avatar_catches_up_with_a_user_that_stands_elsewhere() -> None:
     ],
 )
 def test_what_cannot_be_shown_is_refused_and_changes_nothing(sample: TrackerSample, error: type[AvatarsimError]) -> None:
-    engines = [loaded()[0] for _ in range(2)]
+    engines = [above_a_floor()[0] for _ in range(2)]
     for engine in engines:
         for k in range(10):
             engine.advance(within(0.1 * k, 0.5 - 0.05 * k), DT)
@@ -102,7 +104,7 @@ def test_what_cannot_be_shown_is_refused_and_changes_nothing(sample: TrackerSamp
 
 @pytest.mark.parametrize("user", [0, False, "", [], (), {}, np.zeros(0), float("nan"), rest(())])
 def test_a_user_that_is_no_sample_is_refused_also_if_false(user: object) -> None:
-    engine, _ = loaded()
+    engine, _ = above_a_floor()
     before = engine.snapshot()
     with pytest.raises(InvalidSample):
         engine.put(within(1.0, 0.5), user)
@@ -110,7 +112,7 @@ def test_a_user_that_is_no_sample_is_refused_also_if_false(user: object) -> None
 
 
 def test_a_posture_in_lists_is_put_and_begun_at_as_one_in_arrays() -> None:
-    given, (engine, _) = within(0.5, 0.6), loaded()
+    given, (engine, _) = within(0.5, 0.6), above_a_floor()
     lists = replace(given, positions=given.positions.tolist(), rotations=given.rotations.tolist(), angles=given.angles.tolist())
     for begin in (engine.put, engine.reset):
         assert begin(lists).state_hash() == begin(given).state_hash()
@@ -122,6 +124,50 @@ def test_scenes_whose_bodies_move_and_the_printed_method_refuse() -> None:
     avatar = hand()
     moving = AvatarsimEngine()
     moving.load(Scene("moving", (FLOOR, loose), (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 0.5))), Settings(), DT)
-    for engine in (moving, loaded("paper")[0]):
+    for engine in (moving, above_a_floor("paper")[0]):
         with pytest.raises(InvalidInput, match="scene to put avatars in"):
             engine.put(engine.posture())
+
+
+BALL = (Piece(Sphere(0.1)),)
+
+
+def test_an_overlapping_start_names_its_pairs_deepest_first() -> None:
+    box = fixed("box", (Piece(Box((0.2, 0.2, 0.2))),), "wood", (0.12, 0.0, 0.0))
+    near = fixed("near", (Piece(Sphere(0.1)),), "wood", (0.0, 0.16, 0.0))
+    far = fixed("far", (Piece(Sphere(0.1)),), "wood", (0.0, 0.0, 5.0))
+    scene = Scene("s", (far, box, near), (hand((Piece(Sphere(0.08)),)),))
+    with pytest.raises(StartOverlaps) as error:
+        AvatarsimEngine().load(scene, Settings(), DT)
+    assert [pair[:2] for pair in error.value.pairs] == [("box", "hand"), ("near", "hand")]
+    assert [pair[2] for pair in error.value.pairs] == pytest.approx([0.06, 0.02])
+    assert "box in hand by 60 mm" in str(error.value) and "far" not in str(error.value)
+
+
+def test_many_overlaps_are_counted_not_listed() -> None:
+    crowd = tuple(fixed(f"f{k}", BALL, "wood", (0.01 * k, 0.0, 0.0)) for k in range(12))
+    with pytest.raises(StartOverlaps, match="and 4 more"):
+        AvatarsimEngine().load(Scene("s", crowd, (hand(),)), Settings(), DT)
+
+
+def test_pairs_that_are_left_out_may_overlap_at_the_start() -> None:
+    inside = fixed("box", (Piece(Box((0.2, 0.2, 0.2))),), "wood")
+    engine = loaded(Scene("s", (inside,), (hand(),), exclude=(("box", "hand"),)))
+    assert engine.advance(rest((hand(),)), DT).shown.positions.shape == (2, 3)
+
+
+def test_a_start_beyond_a_hinge_limit_is_refused_by_name() -> None:
+    limb = Link("limb", "root", Hinges((Hinge((1.0, 0.0, 0.0), 0.2, 1.0),)), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
+    avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
+    start = replace(rest((avatar,)), angles=np.array([1.5]))
+    with pytest.raises(InvalidScene, match=r"start angle of a hinge of limb \[rad\] is 1.5; valid: 0.2 to 1"):
+        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=start), Settings(), DT)
+
+
+def test_a_start_beyond_a_swing_limit_is_refused_by_name() -> None:
+    limits = SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.5, (-0.5, 0.5))
+    limb = Link("limb", "root", Ball(limits), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
+    avatar = Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
+    turned = np.array([[1.0, 0.0, 0.0, 0.0], [np.cos(0.4), np.sin(0.4), 0.0, 0.0]])
+    with pytest.raises(InvalidScene, match="start rotation of limb beyond its swing and twist limits .* is 0.3"):
+        AvatarsimEngine().load(Scene("s", avatars=(avatar,), start=replace(rest((avatar,)), rotations=turned)), Settings(), DT)

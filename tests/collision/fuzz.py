@@ -11,8 +11,7 @@ from collections.abc import Iterator
 import numpy as np
 from joblib import Parallel, delayed
 
-from tests.collision.judged import judge
-from tests.collision.many_pairs import Tally, tally
+from tests.collision.judged import Tally, judge, tally
 from tests.collision.strata import BATCH, STRATA, draw
 from tests.progress_bar import bar
 

@@ -1,6 +1,8 @@
-"""Every pair of a batch asked of the query, and its answer judged by oracles that share no code with it."""
+"""Pairs of batches asked of the query, and its answers judged by oracles that share no code with it."""
 
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +15,9 @@ from avatarsim.collision.warm_query import signed_distance_coherent
 from avatarsim.collision.warm_start import make_pair_memory
 from avatarsim.model.geometry import ELLIPSOID
 from avatarsim.spatial.vec3 import Vec3
-from tests.collision.greatest_gap import greatest_gap
-from tests.collision.least_distance import least_distance, outside
+from tests.collision.polytopes import greatest_gap, least_distance, outside
 from tests.collision.proved_depth import farthest_of_difference, make_stack, proved_depth
-from tests.collision.strata import Batch
+from tests.collision.strata import BATCH, Batch, draw
 
 Array = NDArray[np.float64]
 
@@ -201,3 +202,50 @@ def _coherent(batch: Batch, k: int, size: float, moved: bool) -> tuple[float, st
     if status != CONVERGED:
         return gap, f"coherent: status {NAMES[status]}"
     return gap, "" if off <= RELATIVE * size + rounding else f"coherent: normal or points off by {off / size:.2g}"
+
+
+@dataclass
+class Tally:
+    """Counts and worst figures (relative to size) of the pairs of one stratum."""
+
+    pairs: int = 0
+    error: float = 0.0
+    witness: float = 0.0
+    swapped: float = 0.0
+    wrong_signs: int = 0
+    statuses: Counter[str] = field(default_factory=Counter)
+    oracles: Counter[str] = field(default_factory=Counter)
+    failures: list[str] = field(default_factory=list)
+
+    def add(self, verdict: Verdict) -> None:
+        """Count one pair."""
+        self.pairs += 1
+        self.error = max(self.error, verdict.error)
+        self.witness = max(self.witness, verdict.witness)
+        self.swapped = max(self.swapped, verdict.swapped)
+        self.wrong_signs += verdict.wrong_sign
+        self.oracles[verdict.oracle] += 1
+        if verdict.status != CONVERGED:
+            self.statuses[NAMES[verdict.status]] += 1
+        if verdict.failures:
+            self.failures.append(f"{verdict.label}: {', '.join(verdict.failures)}")
+
+    def join(self, other: "Tally") -> None:
+        """Add what another process found."""
+        self.pairs += other.pairs
+        self.error, self.witness = max(self.error, other.error), max(self.witness, other.witness)
+        self.swapped = max(self.swapped, other.swapped)
+        self.wrong_signs += other.wrong_signs
+        self.statuses += other.statuses
+        self.oracles += other.oracles
+        self.failures += other.failures
+
+
+def tally(stratum: str, seed: int, numbers: Iterable[int], pairs: int, every: int = 1) -> Tally:
+    """Judge the first `pairs` pairs of some batches; every `every`-th polytope pair that overlaps by qhull as well."""
+    found = Tally()
+    for number in numbers:
+        batch = draw(stratum, seed, number)
+        for k in range(min(BATCH, pairs - found.pairs)):
+            found.add(judge(batch, k, by_qhull=(number * BATCH + k) % every == 0))
+    return found

@@ -11,8 +11,7 @@ from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.collision.status import CONVERGED
 from avatarsim.model.geometry import ELLIPSOID
 from tests.collision import judged
-from tests.collision.judged import RELATIVE, SCRATCH, ULPS, judge
-from tests.collision.many_pairs import tally
+from tests.collision.judged import RELATIVE, SCRATCH, ULPS, judge, tally
 from tests.collision.strata import BATCH, PLACES, STRATA, draw
 
 BATCHES = {"large": 1}
