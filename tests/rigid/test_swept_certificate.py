@@ -42,15 +42,25 @@ def throw(world: World, rng: np.random.Generator, gap: float) -> None:
     towards = rng.normal(size=3)
     world.poses.position[1] = 0.6 * towards / np.linalg.norm(towards)
     for _ in range(3):
-        for b in range(2):
-            pose_on_way(world.geometry, world.poses, memory, b, 0.0, world.poses)
+        posed(world, 0.0, world.poses)
         found, n = distance(world, world.poses)
         world.poses.position[1] += (found - gap) * n
     substeps.state[0] = UNKNOWN
+    posed(world, 0.0, world.poses)
+    measured(world)
+
+
+def posed(world: World, t: float, out) -> None:
+    """Both bodies where they are on their way after t seconds."""
     for b in range(2):
-        pose_on_way(world.geometry, world.poses, memory, b, 0.0, world.poses)
-        pose_on_way(world.geometry, world.poses, memory, b, H, memory.trial)
-        measure_way(world.geometry, world.poses, memory, b, H)
+        pose_on_way(world.geometry, world.poses, world.memory, b, t, out)
+
+
+def measured(world: World) -> None:
+    """The end of the way, and its measures."""
+    posed(world, H, world.memory.trial)
+    for b in range(2):
+        measure_way(world.geometry, world.poses, world.memory, b, H)
 
 
 def distance(world: World, poses) -> tuple[float, np.ndarray]:
@@ -69,8 +79,7 @@ def test_a_certified_way_is_free_at_every_instant(one: int, other: int) -> None:
         holds = certify_pieces(world.geometry, world.poses, world.memory, 0, H).holds
         gaps = []
         for t in np.linspace(0.0, H, 60):
-            for b in range(2):
-                pose_on_way(world.geometry, world.poses, world.memory, b, t, world.memory.substeps.low)
+            posed(world, t, world.memory.substeps.low)
             gaps.append(distance(world, world.memory.substeps.low)[0])
         held += holds
         free += min(gaps) > 1e-5
@@ -88,8 +97,7 @@ def test_a_refused_pair_is_as_deep_as_it_says_where_it_says() -> None:
         if refusal.holds:
             continue
         refused += 1
-        for b in range(2):
-            pose_on_way(world.geometry, world.poses, world.memory, b, refusal.at * H, world.memory.substeps.low)
+        posed(world, refusal.at * H, world.memory.substeps.low)
         assert refusal.gap == pytest.approx(distance(world, world.memory.substeps.low)[0], abs=1e-9)
         assert 0.0 < refusal.at <= 1.0
     assert refused > 30
@@ -110,10 +118,8 @@ def test_crossed_edges_that_dipped_can_still_turn(speed: float) -> None:
     memory.substeps.turning[:] = (speed, speed, 0.0), (0.0, 0.0, 0.0)
     memory.substeps.way[:] = np.cross(memory.substeps.turning, world.poses.position)
     memory.substeps.way[1] = 0.0
-    for b in range(2):
-        pose_on_way(world.geometry, world.poses, memory, b, 0.0, world.poses)
-        pose_on_way(world.geometry, world.poses, memory, b, H, memory.trial)
-        measure_way(world.geometry, world.poses, memory, b, H)
+    posed(world, 0.0, world.poses)
+    measured(world)
     assert distance(world, world.poses)[0] == pytest.approx(-2.5e-7, abs=1e-9)
     assert certify_pieces(world.geometry, world.poses, memory, 0, H).holds
     memory.moving[:], memory.substeps.way[0] = (1, 0), (0.0, 0.0, -0.01)
@@ -129,15 +135,12 @@ def test_a_certified_way_of_a_pair_that_dipped_stays_within_what_is_judged() -> 
         world.memory.substeps.turning[:] *= 1e-3
         world.memory.substeps.way[:] *= 1e-4
         world.memory.paths.linear[:] = 0.0
-        for b in range(2):
-            pose_on_way(world.geometry, world.poses, world.memory, b, H, world.memory.trial)
-            measure_way(world.geometry, world.poses, world.memory, b, H)
+        measured(world)
         if not certify_pieces(world.geometry, world.poses, world.memory, 0, H).holds:
             continue
         held += 1
         for t in np.linspace(0.0, H, 20):
-            for b in range(2):
-                pose_on_way(world.geometry, world.poses, world.memory, b, t, world.memory.substeps.low)
+            posed(world, t, world.memory.substeps.low)
             assert distance(world, world.memory.substeps.low)[0] >= -JUDGED
     assert held > 30
 
