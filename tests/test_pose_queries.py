@@ -1,4 +1,4 @@
-"""Contacts of the shown state against dumb twins, and their forces, which balance weights and springs; asking changes nothing."""
+"""Contacts of the shown state against dumb twins, and their forces, which balance weights and springs."""
 
 from dataclasses import replace
 from itertools import combinations

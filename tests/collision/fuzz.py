@@ -1,7 +1,7 @@
 """A million stratified pairs against exact answers: python -m tests.collision.fuzz [--pairs N] [--large N] [--seed S] [--jobs J].
 
-Prints one row per stratum (see `Verdict` in judged.py for the figures) and every failure's label; `--pair LABEL` judges that pair
-alone. Exits with 1 when any pair fails.
+Prints one row per stratum (see `Verdict` in judged.py) and every failure's label; `--pair LABEL` judges that pair alone.
+Exits with 1 when any pair fails.
 """
 
 import argparse
@@ -42,8 +42,8 @@ def named(chunk: tuple[str, int, range, int, int]) -> tuple[str, Tally]:
 
 
 def table(found: dict[str, Tally]) -> str:
-    """One row per stratum: pairs, worst figures relative to size, statuses, failures, and the pairs that each oracle decided."""
-    head = f"{'stratum':12} {'pairs':>8} {'gap':>8} {'points':>8} {'swapped':>8} {'signs':>5} {'lost':>5} {'failed':>6}  oracles"
+    """One row per stratum: pairs, worst figures relative to size, statuses, failures, and the pairs of each oracle."""
+    head = f"{'stratum':12} {'pairs':>8} {'gap':>8} {'points':>8} {'swapped':>8} {'signs':>5} {'lost':>5} {'failed':>6}"
     return "\n".join([head, *(
         f"{name:12} {t.pairs:8} {t.error:8.1e} {t.witness:8.1e} {t.swapped:8.1e} {t.wrong_signs:5} {t.statuses.total():5} "
         f"{len(t.failures):6}  {dict(t.oracles)}" for name, t in found.items()

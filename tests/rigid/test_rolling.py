@@ -112,7 +112,7 @@ def test_a_log_spins_about_the_vertical(rate: float) -> None:
 def test_an_egg_rocks_or_rolls_to_and_fro(
     rate: float, radii: tuple[float, float, float], velocity: float, friction: float, most: float
 ) -> None:
-    """It gains no energy and loses hundredths of its motion's in a second; without friction its centre stays above one point."""
+    """It gains no energy and loses hundredths of its motion's; without friction its centre stays above one point."""
     body = thing(
         "egg", Ellipsoid(radii), (0.0, 0.0, radii[2] + LAID), velocity=(velocity, 0.0, 0.0), angular_velocity=(0.0, 3.0, 0.0)
     )

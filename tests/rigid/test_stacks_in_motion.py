@@ -8,7 +8,17 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.rigid.settling import holds_from_rest
 from avatarsim.rigid.sleeping import begin, regroup
-from avatarsim.rigid.state import CONTACTS, DONE, OUT_OF_IMPACTS, OUT_OF_SEGMENTS, SEGMENTS, SQUEEZED, SUBSTEPS, UNSQUEEZED, WORK
+from avatarsim.rigid.state import (
+    CONTACTS,
+    DONE,
+    OUT_OF_IMPACTS,
+    OUT_OF_SEGMENTS,
+    SEGMENTS,
+    SQUEEZED,
+    SUBSTEPS,
+    UNSQUEEZED,
+    WORK,
+)
 from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.shape import Box, ConvexHull, Piece
 from avatarsim.simulator import AvatarsimEngine

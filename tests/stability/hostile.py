@@ -32,7 +32,9 @@ Turns = tuple[tuple[Vector, float, float], ...]
 """Axis and limits [rad] of each hinge of a joint."""
 
 
-def bone(name: str, parent: str | None, anchor: Vector, centre: Vector, radii: Vector, hinges: Turns, lean: float = 0.0) -> Link:
+def bone(
+    name: str, parent: str | None, anchor: Vector, centre: Vector, radii: Vector, hinges: Turns, lean: float = 0.0
+) -> Link:
     """A link of one 52-corner hull; `lean` [rad] turns its rest orientation about x."""
     pieces = (Piece(ellipsoid_hull(radii), centre),)
     joint = Hinges(tuple(Hinge(*hinge) for hinge in hinges)) if hinges else Free()
