@@ -27,7 +27,8 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_every_page_is_quiet_and_fits_the_window(site: Path, opened: tuple[Browser, str]) -> None:
     one, size = opened
-    pages = sorted(site.rglob("*.html"))
+    # the first page of the folder itself goes on to another one, which has a test of its own
+    pages = sorted({*site.rglob("*.html")} - {site / "index.html"})
     assert len(pages) > 15
     for page in pages:
         one.open(page)

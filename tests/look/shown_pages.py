@@ -73,10 +73,10 @@ CONTROLS = """
 
 
 def _aside(path: Path) -> None:
-    """Let all end after 200 states, and put the hand aside in states that are not drawn themselves."""
+    """Let all end after half a second, before the ball is out of sight, and put the hand aside in states that no drawn one shows."""
     arrays = array_file.read(path)
     for name in ("positions", "raw_positions"):
-        arrays[name][200:] = arrays[name][199]
+        arrays[name][30:] = arrays[name][29]
     arrays["positions"][500, 2, 0] += 0.037
     arrays["positions"][1001, 2, 1] += 0.4735
     with path.open("wb") as file:
