@@ -73,7 +73,7 @@ CONTROLS = """
 
 
 def _aside(path: Path) -> None:
-    """Let all end after half a second, before the ball is out of sight, and put the hand aside in states that no drawn one shows."""
+    """Let all end after half a second, with the ball in sight, and put the hand aside in states that are not drawn themselves."""
     arrays = array_file.read(path)
     for name in ("positions", "raw_positions"):
         arrays[name][30:] = arrays[name][29]
