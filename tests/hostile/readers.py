@@ -46,8 +46,8 @@ BARE = Results((), {}, (), {}, 0, {}, ())
 """A run without a figure."""
 
 TABLES: Mapping[str, tuple[Callable[[Path], object], tuple[str, ...]]] = {
-    "settings": (settings.settings, (settings.FILE,)), "hard cases": (hard_cases.trials, (hard_cases.FILE,)),
-    "effects": (effects.effects, (effects.FILE,)),
+    "settings": (settings.settings, ("settings.csv",)), "hard cases": (hard_cases.by_case, ("hard_cases.csv",)),
+    "effects": (effects.effects, ("effects.csv",)),
     "articles": (lambda folder: articles.articles(Run(folder, BARE)), ("growth.csv", articles.JUDGE)),
 }
 """Readers of files of a run besides results.json, and which."""

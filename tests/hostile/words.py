@@ -25,7 +25,7 @@ LINES: dict[str, tuple[Callable[[list[str]], int], frozenset[int], tuple[str, ..
     # the filter matches no scene, so that nothing runs even where all words are good ones
     "scenarios": (scenarios.main, frozenset({0, 1, 2, 3, 5}), (
         "run --engine mujoco --preset tuned --seed 7", "compare --settings mine.toml --frames 1", "list", "metrics --json",
-        "check --resume earlier", "bench --jobs 0", "ablate --effects", "sweep --full", "stability", "dance", "-h",
+        "check --resume earlier", "bench --jobs 0", "study effects --json", "study settings --full", "study", "dance", "-h",
     ), "--filter no_such_* --out out --jobs 0"),
     "reports": (reports.main, frozenset({0, 1, 2}), (
         "diff earlier run", "diff run table.csv", "diff nothing earlier", "baseline run --to made.csv",

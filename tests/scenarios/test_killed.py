@@ -12,11 +12,11 @@ from tests.scenarios.killed import commands, differing, of_run, run_of, tried
 
 CHEAP = {
     "compare": ("compare", "--engine", "tracker", "--filter", "ball_drop", "--frames", "3"),
-    "sweep": ("sweep", "--engine", "mujoco", "--preset", "default", "--filter", "stop_distance", "--frames", "2"),
+    "study": ("study", "settings", "--engine", "mujoco", "--preset", "default", "--filter", "stop_distance", "--frames", "2"),
 }
 
 
-@pytest.mark.parametrize(("name", "kills", "each"), [("compare", 2, 2), ("sweep", 1, 1)])
+@pytest.mark.parametrize(("name", "kills", "each"), [("compare", 2, 2), ("study", 1, 1)])
 def test_what_a_kill_leaves_is_gone_on_with(name: str, kills: int, each: int) -> None:
     said = list[str]()
     assert tried(name, commands(True, CHEAP)[name], kills, each, random.Random(5), said.append) == []

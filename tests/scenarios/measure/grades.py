@@ -72,6 +72,11 @@ METRICS_GRADED = {
     "frame_time_raw_p50": TIMING, "frame_time_raw_p95": SHARES, "frame_time_raw_p99": SHARES, "frame_time_raw_max": TIMING,
     "frame_time_python_p50": TIMING, "warmup": TIMING, "frame_time_moving_p50": PHASES, "frame_time_resting_p50": PHASES,
     "resting_frames": PHASES,
+    "time_step": "../studies/settings/test_rows.py::test_a_measured_cell_has_a_row_per_error_and_time",
+    "pose_distance_max": "../studies/test_effects.py::"
+                         "test_leaving_out_bounce_or_continuous_detection_breaks_the_bounds_that_need_them",
+    "end_distance": "../studies/hard_cases/test_trial.py::"
+                    "test_rows_have_figures_states_and_the_distance_from_the_unchanged_end",
     "deterministic": "test_timing.py::test_repeats_that_end_in_other_bits_are_not_deterministic",
     "waiting": SUMS, "planning": SUMS, "following": SUMS, "out_of_work": SUMS,
 }

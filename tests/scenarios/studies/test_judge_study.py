@@ -18,7 +18,7 @@ from scenarios.studies.study import Request
 def test_it_leaves_the_file_that_the_report_reads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pairs = len(KINDS) * len(REGIMES)
     monkeypatch.setattr(examination, "PAIRS", pairs)
-    assert study.ask(Request(tmp_path, tmp_path, {}, {}, 0, 0, False)) == []
+    assert study.ask(Request(tmp_path, {}, {}, 0)) == ([], [])
     found = json.loads((tmp_path / articles.JUDGE).read_text(encoding="utf-8"))
     assert found["all"]["pairs"] == pairs and [kind["kind"] for kind in found["kinds"]] == list(KINDS)
     assert found["command"] == f"python -m reference.judge_trust --pairs {pairs} --seed {study.seed()}"
@@ -35,5 +35,5 @@ def test_without_the_judges_packages_it_says_which_is_missing(tmp_path: Path, mo
     monkeypatch.delitem(sys.modules, "reference.judging.in_fcl")
     monkeypatch.setitem(sys.modules, "fcl", None)
     with pytest.raises(MissingPackage, match="fcl"):
-        study.ask(Request(tmp_path, tmp_path, {}, {}, 0, 0, False))
+        study.ask(Request(tmp_path, {}, {}, 0))
     assert list(tmp_path.iterdir()) == []
