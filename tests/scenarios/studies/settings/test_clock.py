@@ -39,7 +39,7 @@ def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None
     assert unknown["rests"] is None and unknown["moving"] is None
     # a rendered frame rests if all of its parts do
     halves = time_entry(Clocked(job, Timed(np.full((1, 4), 2000, dtype=np.int64))), 2, [1, 1, 1, 0])
-    assert halves["rests"] == 0.5 and halves["p95"] == 4.0
+    assert halves["rests"] == 50.0 and halves["p95"] == 4.0
 
 
 @pytest.mark.parametrize(("repeats", "frames", "stated"), [(3, 200, True), (2, 200, False), (3, 199, False)])
