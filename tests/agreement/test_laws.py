@@ -75,14 +75,6 @@ def test_mujoco_s_own_contacts_have_the_stated_friction_and_the_stated_pairs() -
         assert friction == scene.materials.contact(scene.material_names[a], scene.material_names[b]).friction
 
 
-def test_frictionless_scenes_have_frictionless_contacts() -> None:
-    scene = crowd(["wood", "wood"], [False, True], narrow=("friction",))
-    engine = loaded(MujocoEngine(), scene, Settings("tuned"))
-    mujoco.mj_forward(engine._world.model, engine._data)
-    assert engine._data.ncon == 1
-    assert engine._data.contact[0].dim == 1
-
-
 def test_links_of_an_avatar_keep_away_from_each_other_exactly_as_the_scene_says() -> None:
     """MuJoCo's own rule would also drop grandparents across rigid joints."""
     avatar = every_joint()

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from reference.in_mujoco.presets import DEFAULT
-from tests.agreement.rivals import needs_pybullet, pybullet
 
 ROOT = Path(__file__).resolve().parents[3]
 WARNINGS = ("-W", "error::RuntimeWarning", "-W", "error::UserWarning")
@@ -33,16 +32,6 @@ def test_mujoco_s_defaults_are_what_the_preset_of_that_name_says() -> None:
     assert model.geom_margin[0] == DEFAULT["margin"].value
     # several contacts per pair, its own collision of hulls, islands, warm starts and safe stiffness are all switched on
     assert option.disableflags == 0 and option.enableflags == 0
-
-
-def test_mujoco_has_every_integrator_that_figures_are_known_of() -> None:
-    known = {"EULER", "RK4", "IMPLICIT", "IMPLICITFAST", "DISCRETE"}
-    assert known <= {name.removeprefix("mjINT_") for name in mujoco.mjtIntegrator.__members__}
-
-
-@needs_pybullet
-def test_pybullet_speaks_numpy() -> None:
-    assert pybullet.isNumpyEnabled() == 1
 
 
 @pytest.mark.parametrize("package", ["mujoco", "pybullet", "coal", "fcl", "trimesh"])

@@ -75,29 +75,18 @@ def test_every_chart_can_be_drawn_in_both_themes(tmp_path: Path) -> None:
 
 def test_colours_are_tokens_of_the_palette(tmp_path: Path) -> None:
     palettes = marks.palette({"newcomer": ("#123456", "#654321")})
-    seen = set()
+    seen = set(re.findall(r'"@(\w+)"', "".join(map(source, ("theme.js", "index.js", "scene.js")))))
     for name, spec in specifications(tmp_path).items():
-        tokens = {found[1] for text in texts(spec) if (found := TOKEN.fullmatch(text))}
-        assert all(tokens <= set(colours) for colours in palettes.values()), name
-        seen |= tokens
+        seen |= {found[1] for text in texts(spec) if (found := TOKEN.fullmatch(text))}
+        assert not {text for text in texts(spec) if re.fullmatch(r"#[0-9a-fA-F]{3,8}", text)} - {"#ffffff"}, name
     assert {"avatarsim", "mujoco", "ink", "muted"} <= seen
-
-
-def test_tokens_of_the_theme_are_in_the_palette() -> None:
-    tokens = set(re.findall(r'"@(\w+)"', "".join(map(source, ("theme.js", "index.js", "scene.js")))))
-    assert tokens and all(tokens <= set(colours) for colours in marks.palette({}).values())
+    assert all(seen <= set(colours) for colours in palettes.values())
 
 
 def test_both_themes_have_valid_colours_of_the_same_names() -> None:
     light, dark = marks.palette({"newcomer": ("#123456", "#654321")}).values()
     assert set(light) == set(dark) and (light["newcomer"], dark["newcomer"]) == ("#123456", "#654321")
     assert all(re.fullmatch(r"#[0-9a-f]{6}", colour) for colour in [*light.values(), *dark.values()])
-
-
-def test_marks_are_tokens_and_not_colours(tmp_path: Path) -> None:
-    for name, spec in specifications(tmp_path).items():
-        plain = {text for text in texts(spec) if re.fullmatch(r"#[0-9a-fA-F]{3,8}", text)} - {"#ffffff"}
-        assert not plain, name
 
 
 @given(values)

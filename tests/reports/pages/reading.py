@@ -1,9 +1,13 @@
 """A page as a reader and a browser see it."""
 
+import json
 import re
 from dataclasses import dataclass, field
 from html.parser import HTMLParser
 from pathlib import Path
+from typing import Any
+
+import pytest
 
 VOID = {"meta", "link", "input", "br", "hr", "img", "wbr", "path", "line", "rect", "circle"}
 HIDDEN = ("script", "style", "svg", "title")
@@ -77,6 +81,12 @@ class _Reader(HTMLParser):
         self.page.blocks[-1] += data + " "
         if "td" in self.open or "th" in self.open:
             self.page.cells[-1] += data
+
+
+def data_of(path: Path) -> list[Any]:
+    """Data of a page; the test fails where a number is none that JSON has."""
+    scripts = read(path).scripts
+    return [json.loads(text, parse_constant=pytest.fail) for kind, text in scripts if kind == "application/json"]
 
 
 def read(path: Path) -> Page:

@@ -9,7 +9,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 
-from tests.reports.pages.reading import Page, read
+from tests.reports.pages.reading import Page, data_of, read
 
 RAW_WORDS = {"nan", "inf", "-inf", "None", "null", "undefined", "<NA>", "NaT"}
 LARGEST = 3_000_000
@@ -84,9 +84,9 @@ def test_no_cell_shows_a_raw_word_for_a_missing_number(pages: dict[str, Page]) -
     assert shown > 100
 
 
-def test_charts_that_a_page_names_are_in_its_data(pages: dict[str, Page], report: Path) -> None:
+def test_charts_that_a_page_names_are_in_its_data(report: Path) -> None:
     for name in ("index.html", *(f"scenes/{scene}.html" for scene in SCENES)):
-        [data] = [json.loads(text) for kind, text in pages[name].scripts if kind == "application/json"]
+        [data] = data_of(report / name)
         named = set(re.findall(r'data-chart="(\w+)"', (report / name).read_text(encoding="utf-8")))
         tokens = set(re.findall(r'"@(\w+)"', json.dumps(data["specs"])))
         assert named == set(data["specs"]) and bool(named) == bool(tokens) == (name != "scenes/ball_drop.html"), name
@@ -100,13 +100,13 @@ def test_scenes_lead_to_their_neighbours(pages: dict[str, Page]) -> None:
         assert {one for one in links if re.fullmatch(r"\w+\.html", one)} == around and "../index.html" in links
 
 
-def test_the_recorded_scene_has_a_replay_and_stills_and_others_have_none(pages: dict[str, Page]) -> None:
+def test_the_recorded_scene_has_a_replay_and_stills_and_others_have_none(report: Path) -> None:
     found = {}
     for scene in SCENES:
-        [data] = [json.loads(text) for kind, text in pages[f"scenes/{scene}.html"].scripts if kind == "application/json"]
+        [data] = data_of(report / f"scenes/{scene}.html")
         found[scene] = data["replay"] is not None
     assert found == {"arm_wall": True, "hand_over_table": False, "ball_drop": False}
-    [data] = [json.loads(text) for kind, text in pages["index.html"].scripts if kind == "application/json"]
+    [data] = data_of(report / "index.html")
     assert set(data["stills"]) == {"arm_wall"}
 
 

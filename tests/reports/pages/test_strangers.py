@@ -1,6 +1,5 @@
 """What a run holds from outside stays text, and stays inside its folder."""
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,7 +9,7 @@ from avatarsim.errors import InvalidFile
 from reports import write_report
 from tests.reports.conftest import row
 from tests.reports.pages.conftest import filled
-from tests.reports.pages.reading import read
+from tests.reports.pages.reading import data_of, read
 
 Json = dict[str, object]
 HOSTILE = "</script><script>alert(1)</script><img src=http://x.invalid/y onerror=alert(2)>\"'&{{ 7 * 7 }}\u2028]]>"
@@ -93,7 +92,4 @@ def test_numbers_that_are_none_do_not_stop_a_report(
     ]
     folder = run_dir(results | {"rows": [*rows, *strange], "series": series})
     write_report(folder)
-    for path in folder.rglob("*.html"):
-        for kind, text in read(path).scripts:
-            if kind == "application/json":
-                json.loads(text, parse_constant=lambda word: pytest.fail(word))
+    assert any([data_of(path) for path in folder.rglob("*.html")])
