@@ -27,7 +27,6 @@ from reference.judging.in_fcl import Question, fcl_distances
 from reference.judging.judge import Judge
 from reference.judging.known_pairs import KINDS, REACH, REGIMES, Gallery, Placed
 from reference.judging.proof import PROVEN
-from reference.judging.second_opinion import SAME
 from runfiles.files import OUT, last_comparison
 
 Array = NDArray[np.float64]
@@ -36,6 +35,9 @@ FILE, SCHEMA_VERSION = "judge.json", 1
 """What is left in a run's folder, for the report, and its layout."""
 BOUND = 1e-6
 """Depth [m] at which a verdict turns: the bound on residual overlap."""
+SAME = 1e-6
+"""Distance [m] up to which two answers agree: the bound on residual overlap, so that a disagreement is one that could turn a
+verdict. fcl leaves up to 0.4 mm between separated rounded shapes; a smaller figure counts more of that."""
 PAIRS = 2400
 """Pairs of one examination, over all kinds and regimes: some eight seconds on two processors."""
 SEED = 1

@@ -9,11 +9,11 @@ import pytest
 from scipy.optimize import minimize
 
 from avatarsim.errors import InvalidInput
-from avatarsim.scene.shape import Box, Ellipsoid, Sphere
+from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere
 from avatarsim.spatial import rotation
 from reference import judge_trust as module
 from reference.judge_trust import BOUND, FILE, Trust, counted, main, trust
-from reference.judging.in_fcl import fcl_distances
+from reference.judging.in_fcl import fcl_distance, fcl_distances, fcl_geometry
 from reference.judging.known_pairs import FLOOR, KINDS, REGIMES, Gallery, exact, offset, point_to_ellipsoid
 
 PROMISE = 1e-8
@@ -117,6 +117,15 @@ def test_a_process_that_ends_costs_one_answer() -> None:
     told = fcl_distances([sound, *ending, sound])
     assert np.isnan(told[1:-1]).any() and told[0] == told[-1] == pytest.approx(0.3, abs=1e-6)
     assert len(fcl_distances([])) == 0
+
+
+@pytest.mark.parametrize(("shape", "touch"), [(Sphere(0.2), 0.2), (Capsule(0.1, 0.4), 0.3), (Box((0.2, 0.2, 0.4)), 0.2)])
+def test_fcl_measures_along_the_same_axes_and_units(shape: Shape, touch: float) -> None:
+    ground = fcl_geometry(Box((4.0, 4.0, 2.0)))
+    for height in (0.5, 0.25, 0.15):
+        found = fcl_distance(fcl_geometry(shape), np.eye(3), np.array([0.0, 0.0, 1.0 + height]), ground, np.eye(3), np.zeros(3))
+        # fcl itself is 0.4 mm off here; a wrong axis or unit would be centimetres
+        assert found == pytest.approx(height - touch, abs=1e-3)
 
 
 def test_the_distance_of_a_point_from_an_ellipsoid_is_the_least_over_its_surface() -> None:
