@@ -8,10 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reports import BASELINE
-from reports.__main__ import main
 from reports.summaries import baseline
 from reports.tables.changes import against_baseline
-from reports.tables.run import Run, read
+from reports.tables.run import Run
 from runfiles.metrics import METRICS
 from tests.reports.small_runs import MUJOCO, OURS, OVERLAP, figure, run_of
 
@@ -35,17 +34,6 @@ def test_a_run_is_equal_to_its_own_baseline(tmp_path_factory: pytest.TempPathFac
     assert found.table.empty and found.gone == ()
 
 
-def test_what_got_worse_since_is_found(run_dir: Write, results: Json, tmp_path: Path) -> None:
-    path = kept(read(run_dir(results)), tmp_path / "kept.csv")
-    rows = results["rows"]
-    assert isinstance(rows, list)
-    worse = [{**rows[0], "value": 2e-6}, *rows[1:]]
-    found = against_baseline(baseline.load(path), read(run_dir(results | {"rows": worse})), "kept")
-    assert [(row.scenario, row.run, row.metric, row.verdict) for row in found.table.itertuples()] == [
-        ("arm_wall", OURS, OVERLAP, "worse")
-    ]
-
-
 def test_the_file_holds_watched_figures_of_the_gated_engine_and_nothing_else(tmp_path: Path) -> None:
     rows = [
         figure("a", run, name, 1.0) for run in (OURS, MUJOCO) for name in (*WATCHED, "frame_time_p50", "residual_overlap_mean")
@@ -58,12 +46,6 @@ def test_the_file_holds_watched_figures_of_the_gated_engine_and_nothing_else(tmp
 def test_what_is_no_number_is_never_committed(value: float | None, tmp_path: Path) -> None:
     run = run_of([figure("a", OURS, OVERLAP, 0.0), figure("b", OURS, OVERLAP, value)])
     assert baseline.load(kept(run, tmp_path / "kept.csv")).scenario.tolist() == ["a"]
-
-
-def test_the_command_writes_what_the_function_returns(run_dir: Write, results: Json, tmp_path: Path) -> None:
-    folder = run_dir(results)
-    assert main(["baseline", str(folder), "--to", str(tmp_path / "kept.csv")]) == 0
-    assert (tmp_path / "kept.csv").read_text(encoding="utf-8") == baseline.text(read(folder))
 
 
 def test_the_committed_baseline_keeps_the_promise() -> None:

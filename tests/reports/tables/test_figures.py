@@ -57,18 +57,3 @@ def test_what_is_no_number_is_told_apart_from_what_is_missing(unit: str) -> None
     texts = [quantity(value, unit) for value in (None, math.nan, math.inf)]
     assert texts[0] == MISSING and len(set(texts)) == 3
     assert not any(character.isdigit() for text in texts for character in text)
-
-
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (0.0, "m", "0"),
-        (1e-6, "m", "1 µm"),
-        (0.25, "m", "250 mm"),
-        (9.9999e-4, "m", "1 mm"),
-        (12.5, "us", "12.5 µs"),
-        (3.0, "deg", "3°"),
-    ],
-)
-def test_known_texts(value: float, unit: str, text: str) -> None:
-    assert quantity(value, unit) == text
