@@ -204,8 +204,7 @@ def test_names_from_anywhere_are_data_and_nothing_else(tmp_path: Path, capsys: p
     assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
     out, err = capsys.readouterr()
     assert "\x1b" not in out + err and "\udcff" not in out
-    assert sorted(os.listdir(tmp_path / "in")) == sorted(
-        path.name for path in (tmp_path / "out").glob("*.bvh"))
+    assert sorted(os.listdir(tmp_path / "in")) == sorted(path.name for path in (tmp_path / "out").glob("*.bvh"))
     pages = [path.read_text("utf-8") for path in (tmp_path / "out").rglob("*.html")]
     assert len(pages) == len(NAMES) + 1
     for page in pages:

@@ -1,15 +1,11 @@
 """Doors for values: every public constructor, tracker samples, settings, and scenes that are loaded and shown."""
 
-import collections.abc
 import reprlib
-import types
-import typing
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from dataclasses import fields, is_dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any
 
 import hypothesis
 import numpy as np
@@ -47,43 +43,6 @@ def told(value: object) -> str:
         return reprlib.repr(value)
     except Exception as error:
         return f"{type(value).__name__} without words ({type(error).__name__})"
-
-
-def conforms(value: object, hint: object) -> bool:
-    """Whether a value is of an annotated type, parts included."""
-    origin, inner = get_origin(hint), get_args(hint)
-    if origin in (typing.Union, types.UnionType):
-        return any(conforms(value, one) for one in inner)
-    if hint is float:
-        return isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool)
-    if hint is int:
-        return isinstance(value, int | np.integer) and not isinstance(value, bool)
-    if hint in (None, type(None)):
-        return value is None
-    if origin is tuple:
-        if not isinstance(value, tuple):
-            return False
-        if len(inner) == 2 and inner[1] is ...:
-            return all(conforms(part, inner[0]) for part in value)
-        return len(value) == len(inner) and all(map(conforms, value, inner))
-    if origin is collections.abc.Mapping:
-        return isinstance(value, collections.abc.Mapping) and all(
-            conforms(key, inner[0]) and conforms(part, inner[1]) for key, part in value.items()
-        )
-    if origin is np.ndarray:
-        return isinstance(value, np.ndarray) and value.dtype == np.float64
-    return hint is object or not isinstance(hint, type) or isinstance(value, hint)
-
-
-def as_declared(value: object) -> object:
-    """A value whose fields are of the types that its class declares, and none of them nan. Raises Unsound."""
-    if is_dataclass(value):
-        hints = get_type_hints(type(value))
-        for entry in fields(value):
-            part = getattr(value, entry.name)
-            if not conforms(part, hints[entry.name]):
-                raise Unsound(f"{type(value).__name__}.{entry.name} is of another type: {told(part)[:80]}")
-    return sound(value)
 
 
 def drawn(strategy: SearchStrategy[Asked], seed: int, count: int) -> list[Asked]:
@@ -294,7 +253,7 @@ def doors() -> tuple[Door, ...]:
         ("mesh arrays", 2.0, mesh_doors), ("engine", 10.0, engine_doors), ("cleaning", 5.0, cleaning_doors),
     )
     return tuple(
-        Door(name, weight, partial(cases, partial(one_of, made), as_declared), slow=weight <= 10.0,
+        Door(name, weight, partial(cases, partial(one_of, made), sound), slow=weight <= 10.0,
              warm=partial(compiled, made) if name in ("engine", "cleaning") else nothing)
         for name, weight, made in groups
     )

@@ -99,9 +99,7 @@ def test_another_start_is_found_before_the_first_frame(tmp_path: Path) -> None:
 
 
 @given(data=st.data())
-def test_no_flipped_byte_is_read(
-    data: st.DataObject, whole: bytes, tmp_path_factory: pytest.TempPathFactory
-) -> None:
+def test_no_flipped_byte_is_read(data: st.DataObject, whole: bytes, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path_factory.mktemp("flipped") / "a.live"
     at, value = data.draw(st.integers(0, len(whole) - 1)), data.draw(st.integers(0, 255))
     path.write_bytes(whole[:at] + bytes([value]) + whole[at + 1:])

@@ -4,11 +4,7 @@ import pytest
 
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.motions.matching import (
-    Layout,
-    columns,
-    coordinates_of_model,
-)
+from avatarsim.assets.motions.matching import Layout, columns, coordinates_of_model
 from avatarsim.errors import InvalidFile
 from tests.assets.motions.robots import JOINTS, puppet, robot
 

@@ -11,9 +11,7 @@ import avatarsim as av
 from avatarsim.live.messages import State
 from avatarsim.live.ports.server import Ports
 
-UPGRADE = (
-    "Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13", f"Sec-WebSocket-Key: {'A' * 22}==",
-)
+UPGRADE = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13", f"Sec-WebSocket-Key: {'A' * 22}==")
 """Headers that ask for a WebSocket."""
 LONG = 60.0
 """[s] after which a test that waits has failed; nothing is measured by it."""

@@ -1,6 +1,9 @@
 """The pages that the server has beside its WebSockets: all files, nothing else, with a policy that keeps them here."""
 
 
+import tomllib
+from pathlib import Path
+
 import pytest
 
 from avatarsim.live.ports.pages import FILES, FOLDER, page
@@ -19,3 +22,11 @@ def test_a_page_is_served_with_a_policy_that_keeps_it_here(live: Opened, path: s
 def test_every_file_of_the_folder_is_served_and_no_other() -> None:
     assert sorted(FILES.values()) == sorted(file.name for file in FOLDER.iterdir())
     assert page("/../pages.py") is None and page("") is None
+
+
+def test_pages_are_in_the_package() -> None:
+    root = Path(__file__).resolve().parents[3]
+    project = tomllib.loads((root / "pyproject.toml").read_text(encoding="utf-8"))
+    folder = FOLDER.relative_to(root / "avatarsim").as_posix()
+    kept = project["tool"]["setuptools"]["package-data"]["avatarsim"]
+    assert {f"{folder}/*{file.suffix}" for file in FOLDER.iterdir()} <= set(kept)

@@ -10,17 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.errors import InvalidSample
-from avatarsim.live.ports.protocol import (
-    HEAD,
-    MOST_METRES,
-    SAMPLE,
-    UNIT,
-    Goals,
-    Shape,
-    json_sample,
-    packed_sample,
-    parse,
-)
+from avatarsim.live.ports.protocol import HEAD, MOST_METRES, SAMPLE, UNIT, Goals, Shape, json_sample, packed_sample, parse
 from avatarsim.live.ports.refusals import Refusal, Refused
 from avatarsim.scene.tracker import TrackerSample
 
