@@ -24,30 +24,19 @@ tables = st.dictionaries(
 
 
 def by_hand(rows: list[Row]) -> dict[str, tuple[int, int]]:
-    """Scenes compared and lost, by metric: of several seeds the worst counts."""
+    """Scenes compared and lost, by metric: of several seeds the worst counts, and a missing one unless the metric is optional."""
     found: dict[str, tuple[int, int]] = {}
     for name in {row.metric for row in rows}:
         compared = lost = 0
         for scene in "abc":
-            values: dict[str, list[float]] = {}
-            for row in rows:
-                if (row.scenario, row.metric) == (scene, name):
-                    values.setdefault(row.run, []).append(math.nan if row.value is None else row.value)
-            if RANKED[name].optional and OURS in values:
-                values[OURS] = [
-                    one
-                    for row in rows
-                    if (row.scenario, row.metric, row.run) == (scene, name, OURS)
-                    for one in ([] if row.value is None else [row.value])
-                ]
-            rivals = [[one for one in values.get(run, []) if one == one] for run in (MUJOCO, BULLET)]
-            best = min((max(one) for one in rivals if one), default=None)
-            own = values.get(OURS)
-            if best is None or not own:
-                continue
-            compared += 1
-            mine = math.nan if any(one != one for one in own) else max(own)
-            lost += RANKED[name].better(best, mine)
+            values = {run: [row.value for row in rows if (row.scenario, row.metric, row.run) == (scene, name, run)]
+                      for run in (OURS, MUJOCO, BULLET)}
+            numbers = {run: [one for one in some if one is not None and one == one] for run, some in values.items()}
+            best = min((max(numbers[run]) for run in (MUJOCO, BULLET) if numbers[run]), default=None)
+            own = [one for one in values[OURS] if one is not None or not RANKED[name].optional]
+            if best is not None and own:
+                compared += 1
+                lost += RANKED[name].better(best, max(numbers[OURS]) if len(numbers[OURS]) == len(own) else math.nan)
         if compared:
             found[name] = (compared, lost)
     return found
