@@ -41,28 +41,22 @@ BARE = ("bare", (3, 11, 2), ["venv", "ensurepip"])
 
 
 @pytest.mark.parametrize(
-    ("found", "path"),
+    ("found", "path", "named"),
     [
-        ([("a", (3, 11, 0), [])], "a"),
-        ([OLD, NEW, ("c", (3, 13, 9), [])], "c"),
-        ([BARE, ("b", (3, 12, 1), [])], "b"),
-        ([("first", (3, 12, 1), []), ("second", (3, 11, 1), [])], "first"),
+        ([("a", (3, 11, 0), [])], "a", []),
+        ([OLD, NEW, ("c", (3, 13, 9), [])], "c", []),
+        ([BARE, ("b", (3, 12, 1), [])], "b", []),
+        ([("first", (3, 12, 1), []), ("second", (3, 11, 1), [])], "first", []),
+        ([], "", ["3.11", "3.13"]),
+        ([OLD], "", ["old", "3.10.13"]),
+        ([NEW], "", ["new", "3.14.0"]),
+        ([OLD, BARE], "", ["bare", "ensurepip", "python3.11-venv"]),
     ],
 )
-def test_first_usable_python_is_chosen(found: list[Any], path: str) -> None:
-    assert choose_python.choose(found) == (path, "")
-
-
-@pytest.mark.parametrize(
-    ("found", "named"),
-    [
-        ([], ["3.11", "3.13"]), ([OLD], ["old", "3.10.13"]), ([NEW], ["new", "3.14.0"]),
-        ([OLD, BARE], ["bare", "ensurepip", "python3.11-venv"]),
-    ],
-)
-def test_without_a_usable_python_the_obstacles_are_named(found: list[Any], named: list[str]) -> None:
-    path, sentence = choose_python.choose(found)
-    assert path == "" and [word for word in named if word not in sentence] == []
+def test_first_usable_python_is_chosen_or_the_obstacle_is_named(found: list[Any], path: str, named: list[str]) -> None:
+    chosen, sentence = choose_python.choose(found)
+    assert chosen == path and bool(sentence) == (not path)
+    assert [word for word in named if word not in sentence] == []
 
 
 def test_names_come_before_folders_and_3_11_first(tmp_path: Path) -> None:

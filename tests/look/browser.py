@@ -24,6 +24,8 @@ FLAGS = (
     "--use-angle=swiftshader-webgl",
     "--enable-unsafe-swiftshader", "--remote-debugging-pipe",
 )
+NUMBERS = {"Tab": 9, " ": 32, "Home": 36, "ArrowUp": 38}
+"""Numbers of keys that are no letters."""
 PATIENCE = 60.0
 """Longest wait [s] for one answer: software WebGL on a busy machine takes seconds to compile its shaders."""
 
@@ -170,10 +172,13 @@ class Browser:
         self.mouse("Pressed", *place)
         self.mouse("Released", *place)
 
-    def key(self, key: str, code: str, number: int) -> None:
-        """Press and let go of a key."""
-        for kind in ("keyDown", "keyUp"):
-            self.tell("Input.dispatchKeyEvent", type=kind, key=key, code=code, windowsVirtualKeyCode=number)
+    def key(self, key: str, seconds: float = 0.0) -> None:
+        """Press a key, for some time, and let go of it."""
+        code = key if key in NUMBERS else f"Key{key.upper()}"
+        about = {"key": key, "code": {" ": "Space"}.get(key, code), "windowsVirtualKeyCode": NUMBERS.get(key) or ord(key.upper())}
+        self.tell("Input.dispatchKeyEvent", type="keyDown", **about)
+        time.sleep(seconds)
+        self.tell("Input.dispatchKeyEvent", type="keyUp", **about)
 
     def press(self, keys: str | Sequence[str]) -> None:
         """Send keys to the page's own listener, without the browser's."""

@@ -30,29 +30,24 @@ WAYS = ((0, 110, 22), (120, 25, 20), (60, -70, 14), (-150, -65, 18))
 def main() -> None:
     """Drive, take pictures, write them as one."""
     frames: list[Image.Image] = []
-    with tempfile.TemporaryDirectory() as folder:
-        running = Running("hand", Path(folder))
-        try:
-            with browser(WIDE, HIGH) as one:
-                one.visit(running.page.address)
-                one.until(HUD)
-                time.sleep(2.0)
-                # what the browser says of itself is no part of the picture
-                one.value("document.querySelectorAll('.mantine-Notifications-root').forEach(e => e.remove())")
-                root = running.page.driver.links[0]
-                x, y = running.on_screen(running.state.positions[running.session.scene.names.index(root)])
-                one.mouse("Moved", x, y, is_down=False)
-                one.mouse("Pressed", x, y)
-                for across, down, count in WAYS:
-                    for _ in range(count):
-                        x, y = x + across / count, y + down / count
-                        one.mouse("Moved", x, y)
-                        time.sleep(PAUSE)
-                        taken = base64.b64decode(one.tell("Page.captureScreenshot", format="png")["data"])
-                        frames.append(Image.open(io.BytesIO(taken)).convert("RGB").resize(SHOWN, Image.Resampling.LANCZOS))
-                one.mouse("Released", x, y)
-        finally:
-            running.close()
+    with tempfile.TemporaryDirectory() as folder, Running("hand", Path(folder)) as running, browser(WIDE, HIGH) as one:
+        one.visit(running.page.address)
+        one.until(HUD)
+        time.sleep(2.0)
+        # what the browser says of itself is no part of the picture
+        one.value("document.querySelectorAll('.mantine-Notifications-root').forEach(e => e.remove())")
+        root = running.page.driver.links[0]
+        x, y = running.on_screen(running.state.positions[running.session.scene.names.index(root)])
+        one.mouse("Moved", x, y, is_down=False)
+        one.mouse("Pressed", x, y)
+        for across, down, count in WAYS:
+            for _ in range(count):
+                x, y = x + across / count, y + down / count
+                one.mouse("Moved", x, y)
+                time.sleep(PAUSE)
+                taken = base64.b64decode(one.tell("Page.captureScreenshot", format="png")["data"])
+                frames.append(Image.open(io.BytesIO(taken)).convert("RGB").resize(SHOWN, Image.Resampling.LANCZOS))
+        one.mouse("Released", x, y)
     frames[0].save(PLACE, save_all=True, append_images=frames[1:], duration=round(1e3 * PAUSE), loop=0, quality=60, method=6)
     print(f"{PLACE.name}: {len(frames)} frames, {PLACE.stat().st_size / 1e6:.2f} MB")
 

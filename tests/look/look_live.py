@@ -73,8 +73,10 @@ class Running:
         half = 0.5 * camera.image_height / np.tan(0.5 * camera.fov)
         return 0.5 * camera.image_width + half * x / z, 0.5 * camera.image_height + half * y / z
 
-    def close(self) -> None:
-        """The end of page and session."""
+    def __enter__(self) -> "Running":
+        return self
+
+    def __exit__(self, *error: object) -> None:
         self._is_over = True
         self._thread.join()
         self.page.close()
@@ -90,9 +92,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def running(folder: Path) -> Iterator[Running]:
     """The hand over the table."""
-    one = Running("hand", folder)
-    yield one
-    one.close()
+    with Running("hand", folder) as one:
+        yield one
 
 
 @pytest.fixture(scope="module")
@@ -146,7 +147,7 @@ def test_a_hand_is_dragged_through_table_and_wall_and_never_overlaps(running: Ru
     seen.picture(SCREENSHOTS / "live-hand-pressed.png")
     held = running.state
     assert np.linalg.norm(held.positions[names.index(link)] - before) > 0.05
-    assert "overlap" in words and seen.value("document.body.innerText") != words
+    assert seen.value("document.body.innerText") != words
     seen.mouse("Released", 700.0, 600.0)
     drag(seen, running, link, (260.0, -120.0))
     seen.mouse("Released", 900.0, 300.0)
@@ -173,18 +174,8 @@ def test_keys_move_the_hand(running: Running, seen: Browser) -> None:
     before = running.wait(5).positions[root].copy()
     seen.mouse("Moved", 300.0, 600.0, is_down=False)
     for _ in range(10):
-        hold(seen, "i", "KeyI", 0.05)
+        seen.key("i", 0.05)
     assert np.linalg.norm(running.wait(10).positions[root] - before) > 0.01
-
-
-def hold(one: Browser, key: str, code: str, seconds: float = 0.3) -> None:
-    """Hold a key."""
-    about = {"key": key, "code": code, "windowsVirtualKeyCode": 0x20 if key == " " else ord(key[0].upper())}
-    if len(key) > 1:
-        about["windowsVirtualKeyCode"] = {"Home": 36, "ArrowUp": 38}[key]
-    one.tell("Input.dispatchKeyEvent", type="keyDown", **about)
-    time.sleep(seconds)
-    one.tell("Input.dispatchKeyEvent", type="keyUp", **about)
 
 
 def viewed(running: Running) -> np.ndarray:
@@ -204,7 +195,7 @@ def test_the_camera_stands_still_under_all_keys_of_the_avatar(running: Running, 
     seen.mouse("Moved", 300.0, 600.0, is_down=False)
     before = viewed(running)
     for key in KEYS:
-        hold(seen, key.key, "Space" if key.key == " " else f"Key{key.key.upper()}")
+        seen.key(key.key, 0.3)
         assert viewed(running) == pytest.approx(before, abs=1e-6), key.key
 
 
@@ -212,13 +203,13 @@ def test_the_camera_stands_still_under_all_keys_of_the_avatar(running: Running, 
 def test_home_brings_a_camera_back_that_flew_away(running: Running, seen: Browser, way: str) -> None:
     camera = running.page.shows.stage.camera
     seen.mouse("Moved", 300.0, 600.0, is_down=False)
-    for key, code in (("s", "KeyS"), ("d", "KeyD"), ("ArrowUp", "ArrowUp")):
-        hold(seen, key, code, 1.0)
+    for key in ("s", "d", "ArrowUp"):
+        seen.key(key, 1.0)
     assert np.linalg.norm(viewed(running)[:3] - camera.position) > 0.5
     if way == "button":
         seen.click("Home")
     else:
-        hold(seen, "Home", "Home", 0.05)
+        seen.key("Home", 0.05)
     assert viewed(running) == pytest.approx(np.array([*camera.position, *camera.look_at]), abs=1e-3)
 
 
@@ -237,34 +228,29 @@ def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> N
 
 
 def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
-    one = Running("house", folder)
-    try:
-        with browser(1400, 900) as window:
-            window.visit(one.page.address)
-            window.until(HUD)
-            time.sleep(4.0)
-            window.picture(SCREENSHOTS / "live-house-start.png")
-            root, lift = len(one.session.scene.bodies), one.session.scene.names.index("lift")
-            end = time.monotonic() + 30.0
-            while one.state.positions[root][0] < 0.9 and time.monotonic() < end:
-                hold(window, "i", "KeyI", 0.1)
-            assert abs(one.state.angles[-1]) > 1.0
-            for _ in range(30):
-                hold(window, "y", "KeyY", 0.1)
-            assert one.state.positions[lift][2] > 0.3
-            window.picture(SCREENSHOTS / "live-house-through.png")
-            hold(window, "c", "KeyC", 0.1)
-            time.sleep(0.5)
-            assert "nothing loose" in window.value("document.body.innerText")
-            quiet(window, one)
-    finally:
-        one.close()
+    with Running("house", folder) as one, browser(1400, 900) as window:
+        window.visit(one.page.address)
+        window.until(HUD)
+        time.sleep(4.0)
+        window.picture(SCREENSHOTS / "live-house-start.png")
+        root, lift = len(one.session.scene.bodies), one.session.scene.names.index("lift")
+        end = time.monotonic() + 30.0
+        while one.state.positions[root][0] < 0.9 and time.monotonic() < end:
+            window.key("i", 0.1)
+        assert abs(one.state.angles[-1]) > 1.0
+        for _ in range(30):
+            window.key("y", 0.1)
+        assert one.state.positions[lift][2] > 0.3
+        window.picture(SCREENSHOTS / "live-house-through.png")
+        # nothing loose is near, and the page says so
+        window.key("c", 0.1)
+        window.until("document.body.innerText.includes('nothing loose')")
+        quiet(window, one)
 
 
 @pytest.mark.parametrize(("name", "dark"), [("hand", True), ("gallery", False), ("gallery", True)])
 def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) -> None:
-    one = Running(name, folder, dark)
-    try:
+    with Running(name, folder, dark) as one:
         for width, height in ((1400, 900), (390, 844)):
             with browser(width, height) as window:
                 window.visit(one.page.address)
@@ -278,8 +264,6 @@ def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) 
                 shade = "dark" if dark else "light"
                 window.picture(SCREENSHOTS / f"live-{name}-{shade}-{width}.png")
                 quiet(window, one)
-    finally:
-        one.close()
 
 
 def void(value: object) -> None:
