@@ -15,7 +15,9 @@ from scenarios.running.seat import repeat
 from scenarios.studies.broken import figure
 from scenarios.unseen.rooms import ROOMS
 
-HEAD = ("room", "motions", "overlap m", "limits deg", "chatter %", "reversal p95 mm", "jerk ratio", "silent frames", "slowest us")
+HEAD = (
+    "room", "motions", "overlap m", "limits deg", "chatter %", "reversal p95 mm", "own m/s^2", "dashes", "silent frames", "slowest us",
+)
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,8 @@ def line(room: str, rows: Sequence[Seen]) -> tuple[str, ...]:
     return (
         room, f"{len(rows)}", f"{of('residual_overlap_max').max():.2g}", f"{limits.max():.2g}",
         f"{np.mean(of('chatter_frames')):.2f}", f"{1e3 * np.median(of('reversal_p95')):.2f}",
-        f"{np.median(of('jerk_ratio')):.2f}", f"{of('silent_offset_frames').sum():.0f}",
-        f"{max(row.slowest for row in rows):.0f}",
+        f"{np.median(of('own_acceleration_rms')):.2f}", f"{of('dash_frames').sum():.0f}",
+        f"{of('silent_offset_frames').sum():.0f}", f"{max(row.slowest for row in rows):.0f}",
     )
 
 

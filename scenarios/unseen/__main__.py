@@ -1,7 +1,7 @@
 """`python -m scenarios.unseen [--motions N] [--seed S] [--jobs N]`: our engine on many motions that nothing was tuned for.
 
 Motion k is drawn with seed S + k, once in each of the five rooms, run, judged and measured. Printed per room: the promises
-(overlap, limits), and how it looks (chatter, reversals, jerk, silence, slowest frame), which has no bound. Every broken promise
+(overlap, limits), and how it looks (chatter, reversals, dashes, silence, slowest frame), which has no bound. Every broken promise
 is named with its seed: `python -m scenarios run NAME --seed N` runs it again.
 
 Exit codes: 0; 1 a promise was broken; 2 wrong usage; 3 a motion crashed or was not measured.

@@ -108,9 +108,9 @@ class Room:
         return Scenario(
             name=f"{UNSEEN_PREFIX}{self.name}",
             title=f"Motions that nothing was tuned for, {self.what}: clips recombined, mirrored, time-warped, layered.",
-            judged="Overlap, limits and the right side, as promised; without a bound, how it looks: chatter, reversals, jerk.",
+            judged="Overlap, limits and the right side, as promised; without a bound, how it looks: chatter, reversals, dashes.",
             build=self.build, motion=self.motion, frames=FRAMES, bounds=PROMISES, regions=(self.allowed,),
-            metrics=("chatter_frames", "reversal_p95", "jerk_ratio", "silent_offset_frames"),
+            metrics=("chatter_frames", "reversal_p95", "own_acceleration_rms", "dash_frames", "silent_offset_frames"),
         )
 
 

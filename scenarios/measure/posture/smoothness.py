@@ -22,9 +22,14 @@ Flags = NDArray[np.bool_]
 NEAR = 5e-3
 """Gap [m] of a link below which it is in contact. It holds the largest distance at which a compared engine keeps links off (a
 contact margin of 4 mm); smaller, and an engine whose links hover would seem to be in contact less often than the others."""
-LEAST_JERK = 20.0
-"""Jerk [m/s^3] that stands in for a target that moves more evenly: a third difference of 0.1 mm at 60 Hz. Without it a resting
-target would make every motion infinitely jerky."""
+HELD_OFF = 1e-3
+"""Distance [m] of a link from its target from which on the avatar is held off. Smaller, and rounding and stand-off would count;
+larger, and a hand that slides along a table would be free."""
+WITHIN = 0.05
+"""Time [s] within which a user's motion excuses the avatar's: an engine may follow a few frames late. Longer, and a dash after a
+release would be excused by the motion before it."""
+DASH = 0.5
+"""Speed [m/s] beyond the user's from which a motion is seen as the avatar's own: half a metre a second is a limb that runs."""
 CALM = 0.5
 """Time [s] for which the target must have been free before an avatar elsewhere must report a status: a way back takes a while."""
 
@@ -39,9 +44,34 @@ def jitter(reversed_by: Array, target: Array, contact: Flags, dt: float) -> floa
     return float(np.sqrt((squares / np.maximum(calm.sum(axis=0), 1)).max(initial=0.0)))
 
 
-def third_differences(positions: Array) -> Array:
-    """(F-2, L) [m] length of the third differences of link origins (F+1, L, 3)."""
-    return np.asarray(np.linalg.norm(np.diff(positions, n=3, axis=0), axis=-1))
+def largest_within(values: Array, frames: int) -> Array:
+    """Return the largest of `values` (F, ...) in so many frames before and after each; no number counts as 0."""
+    padded = np.pad(np.nan_to_num(values), ((frames, frames), *((0, 0) for _ in values.shape[1:])))
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * frames + 1, axis=0).max(axis=-1))
+
+
+def own_acceleration(shown: Array, target: Array, dt: float) -> Value:
+    """Return the root mean square [m/s^2] of the acceleration of links beyond their user's, over frames that are held off.
+
+    Of link origins (F+1, L, 3): the acceleration shown less the largest of the same link's target within WITHIN, at least 0, in
+    states in which any link is farther than HELD_OFF from its target. An engine that smooths the motion has 0 at best, as one
+    that follows exactly does.
+    """
+    if len(shown) < 3:
+        return Missing("fewer frames than an acceleration needs", "scene")
+    off = ~(np.linalg.norm(shown - target, axis=-1) <= HELD_OFF).all(axis=1)
+    if not off[1:-1].any():
+        return Missing("in no frame that was run is the avatar held off", "scene")
+    own, user = (np.linalg.norm(np.diff(places, n=2, axis=0), axis=-1) / dt**2 for places in (shown, target))
+    beyond = np.maximum(own - largest_within(user, round(WITHIN / dt)), 0.0)[off[1:-1]]
+    return float(np.sqrt(np.mean(beyond**2)))
+
+
+def dashes(shown: Array, target: Array, dt: float) -> int:
+    """Return the number of frames in which a link is faster by more than DASH than any link of the user within WITHIN."""
+    own, user = (np.linalg.norm(np.diff(places, axis=0), axis=-1) / dt for places in (shown, target))
+    most = largest_within(user.max(axis=1, initial=0.0), round(WITHIN / dt))
+    return int((~(own <= most[:, None] + DASH)).any(axis=1).sum())
 
 
 def free_for(free: Flags, frames: int) -> Flags:
@@ -66,8 +96,8 @@ def silent_frames(recording: Recording, free: Flags) -> Flags:
 
 
 def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) -> Values:
-    """chatter_frames [%], jitter_rms, reversal_p95 and reversal_max [m], jerk_ratio, silent_offset_frames: see
-    `runfiles.metrics`.
+    """Return chatter_frames, jitter_rms, reversal_p95, reversal_max, own_acceleration_rms, dash_frames and silent_offset_frames:
+    see `runfiles.metrics`.
 
     free (F+1,): the raw posture could be shown; contact (F+1,): something holds the avatar, see `Known.contact`. Empty without
     avatars."""
@@ -81,18 +111,10 @@ def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) 
         "jitter_rms": jitter(reversed_by, target, held, recording.dt) if held.any() else none,
         "reversal_max": float(reversed_by.max()),
         "reversal_p95": float(np.percentile(reversed_by.max(axis=1)[held], 95.0)) if held.any() else none,
-        "jerk_ratio": jerk_ratio(shown, target, recording.dt),
+        "own_acceleration_rms": own_acceleration(shown, target, recording.dt),
+        "dash_frames": float(dashes(shown, target, recording.dt)),
         "silent_offset_frames": float(silent_frames(recording, free).sum()),
     }
-
-
-def jerk_ratio(shown: Array, target: Array, dt: float) -> Value:
-    """95th percentile, over frames and links, of the third differences of link origins (F+1, L, 3) shown, over the target's or
-    LEAST_JERK, whichever is larger."""
-    if len(shown) < 4:
-        return Missing("fewer frames than a third difference needs", "scene")
-    least = LEAST_JERK * dt**3
-    return float(np.percentile(third_differences(shown), 95.0) / max(np.percentile(third_differences(target), 95.0), least))
 
 
 def contact_gap(gaps: Array) -> Values:

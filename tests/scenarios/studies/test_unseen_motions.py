@@ -14,7 +14,8 @@ from scenarios.unseen.__main__ import main
 
 KEPT = {
     "residual_overlap_max": 1e-7, "wrong_side_frames": 0.0, "not_finite_frames": 0.0, "joint_limit_excess_max": 1e-12,
-    "reach_cone_excess_max": 0.0, "chatter_frames": 99.0, "reversal_p95": 0.02, "jerk_ratio": 50.0, "silent_offset_frames": 9.0,
+    "reach_cone_excess_max": 0.0, "chatter_frames": 99.0, "reversal_p95": 0.02,
+    "own_acceleration_rms": 50.0, "dash_frames": 3.0, "silent_offset_frames": 9.0,
 }
 
 
@@ -40,7 +41,7 @@ def test_a_broken_promise_is_named_with_its_seed(metric: str, value: float) -> N
 def test_how_it_looks_has_no_bound_and_stands_in_the_table() -> None:
     assert broken(result().outcome) == {}
     head, line = table([result(), replace(result(8), slowest=2000.0)]).splitlines()
-    assert head.split()[0] == "room" and line.split() == "unseen_wall 2 1e-07 1e-12 99.00 20.00 50.00 18 2000".split()
+    assert head and line.split() == "unseen_wall 2 1e-07 1e-12 99.00 20.00 50.00 6 18 2000".split()
 
 
 def test_a_figure_that_is_missing_has_broken_its_promise() -> None:
@@ -52,7 +53,7 @@ def test_a_motion_is_run_measured_and_timed_and_leaves_no_recording(tmp_path: Pa
     found = seen(Job("unseen_floor", "tracker", "default", 3, frames=8, catalogue=NAME), tmp_path)
     assert found.outcome.state == "measured" and found.slowest > 0.0 and not list(tmp_path.glob("recordings/*"))
     # the raw tracker is its own target; in eight frames it meets nothing, and so has no frame in contact
-    assert figure(found.outcome, "not_finite_frames") == 0.0 and figure(found.outcome, "jerk_ratio") <= 1.0
+    assert figure(found.outcome, "not_finite_frames") == 0.0 and figure(found.outcome, "dash_frames") == 0.0
     assert math.isnan(figure(found.outcome, "chatter_frames"))
 
 

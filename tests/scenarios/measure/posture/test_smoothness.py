@@ -12,7 +12,7 @@ from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from runfiles.visible_motion import SHAKES, reversals, shaking
 from scenarios.measure.known import Known
-from scenarios.measure.posture.smoothness import NEAR, free_for, jerk_ratio, jitter, smoothness
+from scenarios.measure.posture.smoothness import NEAR, dashes, free_for, jitter, own_acceleration, smoothness
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import DT, arm_scene, drop_scene, fist, fist_motion, fist_scene, recorded, resting
 
@@ -49,6 +49,9 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
     def step(x: list[list[list[float]]], k: int, i: int) -> list[float]:
         return [x[k][i][a] - x[k - 1][i][a] for a in range(3)]
 
+    def second(x: list[list[list[float]]], k: int, i: int) -> float:
+        return math.hypot(*(x[k + 1][i][a] - 2.0 * x[k][i][a] + x[k - 1][i][a] for a in range(3)))
+
     def dot(u: list[float], v: list[float]) -> float:
         return sum(a * b for a, b in zip(u, v, strict=True))
 
@@ -70,12 +73,17 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
         calm = [k for k in range(1, frames + 1) if contact[k] and math.hypot(*step(q, k, i)) <= 0.18 * dt]
         squares = [min(taken_back[k][i], 0.18 * dt) ** 2 for k in calm]
         jitters.append(math.sqrt(sum(squares) / len(squares)) if squares else 0.0)
-    jerks = []
-    for x in (p, q):
-        jerks.append(np.percentile([
-            math.hypot(*(x[k][i][a] - 3 * x[k - 1][i][a] + 3 * x[k - 2][i][a] - x[k - 3][i][a] for a in range(3)))
-            for k in range(3, frames + 1) for i in range(links)
-        ], 95.0))
+    reach, squares, dashes = round(0.05 / dt), [], 0
+    for k in range(1, frames + 1):
+        own = max(math.hypot(*step(p, k, i)) for i in range(links)) / dt
+        near = range(max(k - reach, 1), min(k + reach, frames) + 1)
+        dashes += own > max(math.hypot(*step(q, j, i)) / dt for j in near for i in range(links)) + 0.5
+    for k in range(1, frames):
+        if max(math.dist(p[k][i], q[k][i]) for i in range(links)) > 1e-3:
+            for i in range(links):
+                near = range(max(k - reach, 1), min(k + reach, frames - 1) + 1)
+                allowed = max(second(q, j, i) for j in near) / dt**2
+                squares.append(max(second(p, k, i) / dt**2 - allowed, 0.0) ** 2)
     silent = 0
     for k in range(1, frames + 1):
         rested = k >= 29 and all(free[k - 29 : k + 1])
@@ -84,7 +92,8 @@ def by_loops(recording: Recording, free: np.ndarray, contact: np.ndarray) -> dic
     return {
         "chatter_frames": 100.0 * shakes / held, "jitter_rms": max(jitters),
         "reversal_max": max(map(max, taken_back)), "reversal_p95": float(np.percentile(largest, 95.0)),
-        "jerk_ratio": float(jerks[0] / max(jerks[1], 20.0 * dt**3)), "silent_offset_frames": float(silent),
+        "own_acceleration_rms": math.sqrt(sum(squares) / len(squares)), "dash_frames": float(dashes),
+        "silent_offset_frames": float(silent),
     }
 
 
@@ -165,14 +174,37 @@ def test_a_target_that_turns_back_excuses_and_one_bounce_is_no_shaking() -> None
     assert not shaking(reversals(once, np.zeros_like(once)), DT).any() and reversals(once, np.zeros_like(once)).max() == 0.01
 
 
-def test_the_jerk_of_a_cubic_is_its_third_derivative() -> None:
+def test_acceleration_beyond_the_users_is_that_of_a_limb_that_runs_home() -> None:
+    """A link 2 m/s^2 away from a resting user, and one that does what its user does."""
     times = DT * np.arange(30)[:, None, None]
-    shown, target = times**3 * np.array([40.0, 0.0, 0.0]), times**3 * np.array([0.0, 10.0, 0.0])
-    assert jerk_ratio(shown, target, DT) == pytest.approx(4.0, rel=1e-6)
-    # 6 * 40 m/s^3 over the least of 20
-    assert jerk_ratio(shown, np.zeros_like(shown), DT) == pytest.approx(12.0, rel=1e-6)
-    few = jerk_ratio(shown[:3], target[:3], DT)
-    assert isinstance(few, Missing) and few.fault == "scene"
+    shown, rests = times**2 * np.array([1.0, 0.0, 0.0]) + 0.01, np.zeros((30, 1, 3))
+    assert own_acceleration(shown, rests, DT) == pytest.approx(2.0, rel=1e-9)
+    assert own_acceleration(shown, shown + 0.1, DT) == 0.0
+    few, followed = own_acceleration(shown[:2], rests[:2], DT), own_acceleration(rests, rests, DT)
+    assert isinstance(few, Missing) and isinstance(followed, Missing) and few.fault == followed.fault == "scene"
+
+
+def test_a_dash_is_faster_than_any_link_of_the_user_shortly_before_or_after() -> None:
+    shown, target = np.zeros((60, 2, 3)), np.zeros((60, 2, 3))
+    shown[30:, 0, 0] = 0.7 * DT
+    assert dashes(shown, target, DT) == 1
+    slow = shown.copy()
+    slow[30:, 0, 0] = 0.4 * DT
+    assert dashes(slow, target, DT) == 0
+    # another link of the user was as fast two frames before; four frames before is too long ago
+    for before, found in ((2, 0), (4, 1)):
+        target[:] = 0.0
+        target[30 - before :, 1, 0] = 0.7 * DT
+        assert dashes(shown, target, DT) == found
+
+
+def test_smoothing_the_motion_wins_nothing() -> None:
+    """A low-pass filter of a recorded motion accelerates no more than its user, and no less than one that follows exactly."""
+    target = walk(3, 120)
+    shown = target.copy()
+    for k in range(1, len(shown)):
+        shown[k] = shown[k - 1] + 0.2 * (target[k] - shown[k - 1])
+    assert own_acceleration(shown, target, DT) == pytest.approx(0.0, abs=0.5) and dashes(shown, target, DT) == 0
 
 
 def test_silent_are_frames_far_off_after_half_a_second_of_free_target() -> None:
@@ -197,14 +229,13 @@ def test_following_exactly_neither_shakes_nor_is_off(seed: int) -> None:
     target = walk(seed, 40)
     found = smoothness(moved(target.copy(), target), arm_scene(), np.ones(41, dtype=bool), np.ones(41, dtype=bool))
     assert (found["chatter_frames"], found["reversal_p95"], found["silent_offset_frames"]) == (0.0, 0.0, 0.0)
-    assert found["jerk_ratio"] == pytest.approx(1.0)
+    assert isinstance(found["own_acceleration_rms"], Missing) and found["dash_frames"] == 0.0
 
 
 @settings(max_examples=30, deadline=None)
 @given(SEEDS, st.lists(st.floats(-1.0, 1.0), min_size=7, max_size=7), st.floats(0.25, 4.0))
 def test_places_turns_and_frame_times_do_not_matter(seed: int, there: list[float], factor: float) -> None:
-    """The same run elsewhere, turned, or at another frame time with as fast a motion (lengths then scale with the frame time, but
-    for jerk, which has a power more)."""
+    """The same run elsewhere, turned, or at another frame time with as fast a motion (lengths then scale with the frame time)."""
     recording, free, contact = case(seed)
     wanted = smoothness(recording, arm_scene(), free, contact)
     turn = rotation.from_rotation_vector(np.array(there[:3]))
@@ -226,7 +257,8 @@ def test_what_is_no_number_shakes_is_off_and_spoils_the_rest() -> None:
     shown[40:] = np.nan
     found = smoothness(moved(shown, np.zeros_like(shown)), arm_scene(), every, every)
     assert found["chatter_frames"] == pytest.approx(100.0 * 19 / 60) and found["silent_offset_frames"] == 21
-    assert math.isnan(float(str(found["reversal_p95"]))) and math.isnan(float(str(found["jerk_ratio"])))
+    assert all(math.isnan(float(str(found[name]))) for name in ("reversal_p95", "own_acceleration_rms"))
+    assert found["dash_frames"] == 21
 
 
 def test_without_contact_the_figure_is_missing_and_without_avatar_there_is_none() -> None:
