@@ -16,7 +16,8 @@ from scenarios.studies.broken import figure
 from scenarios.unseen.rooms import ROOMS
 
 HEAD = (
-    "room", "motions", "overlap m", "limits deg", "chatter %", "reversal p95 mm", "own m/s^2", "dashes", "silent frames", "slowest us",
+    "room", "motions", "overlap m", "limits deg", "chatter %", "reversal p95 mm", "own m/s^2", "dashes", "silent frames",
+    "slowest us",
 )
 
 
