@@ -8,14 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.engine import ADAPTER
-from runfiles.timing_protocol import PHASE_FRAMES, REPEATS, Protocol
+from runfiles.timing_protocol import PHASE_FRAMES, Protocol
 from scenarios.measure.value import Missing, Value, Values
 
 Integers = NDArray[np.int64]
 Array = NDArray[np.float64]
 
-TAIL = ("frame_time_p99", "frame_time_max", "frame_time_raw_p99", "frame_time_raw_max")
+TAIL = ("frame_time_p99", "frame_time_raw_p99")
 """Figures that few frames decide: only from a row with enough of them."""
+SLOWEST = "frame_time_max"
+"""Slowest of all frames that were timed."""
 
 
 @dataclass(frozen=True)
@@ -91,21 +93,26 @@ class Timed:
 
 
 def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[bool] = ()) -> Values:
-    """frame_time_* [us] from the per-frame minimum over repeats, frame_time_raw_* from every one of them, frame_time_python_p50
-    [us], warmup [s], stage_share_<stage> [%], resting_frames [%].
+    """Return frame_time_* [us], warmup [s], stage_share_* [%], resting_frames [%] and deterministic.
 
-    Medians and 95th percentiles are over what every engine of the scene had; 99th percentiles and slowest frames over all that
-    this one had, and Missing where that is not enough, or where they would lie below the 95th percentile of fewer frames; the
-    slowest of a scene that was timed whole, as often as any, is the slowest however few frames it has. Where
-    frames in which all is `resting` and others are both many, each kind has its median. deterministic: 1 when all repeats ended
-    in the same bits, and in those of the accuracy pass, another process, whose hashes by frame are `recorded`."""
+    A frame counts with the least of its repeats, in frame_time_raw_* and frame_time_max with each of them. Medians and 95th
+    percentiles are over the part that every engine of the scene had; 99th percentiles over all that this one had, Missing where
+    that is not enough, or where they would lie below the 95th percentile of fewer frames. The slowest frame is the slowest of
+    all that were timed: a user meets the disturbed frames too. Where frames in which all is `resting` and others are both many,
+    each kind has its median.
+
+    Args:
+        recorded: state hashes by frame of the accuracy pass, another process: deterministic is 1 when all repeats ended in them.
+        resting: of every frame whether nothing moves.
+    """
     raw = timed.of_compared(timed.engine_ns) / 1e3
     best, around = timed.compared_us, timed.of_compared(timed.around_ns).min(axis=0) / 1e3
     found: dict[str, Value] = {}
     for share in (50, 95):
         found[f"frame_time_p{share}"] = float(np.percentile(best, share))
         found[f"frame_time_raw_p{share}"] = float(np.percentile(raw, share))
-    found |= _tail(timed, timed.first == 0 and timed.around_ns.shape[1] == len(recorded) - 1)
+    found |= _tail(timed)
+    found[SLOWEST] = float(timed.engine_ns.max() / 1e3)
     found["frame_time_python_p50"] = float(np.percentile(around, 50))
     if len(rests := _rests(timed, resting)):
         found["resting_frames"] = 100.0 * float(rests.mean())
@@ -125,19 +132,15 @@ def frame_times(timed: Timed, recorded: tuple[str, ...] = (), resting: Sequence[
     return found
 
 
-def _tail(timed: Timed, whole: bool) -> dict[str, Value]:
+def _tail(timed: Timed) -> dict[str, Value]:
     if not timed.protocol.has_tail:
-        none = dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
-        slowest = {"frame_time_max": float(timed.best_us.max()), "frame_time_raw_max": float(timed.engine_ns.max() / 1e3)}
-        return {**none, **(slowest if whole and timed.protocol.repeats >= REPEATS else {})}
-    best, raw = timed.best_us, timed.engine_ns / 1e3
-    figures = (np.percentile(best, 99), best.max(), np.percentile(raw, 99), raw.max())
-    found: dict[str, Value] = {name: float(figure) for name, figure in zip(TAIL, figures, strict=True)}
-    below = np.percentile(timed.compared_us, 95), np.percentile(timed.of_compared(timed.engine_ns) / 1e3, 95)
-    for name, figure, least in zip(TAIL, figures, np.repeat(below, 2), strict=True):
-        if figure < least:
-            said = f"over {timed.protocol.said}, those of the 95th percentile being dearer: {timed.compared.said}"
-            found[name] = Missing(said, "scene")
+        return dict.fromkeys(TAIL, Missing(timed.protocol.no_tail, "scene"))
+    found: dict[str, Value] = {}
+    whole, compared = (timed.best_us, timed.engine_ns / 1e3), (timed.compared_us, timed.of_compared(timed.engine_ns) / 1e3)
+    for name, times, few in zip(TAIL, whole, compared, strict=True):
+        figure = float(np.percentile(times, 99))
+        dearer = f"over {timed.protocol.said}, those of the 95th percentile being dearer: {timed.compared.said}"
+        found[name] = Missing(dearer, "scene") if figure < np.percentile(few, 95) else figure
     return found
 
 
@@ -161,7 +164,7 @@ def time_notes(timed: Timed, values: Mapping[str, Value], resting: Sequence[bool
     notes = {}
     for name, value in values.items():
         if name.startswith("frame_time_") and not isinstance(value, Missing):
-            notes[name] = (timed.protocol if name in TAIL else timed.compared).said
+            notes[name] = (timed.protocol if name in (*TAIL, SLOWEST) else timed.compared).said
     phases = _phases(timed, resting)
     for name, kind in phases.items():
         notes[name] = f"{int(kind.sum())} of {notes[name]}"

@@ -12,7 +12,7 @@ from avatarsim.errors import UnknownName
 from runfiles.metrics import FAMILIES, METRICS, RANKED, Metric, metric, unit
 
 ROOT = Path(__file__).parents[2]
-UNITS = {"m", "us", "s", "deg", "rad", "rad/s", "m/s", "%", "", "frames", "J", "N", "bodies", "towers"}
+UNITS = {"m", "us", "s", "deg", "rad", "rad/s", "m/s", "m/s^2", "%", "", "frames", "J", "N", "bodies", "towers"}
 ENDINGS = "max|mean|p50|p95|p99|rms|end|missing|frames|error|fallen|bodies|free"
 values = st.floats(min_value=0.0, max_value=1e6, allow_nan=False)
 

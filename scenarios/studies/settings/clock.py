@@ -73,7 +73,7 @@ def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
             phases |= {"moving": float(np.median(whole[~still])), "at_rest": float(np.median(whole[still]))}
     return {
         "run": found.job.run, **nothing, "p50": p50, "p95": p95, "p99": p99 if enough else None,
-        "slowest": float(whole.max()), **phases, "repeats": repeats,
+        "slowest": max(max(rendered(each, cut)) for each in found.timed.engine_ns / 1e3), **phases, "repeats": repeats,
         "frames": len(whole), "note": found.note,
     }
 
