@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from avatarsim.errors import InvalidFile
+from avatarsim.scene.joint import Ball
 from runfiles.engines import Variant, about, engines
 from scenarios.scenario import Scenario
 
@@ -27,14 +28,15 @@ def body_follows(scenario: Scenario) -> bool:
     return scenario.name.startswith(RECORDED)
 
 
-def in_a_room(scenario: Scenario) -> bool:
-    """Whether a body follows a motion that nothing was tuned for: where joints meet their limits in unseen postures."""
-    return scenario.name.startswith(RECORDED[1])
+def limits_balls(scenario: Scenario) -> bool:
+    """Whether a ball joint of an avatar has limits."""
+    links = scenario.as_run(False).build().links
+    return any(isinstance(link.joint, Ball) and link.joint.limits is not None for link in links)
 
 
 CONDITIONS: Mapping[str, Callable[[Scenario], bool]] = {
     "rests": something_rests, "bodies may sleep": may_sleep, "follows recorded motion": body_follows,
-    "in a drawn room": in_a_room,
+    "ball joints have limits": limits_balls,
 }
 """Conditions that `scenes` of a variant can name."""
 
