@@ -15,12 +15,22 @@ from avatarsim.running.processes import Died
 from runfiles.table import Row
 from scenarios.job import Job, Outcome
 from scenarios.running.harness import tidy
-from scenarios.running.phenomena import TELLING, repeats_of
+from scenarios.running.phenomena import TELLING
 from scenarios.running.seat import Seats
 from scenarios.studies.checkpoint import Checkpoint, Entry, key_of
 from scenarios.studies.settings import clock, measure
 from scenarios.studies.settings.cell import Cell
-from scenarios.studies.settings.plan import STARTED, cells_of, chosen, cost, errors_of, known_errors, known_times, refined
+from scenarios.studies.settings.plan import (
+    STARTED,
+    cells_of,
+    chosen,
+    cost,
+    errors_of,
+    known_errors,
+    known_times,
+    refined,
+    repeats_in,
+)
 from scenarios.studies.settings.rows import NAME, rows_of
 from scenarios.studies.study import Request, Study, answers
 
@@ -109,10 +119,8 @@ class Sweep:
                 if self.now() - self.begun > LATEST * self.budget:
                     self.late.append(scenario)
                     continue
-                scene = [cell for cell in todo if cell.scenario == scenario]
-                rendered = scene[0].timed_frames // scene[0].setting.cut
-                repeats = clock.REPEATS if self.request.long else repeats_of(rendered)
-                clock.times(scene, seats, done, repeats, self.errors)
+                scene = {cell: repeats_in(cell, self.request) for cell in todo if cell.scenario == scenario}
+                clock.times(list(scene), seats, done, list(scene.values()), self.errors)
                 print(f"settings: {scenario}, {len(scene)} timed", file=sys.stderr, flush=True)
 
     def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:

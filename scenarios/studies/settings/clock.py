@@ -35,18 +35,19 @@ def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
 
 
 def times(
-    cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None], repeats: int = REPEATS,
+    cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None], repeats: Sequence[int],
     errors: Mapping[Cell, Entry] = NOTHING,
 ) -> None:
-    """Time all `cells` of one scene, `repeats` times each; `done` gets the entry of each as soon as its group has ended. `errors`
-    of a cell say in which frames it rests."""
+    """Time all `cells` of one scene, each so many times; `done` gets the entry of each as soon as its group has ended. `errors`
+    of a cell have the frames in which it rests."""
+    often = dict(zip(cells, repeats, strict=True))
     for group in tables(cells):
         # the first of an engine at a table has one process at all tables, the second another: starting takes longer than timing
         engines = [cell.setting.engine for cell in group]
         chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
         clocked = timed_pass(
             [cell.job for cell in group], True, frames=[cell.timed_frames for cell in group],
-            seats=[seats.at(chair) for chair in chairs], repeats=repeats,
+            seats=[seats.at(chair) for chair in chairs], repeats=[often[cell] for cell in group],
         )
         for cell, found in zip(group, clocked, strict=True):
             done(cell, time_entry(found, cell.setting.cut, errors.get(cell, {}).get("resting", ())))

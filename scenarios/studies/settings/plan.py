@@ -99,15 +99,15 @@ class Turn(IntEnum):
 
     PRESETS = 0
     COARSE_STEPS = 1
-    SOLVER = 2
-    FINE_STEPS = 3
+    FINE_STEPS = 2
+    SOLVER = 3
     REST = 4
 
 
 def _turn(cell: Cell, rank: int, request: Request) -> tuple[int, float]:
-    """When a cell is asked: presets and the user's rows, coarse rungs of the ladder from the coarsest on, what turns the solver
-    of an engine where there is no avatar, fine rungs by what they cost, so that as many fit as can, then all else by its `rank`
-    in the engine's list."""
+    """Return the turn of a cell: presets and the user's rows, coarse rungs of the ladder from the coarsest on, fine rungs by
+    what they cost, so that as many fit as can, options of the solver where there is no avatar, all else by its `rank` in the
+    engine's list."""
     setting = cell.setting
     if ladder.is_rung(setting.name):
         if ladder.is_coarse(setting.name):
@@ -160,9 +160,8 @@ def step(cell: Cell, request: Request) -> float:
 
 
 def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Request) -> list[Cell]:
-    """The same cells, presets, coarse rungs of the ladder and what turns a solver first; then those that may reach an accuracy
-    that ours reaches and an engine misses in what was measured so far: finer steps, the coarsest first, then margins, which are
-    of one engine only."""
+    """Return the same cells, presets and coarse rungs of the ladder first; then finer steps, the coarsest first, of engines that
+    miss an accuracy in what was measured so far; then options of the solver, other rungs, margins, and the rest."""
     worst = [
         Reached(
             cell.scenario, cell.setting.engine,
@@ -174,12 +173,12 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
 
     def key(cell: Cell) -> tuple[int, float]:
         place, options = (cell.scenario, cell.setting.engine), cell.setting.options
-        if cell.setting.is_preset or ladder.is_coarse(cell.setting.name) or turns_solver(cell):
+        if cell.setting.is_preset or ladder.is_coarse(cell.setting.name):
             return 0, 0.0
         at = step(cell, request) if "dt" in options else math.nan
         if at < wanted.get(place, 0.0):
             return 1, -at
-        if ladder.is_rung(cell.setting.name):
+        if turns_solver(cell) or ladder.is_rung(cell.setting.name):
             return 2, 0.0
         return (3, 0.0) if place in wanted and not set(options).isdisjoint(MARGINS) else (4, 0.0)
 
@@ -215,8 +214,21 @@ def cost(cell: Cell, request: Request) -> float:
     (recorded, bare), workers = frame_cost(cell, request), max(request.workers, 1) if isinstance(request.workers, int) else 1
     few = min(frames, cell.most)
     measured = 0.0 if known_errors(cell, request) else frames * recorded * JUDGED / workers
-    timed = 0.0 if known_times(cell, request) else (few * repeats_of(few) + WARM_FRAMES) * bare
+    timed = 0.0 if known_times(cell, request) else (few * repeats_in(cell, request) + WARM_FRAMES) * bare
     return measured + timed + (STARTED if measured or timed else 0.0)
+
+
+def repeats_in(cell: Cell, request: Request) -> int:
+    """Return how often the frames of a cell are timed.
+
+    Fine rungs of the ladder once: they cost most, and a median over a scene's frames hardly changes with more. All others as
+    often as the comparison times their scene.
+    """
+    if request.long:
+        return clock.REPEATS
+    name = cell.setting.name
+    fine = ladder.is_rung(name) and not ladder.is_coarse(name)
+    return 1 if fine else repeats_of(cell.timed_frames // cell.setting.cut)
 
 
 def frames_of(cell: Cell, request: Request) -> int:
@@ -233,7 +245,7 @@ def known_errors(cell: Cell, request: Request) -> Entry | None:
 def known_times(cell: Cell, request: Request) -> Entry | None:
     """What the timing pass of the run says of a cell, if it timed all the frames that are timed here, and as often: of more
     repeats the first, so that all times of a scene are the least of equally many."""
-    clocked, repeats = request.clocked.get(cell.recorded_as), repeats_of(min(frames_of(cell, request), cell.most))
+    clocked, repeats = request.clocked.get(cell.recorded_as), repeats_in(cell, request)
     if clocked is None or clocked.timed is None or clocked.timed.around_ns.shape[1] != cell.timed_frames:
         return None
     if len(clocked.timed.around_ns) < repeats:

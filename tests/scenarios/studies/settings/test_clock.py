@@ -69,7 +69,7 @@ def test_processes_go_on_from_table_to_table() -> None:
     processes: list[dict[str, object]] = []
     with Seats() as seats:
         for _ in range(2):
-            times(cells, seats, lambda cell, entry: kept.update({cell.job.preset: dict(entry)}))
+            times(cells, seats, lambda cell, entry: kept.update({cell.job.preset: dict(entry)}), [REPEATS, REPEATS])
             processes.append({name: seat.child.pid for name, seat in seats.taken.items()})
     assert processes[0] == processes[1] and set(processes[0]) == {"avatarsim 0", "avatarsim 1"}
     assert set(kept) == {"default", "paper"} and all(float(str(entry["p50"])) > 0.0 for entry in kept.values())
