@@ -176,14 +176,3 @@ def test_options_of_motions_are_refused_by_name(tmp_path: Path, made: Callable[[
             load_motion(path, **{name: value}).model()
         assert name in found.value.thing and found.value.valid
         assert found.value.value is value
-
-
-@pytest.mark.parametrize(("name", "wrong"), [
-    ("scale", (-1.0, 0.0, float("nan"), "x")), ("most_vertices", (-1, 3, 8.5, "x")), ("repair", ("x", 3)), ("meshes", ("x",)),
-    ("root", ("x",)), ("couplings", ("x",)), ("size_range", ((-1.0, 2.0), (2.0, 1.0), (float("nan"), 1.0))),
-])
-def test_options_of_models_are_refused_by_name(tmp_path: Path, name: str, wrong: tuple[Any, ...]) -> None:
-    path = written(tmp_path, "xml", MJCF)
-    for value in wrong:
-        with pytest.raises(av.InvalidInput):
-            av.load_avatar(path, **{name: value})

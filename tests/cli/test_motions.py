@@ -240,23 +240,6 @@ def test_wrong_usage_is_a_sentence_and_code_2(
     assert not (tmp_path / "out" / "a.bvh").exists()
 
 
-@pytest.mark.parametrize(("option", "name", "text", "said"), [
-    ("--avatar", "absent.xml", None, "absent.xml"), ("--avatar", "a.xml", "<mujoco><worldbody>", "a.xml"),
-    ("--avatar", "a.xml", "<mujoco/>", "a.xml"), ("--avatar", "a.xml", '<!DOCTYPE x [<!ENTITY a "b">]><mujoco/>', "DOCTYPE"),
-    ("--avatar", "a.fbx", "x", ".glb"), ("--room", "a.pkl", "x", "pickle"), ("--room", "absent.obj", None, "absent.obj"),
-    ("--avatar", "a.xml", '<mujoco><asset><mesh file="/etc/passwd"/></asset></mujoco>', "relative"),
-])
-def test_an_avatar_or_a_room_that_cannot_be_read_ends_it(
-    option: str, name: str, text: str | None, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    if text is not None:
-        (tmp_path / name).write_text(text)
-    clip = bvh(tmp_path / "a.bvh", frames=2)
-    assert ended("clean", clip, "-o", tmp_path / "out", option, tmp_path / name, "--workers", "0") == 3
-    err = capsys.readouterr().err
-    assert said in err and "Traceback" not in err and content(tmp_path / "out") == {}
-
-
 @pytest.mark.parametrize(("name", "code"), [("index.html", 2), ("certificate.json", 2), ("pages/a.bvh.html", 3), ("a.bvh", 3)])
 def test_files_of_other_programs_stay(tmp_path: Path, name: str, code: int, capsys: pytest.CaptureFixture[str]) -> None:
     clip, place = bvh(tmp_path / "a.bvh", frames=4), tmp_path / "out" / name

@@ -1,8 +1,6 @@
 """Outputs are whole or absent, halves of killed commands go, and a folder has one writer."""
 
 import hashlib
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
@@ -11,15 +9,6 @@ from avatarsim.clips.whole_files import BEGUN, PART, alone_in, beside, clear_hal
 from avatarsim.errors import InvalidInput
 
 ROOT = Path(__file__).resolve().parents[2]
-
-HOLDS = """
-import sys
-from pathlib import Path
-from avatarsim.clips.whole_files import alone_in
-with alone_in(Path(sys.argv[1])):
-    print("held", flush=True)
-    sys.stdin.read()
-"""
 
 
 def test_a_file_is_whole_or_what_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,18 +39,6 @@ def test_what_is_beside_has_the_name_of_its_place(tmp_path: Path) -> None:
     with beside(tmp_path / "a.bvh") as path:
         assert path.name == "a.bvh" and path.parent.parent == tmp_path
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_folder_has_one_writer_until_its_process_is_gone(tmp_path: Path) -> None:
-    line = [sys.executable, "-c", HOLDS, str(tmp_path)]
-    with subprocess.Popen(line, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as other:
-        assert other.stdout is not None and other.stdout.readline() == "held\n"
-        with pytest.raises(InvalidInput, match="no other command is writing"), alone_in(tmp_path):
-            pass
-        other.kill()
-        other.wait()
-    with alone_in(tmp_path):
-        assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("name", ["a_file", "a_file/below", "/proc/none"])

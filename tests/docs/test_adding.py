@@ -56,15 +56,6 @@ def test_each_of_its_bounds_is_measured_and_holds_at_the_gate() -> None:
     assert bounded == {bound.metric: "pass" for bound in scenario.bounds} and exit_code(rows) == 0
 
 
-def test_an_engine_that_freezes_breaks_one_of_its_bounds() -> None:
-    scenario = shown()
-    frames, asked = recorded(scenario)
-    job, frozen = Job(scenario.name, "frozen", "default"), [frames[0]] * len(frames)
-    found = measured(gathered(job, scenario, asked.scene, asked.states, frozen, {}, asked.raw), asked.known)
-    rows = rows_of(Outcome(job, "measured", frames=len(frames), values=found.values), scenario, {}, gated=True)
-    assert "still_frames" in {row.metric for row in rows if row.status == "fail"}
-
-
 def test_its_hand_stops_on_top_of_the_table_and_its_user_does_not() -> None:
     frames, asked = recorded(shown())
     np.testing.assert_array_equal(frames[0].shown.positions[1], asked.scene.first_sample.positions[0])

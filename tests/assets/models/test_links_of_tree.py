@@ -178,6 +178,9 @@ def test_the_root_of_urdf_is_free_unless_the_file_fixes_it(tmp_path: Path) -> No
     ({"fix": "a"}, InvalidInput, "fix is 'a'"), ({"couplings": "keep"}, UnknownName, "couplings is 'keep'"),
     ({"avatar": "none"}, UnknownName, "body of model.xml to be the avatar is 'none'"),
     ({"meshes": "boxes"}, UnknownName, "meshes is 'boxes'"), ({"leave": ("g",)}, UnknownName, "geom in leave is 'g'"),
+    *(({"most_vertices": most}, InvalidInput, "vertices") for most in (-1, 3, 8.5, "x")),
+    *(({"repair": repair}, InvalidInput, "repair") for repair in ("x", 3)),
+    *(({"size_range": sizes}, InvalidInput, "size_range") for sizes in ((-1.0, 2.0), (2.0, 1.0), (float("nan"), 1.0))),
 ])
 def test_options_that_do_not_fit_are_refused(options: dict, error: type, said: str, tmp_path: Path) -> None:
     path = written(tmp_path, f'<body><joint name="a"/>{GEOM}</body>')

@@ -1,10 +1,11 @@
-"""Courses of time, and the offset that hides a change of source."""
+"""Courses of time, speeds by presses of keys, and the offset that hides a change of source."""
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.live.drive.ease import STEEPNESS, Offset, minimum_jerk, pulse
+from avatarsim.live.drive.keys import DECAY, Speeds
 from avatarsim.live.drive.tree import Tree, posture_of
 from avatarsim.live.stages import stage
 from tests.live.drive.stages_driven import DT, excess, fastest, random_sample
@@ -42,3 +43,29 @@ def test_an_offset_begins_at_what_was_shown_and_is_gone_within_its_speeds(seed: 
     # a projection into a limit may add to what the offset itself turns
     assert turn <= 2.0 * 4.0
     assert max(excess(scene, sample) for sample in samples[::10]) < 1e-6
+
+
+def ticks(speeds: Speeds, seconds: float) -> None:
+    """Let time pass frame by frame."""
+    for _ in range(round(seconds / DT)):
+        speeds.advance(DT)
+
+
+def test_a_press_alone_is_over_after_five_time_constants() -> None:
+    speeds = Speeds()
+    speeds.press("forward", 1.0)
+    ticks(speeds, DECAY)
+    assert 0.3 < speeds.now["forward"] < 1.0 and speeds.is_moving
+    ticks(speeds, 5.0 * DECAY)
+    assert speeds.now["forward"] == 0.0 and not speeds.is_moving
+
+
+def test_a_key_that_repeats_keeps_full_speed_and_another_one_turns_it_round() -> None:
+    speeds = Speeds()
+    for _ in range(30):
+        speeds.press("turn", 1.0)
+        speeds.advance(DT)
+    assert speeds.now["turn"] > 0.9
+    speeds.press("turn", -1.0)
+    ticks(speeds, DECAY)
+    assert speeds.now["turn"] < 0.0
