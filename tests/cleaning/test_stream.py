@@ -14,7 +14,6 @@ from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging, walker
 def rows(heights: np.ndarray) -> np.ndarray:
     """Coordinates (F, 12) of the swinging walker at these heights."""
     coordinates = model().coordinates
-    assert coordinates is not None
     return coordinates.rows(lowered(swinging(len(heights), 0.0), heights))
 
 

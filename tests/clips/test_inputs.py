@@ -47,7 +47,6 @@ def test_a_model_is_all_files_that_it_names(tmp_path: Path) -> None:
     # another file under the same name is another model
     model.write_text(MESHED.replace('size="0.1"', 'size="0.15"'))
     again, _ = given(wishes, files_of(wishes))
-    assert avatar is not None and again is not None and avatar.avatar is not None and again.avatar is not None
     assert [one.avatar.links[0].pieces[0].shape.radius for one in (avatar, again)] == [0.1, 0.15]
 
 

@@ -99,7 +99,6 @@ def body(folder: Path, path: Path) -> object:
     """The avatar and the motion of a body of the SMPL family, and the file again."""
     found = load_motion(path)
     own = found.model()
-    assert own is not None
     motion = finite(found.motion(own))
     assert isinstance(motion, Motion)
     assert found.written(motion, own)
@@ -110,7 +109,6 @@ def recorded(folder: Path, path: Path) -> object:
     """A clip on its skeleton: its avatar, its motion, and the file again."""
     file = load_motion(next(folder.glob("*.amc"), path))
     found = file.model()
-    assert found.avatar is not None
     motion = file.motion(found)
     assert file.written(motion, found)
     return sound((found.avatar, finite(motion)))

@@ -162,7 +162,6 @@ def test_idle_processes_end_with_their_parent_however_it_ends(number: signal.Sig
         # a shell's background job ignores Ctrl-C, and so would all that it starts: as at a terminal instead
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as running:
-        assert running.stdout is not None
         left = {int(word) for word in running.stdout.readline().split() if word.isdigit()}
         assert len(left) == 2
         running.send_signal(number)

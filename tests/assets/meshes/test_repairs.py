@@ -127,7 +127,6 @@ def test_triangles_turned_over_are_found() -> None:
     triangles[turned] = triangles[turned][:, ::-1]
     assert edges_of(triangles).unbalanced > 0
     flips = to_flip(len(triangles), edges_of(triangles))
-    assert flips is not None
     # in each part either these or all the others
     for part in (slice(0, 12), slice(12, None)):
         assert (flips[part] == turned[part]).all() or (flips[part] != turned[part]).all()

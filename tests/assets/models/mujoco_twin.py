@@ -38,7 +38,6 @@ class Twin:
 
     def row(self, model: Model, rng: np.random.Generator) -> Array:
         """A posture within the file's limits, in the avatar's coordinates; what is fixed is at the reference."""
-        assert model.coordinates is not None
         row: list[float] = []
         for slot in model.coordinates.slots:
             if slot.kind == "fixed":
@@ -53,7 +52,6 @@ class Twin:
 
     def poses(self, model: Model, row: Array) -> tuple[dict[str, Array], dict[str, Array]]:
         """Where MuJoCo has each body's link frame (3,) [m], and its turn (4,), in the posture of a row."""
-        assert model.coordinates is not None and model.avatar is not None
         self.data.qpos[:] = self.model.qpos0
         at, base = 0, (np.zeros(3), np.array(rotation.IDENTITY))
         for slot in model.coordinates.slots:
@@ -83,7 +81,6 @@ class Twin:
 
 def greatest_difference(twin: Twin, model: Model, postures: int, seed: int = 0) -> float:
     """How far [m], or in a component of a quaternion, any link is from where MuJoCo has its body, in random postures."""
-    assert model.avatar is not None and model.coordinates is not None
     rng, worst = np.random.default_rng(seed), 0.0
     for _ in range(postures):
         row = twin.row(model, rng)

@@ -31,7 +31,6 @@ def rows(frames: int, seed: int) -> np.ndarray:
 
 def of_puppet() -> Coordinates:
     found = puppet().coordinates
-    assert found is not None
     return found
 
 
@@ -59,7 +58,6 @@ def test_poses_are_those_of_mujoco(seed: int) -> None:
     data.qpos[:] = q[0]
     mujoco.mj_kinematics(model, data)
     motion, avatar = of_puppet().motion(q, np.zeros(1)), puppet().avatar
-    assert avatar is not None
     places, turns = poses_of_links((avatar,), motion.positions, motion.rotations, motion.angles)
     assert np.abs(places[0] - data.xpos[1:]).max() < 1e-12
     assert np.abs(np.abs((turns[0] * data.xquat[1:]).sum(axis=1)) - 1.0).max() < 1e-12
@@ -74,7 +72,6 @@ def test_a_reference_angle_is_taken_off_and_put_back() -> None:
 
 def test_the_order_of_the_file_is_not_that_of_the_links() -> None:
     coordinates = robot().coordinates
-    assert coordinates is not None
     q = np.array([[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4]])
     motion = coordinates.motion(q, np.zeros(1))
     assert np.allclose(motion.angles, [[0.1, 0.2, 0.15, 0.3]])
@@ -83,7 +80,6 @@ def test_the_order_of_the_file_is_not_that_of_the_links() -> None:
 
 def test_coordinates_of_an_avatar_are_its_joints_link_by_link() -> None:
     avatar = robot().avatar
-    assert avatar is not None
     found = coordinates_of(avatar)
     assert found.names == ("pelvis", "torso", "left_arm", "left_forearm", "right_arm")
     assert [slot.hinge for slot in found.slots] == [-1, 0, 1, 2, 3]
@@ -118,6 +114,5 @@ def test_times_of_another_length_are_refused() -> None:
 def test_a_motion_of_another_avatar_is_refused() -> None:
     motion = of_puppet().motion(rows(2, 0), np.arange(2.0))
     of_robot = robot().coordinates
-    assert of_robot is not None
     with pytest.raises(InvalidInput, match=r"links and hinges.*\(3, 2\).*\(6, 4\)"):
         of_robot.rows(motion)

@@ -30,7 +30,6 @@ def test_joints_are_those_of_the_skeleton_and_masses_those_of_a_body() -> None:
 
 def test_capsules_lie_between_joints_and_end_at_tips() -> None:
     avatar = human(SKELETON, 1.7, clip(SKELETON, {})).avatar
-    assert avatar is not None
     links = {link.name: link for link in avatar.links}
     (shank,) = links["LeftLeg"].pieces
     assert isinstance(shank.shape, av.Capsule) and shank.shape.length == pytest.approx(0.41)
@@ -46,7 +45,6 @@ def test_capsules_lie_between_joints_and_end_at_tips() -> None:
 
 def test_pairs_that_overlap_may() -> None:
     model = human(SKELETON, 1.7, clip(SKELETON, {}))
-    assert model.avatar is not None
     assert ("Hips", "Neck") not in model.avatar.ignore and ("Spine", "LeftArm") in model.avatar.ignore
     assert not {"LeftHand", "LeftFoot"} & {name for pair in model.avatar.ignore for name in pair}
     # both arms down: hands beside thighs, in the first frame only
@@ -55,7 +53,6 @@ def test_pairs_that_overlap_may() -> None:
     assert touching.avatar is not None and ("LeftHand", "LeftUpLeg") in touching.avatar.ignore
     engine = av.AvatarsimEngine()
     for built, motion in ((model, clip(SKELETON, {})), (touching, down)):
-        assert built.avatar is not None
         engine.load(av.Scene("room", avatars=(built.avatar,), start=motion.sample(0)), av.Settings(), 1.0 / 60.0)
     engine.close()
 
@@ -77,7 +74,6 @@ def test_hinges_and_rigid_joints_keep_their_order() -> None:
     bones[at["LeftHand"]] = replace(bones[at["LeftHand"]], axes=(), turns=())
     skeleton = Skeleton("human", tuple(bones))
     model = human(skeleton, 1.7, clip(skeleton, {}), limits=False)
-    assert model.avatar is not None and model.coordinates is not None
     knee = model.avatar.links[at["LeftLeg"]].joint
     assert knee == av.Hinges((av.Hinge(BALL[2]), av.Hinge(BALL[1]))) and model.avatar.links[at["LeftHand"]].joint == av.Rigid()
     assert [name for name in model.coordinates.names if "LeftLeg" in name] == ["LeftLeg z", "LeftLeg y"]
@@ -131,7 +127,6 @@ def test_gaps_of_links_are_the_engine_s() -> None:
     """Arms that come down until they touch: where the engine finds an overlap, the gap is as deep."""
     skeleton = human_skeleton()
     avatar = human(skeleton, 1.7, clip(skeleton, {}), limits=False).avatar
-    assert avatar is not None
     names = [link.name for link in avatar.links]
     down = clip(skeleton, {"LeftArm": ((1.0, 0.0, 0.0), -99.0)}).sample(0)
     gaps = link_gaps(avatar.links, *link_poses([avatar], down))

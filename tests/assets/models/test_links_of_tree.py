@@ -57,7 +57,6 @@ def test_hinges_about_one_centre_are_one_joint_and_others_are_not(tmp_path: Path
     axes = ("1 0 0", "0 1 0", "0 0 1", "1 1 0")
     joints = "".join(joint.format(z, axis) for z, axis in zip((0.1, 0.1, 0.1, 0.3), axes, strict=True))
     model = av.load_avatar(written(tmp_path, f'<body name="arm">{joints}{GEOM}</body>'))
-    assert model.avatar is not None
     first, arm = model.avatar.links
     assert isinstance(first.joint, Hinges) and isinstance(arm.joint, Hinges)
     assert (len(first.joint.hinges), len(arm.joint.hinges)) == (3, 1)
@@ -68,7 +67,6 @@ def test_hinges_about_one_centre_are_one_joint_and_others_are_not(tmp_path: Path
 def test_limits_count_from_the_reference(tmp_path: Path) -> None:
     joints = '<joint name="a" axis="1 0 0" range="0.5 2" ref="1"/><joint name="b" axis="0 1 0"/>'
     model = av.load_avatar(written(tmp_path, f"<body>{joints}{GEOM}</body>"))
-    assert model.avatar is not None and model.coordinates is not None
     joint = model.avatar.links[0].joint
     assert isinstance(joint, Hinges)
     assert [(hinge.lower, hinge.upper) for hinge in joint.hinges] == [(-0.5, 1.0), (-MANY_TURNS, MANY_TURNS)]
@@ -82,7 +80,6 @@ def test_a_ball_stays_within_mujocos_angle_and_reaches_it(widest: float, tmp_pat
     geom = '<geom type="sphere" size="0.02" pos="0.1 0.2 0"/>'
     body = f'<body quat="0.5 0.5 0.5 0.5"><joint type="ball" range="0 {widest}"/>{geom}</body>'
     model = av.load_avatar(written(tmp_path, body))
-    assert model.avatar is not None
     joint = model.avatar.links[0].joint
     assert isinstance(joint, Ball) and joint.limits is not None
     swing, twist = joint.limits.swing, joint.limits.twist[1]
@@ -112,7 +109,6 @@ def test_a_slide_is_refused_by_name_or_fixed(tmp_path: Path) -> None:
         av.load_avatar(path)
     for fix in ("all", ("rail",)):
         model = av.load_avatar(path, fix=fix)
-        assert model.avatar is not None and model.coordinates is not None
         assert isinstance(model.avatar.links[0].joint, Rigid) and model.said
         # its column stays where the file has it, and holds the reference again when written
         motion = model.coordinates.motion(np.array([[0.5, 0.25]]), np.zeros(1))
@@ -139,7 +135,6 @@ def test_the_root_moves_as_asked(file: str, root: str, is_free: bool, tmp_path: 
     free = "<freejoint/>" if file == "free" else ""
     path = written(tmp_path, f'<body pos="0 0 1">{free}{GEOM}<body name="arm"><joint name="a"/>{GEOM}</body></body>')
     model = av.load_avatar(path, root=root)
-    assert model.avatar is not None and model.coordinates is not None and model.start is not None
     assert isinstance(model.avatar.links[0].joint, Free) == is_free
     assert model.coordinates.width == (8 if is_free or file == "free" else 1)
     if root == "free":

@@ -80,7 +80,6 @@ def test_masses_are_mujocos_also_of_bodies_put_together(tmp_path: Path) -> None:
     data = mujoco.MjData(compiled)
     mujoco.mj_forward(compiled, data)
     (cup,) = model.bodies
-    assert cup.mass is not None and model.avatar is not None
     assert cup.mass.mass == pytest.approx(compiled.body_subtreemass[2], rel=1e-12)
     where = np.array(cup.position) + rotation.rotate(cup.orientation, cup.mass.centre)
     np.testing.assert_allclose(where, data.subtree_com[2], atol=1e-12)
@@ -98,7 +97,6 @@ def test_masses_are_mujocos_also_of_bodies_put_together(tmp_path: Path) -> None:
 def test_links_without_mass_get_that_of_water_or_a_gram(tmp_path: Path) -> None:
     body = f'<body name="a"><joint/>{GEOM}<body name="frame"><geom size="0.1" mass="0"/><body name="mount"/></body></body>'
     model = av.load_avatar(written(tmp_path, body))
-    assert model.avatar is not None
     assert model.avatar.links[1].mass.mass == pytest.approx(1000.0 * 4.0 / 3.0 * np.pi * 1e-3)
     assert model.avatar.links[2].mass.mass == 1e-3
 

@@ -29,7 +29,6 @@ def model_of(folder: Path, rest: str = WELDS) -> av.Model:
 
 def test_a_mocap_body_goes_where_its_pose_is_given_and_carries_what_is_welded_to_it(tmp_path: Path) -> None:
     model = model_of(tmp_path)
-    assert model.avatar is not None and model.start is not None
     assert [one.name for one in model.moving] == ["door"]
     scene = model.scene()
     with av.AvatarsimEngine() as engine:
@@ -64,7 +63,6 @@ def test_a_tool_whose_free_avatar_is_raised_goes_up_with_it(tmp_path: Path) -> N
     hat = '<body name="hat" pos="0 .2 .08"><freejoint/><geom size=".02"/></body>'
     weld = '<equality><weld body1="man" body2="hat"/></equality>'
     model = av.load_avatar(written(tmp_path, man + hat + FLOOR, weld))
-    assert model.start is not None
     hat_height = next(body.position[2] for body in model.bodies if body.name == "hat")
     assert hat_height == pytest.approx(float(model.start.positions[0, 2]), abs=1e-9) and hat_height > 0.09
 
@@ -81,7 +79,6 @@ def test_the_moving_bodies_of_a_room_stand_beside_an_avatar(tmp_path: Path) -> N
 
 def test_what_moves_stands_still_where_clips_are_cleaned(tmp_path: Path) -> None:
     model = model_of(tmp_path)
-    assert model.start is not None
     rows = 5
     motion = av.Motion(
         np.arange(rows) / 60, np.repeat(model.start.positions[None], rows, axis=0),

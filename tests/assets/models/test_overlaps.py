@@ -57,7 +57,6 @@ def test_the_base_of_an_arm_stands_in_its_table(tmp_path: Path) -> None:
            '<body name="turn"><joint/><geom size="0.1"/>' \
            '<body name="arm" pos="0 0 0.5"><joint/><geom size="0.1"/></body></body></body>'
     model = av.load_avatar(written(tmp_path, body))
-    assert model.avatar is not None
     assert set(model.exclude) == {("table", f"{model.avatar.name}/base"), ("table", f"{model.avatar.name}/turn")}
     # the base is fixed as the table is, whatever overlaps
     assert model.at_rest == (("table", f"{model.avatar.name}/turn"),)

@@ -15,7 +15,6 @@ from tests.assets.models.mujoco_twin import Twin, greatest_difference
 def shipped(package: str, *parts: str) -> Path:
     """A file of an installed package, which need not be imported."""
     found = find_spec(package)
-    assert found is not None and found.submodule_search_locations is not None
     return Path(found.submodule_search_locations[0]).joinpath(*parts)
 
 
@@ -42,7 +41,6 @@ def test_links_are_where_mujoco_has_the_bodies_and_frames_run(name: str) -> None
     if "folder" in options:
         options = {**options, "folder": shipped(*options["folder"])}
     model = av.load_avatar(path, **options)
-    assert model.avatar is not None and model.coordinates is not None and model.start is not None
     assert (len(model.avatar.links), model.coordinates.hinges) == (links, hinges)
     assert greatest_difference(Twin(path), model, 10) <= 1e-12
     with av.AvatarsimEngine() as engine:

@@ -48,7 +48,6 @@ def test_limits_hold_what_humans_can_do(
     if side == "right":
         joint, axis, degrees = mirrored(joint, axis, degrees)
     avatar = human(SKELETON, 1.7, clip(SKELETON, {})).avatar
-    assert avatar is not None
     found = beyond_limits(avatar, clip(SKELETON, {joint: (axis, degrees)}, frames=3))
     assert [(one.joint, one.frames) for one in found] == ([] if can else [(joint, 3)])
 
@@ -65,7 +64,6 @@ def test_hinges_have_the_range_of_their_movement(
     bones[at] = replace(bones[at], axes=(axis,), turns=("r",))
     skeleton = Skeleton("human", tuple(bones))
     avatar = human(skeleton, 1.7, clip(skeleton, {})).avatar
-    assert avatar is not None
     still = clip(skeleton, {})
     turned = Motion(still.times, still.positions, still.rotations, np.array([[np.radians(degrees)]]))
     assert (beyond_limits(avatar, turned) == ()) == can
@@ -90,7 +88,6 @@ def test_a_stance_in_the_clip_stands_for_a_folded_rest() -> None:
         return replace(clip(skeleton, {}), rotations=local)
 
     model = human(skeleton, 1.7, posture("Hips", X, 0.0))
-    assert model.avatar is not None
     for joint, axis, degrees, can in POSTURES:
         found = beyond_limits(model.avatar, posture(joint, axis, degrees))
         # a twist limit that would cross half a turn is left out, so that more may be allowed
@@ -109,7 +106,6 @@ def test_excess_is_the_engine_s(name: str) -> None:
     """Random turns of the joints of a human avatar, knees with a reach cone among them."""
     skeleton = human_skeleton()
     avatar = human(skeleton, 1.7, clip(skeleton, {})).avatar
-    assert avatar is not None
     skel = skeleton_of(Scene("room", avatars=(avatar,)))
     link = [link.name for link in avatar.links].index(name)
     joint = avatar.links[link].joint

@@ -37,8 +37,6 @@ def model(folder: Path, s: float, scale: float) -> Model:
 
 def test_at_scale_it_is_the_model_that_was_written_in_metres(tmp_path: Path) -> None:
     one, other = model(tmp_path, 1.0, 1.0), model(tmp_path, 100.0, 0.01)
-    assert one.avatar is not None and other.avatar is not None and one.start is not None and other.start is not None
-    assert one.coordinates is not None and other.coordinates is not None
     assert [slot.name for slot in one.coordinates.slots] == [slot.name for slot in other.coordinates.slots]
     rests = [[slot.rest for slot in found.coordinates.slots] for found in (one, other) if found.coordinates]
     np.testing.assert_allclose(rests[0], rests[1], rtol=1e-9)
@@ -62,7 +60,6 @@ def test_what_density_gives_goes_with_the_volume(scale: float, tmp_path_factory:
     folder = tmp_path_factory.mktemp("density")
     path = written(folder, '<body name="b"><freejoint/><geom type="sphere" size="0.1"/></body>')
     one, other = (av.load_avatar(path, scale=s, size_range=(1e-6, 1e6)).avatar for s in (1.0, scale))
-    assert one is not None and other is not None
     assert other.links[0].mass.mass == pytest.approx(scale**3 * one.links[0].mass.mass)
     np.testing.assert_allclose(other.links[0].mass.inertia, scale**5 * one.links[0].mass.inertia, rtol=1e-6)
 

@@ -50,7 +50,6 @@ def robot(free: bool = True) -> Model:
 def held() -> Model:
     """The robot with its left shoulder held at 0.3 rad: a slot of its own that moves no link."""
     whole = robot()
-    assert whole.coordinates is not None
     slots = tuple(
         Slot(slot.name, "fixed", -1, rest=0.3) if slot.name == "left_shoulder" else slot for slot in whole.coordinates.slots
     )

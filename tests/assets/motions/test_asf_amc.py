@@ -37,7 +37,6 @@ def test_bones_are_where_matrices_put_them(tmp_path: Path) -> None:
     file = made(tmp_path, amc(values), up="y", scale=UNIT)
     model = file.model()
     motion = file.motion(model)
-    assert model.avatar is not None
     places = poses_of_links([model.avatar], motion.positions, motion.rotations, motion.angles)[0]
     for k, row in enumerate(values):
         expected = asf_places(ASF, row)
@@ -53,7 +52,6 @@ def test_radians_and_limits_are_read(tmp_path: Path) -> None:
     radians = made(tmp_path, amc(turned, head=":FULLY-SPECIFIED\n:RADIANS\n"), up="y")
     assert np.abs(degrees.recording.motion.rotations - radians.recording.motion.rotations).max() < 1e-12
     avatar = degrees.model().avatar
-    assert avatar is not None
     knee = next(link.joint for link in avatar.links if link.name == "ltibia")
     foot = next(link.joint for link in avatar.links if link.name == "lfoot")
     assert isinstance(knee, Hinges) and isinstance(foot, Hinges) and isinstance(avatar.links[1].joint, Rigid)

@@ -39,7 +39,6 @@ def world(file: BvhFile) -> Array:
     """Places (F, links, 3) [m] of all joints."""
     model = file.model()
     motion = file.motion(model)
-    assert model.avatar is not None
     return poses_of_links([model.avatar], motion.positions, motion.rotations, motion.angles)[0]
 
 
@@ -55,7 +54,6 @@ def test_joints_are_where_another_library_has_them(tmp_path: Path) -> None:
 def test_numbers_come_back_bit_for_bit(tmp_path: Path) -> None:
     file = read_bvh(written(tmp_path, bvh(WALKER, rows(spread=200.0))))
     model = file.model()
-    assert model.coordinates is not None
     motion = file.motion(model)
     again = model.coordinates.motion(model.coordinates.rows(motion), motion.times)
     for one in (motion, again):

@@ -93,7 +93,6 @@ def test_the_harness_and_a_user_see_one_motion(name: str) -> None:
 
 
 def places(model: Model, motion: Motion) -> np.ndarray:
-    assert model.avatar is not None
     return poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)[0]
 
 
@@ -150,7 +149,6 @@ def test_an_avatar_that_lacks_joints_is_refused_by_their_names(tmp_path: Path) -
     with pytest.raises(InvalidFile, match="missing: chest, neck, right_hip"):
         file.motion(robot())
     whole = figure().avatar
-    assert whole is not None
     stiff = Avatar("stiff", tuple(replace(link, joint=Ball()) if link.name == "left_knee" else link for link in whole.links))
     with pytest.raises(InvalidFile, match="joint left_knee for some.txt is 'ball'; valid: hinge"):
         file.motion(Model(stiff, coordinates_of(stiff), (), ()))

@@ -12,7 +12,6 @@ from tests.assets.motions.robots import robot, walk
 
 def links(frames: int = 30) -> Poses:
     model = robot()
-    assert model.coordinates is not None
     return links_of(model, model.coordinates.motion(walk(frames), np.arange(frames) / 50.0))
 
 

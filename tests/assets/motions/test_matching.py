@@ -10,7 +10,6 @@ from tests.assets.motions.robots import JOINTS, puppet, robot
 
 
 def of(model: Model) -> Coordinates:
-    assert model.coordinates is not None
     return model.coordinates
 
 

@@ -64,7 +64,6 @@ def joints_by_matrices(poses: np.ndarray, trans: np.ndarray, rest: np.ndarray, m
 
 
 def links(model: Model, motion: Motion) -> np.ndarray:
-    assert model.avatar is not None
     return poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)[0]
 
 
@@ -88,7 +87,6 @@ def test_joints_are_where_matrices_put_them(tmp_path: Path, member: str, up: str
         joints = theirs(skeleton.rest[: len(skeleton.bones)]) + pelvis
     found = load_motion(saved(tmp_path / "some.npz", arrays), **options)
     model = found.model()
-    assert model is not None
     shown = links(model, found.motion(model))
     expected = joints_by_matrices(arrays["poses"], arrays["trans"], joints, member)
     if up == "y":
@@ -102,7 +100,6 @@ def test_the_avatar_stands_and_its_joints_are_the_familys(tmp_path: Path) -> Non
     arrays["poses"] = np.tile(np.r_[STANDING, np.zeros(153)], (FRAMES, 1))
     found = load_motion(saved(tmp_path / "some.npz", arrays))
     model = found.model()
-    assert model is not None and model.avatar is not None and model.coordinates is not None
     assert model.coordinates.names == tuple(name for name, _ in TREES["SMPL-H"])
     assert isinstance(model.avatar.links[0].joint, Free) and all(isinstance(link.joint, Ball) for link in model.avatar.links[1:])
     shown = links(model, found.motion(model))
@@ -117,7 +114,6 @@ def test_the_avatar_stands_and_its_joints_are_the_familys(tmp_path: Path) -> Non
 def test_size_mass_and_limits_are_the_users_choice(tmp_path: Path) -> None:
     path = saved(tmp_path / "some.npz", amass("SMPL"))
     small = load_motion(path, stature=1.0, mass=20.0, limits=False).model()
-    assert small is not None and small.avatar is not None
     assert sum(link.mass.mass for link in small.avatar.links) == pytest.approx(20.0, abs=1.0)
     assert all(link.joint.limits is None for link in small.avatar.links if isinstance(link.joint, Ball))
     assert small.avatar.span < 3.5
@@ -149,7 +145,6 @@ def test_bodies_are_written_bit_for_bit_where_nothing_moved(tmp_path: Path, form
     arrays = FORMS[form]()
     found = load_motion(saved(tmp_path / "some.npz", arrays))
     model = found.model()
-    assert model is not None
     written = entries(found.written(found.motion(model), model))
     assert list(written) == list(arrays)
     for key, values in arrays.items():
@@ -173,7 +168,6 @@ def test_bodies_are_written_bit_for_bit_where_nothing_moved(tmp_path: Path, form
 def test_another_rate_is_written_with_its_rate(tmp_path: Path) -> None:
     found = load_motion(saved(tmp_path / "some.npz", amass() | {"joints": np.zeros((FRAMES, 52, 3))}))
     model = found.model()
-    assert model is not None
     motion = found.motion(model).resampled(240.0)
     (tmp_path / "other.npz").write_bytes(found.written(motion, model))
     written = entries((tmp_path / "other.npz").read_bytes())
@@ -229,5 +223,4 @@ def test_objects_beside_the_pose_are_left_out(tmp_path: Path) -> None:
     np.savez(tmp_path / "some.npz", **amass(), labels=np.array([{}], dtype=object))
     found = load_motion(tmp_path / "some.npz")
     model = found.model()
-    assert model is not None
     assert "labels" not in entries(found.written(found.motion(model), model))

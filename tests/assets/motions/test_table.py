@@ -33,7 +33,6 @@ def written(folder: Path, content: str | bytes, name: str = "some.csv") -> Path:
 
 def expected(rate: float = 30.0) -> Motion:
     coordinates = robot().coordinates
-    assert coordinates is not None
     return coordinates.motion(walk(FRAMES), np.arange(FRAMES) / rate)
 
 

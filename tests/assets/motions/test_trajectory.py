@@ -24,7 +24,6 @@ XYZW = [0, 1, 2, 4, 5, 6, 3]
 
 def bodies(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
     """Poses of the world, the robot's links, and a badge on its torso that its model does not have."""
-    assert model.avatar is not None
     places, turns = poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)
     frames = len(motion)
     badge = places[:, 1:2] + rotation.rotate(turns[:, 1:2], np.array([0.1, 0.0, 0.05]))
@@ -36,7 +35,6 @@ def bodies(model: Model, motion: Motion) -> tuple[np.ndarray, np.ndarray]:
 def holosoma() -> dict[str, Any]:
     q = walk(FRAMES)
     model = robot()
-    assert model.coordinates is not None and model.avatar is not None
     motion = model.coordinates.motion(q, np.arange(FRAMES) / 50.0)
     places, turns = bodies(model, motion)
     times = motion.times
@@ -295,7 +293,6 @@ def turning(frames: int, canonical: bool) -> np.ndarray:
 def test_quaternions_are_read_and_written_without_new_changes_of_sides(tmp_path: Path, canonical: bool) -> None:
     q = turning(60, canonical)
     model = robot()
-    assert model.coordinates is not None
     own = model.coordinates.motion(q, np.arange(60) / 50.0)
     places, turns = bodies(model, own)
     arrays = {"fps": 50, "joint_pos": q, "body_pos_w": places, "body_quat_w": turns, "joint_names": np.array(JOINTS)}

@@ -24,7 +24,6 @@ SKELETON = skeleton(stage("gallery").scene)
 @given(st.sampled_from(BALLS), st.tuples(angle, angle, angle))
 def test_what_comes_out_is_inside_and_what_is_inside_stays(joint: Ball, vector: tuple[float, float, float]) -> None:
     limits, turned = limits_of(joint, rotation.IDENTITY), exp(vector)
-    assert limits is not None
     found = inside(limits, turned)
     assert ball_excess(joint, np.array([found]))[0] <= 1e-9
     assert norm(way(inside(limits, found), found)) < 1e-6
@@ -38,7 +37,6 @@ def test_it_is_where_the_engine_puts_it(number: int, vector: tuple[float, float,
     joint = BALLS[number]
     link = next(k for k, one in enumerate(scene.links) if one.joint.__class__ is Ball and one.name == NAMES[number])
     limits, turned = limits_of(joint, rotation.IDENTITY), exp(vector)
-    assert limits is not None
     matrix = rotation.to_matrix(turned)
     engine = inside_cone(SKELETON, link, tuple(tuple(float(v) for v in matrix[:, c]) for c in range(3)))
     theirs = rotation.from_matrix(np.array(engine).T)
@@ -51,7 +49,6 @@ def test_a_ball_with_a_polygon_alone_keeps_its_limb_in_it() -> None:
     corners = np.array([(1.0, 1.0, 1.0), (-1.0, 1.0, 1.0), (-1.0, -1.0, 1.0), (1.0, -1.0, 1.0)])
     joint = Ball(cone=ReachCone(corners, (0.0, 0.0, 1.0)))
     limits = limits_of(joint, rotation.IDENTITY)
-    assert limits is not None
     limb = rotation.rotate(inside(limits, exp((2.0, 0.0, 0.0))), (0.0, 0.0, 1.0))
     assert limb[1] == pytest.approx(-np.sqrt(0.5), abs=1e-5)
     assert limb[2] == pytest.approx(np.sqrt(0.5), abs=1e-5)
@@ -60,6 +57,5 @@ def test_a_ball_with_a_polygon_alone_keeps_its_limb_in_it() -> None:
 def test_a_joint_without_room_is_put_where_it_must_be() -> None:
     joint = Ball(SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 0.0, (0.3, 0.3)))
     limits = limits_of(joint, rotation.IDENTITY)
-    assert limits is not None
     assert np.allclose(inside(limits, exp((0.4, 0.2, -0.5))), exp((0.0, 0.0, 0.3)), atol=1e-6)
     assert limits_of(Ball(), rotation.IDENTITY) is None
