@@ -4,8 +4,6 @@
 import numpy as np
 import pytest
 import trimesh
-from hypothesis import given
-from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from avatarsim.scene.body import Mass, solid, volume
@@ -63,13 +61,6 @@ def test_a_body_of_turned_pieces_agrees_with_their_joint_mesh() -> None:
     assert mass.mass == 5.0
     assert mass.centre == pytest.approx(whole.center_mass, abs=1e-9)
     assert mass.inertia == pytest.approx(whole.moment_inertia * 5.0 / whole.volume, rel=1e-9, abs=1e-9)
-
-
-@given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
-def test_inertia_grows_with_mass_and_with_the_square_of_size(scale: float, kilograms: float) -> None:
-    unit = solid([Piece(Box((1.0, 2.0, 3.0)))], 1.0).inertia
-    scaled = solid([Piece(Box((scale, 2.0 * scale, 3.0 * scale)))], kilograms).inertia
-    assert scaled == pytest.approx(unit * kilograms * scale**2, rel=1e-9)
 
 
 def test_a_thin_disc_is_a_solid() -> None:

@@ -2,24 +2,15 @@
 
 from typing import Any
 
-import mujoco
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.assets.models.coordinates import Coordinates, Slot, coordinates_of
+from avatarsim.assets.models.coordinates import Coordinates, coordinates_of
 from avatarsim.errors import InvalidInput
-from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 from tests.assets.motions.robots import puppet, robot
-
-MODEL = """<mujoco><worldbody>
-<body name="root" pos="0 0 .3"><freejoint/><geom size=".05"/>
- <body name="head" pos="0 0 .3"><joint type="ball"/><geom size=".05"/>
-  <body name="hand" pos="0 0 .3"><joint axis="1 0 0"/><joint axis="0 1 0"/><geom size=".05"/></body></body></body>
-</worldbody></mujoco>"""
-"""The puppet in MJCF."""
 
 
 def rows(frames: int, seed: int) -> np.ndarray:
@@ -50,27 +41,7 @@ def test_quaternions_become_unit_ones_and_stay_what_they_became(seed: int, lengt
     assert (of_puppet().rows(of_puppet().motion(once, np.arange(3.0))) == once).all()
 
 
-@given(st.integers(0, 99))
-def test_poses_are_those_of_mujoco(seed: int) -> None:
-    q = rows(1, seed)
-    model = mujoco.MjModel.from_xml_string(MODEL)
-    data = mujoco.MjData(model)
-    data.qpos[:] = q[0]
-    mujoco.mj_kinematics(model, data)
-    motion, avatar = of_puppet().motion(q, np.zeros(1)), puppet().avatar
-    places, turns = poses_of_links((avatar,), motion.positions, motion.rotations, motion.angles)
-    assert np.abs(places[0] - data.xpos[1:]).max() < 1e-12
-    assert np.abs(np.abs((turns[0] * data.xquat[1:]).sum(axis=1)) - 1.0).max() < 1e-12
-
-
-def test_a_reference_angle_is_taken_off_and_put_back() -> None:
-    coordinates = Coordinates((Slot("knee", "hinge", 1, 0, rest=0.5),), 2, 1)
-    motion = coordinates.motion(np.array([[0.75]]), np.zeros(1))
-    assert motion.angles[0, 0] == 0.25
-    assert coordinates.rows(motion)[0, 0] == 0.75
-
-
-def test_the_order_of_the_file_is_not_that_of_the_links() -> None:
+def test_the_order_of_the_file_is_not_that_of_the_links_and_references_are_taken_off() -> None:
     coordinates = robot().coordinates
     q = np.array([[0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.1, 0.2, 0.3, 0.4]])
     motion = coordinates.motion(q, np.zeros(1))
@@ -106,13 +77,9 @@ def test_rows_that_are_none_are_refused_by_name(q: Any, says: str) -> None:
         of_puppet().motion(q, np.arange(3.0))
 
 
-def test_times_of_another_length_are_refused() -> None:
+def test_other_times_and_motions_of_other_avatars_are_refused() -> None:
     with pytest.raises(InvalidInput, match="frames in the"):
         of_puppet().motion(rows(3, 0), np.arange(4.0))
-
-
-def test_a_motion_of_another_avatar_is_refused() -> None:
     motion = of_puppet().motion(rows(2, 0), np.arange(2.0))
-    of_robot = robot().coordinates
     with pytest.raises(InvalidInput, match=r"links and hinges.*\(3, 2\).*\(6, 4\)"):
-        of_robot.rows(motion)
+        robot().coordinates.rows(motion)
