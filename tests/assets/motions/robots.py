@@ -1,5 +1,6 @@
 """A small robot of every kind of joint, made by hand, and motions of it in files as other tools write them."""
 
+import io
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
@@ -77,3 +78,9 @@ def saved(path: Path, arrays: Mapping[str, Any], save: Callable[..., None] = np.
     """An .npz file of these entries."""
     save(path, **{key: np.asarray(values) for key, values in arrays.items()})
     return path
+
+
+def entries(content: bytes) -> dict[str, Any]:
+    """The entries of an .npz file."""
+    with np.load(io.BytesIO(content), allow_pickle=False) as found:
+        return dict(found)

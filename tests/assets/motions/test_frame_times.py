@@ -5,14 +5,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from avatarsim.assets.motions.archive import Archive
 from avatarsim.assets.motions.frame_times import restated, times_of
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.motion import Motion
-
-
-def archive(**arrays: Any) -> Archive:
-    return Archive("some.npz", {key: np.asarray(values) for key, values in arrays.items()}, False, ())
+from tests.assets.motions.test_archive import archive
 
 
 def motion(times: list[float]) -> Motion:

@@ -1,6 +1,5 @@
 """Bodies of the SMPL family: their kinematics against plain rotation matrices, every layout of entries, and what is written."""
 
-import io
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +16,7 @@ from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.joint import Ball, Free
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
-from tests.assets.motions.robots import robot, saved, walk
+from tests.assets.motions.robots import entries, robot, saved, walk
 
 FRAMES = 8
 MEMBERS = {"SMPL": 72, "SMPL-H": 156, "SMPL-X": 165}
@@ -123,11 +122,6 @@ FORMS: dict[str, Callable[[], dict[str, Any]]] = {
     **{member: lambda member=member: amass(member) for member in MEMBERS},  # type: ignore[misc]
     "parts beside the whole": parted, "parts alone": parts_alone, "float32": lambda: amass(dtype=np.float32),
 }
-
-
-def entries(content: bytes) -> dict[str, Any]:
-    with np.load(io.BytesIO(content), allow_pickle=False) as found:
-        return dict(found)
 
 
 def bent(motion: Motion, link: int, first: int, last: int) -> Motion:

@@ -1,6 +1,5 @@
 """Robot trajectories in archives: the conventions of several tools, joints by name, and what is written again beside the pose."""
 
-import io
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -15,7 +14,7 @@ from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
-from tests.assets.motions.robots import JOINTS, held, puppet, robot, saved, walk
+from tests.assets.motions.robots import JOINTS, entries, held, puppet, robot, saved, walk
 
 FRAMES = 40
 XYZW = [0, 1, 2, 4, 5, 6, 3]
@@ -102,11 +101,6 @@ FORMS: dict[str, tuple[Mapping[str, Any], dict[str, Any]]] = {
     "a joint too many": ({"joint_pos": np.c_[walk(FRAMES), np.ones(FRAMES)], "fps": 50, "joint_names": [*JOINTS, "tail"]}, {}),
 }
 """Entries and options of files that all hold the same motion."""
-
-
-def entries(content: bytes) -> dict[str, Any]:
-    with np.load(io.BytesIO(content), allow_pickle=False) as found:
-        return dict(found)
 
 
 def raised(motion: Motion, first: int, last: int) -> Motion:
