@@ -282,3 +282,9 @@ def test_quaternions_change_sides_only_where_the_input_does(canonical: bool, ble
     assert sides(motion.rotations).all() == (not canonical)
     assert (sides(cleaned.motion.rotations) == sides(motion.rotations)).all()
     assert np.array_equal(~cleaned.changed, same(motion, cleaned.motion))
+
+
+def test_bodies_of_one_name_are_told_apart() -> None:
+    twin = fixed("floor", (Piece(Box((1.0, 1.0, 1.0))),), "wood", (1.0, 0.0, 0.5))
+    found = audit(swinging(30, 0.5, along=1.0), model(), (FLOOR, twin), OPTIONS)
+    assert found.deepest_pair is not None and found.deepest_pair[0] == "floor (2)"

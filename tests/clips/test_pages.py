@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.clips.page.clip_page import PIECES, RUNS, room_of, runs
-from avatarsim.clips.page.drawn_pieces import surface_of
+from avatarsim.clips.page.drawn_pieces import corners, surface_of
 from avatarsim.clips.page.layout import address, data, esc, page
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
@@ -94,3 +94,12 @@ def test_addresses_lead_to_files_of_any_name() -> None:
     assert address("deep/a b.bvh") == "deep/a%20b.bvh" and address("100%#?.bvh") == "100%25%23%3F.bvh"
     assert address("\ud800") == "%3F"
     assert address("bad\udcff") == "bad%FF" and address("\"'<>") == "%22%27%3C%3E"
+
+
+def test_large_hulls_are_drawn_by_their_farthest_corners() -> None:
+    rng = np.random.default_rng(3)
+    points = rng.normal(size=(4000, 3))
+    points /= np.linalg.norm(points, axis=1)[:, None]
+    drawn = corners(ConvexHull(points))
+    assert 40 <= len(drawn) <= 64 and {tuple(one) for one in drawn.tolist()} <= {tuple(one) for one in points.tolist()}
+    assert surface_of(()).triangles.shape == (0, 3)

@@ -5,6 +5,7 @@ import random
 from typing import Any
 
 import jsonschema
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -63,3 +64,9 @@ def test_it_agrees_with_a_whole_validator_on_certificates() -> None:
 ]))
 def test_it_agrees_on_each_keyword(value: object, schema: dict[str, Any]) -> None:
     agree(value, schema)
+
+
+def test_a_keyword_that_is_not_known_is_an_error_of_the_schema() -> None:
+    with pytest.raises(ValueError, match="keyword uniqueItems"):
+        fault([1], {"uniqueItems": True}, {})
+    assert fault({"a": [1, "x"]}, {"properties": {"a": {"items": {"type": "integer"}}}}, {})

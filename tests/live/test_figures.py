@@ -43,6 +43,7 @@ def test_frames_left_out_are_counted_from_the_windows_start() -> None:
 
 def test_a_pause_says_nothing_about_time() -> None:
     window = Window(60.0)
+    assert window.figures().frames == 0
     window.add(state(1, cost=5))
     window.add(state(1, cost=0, paused=True))
     assert window.figures().frames == 1 and window.figures().worst == 5

@@ -155,3 +155,11 @@ def test_memory_is_linear() -> None:
     wanted = pair_filter([OPEN] * 20000, [(k, k + 1) for k in range(19999)])
     assert sum(array.nbytes for array in wanted) == 8 * (20000 + 20001 + 19999)
     assert not may_meet(wanted, 500, 499) and may_meet(wanted, 500, 498)
+
+
+def test_the_box_of_a_body_without_pieces_is_its_place() -> None:
+    pieces = (Piece(Sphere(0.1)),)
+    lone = Scene("s", avatars=(rigid_avatar("ghost", (), solid(pieces, 1.0)),))
+    geo = geometry(lone)
+    placed = poses(geo, np.array([[1.0, 2.0, 3.0]]), np.array([rotation.IDENTITY]))
+    assert geo.local.shape == (0, 3) and placed.hulls[0].tolist() == [1.0, 2.0, 3.0, 1.0, 2.0, 3.0]

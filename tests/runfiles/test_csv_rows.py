@@ -20,3 +20,5 @@ def test_numbers_are_short_and_nan_is_an_empty_cell() -> None:
     found = list(csv.DictReader(text.splitlines()))
     assert found[0] == {"name": "a,b", "value": "0.333333", "count": "7", "held": "True"}
     assert found[1]["value"] == "" and found[1]["held"] == "False" and found[2]["value"] == "inf"
+    # columns are named where there is no row
+    assert csv_text([], Figure) == "name,value,count,held\n"

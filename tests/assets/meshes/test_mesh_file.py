@@ -2,6 +2,8 @@
 
 import json
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -119,7 +121,7 @@ def test_what_a_gltf_names_is_a_regular_file_beside_it(named: str, tmp_path: Pat
 
 
 def test_without_trimesh_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
+    monkeypatch.setitem(sys.modules, "trimesh", None)
     (tmp_path / "a.stl").write_bytes(b"x")
     with pytest.raises(MissingPackage, match=r"pip install '.*\[assets\]'"):
         read_mesh(tmp_path / "a.stl")
@@ -142,3 +144,9 @@ def test_a_part_keeps_the_order_of_the_file_and_only_the_vertices_it_uses() -> N
     part = both.part(np.arange(24) >= 12)
     np.testing.assert_array_equal(part.vertices, cube(2.0, 3.0)[0])
     np.testing.assert_array_equal(part.corners, both.corners[12:])
+
+
+def test_importing_the_room_loads_nothing_heavy() -> None:
+    script = "import avatarsim.assets.meshes, sys\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", script], cwd=Path(__file__).parents[3], capture_output=True, text=True, check=True)
+    assert not set(done.stdout.split()) & {"trimesh", "coacd", "numba", "scipy", "pandas"}

@@ -63,3 +63,13 @@ def test_joints_of_a_file_are_where_it_has_them() -> None:
 def test_statures_of_no_human_are_refused(stature: float) -> None:
     with pytest.raises(InvalidInput, match="stature"):
         approximate("SMPL", stature)
+
+
+def test_hands_hang_on_wrists_finger_by_finger() -> None:
+    for member in ("SMPL-H", "SMPL-X"):
+        names = [name for name, _ in TREES[member]]
+        parents = {name: names[parent] for name, parent in TREES[member][1:]}
+        assert parents["left_index1"] == "left_wrist" and parents["right_thumb1"] == "right_wrist"
+        assert parents["left_ring3"] == "left_ring2" and parents["right_pinky2"] == "right_pinky1"
+    assert [len(tree) for tree in TREES.values()] == [24, 52, 55]
+    assert tree_of(53) is None

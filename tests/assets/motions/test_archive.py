@@ -235,3 +235,8 @@ def test_numbers_keep_the_files_type_where_it_is_fine_enough(like: str, most: fl
     written = narrowed(values, np.zeros(2, dtype=like))
     assert written.dtype == np.dtype(found)
     assert np.abs(written.astype(np.float64) - values).max() < 2.5e-7
+
+
+def test_columns_first_comes_back_in_shape(tmp_path: Path) -> None:
+    values = np.asfortranarray(np.arange(12.0).reshape(3, 4))
+    assert (opened(saved(tmp_path / "some.npz", {"a": values})).arrays["a"] == values).all()
