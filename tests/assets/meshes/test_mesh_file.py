@@ -148,5 +148,6 @@ def test_a_part_keeps_the_order_of_the_file_and_only_the_vertices_it_uses() -> N
 
 def test_importing_the_room_loads_nothing_heavy() -> None:
     script = "import avatarsim.assets.meshes, sys\nprint(*sys.modules)"
-    done = subprocess.run([sys.executable, "-c", script], cwd=Path(__file__).parents[3], capture_output=True, text=True, check=True)
+    root = Path(__file__).parents[3]
+    done = subprocess.run([sys.executable, "-c", script], cwd=root, capture_output=True, text=True, check=True)
     assert not set(done.stdout.split()) & {"trimesh", "coacd", "numba", "scipy", "pandas"}
