@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collision.support import farthest, gap_along, largest, reach, support
+from avatarsim.collision.support import farthest, foremost, gap_along, largest, reach, support
 from avatarsim.spatial.vec3 import dot
 from tests.collision.solids import as_arrays, ball, box, capsule, ellipsoid, random_hull
 
@@ -84,3 +84,16 @@ def test_a_first_row_that_is_no_number_reaches_the_largest_product(many):
     rows = np.ones((many, 3))
     rows[0] = np.nan
     assert np.isnan(largest(rows, 0, many, (1.0, 0.0, 0.0)))
+
+
+@pytest.mark.parametrize(("toward", "count"), [((0.0, 0.0, 1.0), 4), ((1.0, 1.0, 0.0), 2), ((1.0, 0.5, 0.25), 1)])
+def test_foremost_corners_are_those_of_a_face_an_edge_or_a_corner(toward, count):
+    vertices, shapes = as_arrays(box(0.5, 0.5, 0.5))
+    ahead = vertices @ np.array(toward)
+    corners = vertices[ahead >= ahead.max() - 1e-9]
+    found, second, first = foremost(vertices, shapes, 0, toward, 1e-9)
+    assert found == count == len(corners)
+    if count > 1:
+        np.testing.assert_array_equal((first, second), corners[:2])
+    else:
+        assert second == tuple(corners[0]) and first == (0.0, 0.0, 0.0)

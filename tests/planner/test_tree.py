@@ -121,3 +121,18 @@ def test_a_path_leads_from_where_the_avatar_is_to_the_goal_and_alone_is_kept(par
     kept = at.plan.path[0, : s.length[0]]
     assert s.place[0] == 0 and s.count[0] == len(kept) and plan_is_sound(at.plan)
     assert at.plan.node[0, kept, 0].tolist() == [float(k) for k in wanted[place:]]
+
+
+@pytest.mark.parametrize(("name", "value"), [("at", 7), ("begun", 9), ("place", 5), ("cut_to", 5), ("meeting", 7), ("here", 7)])
+def test_a_plan_from_bytes_that_names_what_is_not_there_is_not_sound(name: str, value: int) -> None:
+    at, _ = grown([0, 1, 2])
+    trace_path(0, 0, 2, 3, at.plan)
+    assert plan_is_sound(at.plan)
+    getattr(at.plan.searches, name)[0] = value
+    assert not plan_is_sound(at.plan)
+
+
+def test_a_tree_from_bytes_that_runs_in_a_circle_is_not_sound() -> None:
+    at, _ = grown([0, 1, 2])
+    at.plan.before[0, 2] = 4
+    assert not plan_is_sound(at.plan)
