@@ -6,8 +6,8 @@ import pytest
 from avatarsim.model.geometry import place
 from avatarsim.model.joint_limits import cone_excess
 from avatarsim.model.skeleton import Posture
-from avatarsim.paper.state import GAVE_WAY, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK
-from avatarsim.paper.walk_back import interpolate, into_limits, narrowed
+from avatarsim.paper.state import GAVE_WAY, HELD, START_OVERLAPS, WALK_TESTS, WALKED_BACK, Chains
+from avatarsim.paper.walk_back import AVATARS_HIT, CHAINS_HIT, EVERYTHING, choose_links, interpolate, into_limits, narrowed
 from avatarsim.pose_queries import overlapping_pairs
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.shape import Box, Piece, Sphere
@@ -149,3 +149,18 @@ def test_everything_ends_inside_and_what_was_inside_is_not_touched():
         if -0.5 <= before[1][3] <= 2.0:
             assert world.posture.angle[3] == before[1][3]
     assert 50 < kept < 450
+
+
+def test_levels_take_in_more_and_more():
+    # chains of links (1, 2) and (3), root 0; another avatar is link 4
+    chains = Chains(
+        np.array([0, 2, 3, 4]), np.array([1, 2, 3, 4]), np.array([True, False, False, False, False]), np.array([0, 0, 0, 0, 4]),
+        np.zeros((5, 3)),
+    )
+    hit, chosen = np.array([True, False, False, True, False, False]), np.ones(5, dtype=np.bool_)
+    choose_links(chains, hit, 1, CHAINS_HIT, chosen)
+    assert chosen.tolist() == [False, True, True, False, False]
+    choose_links(chains, hit, 1, AVATARS_HIT, chosen)
+    assert chosen.tolist() == [True, True, True, True, False]
+    choose_links(chains, hit, 1, EVERYTHING, chosen)
+    assert chosen.all()
