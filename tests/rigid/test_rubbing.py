@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from avatarsim.engine import Settings
-from avatarsim.rigid.contact_generation import SEEN, note_drift
+from avatarsim.rigid.contact_generation import SEEN, note_drift, note_shown
 from avatarsim.rigid.contacts import (
     DRIVEN_A,
     DRIVEN_B,
@@ -109,3 +110,15 @@ def test_along_the_tangents_the_slower_of_both_counts(driven: int) -> None:
         parts = [speed_along(contacts, 0, i, world.velocities.linear, world.velocities.angular) for i in range(3)]
         np.testing.assert_allclose(parts, [np.dot(axis(contacts, 0, i), wanted) for i in range(3)], atol=1e-12)
     assert 10 < held < 50
+
+
+def test_what_is_shown_is_the_way_from_one_frame_to_the_next() -> None:
+    world = World([ball("b", (0.0, 0.0, 5.0))], avatars=(hand(),))
+    rng, b = np.random.default_rng(3), 1
+    for _ in range(10):
+        first, turn, way = Rotation.random(random_state=rng), Rotation.from_rotvec(rng.normal(size=3)), rng.normal(size=3)
+        world.memory.trial.position[b], world.memory.trial.rotation[b] = 0.5, first.as_matrix()
+        world.poses.position[b], world.poses.rotation[b] = 0.5 + way * DT, (turn * first).as_matrix()
+        note_shown(world.poses, DT, world.memory, b)
+        np.testing.assert_allclose(world.memory.shown_linear[b], way, rtol=1e-10)
+        np.testing.assert_allclose(world.memory.shown_angular[b] * DT, turn.as_rotvec(), rtol=1e-9, atol=1e-12)
