@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 
-from avatarsim.collision.epa import cone_to, epa, find_horizon, lowest_face, start_polytope
-from avatarsim.collision.gjk import gjk
+from avatarsim.collision.epa import cone_to, epa, find_horizon, grow_tetrahedron, lowest_face, start_polytope
+from avatarsim.collision.gjk import WHOLE, add_support, gjk
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.status import CONVERGED, OUT_OF_ITERATIONS
 from tests.collision.solids import NO_SEED, SCRATCH, as_arrays, ball, box, capsule, ellipsoid, exact_core_depth, random_hull
@@ -129,3 +129,49 @@ def test_a_horizon_that_does_not_close_is_noticed():
     above = scratch.normal[:faces] @ np.array(apex) - scratch.height[:faces]
     edges, marked = find_horizon(int(above.argmax()), apex, 1e-12, scratch)
     assert not cone_to(8, edges - 1, marked, faces, scratch)[0]
+
+
+def test_every_edge_is_shared_by_the_face_said_to_be_across_it():
+    scratch, faces = grown(np.random.default_rng(7).normal(size=(30, 3)))
+    for f in np.flatnonzero(scratch.alive[:faces] == 1):
+        for e in range(3):
+            other = scratch.across[f, e]
+            assert scratch.alive[other] == 1
+            edge = (scratch.corner[f, e], scratch.corner[f, (e + 1) % 3])
+            back = [(scratch.corner[other, (i + 1) % 3], scratch.corner[other, i]) for i in range(3)]
+            assert edge in back
+
+
+TURN = Rotation.from_rotvec([0.3, 1.1, -0.4])
+
+
+def first_tetrahedron(a, b):
+    scratch = make_scratch()
+    vertices, shapes = as_arrays(a, b)
+    add_support(vertices, shapes, 0, 1, (1.0, 0.0, 0.0), WHOLE, 0, scratch)
+    size = max(a.size, b.size)
+    return grow_tetrahedron(vertices, shapes, 0, 1, WHOLE, 1, size, scratch), scratch.w
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "expected"),
+    [
+        (ball(1.0), ball(0.5), 1),
+        (ball(1.0), capsule(0.5, 1.0).moved(TURN), 2),
+        (capsule(0.1, 0.5).moved(TURN), capsule(0.5, 1.0).moved(TURN), 2),
+        (capsule(0.1, 0.5), capsule(0.5, 1.0).moved(TURN), 3),
+        (box(1.0, 1.0, 0.0).moved(TURN), ball(0.1), 3),
+        (capsule(0.1, 0.5), box(1.0, 1.0, 1e-3).moved(TURN), 4),
+        (ellipsoid(0.5, 0.4, 0.3), ball(0.1), 4),
+    ],
+)
+def test_counts_the_dimensions_of_the_difference(a, b, expected):
+    assert first_tetrahedron(a, b)[0] == expected
+
+
+def test_the_fourth_point_is_below_the_first_three():
+    for k in range(20):
+        turn = Rotation.from_rotvec([0.3 * k, 1.1, -0.4])
+        points, w = first_tetrahedron(box(1.0, 0.5, 0.2).moved(turn), ellipsoid(0.3, 0.2, 0.1))
+        assert points == 4
+        assert np.linalg.det(w[1:4] - w[0]) < -1e-3

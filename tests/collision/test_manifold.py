@@ -9,12 +9,15 @@ from scipy.spatial import ConvexHull as Qhull
 from scipy.spatial.transform import Rotation
 
 from avatarsim.collision.manifold import (
-    FEATURE_ROOM, MANIFOLD_POINTS, clip, flat, make_manifold, manifold, slope, to_segment, wrap,
-)
     FEATURE_ROOM,
     MANIFOLD_POINTS,
+    clip,
+    flat,
     make_manifold,
     manifold,
+    slope,
+    to_segment,
+    wrap,
 )
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance
