@@ -56,6 +56,15 @@ def test_the_table_has_a_row_per_engine_and_a_figure_per_column() -> None:
     assert {row[1] for row in found} == {"10 mm", "1 mm", "100 µm", "10 µm"}
 
 
+def test_a_time_that_is_not_like_for_like_is_marked() -> None:
+    def time(note: str) -> str:
+        rows = [figure("a", run, f"frame_time_{name}", 5.0, note=note) for run in (OURS, MUJOCO) for name in ("p50", "p95")]
+        rows.append(figure("a", OURS, "resting_frames", 100.0 if note == "asleep" else 0.0))
+        return dict(zip(("engine", *COLUMNS), engines(run_of(rows))[0], strict=True))["frame p95"]
+
+    assert time("asleep") != time("") == "5 µs"
+
+
 def test_times_of_scenes_with_an_avatar_are_left_out() -> None:
     rows = [
         figure("a", OURS, "frame_time_p95", 5.0),
