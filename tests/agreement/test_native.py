@@ -14,6 +14,7 @@ import pytest
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
 from runfiles import native_files
+from runfiles.naming import COMPILED
 from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.job import Job
@@ -68,6 +69,13 @@ def test_what_was_told_in_every_step_plays_the_scene_again_without_this_project(
     told = np.array(ran.stdout.partition("qpos ends at [")[2].replace("]", "").split(), dtype=np.float64)
     assert np.allclose(told, engine._data.qpos, rtol=0.0, atol=1e-7)
     assert native_files.steps_written(tmp_path, "mocap_punch_wall", "mujoco/default", 0) == ()
+
+
+def test_numbers_of_a_compiled_scene_are_among_its_settings() -> None:
+    scenario = catalog.get("driven_10cm_wall")
+    engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned"), scenario.dt)
+    run = {name.removeprefix(COMPILED): entry[0] for name, entry in engine.settings_as_run().items() if isinstance(entry, tuple)}
+    assert run["flag autoreset"] is False and run["flag nativeccd"] is True and run["exclusions"] == engine._model.nexclude
 
 
 @needs_pybullet
