@@ -58,6 +58,10 @@ def test_no_kernel_uses_fastmath_or_the_ill_conditioned_arc_cosine() -> None:
     assert {file.name for file, text in TEXTS.items() if re.search(r"fastmath=True|\ba(rc)?cos\(", text)} == set()
 
 
+def test_no_file_imports_by_dots_which_the_cache_of_kernels_would_have_to_guess() -> None:
+    assert {file.name for file, text in TEXTS.items() if re.search(r"^\s*from \.", text, re.MULTILINE)} == set()
+
+
 def test_private_parts_of_the_compiler_stay_in_one_small_folder() -> None:
     named = {file: text for file, text in TEXTS.items() if PRIVATE.search(text)}
     assert named and {file.parent for file in named} == {ENGINE / "jit"}
