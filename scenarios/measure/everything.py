@@ -1,6 +1,11 @@
-"""All figures of one recording: asks each family in turn."""
+"""All figures of one recording."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cache
+from importlib import import_module
+from inspect import signature
+from pkgutil import walk_packages
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,25 +13,12 @@ from numpy.typing import NDArray
 from avatarsim.scene.scene import Scene
 from runfiles.overlapping import Overlapping, gathered
 from runfiles.record import Recording
-from scenarios.measure.bodies.bounce import bounce_times, bounces, zeno_ends
-from scenarios.measure.bodies.closed_form import course_errors, flips, pivots, stops, tops
-from scenarios.measure.bodies.conserved import conserved
-from scenarios.measure.bodies.energy import energy
-from scenarios.measure.bodies.grips import carried, pressed, sags
-from scenarios.measure.bodies.standing import at_rest, piles, towers
-from scenarios.measure.bodies.time_kept import time_kept
-from scenarios.measure.bodies.waves import waves
-from scenarios.measure.bodies.whereabouts import escapes, grasp, travel
-from scenarios.measure.frames import halts, not_finite, work
+from scenarios import measure as package
 from scenarios.measure.known import Known
 from scenarios.measure.overlap import INSIDE_JUDGED, residual_overlap, substep_overlap
-from scenarios.measure.posture.jumps import jumps
-from scenarios.measure.posture.limits import limit_excess
 from scenarios.measure.posture.smoothness import NEAR, contact_gap, smoothness
-from scenarios.measure.posture.stillness import still_frames
 from scenarios.measure.posture.tracker_offset import tracker_offset
-from scenarios.measure.side import wrong_side
-from scenarios.measure.value import Missing, Value
+from scenarios.measure.value import Missing, Value, Values
 from scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -43,25 +35,30 @@ class Measured:
     overlapping: Overlapping = field(default_factory=lambda: gathered((), ()))
 
 
-def motion_figures(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, Value]:
-    """Closed forms and invariants of motion and impact, each only if the scenario expects it."""
-    found: dict[str, Value] = {**halts(recording, scene), **time_kept(recording, scene)}
-    for family in (bounce_times, zeno_ends, course_errors, at_rest, conserved, stops, flips, pivots, tops, escapes, towers, piles,
-                   waves, carried, pressed, sags):
-        found |= family(recording, scenario, scene)
+@cache
+def measures() -> tuple[tuple[Callable[..., Values], tuple[str, ...]], ...]:
+    """Return every function of the modules of this package that carries the mark `measure`, with the names of its parameters."""
+    found: list[Callable[..., Values]] = []
+    for module in sorted(walk_packages(package.__path__, f"{package.__name__}."), key=lambda info: info.name):
+        if not module.ispkg:
+            exports = vars(import_module(module.name)).values()
+            found += [one for one in exports if getattr(one, "measures", False) and one.__module__ == module.name]
+    return tuple((one, tuple(signature(one).parameters)) for one in found)
+
+
+def marked(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, Value]:
+    """Return the values of every marked function."""
+    given = {"recording": recording, "scenario": scenario, "scene": scene}
+    found: dict[str, Value] = {}
+    for function, names in measures():
+        found |= function(**{name: given[name] for name in names})
     return found
 
 
 def measured(recording: Recording, known: Known, most_inside: int | None = INSIDE_JUDGED) -> Measured:
     """Every metric that applies to the scene. Without the judge's package its metrics are Missing, all others stand."""
     scenario, scene = known.scenario, known.scene
-    values: dict[str, Value] = {
-        **not_finite(recording), **wrong_side(recording, scenario, scene), **limit_excess(recording, scene),
-        **still_frames(recording), **jumps(recording, scene), **energy(recording, scene),
-        **bounces(recording, scenario, scene), **travel(recording, scenario, scene), **grasp(recording, scenario, scene),
-        **work(recording),
-        **motion_figures(recording, scenario, scene),
-    }
+    values = marked(recording, scenario, scene)
     try:
         judge = known.judge
     except ImportError as error:

@@ -5,12 +5,13 @@ import numpy as np
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from runfiles.record import Recording
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 
 TOTALS = ("waiting", "planning", "following", "out_of_work")
 """Counts that are reported as a sum over the run, under their own name; all others as a mean, `<name>_per_frame`."""
 
 
+@measure
 def work(recording: Recording) -> Values:
     """<name>_per_frame: mean over the frames advanced; those of TOTALS: number in all."""
     found: dict[str, float] = {}
@@ -29,6 +30,7 @@ STAYS = 1e-9
 """Way [m] of a frame below which a body has not moved at all."""
 
 
+@measure
 def halts(recording: Recording, scene: Scene) -> Values:
     """halted_frames: frames in which a simulated body has speed at both ends and did not move. status_frames: frames that an
     engine itself reports as not ended well, under any status. Empty without simulated bodies."""
@@ -44,6 +46,7 @@ def halts(recording: Recording, scene: Scene) -> Values:
     return {"halted_frames": float(halted.sum()), "status_frames": float(bad.sum())}
 
 
+@measure
 def not_finite(recording: Recording) -> Values:
     """not_finite_frames: frames, the first state included, with a pose, velocity or angle that is nan or infinite."""
     shown = (

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
 from runfiles.record import Recording
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 from scenarios.scenario import Region, Scenario
 
 Array = NDArray[np.float64]
@@ -20,6 +20,7 @@ def outside(positions: Array, regions: tuple[Region, ...], names: tuple[str, ...
     return wrong
 
 
+@measure
 def wrong_side(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """wrong_side_frames: frames, their sub-steps included, in which something is outside its region. Empty without regions."""
     if not scenario.regions:

@@ -1,8 +1,8 @@
-"""Values of measures: a number, or the reason why there is none."""
+"""Values of measures: a number, or the reason why there is none; and the mark of a function that measures."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 
 @dataclass(frozen=True)
@@ -20,3 +20,15 @@ class Missing:
 
 Value = float | Missing
 Values = Mapping[str, Value]
+
+Function = TypeVar("Function", bound=Callable[..., Values])
+
+
+def measure(function: Function) -> Function:
+    """Mark a function that measures: every recording is measured by all of them.
+
+    Its parameters are among `recording`, `scenario` and `scene`; it returns values by metric, each of which has an entry in
+    runfiles/metrics.toml, and nothing for a scene that it does not apply to.
+    """
+    function.measures = True  # type: ignore[attr-defined]
+    return function

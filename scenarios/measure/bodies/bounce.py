@@ -15,7 +15,7 @@ from reference.closed_form import bounce_time, zeno_time
 from runfiles.record import EVENTS, Recording
 from scenarios.measure.expecting import expected
 from scenarios.measure.timeline import Timeline, timeline
-from scenarios.measure.value import Missing, Value, Values
+from scenarios.measure.value import Missing, Value, Values, measure
 from scenarios.scenario import Drop, Scenario
 
 Array = NDArray[np.float64]
@@ -138,6 +138,7 @@ def apex_errors(way: Flight, drop: Drop, found: list[Impact]) -> list[float]:
     return errors
 
 
+@measure
 def bounces(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """restitution_error_max and apex_error_max [m] over all drops that the scenario expects. Empty when it expects none."""
     drops = list(_drops(scenario))
@@ -181,6 +182,7 @@ def _flight(recording: Recording, scene: Scene, drop: Drop) -> Flight:
     return flight(timeline(recording, pair), drop, np.array(scene.gravity))
 
 
+@measure
 def bounce_times(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """bounce_time_error_max [s]: the n-th impact faster than 0.1 m/s against the closed form's, over all drops. One that did not
     happen within the recording is the engine's fault. Empty without drops."""
@@ -202,6 +204,7 @@ def bounce_times(recording: Recording, scenario: Scenario, scene: Scene) -> Valu
     return {"bounce_time_error_max": max(errors) if errors else early}
 
 
+@measure
 def zeno_ends(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """zeno_end_error_max [s]: difference of the first instant from which on a ball is at rest from the closed form's, over all
     drops with restitution below 1, if the scene asks by expects["zeno"]."""

@@ -12,7 +12,7 @@ from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from scenarios.building.expected import Course, Flips, OfTime, Pivot, Stop, Top
 from scenarios.measure.expecting import expected
-from scenarios.measure.value import Missing, Value, Values
+from scenarios.measure.value import Missing, Value, Values, measure
 from scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -35,6 +35,7 @@ def _at(form: OfTime, times: Array) -> Array:
     return np.array([form(float(time)) for time in times], dtype=np.float64).reshape(-1, 3)
 
 
+@measure
 def course_errors(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """course_error_max [m], velocity_error_max [m/s], spin_error_max [rad/s]: largest distance from the closed form over all
     bodies and states; nan stays nan. Only those that a course states; empty without courses."""
@@ -50,6 +51,7 @@ def course_errors(recording: Recording, scenario: Scenario, scene: Scene) -> Val
     return values
 
 
+@measure
 def stops(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """stop_distance_error_max [%]: largest |way - closed form| of the last state, along the closed form's direction;
     stop_direction_error_max [deg]: largest angle between the two ways, 90 where a body never moved. Empty without stops.
@@ -85,6 +87,7 @@ def crossings(times: Array, values: Array) -> list[float]:
     return found
 
 
+@measure
 def flips(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """flip_time_error_max [s]: largest difference of the n-th change of sign from the closed form's n-th, over all that the
     recording is long enough for. One that did not happen, or one too many, is the engine's fault. Empty without flips."""
@@ -107,6 +110,7 @@ def flips(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     return {"flip_time_error_max": max(errors) if errors else early}
 
 
+@measure
 def pivots(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """pivot_rate_error_max [rad/s]: largest difference of a leaning rod's angular speed from what energy allows at its angle, and
     pivot_missing [rad]: by how much it fell short of the angle that it is to reach. Empty without pivots."""
@@ -129,6 +133,7 @@ def pivots(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     return {"pivot_rate_error_max": float(np.max(errors)), "pivot_missing": float(np.max(short))}
 
 
+@measure
 def tops(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """Return axis_spin_error_max [rad/s], the largest difference of a top's spin about its own z axis from the stated one, and
     precession_error_max [rad/s], that of the mean rate at which this axis goes round gravity. Empty without tops."""

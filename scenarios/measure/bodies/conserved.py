@@ -9,7 +9,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from scenarios.measure.bodies.energy import kinetic
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 from scenarios.scenario import Scenario
 
 Array = NDArray[np.float64]
@@ -74,6 +74,7 @@ def group(recording: Recording, scene: Scene, names: tuple[str, ...]) -> Group:
     )
 
 
+@measure
 def conserved(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """momentum_drift_max and angular_momentum_drift_max over the groups of names in expects["isolated"]; energy_drift_max
     (|E - E0|) over those in expects["elastic"]; energy_gain_max (rise of E from state to state) over those in expects["alone"].

@@ -9,7 +9,7 @@ from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere
 from avatarsim.spatial import rotation
 from runfiles.record import EVENTS, Recording
 from scenarios.measure.timeline import timeline
-from scenarios.measure.value import Missing, Values
+from scenarios.measure.value import Missing, Values, measure
 
 Array = NDArray[np.float64]
 
@@ -80,6 +80,7 @@ def struck(recording: Recording, scene: Scene, moving: Array) -> Array:
     return np.asarray(moving[before + 1] - moving[before])
 
 
+@measure
 def energy(recording: Recording, scene: Scene) -> Values:
     """energy_added_max and lift_energy_max [J], lift_height_max [m]: per frame the kinetic energy gained by all simulated bodies
     beyond gravity's work (over the way without lift), per impact what they and the links gain, the potential energy of that lift,

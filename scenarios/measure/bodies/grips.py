@@ -7,12 +7,13 @@ from avatarsim.spatial import rotation
 from runfiles.record import Array, Recording
 from scenarios.building.expected import Carried, Pressed, Sag
 from scenarios.measure.expecting import expected
-from scenarios.measure.value import Missing, Values
+from scenarios.measure.value import Missing, Values, measure
 from scenarios.scenario import Scenario
 
 Flags = np.ndarray[tuple[int], np.dtype[np.bool_]]
 
 
+@measure
 def carried(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """Return height_missing [m] and grip_slip_max [m], the largest over expects["carried"]; empty where nothing is carried.
 
@@ -40,6 +41,7 @@ def carried(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     return {"height_missing": float(np.max(short)), "grip_slip_max": float(np.max(slips))}
 
 
+@measure
 def pressed(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """Return pressed_sideways_max [m]: farthest, at right angles to gravity, that a body of expects["pressed"] is from where it
     was at `since`. Empty where nothing is pressed."""
@@ -53,6 +55,7 @@ def pressed(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     return {"pressed_sideways_max": float(np.max(ways))} if ways else {}
 
 
+@measure
 def sags(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """Return sag_error_max [m]: largest distance of a link of expects["sags"] from where it should be, `sag` below its user along
     gravity, from `since` to `until`. Empty where nothing sags."""

@@ -8,10 +8,11 @@ from runfiles.record import Recording
 from scenarios.building.expected import Pile, Rest, Tower
 from scenarios.measure.bodies.energy import kinetic
 from scenarios.measure.expecting import expected
-from scenarios.measure.value import Missing, Values
+from scenarios.measure.value import Missing, Values, measure
 from scenarios.scenario import Scenario
 
 
+@measure
 def at_rest(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """drift_max [m]: farthest that a body at rest is from where it was when it came to rest; rest_energy_end [J]: kinetic energy
     of all of them in the last state. Empty if nothing is said to rest."""
@@ -40,6 +41,7 @@ STANDS = 1e-3
 millimetre; a body that sinks or slides farther does not carry what it should."""
 
 
+@measure
 def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """towers_fallen [towers]: those whose body is ever farther than STANDS from its place, or no number, once it should rest.
 
@@ -59,6 +61,7 @@ def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     }
 
 
+@measure
 def piles(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """Return pile_height_error_max [%]: largest difference of the mean height of the bodies of a pile above its floor from the
     stated one, once it should rest. Empty without piles."""

@@ -8,7 +8,7 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 
 Array = NDArray[np.float64]
 
@@ -33,6 +33,7 @@ def stated_way(way: Array, before: Array, after: Array) -> Array:
     return np.asarray(before + np.clip(share, 0.0, 1.0)[..., None] * change)
 
 
+@measure
 def time_kept(recording: Recording, scene: Scene) -> Values:
     """Return time_kept_error [] and stalled_bodies [%], over simulated bodies in frames whose stated way is faster than SLOW.
 

@@ -7,7 +7,7 @@ from avatarsim.spatial import rotation
 from runfiles.record import Array, Recording
 from scenarios.building.expected import Wave
 from scenarios.measure.expecting import expected
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 from scenarios.scenario import Scenario
 
 TOPPLED = np.radians(30.0)
@@ -15,6 +15,7 @@ TOPPLED = np.radians(30.0)
 the next."""
 
 
+@measure
 def waves(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """Return wave_speed_error [%] and wave_missing [bodies], the largest over expects["waves"]; empty without waves.
 

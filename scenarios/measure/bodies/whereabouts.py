@@ -6,10 +6,11 @@ import numpy as np
 
 from avatarsim.scene.scene import Scene
 from runfiles.record import Recording
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 from scenarios.scenario import Scenario
 
 
+@measure
 def escapes(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """escaped_bodies [%]: bodies with a region that were outside it in a state shown, or no number. Empty without regions."""
     named = sorted({k for region in scenario.regions for k in region.indices(scene.names)})
@@ -23,6 +24,7 @@ def escapes(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     return {"escaped_bodies": 100.0 * float(wrong.mean())}
 
 
+@measure
 def travel(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """travel_missing [m]: largest shortfall of the ways that `expects["travel"]` states, body -> least way from its first place.
 
@@ -40,6 +42,7 @@ def travel(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     return {"travel_missing": missing}
 
 
+@measure
 def grasp(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     """grasped_fall_end [m]: how far the origin of a body named in `expects["grasped"]` is, in the last state, below where it was
     in the first, against gravity; the largest of them, at least 0; nan where it is nowhere. Empty if none is named."""

@@ -7,7 +7,7 @@ from avatarsim.scene.joint import Free, Rigid
 from avatarsim.scene.scene import Scene
 from runfiles.record import Recording
 from scenarios.measure.posture.joints import angle_between, places, relative
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 
 Array = NDArray[np.float64]
 
@@ -38,6 +38,7 @@ def beyond_user(recording: Recording, scene: Scene) -> tuple[Array, Array]:
     return turn, way
 
 
+@measure
 def jumps(recording: Recording, scene: Scene) -> Values:
     """pose_jump_max [deg] and root_jump_max [m]: the largest of `beyond_user` over all frames, at least 0; link_jump_max [m]: the
     same of each link's origin against its own target's. Empty without avatars."""

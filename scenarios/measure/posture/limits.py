@@ -9,7 +9,7 @@ from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import cross
 from runfiles.record import Recording
 from scenarios.measure.posture.joints import Place, angle_about, angle_between, beyond, gaps, places, relative, turned
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 
 Array = NDArray[np.float64]
 
@@ -145,6 +145,7 @@ def reach_cone_excess(scene: Scene, orientations: Array) -> Array:
     return worst
 
 
+@measure
 def limit_excess(recording: Recording, scene: Scene) -> Values:
     """joint_limit_excess_max, reach_cone_excess_max [deg], joint_gap_max [m] over all frames. Empty without joints."""
     if not (scene.derived_effects.limits or scene.derived_effects.kinematics):

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from runfiles.record import Recording
 from scenarios.measure.posture.joints import angle_between
-from scenarios.measure.value import Values
+from scenarios.measure.value import Values, measure
 
 Array = NDArray[np.float64]
 
@@ -24,6 +24,7 @@ def movement(positions: Array, orientations: Array) -> Array:
     return np.asarray(moved.max(axis=1))
 
 
+@measure
 def still_frames(recording: Recording) -> Values:
     """still_frames [%]: the user moved, what is shown did not. A posture that is no number has not moved. Empty without links."""
     if recording.raw_positions.shape[1] == 0 or recording.frames == 0:
