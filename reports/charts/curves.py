@@ -5,7 +5,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from reports.charts.marks import LENGTH_LABEL, TIME_LABEL, Spec, by_engine, tooltip
+from reports.charts import marks
+from reports.charts.marks import LENGTH_LABEL, TIME_LABEL, Spec, layer, name, number
 from reports.reading.load import Array
 from runfiles.engines import run_label
 
@@ -15,148 +16,76 @@ FLOOR = 1e-7
 POINTS = 300
 """Most points of a line over time: as many as a chart is wide, over two."""
 
+DASHES = ([1, 0], [5, 3], [2, 2], [8, 3, 2, 3])
+"""Lines of the first, second, third and any further preset of an engine."""
+
 
 def error_against_time(names: Sequence[str]) -> Spec:
     """Return the chart of settings; the page fills in the datasets points and limit."""
-    colour = by_engine(names)
-    x = {
-        "field": "time",
-        "type": "quantitative",
-        "scale": {"type": "log", "nice": False, "padding": 18},
-        "axis": {
-            "title": "frame time",
-            "labelExpr": TIME_LABEL,
-            "tickCount": 4,
-            "tickSize": 0,
-            "domain": False,
-            "labelOverlap": "greedy",
-        },
-    }
-    y = {
-        "field": "place",
-        "type": "quantitative",
-        "scale": {"type": "log", "domain": [FLOOR, 0.3], "clamp": True},
-        "axis": {
-            "title": "largest error",
-            "values": [10.0**k for k in range(-7, 0)],
-            "tickSize": 0,
-            "domain": False,
-            "labelExpr": f"datum.value < 2e-7 ? '≤ 0.1 µm' : {LENGTH_LABEL}",
-        },
-    }
-    tip = tooltip(name="setting", text="largest error", which="of", when="frame time", state="bodies")
-    lines = {
-        "mark": {"type": "line", "strokeWidth": 1.4, "opacity": 0.55},
-        "encoding": {
-            "x": x,
-            "y": y,
-            "color": colour,
-            "detail": {"field": "ladder", "type": "nominal"},
-            "order": {"field": "time", "type": "quantitative"},
-        },
-    }
+    colour = marks.by_engine(names)
+    axis = marks.BARE | {"title": "frame time", "labelExpr": TIME_LABEL, "tickCount": 4, "labelOverlap": "greedy"}
+    x = number("time", scale={"type": "log", "nice": False, "padding": 18}, axis=axis)
+    ticks = {"values": [10.0**k for k in range(-7, 0)], "labelExpr": f"datum.value < 2e-7 ? '≤ 0.1 µm' : {LENGTH_LABEL}"}
+    scale = {"type": "log", "domain": [FLOOR, 0.3], "clamp": True}
+    y = number("place", scale=scale, axis=marks.BARE | ticks | {"title": "largest error"})
+    both = {"x": x, "y": y}
     dots = {
-        "mark": {"type": "point", "opacity": 0.9, "cursor": "pointer", "strokeWidth": 1.6},
-        "encoding": {
-            "x": x,
-            "y": y,
-            "stroke": colour,
-            "tooltip": tip,
-            "fill": {"condition": {"test": "datum.asleep", "value": "transparent"}, **colour},
-            "size": {"condition": {"test": "datum.preset", "value": 95}, "value": 42},
-        },
+        "tooltip": marks.tooltip(name="setting", text="largest error", which="of", when="frame time", state="bodies"),
+        "stroke": colour, "fill": {"condition": {"test": "datum.asleep", "value": "transparent"}, **colour},
+        "size": {"condition": {"test": "datum.preset", "value": 95}, "value": 42},
     }
-    words = {
-        "mark": {"type": "text", "align": "left", "dx": 7, "dy": -8, "fontSize": 10.5},
-        "encoding": {"x": x, "y": y, "color": colour, "text": {"field": "short", "type": "nominal"}},
-    }
-    limit = {
-        "data": {"name": "limit"},
-        "mark": {"type": "rule", "strokeDash": [4, 3], "color": "@alarm"},
-        "encoding": {"y": {"field": "place", "type": "quantitative"}},
-    }
-    return {
-        "width": "container",
-        "height": 292,
-        "description": "Largest error against frame time, a dot per setting of each engine.",
-        "datasets": {"points": [], "limit": []},
-        "data": {"name": "points"},
-        "layer": [limit, lines, words, dots],
-    }
+    layers = [
+        {"data": {"name": "limit"}} | layer("rule", {"y": number("place")}, strokeDash=[4, 3], color="@alarm"),
+        layer("line", both | {"color": colour, "detail": name("ladder"), "order": number("time")}, strokeWidth=1.4, opacity=0.55),
+        layer("text", both | {"color": colour, "text": name("short")}, align="left", dx=7, dy=-8, fontSize=10.5),
+        layer("point", both | dots, opacity=0.9, cursor="pointer", strokeWidth=1.6),
+    ]
+    described = "Largest error against frame time, a dot per setting of each engine."
+    return marks.chart(described, 292, layers, datasets={"points": [], "limit": []}, data={"name": "points"})
 
 
 def over_time(lines: Mapping[str, tuple[Array, Array]], unit: str, described: str, floor: float | None = None) -> Spec:
     """Return lines over the time of a scene, by "engine/preset": times [s] and values; logarithmic from ``floor`` on."""
-    names, values = list(dict.fromkeys(run.partition("/")[0] for run in lines)), []
-    for run, (times, found) in lines.items():
-        for k in _kept(found):
-            value = float(found[k])
-            if math.isfinite(value):
-                values.append(
-                    {
-                        "t": float(times[k]),
-                        "v": value if floor is None else max(value, floor),
-                        "engine": run.partition("/")[0],
-                        "label": run_label(run),
-                        "run": run,
-                    }
-                )
-    axis: Spec = {"title": None, "domain": False, "tickSize": 0, "tickCount": 5}
+    values = [
+        {
+            "t": float(times[k]), "v": value if floor is None else max(value, floor),
+            "engine": run.partition("/")[0], "label": run_label(run), "run": run,
+        }
+        for run, (times, found) in lines.items()
+        for k in _kept(found)
+        if math.isfinite(value := float(found[k]))
+    ]
+    axis = marks.BARE | {"tickCount": 5}
     if unit in ("m", "us"):
         axis["labelExpr"] = LENGTH_LABEL if unit == "m" else TIME_LABEL
     if floor is not None:
         axis["labelExpr"] = f"datum.value <= {floor!r} * 1.01 ? '0' : {axis.get('labelExpr', 'datum.label')}"
     scale: Spec = {"zero": True} if floor is None else {"type": "log", "clamp": True, "domainMin": floor}
-    return {
-        "width": "container",
-        "height": 150,
-        "description": described,
-        "data": {"values": values},
-        "params": [{"name": "now", "value": 0}],
-        "layer": [
-            {
-                "mark": {"type": "line", "strokeWidth": 1.3, "interpolate": "monotone"},
-                "encoding": {
-                    "x": {
-                        "field": "t",
-                        "type": "quantitative",
-                        "axis": {"title": "time [s]", "domain": False, "tickSize": 0},
-                        "scale": {"nice": False},
-                    },
-                    "y": {"field": "v", "type": "quantitative", "axis": axis, "scale": scale},
-                    "color": by_engine(names),
-                    "detail": {"field": "run", "type": "nominal"},
-                    "strokeDash": _dashes(list(lines)),
-                    "tooltip": [
-                        {"field": "label", "type": "nominal", "title": "engine"},
-                        {"field": "t", "type": "quantitative", "title": "time [s]"},
-                        {"field": "v", "type": "quantitative", "title": f"value [{unit}]" if unit else "value"},
-                    ],
-                },
-            },
-            {
-                "data": {"values": [{}]},
-                "mark": {"type": "rule", "color": "@alarm"},
-                "transform": [{"calculate": "now", "as": "t"}],
-                "encoding": {"x": {"field": "t", "type": "quantitative"}},
-            },
+    encoding = {
+        "x": number("t", axis=marks.BARE | {"title": "time [s]"}, scale={"nice": False}),
+        "y": number("v", axis=axis, scale=scale),
+        "color": marks.by_engine(list(dict.fromkeys(run.partition("/")[0] for run in lines))),
+        "detail": name("run"), "strokeDash": _dashes(list(lines)),
+        "tooltip": [
+            name("label", title="engine"), number("t", title="time [s]"),
+            number("v", title=f"value [{unit}]" if unit else "value"),
         ],
     }
+    now = {"data": {"values": [{}]}, "transform": [{"calculate": "now", "as": "t"}]}
+    cursor = now | layer("rule", {"x": number("t")}, color="@alarm")
+    layers = [layer("line", encoding, strokeWidth=1.3, interpolate="monotone"), cursor]
+    return marks.chart(described, 150, layers, values, params=[{"name": "now", "value": 0}])
 
 
 def _dashes(runs: Sequence[str]) -> Spec:
-    """First preset of each engine solid, the next ones dashed."""
-    seen: dict[str, int] = {}
-    dashes = []
-    for run in runs:
-        engine = run.partition("/")[0]
-        dashes.append([[1, 0], [5, 3], [2, 2], [8, 3, 2, 3]][min(seen.get(engine, 0), 3)])
-        seen[engine] = seen.get(engine, 0) + 1
-    return {"field": "run", "type": "nominal", "legend": None, "scale": {"domain": list(runs), "range": dashes}}
+    """Return the channel of the lines: the first preset of each engine solid, the next ones dashed."""
+    engines = [run.partition("/")[0] for run in runs]
+    dashes = [DASHES[min(engines[:k].count(engine), 3)] for k, engine in enumerate(engines)]
+    return name("run", legend=None, scale={"domain": list(runs), "range": dashes})
 
 
 def _kept(values: Array) -> Sequence[int]:
-    """Indices of at most POINTS values: the largest of each stretch, so that no peak is lost."""
+    """Return the indices of at most POINTS values: the largest of each stretch, so that no peak is lost."""
     if len(values) <= POINTS:
         return range(len(values))
     edges = np.linspace(0, len(values), POINTS + 1).astype(int)

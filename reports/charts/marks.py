@@ -1,4 +1,4 @@
-"""Parts that charts share: scenes' dots, axes, colours.
+"""Parts that charts share: channels, marks, axes, colours.
 
 Colours are tokens, "@avatarsim" or "@ink": the page puts in those of its theme, and a static picture the light ones.
 """
@@ -12,14 +12,9 @@ from runfiles.engines import engines
 Spec = dict[str, Any]
 
 INKS: Mapping[str, tuple[str, str]] = {
-    "ink": ("#31363f", "#cfd4dc"),
-    "muted": ("#6a7280", "#97a0ae"),
-    "grid": ("#e3e6eb", "#2c323c"),
-    "alarm": ("#b3261e", "#ff8a80"),
-    "paper": ("#ffffff", "#14171c"),
-    "low": ("#e6eef6", "#1b2a39"),
-    "high": ("#0b3c66", "#3f9be0"),
-    "gain": ("#7cc7a6", "#1f6b4d"),
+    "ink": ("#31363f", "#cfd4dc"), "muted": ("#6a7280", "#97a0ae"), "grid": ("#e3e6eb", "#2c323c"),
+    "alarm": ("#b3261e", "#ff8a80"), "paper": ("#ffffff", "#14171c"), "low": ("#e6eef6", "#1b2a39"),
+    "high": ("#0b3c66", "#3f9be0"), "gain": ("#7cc7a6", "#1f6b4d"),
 }
 """Inks of charts, light and dark."""
 
@@ -32,40 +27,73 @@ TIME_LABEL = (
 )
 """Vega expressions of axis labels: of lengths in metres, of times in microseconds."""
 
+BARE: Spec = {"title": None, "domain": False, "tickSize": 0}
+"""An axis of labels alone."""
+
+NAMES: Spec = {"title": None, "domain": False, "ticks": False}
+"""The same of names."""
+
+
+def chart(described: str, height: int, layers: Sequence[Spec], values: Sequence[Spec] | None = None, **more: Any) -> Spec:
+    """Return a chart as wide as its place and ``height`` [px] high."""
+    data = {} if values is None else {"data": {"values": list(values)}}
+    return {"width": "container", "height": height, "description": described, **data, "layer": list(layers), **more}
+
+
+def layer(mark: str, encoding: Spec, **more: Any) -> Spec:
+    """Return a layer of marks with these properties."""
+    return {"mark": {"type": mark, **more}, "encoding": encoding}
+
+
+def number(field: str, **more: Any) -> Spec:
+    """Return the channel of a field of numbers."""
+    return {"field": field, "type": "quantitative", **more}
+
+
+def name(field: str, **more: Any) -> Spec:
+    """Return the channel of a field of names."""
+    return {"field": field, "type": "nominal", **more}
+
+
+def names_in_order(field: str, order: Sequence[str], **axis: Any) -> Spec:
+    """Return the channel of a field whose axis has these names in this order."""
+    return name(field, sort=list(order), scale={"domain": list(order)}, axis=NAMES | axis)
+
+
+def tooltip(**titles: str) -> list[Spec]:
+    """Return the channel of fields that a pointed mark shows, by their titles."""
+    return [name(field, title=title) for field, title in titles.items()]
+
+
+def by_engine(names: Sequence[str]) -> Spec:
+    """Return the colour channel of a field `engine`."""
+    return name("engine", legend=None, scale={"domain": list(names), "range": [f"@{one}" for one in names]})
+
+
+def shades(low: float, high: float, test: str, colour: str) -> Spec:
+    """Return the channel of a field `shade` between two numbers; ``colour`` where the flag ``test`` is set."""
+    scale = {"domain": [low, high], "range": ["@low", "@high"], "clamp": True}
+    return number("shade", legend=None, scale=scale, condition={"test": test, "value": colour})
+
 
 def palette(extra: Mapping[str, tuple[str, str]]) -> dict[str, dict[str, str]]:
     """Return the colours of both themes by token; ``extra`` are those of engines that no file describes."""
     both = {**INKS, **{one.name: (one.colour, one.dark) for one in engines().values()}, **extra}
-    return {theme: {name: pair[k] for name, pair in both.items()} for k, theme in enumerate(("light", "dark"))}
+    return {theme: {token: pair[k] for token, pair in both.items()} for k, theme in enumerate(("light", "dark"))}
 
 
 def coloured(spec: Spec, colours: Mapping[str, str]) -> Spec:
     """Return a specification with the colours of one theme in place of its tokens."""
     text = json.dumps(spec)
-    for name, colour in colours.items():
-        text = text.replace(f'"@{name}"', json.dumps(colour))
+    for token, colour in colours.items():
+        text = text.replace(f'"@{token}"', json.dumps(colour))
     found: Spec = json.loads(text)
     return found
 
 
-def tooltip(**titles: str) -> list[Spec]:
-    """Return the channel of fields that a pointed mark shows, by their titles."""
-    return [{"field": name, "type": "nominal", "title": title} for name, title in titles.items()]
-
-
-def by_engine(names: Sequence[str]) -> Spec:
-    """Return the colour channel of a field `engine`."""
-    return {
-        "field": "engine",
-        "type": "nominal",
-        "legend": None,
-        "scale": {"domain": list(names), "range": [f"@{name}" for name in names]},
-    }
-
-
-def place_of(name: str) -> float:
+def place_of(scene: str) -> float:
     """Return a fixed place from -1 to 1 for a scene, so that its dots are at one height in every chart."""
-    return (sum(ord(letter) * (k + 7) for k, letter in enumerate(name)) % 101) / 50.0 - 1.0
+    return (sum(ord(letter) * (k + 7) for k, letter in enumerate(scene)) % 101) / 50.0 - 1.0
 
 
 def labels(ticks: Mapping[float, str]) -> str:

@@ -77,7 +77,7 @@ def page(
     """Return the page as text. ``tables`` has the keys settings, cases and effects."""
     settings = tables["settings"]
     specs: dict[str, Any] = {
-        name: strips.strip(run, chart, f"{strips.TITLES[name][0]}, a dot per scene.", name == "overlap")
+        name: strips.strip(run, chart, f"{chart.title}, a dot per scene.", name == "overlap")
         for name, chart in strips.STRIPS.items()
     }
     engines = list(dict.fromkeys(name.partition("/")[0] for name in run.runs))
@@ -124,7 +124,7 @@ def page(
             missing=missing(checks),
             stills=list(stills),
             shown_first=next((name for name in stills if name in run.avatars), ""),
-            titles=strips.TITLES,
+            titles={name: (chart.title, chart.subtitle) for name, chart in strips.STRIPS.items()},
             has_settings=settings is not None,
             has_cases=tables["cases"] is not None,
             has_effects=tables["effects"] is not None,

@@ -8,7 +8,7 @@ import vl_convert
 
 from avatarsim.errors import InvalidFile
 from reports.charts.marks import coloured, palette
-from reports.charts.strips import STRIPS, TITLES, strip
+from reports.charts.strips import STRIPS, strip
 from reports.summaries.text import BRACKETS, table
 from reports.tables.run import Run
 
@@ -49,9 +49,9 @@ def picture(run: Run) -> str:
     """Return the four strip charts as one SVG, in light colours."""
     charts = []
     for (name, chart), width in zip(STRIPS.items(), WIDTHS, strict=True):
-        spec = strip(run, chart, TITLES[name][0], name == "overlap") | {
+        spec = strip(run, chart, chart.title, name == "overlap") | {
             "width": width,
-            "title": {"text": TITLES[name][0], "anchor": "start"},
+            "title": {"text": chart.title, "anchor": "start"},
         }
         # a static picture has nothing to point with
         spec["layer"][0]["encoding"]["opacity"] = {"value": 0.65}
