@@ -31,10 +31,7 @@ def instant(shown: Sequence[Shown], gated: str) -> int:
 
 
 def sides(main: Shown) -> tuple[float, ...]:
-    """Return the two azimuths [rad] from which the largest push on the avatar, away from its user, is seen from the side.
-
-    None without a push.
-    """
+    """Return the two azimuths [rad] across the largest push on the avatar away from its user; none without a push."""
     links = main.raw_positions.shape[1]
     pushes = (main.positions[:, -links:] - main.raw_positions).sum(axis=1)[:, :2] if links else np.zeros((1, 2))
     sizes = np.nan_to_num(np.hypot(pushes[:, 0], pushes[:, 1]), nan=0.0, posinf=0.0)
@@ -57,17 +54,15 @@ def stills(scene: Drawn, shown: Sequence[Shown], gated: str, turn: float) -> Sti
     """Return pictures of all engines at one instant, of one part of the scene, from the azimuth ``turn`` [rad]."""
     state = instant(shown, gated)
     main = next((one for one in shown if one.run == gated), shown[0])
-    view = framed(scene, main, state, turn)
-    made = []
+    view, made = framed(scene, main, state, turn), []
     for one in shown:
         pairs = [(first, second, depth) for frame, first, second, depth in one.pairs if frame == state and depth > VISIBLE]
-        red = {body for first, second, _ in pairs for body in (first, second) if scene.bodies[body]["role"] != "fixed"}
-        marked = replace(
-            scene, bodies=[{**body, "role": "overlapping"} if k in red else body for k, body in enumerate(scene.bodies)]
-        )
-        deepest, ever = max((depth for _, _, depth in pairs), default=0.0), max((pair[3] for pair in one.pairs), default=0.0)
+        red = {body for pair in pairs for body in pair[:2] if scene.bodies[body]["role"] != "fixed"}
+        bodies = [{**body, "role": "overlapping"} if k in red else body for k, body in enumerate(scene.bodies)]
+        deepest, ever = max((depth for *_, depth in pairs), default=0.0), max((depth for *_, depth in one.pairs), default=0.0)
         label, caption = run_label(one.run), f"overlap {quantity(deepest, 'm', 2)}, at most {quantity(ever, 'm', 2)}"
         text = f"{label} at {float(one.times[state]):.3g} s, {caption}."
+        marked = replace(scene, bodies=bodies)
         drawn = thumbnail(marked, one, state, turn, text, view) if np.isfinite(one.positions[state]).any() else ""
         made.append((label, drawn, caption))
     return Stills(float(main.times[state]), made)
