@@ -1,12 +1,15 @@
-"""Which bodies overlap in which state shown: the judge's pairs, kept beside the recording for what draws it."""
+"""Overlapping pairs of bodies in each state shown, as the judge found them, in a file beside the recording."""
 
+import math
+import os
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.errors import InvalidFile
 from runfiles import array_file
 from runfiles.files import write_whole
 
@@ -30,19 +33,37 @@ class Overlapping:
 
 
 def gathered(pairs_shown: Sequence[Pairs], names: Sequence[str]) -> Overlapping:
-    """The deepest MOST pairs of each state, from what the judge says of each: (name, name, depth [m]), deepest first."""
+    """Return the deepest MOST pairs of each state, from the judge's (name, name, depth [m]) of each, deepest first."""
     place = {name: k for k, name in enumerate(names)}
     rows = [(k, place[a], place[b], depth) for k, pairs in enumerate(pairs_shown) for a, b, depth in pairs[:MOST]]
     frame, first, second = (np.array([row[k] for row in rows], dtype=np.int64) for k in range(3))
     return Overlapping(frame, first, second, np.array([row[3] for row in rows], dtype=np.float64))
 
 
-def path(folder: Path, stem: str) -> Path:
-    """Where the file of the recording `stem` lies in the run folder."""
+def _path(folder: Path, stem: str) -> Path:
+    """Return the file of the recording `stem` in a run's folder."""
     return folder / FOLDER / f"{stem}.npz"
 
 
 def write(found: Overlapping, folder: Path, stem: str) -> None:
     """Write the file of the recording `stem` into the run folder, whole or not at all."""
-    arrays = {entry.name: getattr(found, entry.name) for entry in fields(found)}
-    write_whole(path(folder, stem), lambda file: array_file.write(file, arrays))
+    write_whole(_path(folder, stem), lambda file: array_file.write(file, vars(found)))
+
+
+def read(folder: Path, stem: str, states: int, bodies: int) -> list[tuple[int, int, int, float]]:
+    """Read (frame, first, second, depth [m]) of a recording of so many states of so many bodies and links; none without a file.
+
+    Raises:
+        InvalidFile: for a damaged file.
+    """
+    path = _path(folder, stem)
+    if not os.path.exists(path):
+        return []
+    stored = array_file.read(path)
+    for name, kind, most in (("frame", "i", states), ("first", "i", bodies), ("second", "i", bodies), ("depth", "f", math.inf)):
+        found = stored.get(name)
+        if found is None or found.dtype.kind != kind or found.shape != (stored["frame"].size,):
+            raise InvalidFile(f"{name} in {path}", "missing, or of another shape or kind", "the whole file that a run wrote")
+        if found.size and not 0 <= found.min() <= found.max() < most:
+            raise InvalidFile(f"{name} in {path}", found.max(), f"from 0 to below {most}")
+    return list(zip(*(stored[name].tolist() for name in ("frame", "first", "second", "depth")), strict=True))

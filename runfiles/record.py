@@ -4,8 +4,8 @@ which is the same in all recordings of a scene: a run keeps it once, under a nam
 import hashlib
 import json
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import MISSING, dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ Integers = NDArray[np.int64]
 
 SCHEMA_VERSION = 2
 """Layout of the file. A reader refuses every other one, so raise it with any change of a field's meaning."""
+WHOLE = "the whole file that a run wrote"
 EVENTS = ("step", "approach", "impact")
 """Names of what a snapshot inside a frame can be (`avatarsim.engine.Snapshot.event`); codes are places in this tuple."""
 MOTIONS = "motions"
@@ -115,7 +116,8 @@ class Recording:
 
 def save(recording: Recording, path: Path, motions: Path | None = None) -> None:
     """Write `recording` to `path`, whole or not at all; its user's motion into the folder `motions`, if there is one."""
-    arrays: dict[str, NDArray[np.generic]] = {"meta": np.array(_json(recording.meta))}
+    meta = json.dumps(plain({"schema_version": SCHEMA_VERSION, **recording.meta}), allow_nan=False)
+    arrays: dict[str, NDArray[np.generic]] = {"meta": np.array(meta)}
     for entry in fields(recording):
         value = getattr(recording, entry.name)
         if not isinstance(value, Mapping):
@@ -139,9 +141,44 @@ def _digest(moved: Mapping[str, NDArray[np.generic]]) -> str:
     return found.hexdigest()[:32]
 
 
-def arrays_of(path: Path, wanted: Callable[[str], bool] = lambda name: True) -> dict[str, NDArray[Any]]:
-    """The arrays of a recording whose name is `wanted`, its user's motion among them wherever it is kept. Raises InvalidFile for
-    one that is missing, damaged or too large, and where the motion's file is."""
+def read(path: Path, names: Collection[str] | None = None) -> dict[str, Any]:
+    """Read fields of a recording by name, wherever its user's motion is stored.
+
+    Args:
+        path: of the file.
+        names: fields to read; all without it.
+
+    Raises:
+        InvalidFile: for a file that is missing, damaged, too large or of another layout, and where the motion's file is.
+    """
+    stored = _arrays(path, lambda key: names is None or key == "meta" or key.partition(":")[0] in names)
+    try:
+        meta = parsed_json(str(stored.pop("meta", None)), f"meta of recording {path}", WHOLE)
+        version = meta.pop("schema_version")
+    except (KeyError, AttributeError, TypeError) as error:
+        raise InvalidFile(f"meta of recording {path}", f"{type(error).__name__}: {error}", WHOLE) from error
+    if version != SCHEMA_VERSION:
+        raise InvalidFile(f"schema_version of {path}", version, f"{SCHEMA_VERSION}; run again")
+    found: dict[str, Any] = {"meta": meta}
+    for key, array in stored.items():
+        kind, counts, name = key.partition(":")
+        found |= {kind: found.get(kind, {}) | {name: array}} if counts and kind in COUNTED else {key: array}
+    known = {entry.name: entry.default is MISSING and entry.default_factory is MISSING for entry in fields(Recording)}
+    needed = {name for name, always in known.items() if always} if names is None else {*names}
+    if wrong := sorted((needed - found.keys()) | (found.keys() - known.keys())):
+        raise InvalidFile(f"recording {path}", f"lacks or adds {', '.join(wrong)}", "every field of this layout, and no other")
+    if name := _misfit(found):
+        raise InvalidFile(f"{name} in recording {path}", "of another shape or kind", "a fit to the rest, as in `Recording`")
+    return found
+
+
+def load(path: Path) -> Recording:
+    """Read a whole recording. Raises InvalidFile as `read`."""
+    return Recording(**read(path))
+
+
+def _arrays(path: Path, wanted: Callable[[str], bool]) -> dict[str, NDArray[Any]]:
+    """Return the arrays of a recording whose name is `wanted`, with those of its user's motion. Raises InvalidFile."""
     arrays = array_file.read(path, lambda name: name == MOTION or wanted(name))
     if (named := arrays.pop(MOTION, None)) is None:
         return arrays
@@ -150,65 +187,27 @@ def arrays_of(path: Path, wanted: Callable[[str], bool] = lambda name: True) -> 
     beside = path.parent.parent / MOTIONS / f"{named}.npz"
     moved = array_file.read(beside)
     if moved.keys() != set(OF_USER) or _digest(moved) != str(named):
-        raise InvalidFile(f"the user's motion in {beside}", "another one than its name says", "the whole file that a run wrote")
+        raise InvalidFile(f"the user's motion in {beside}", "another motion than that of its name", WHOLE)
     return arrays | {name: array for name, array in moved.items() if wanted(name)}
 
 
-def _json(meta: Mapping[str, object]) -> str:
-    """Settings may hold numpy numbers and infinities, so they go through the same door as results.json."""
-    return json.dumps(plain({"schema_version": SCHEMA_VERSION, **meta}), allow_nan=False)
-
-
-def load(path: Path) -> Recording:
-    """Read a recording. Raises InvalidFile when it is missing, truncated, too large, or of another layout."""
-    arrays = arrays_of(path)
-    meta, version = about(arrays.pop("meta", None), path)
-    if version != SCHEMA_VERSION:
-        raise InvalidFile(f"schema_version of {path}", version, f"{SCHEMA_VERSION}; run again")
-    named: dict[str, dict[str, Integers]] = {name: {} for name in COUNTED}
-    for key in [key for key in arrays if key.split(":", 1)[0] in named]:
-        kind, name = key.split(":", 1)
-        named[kind][name] = arrays.pop(key)
-    try:
-        recording = Recording(meta=meta, counts=named["counts"], statuses=named["statuses"], **arrays)
-    except TypeError as error:
-        raise InvalidFile(f"recording {path}", str(error), "every field of this layout, and no other") from error
-    if name := misfit({entry.name: getattr(recording, entry.name) for entry in fields(recording)}) or _beyond(recording):
-        raise InvalidFile(f"{name} in recording {path}", "of another shape or kind", "what fits the rest, as `Recording` says")
-    return recording
-
-
-def about(stored: NDArray[np.str_] | None, path: Path) -> tuple[dict[str, object], object]:
-    """A recording's meta, and the version of the layout."""
-    try:
-        meta = parsed_json(str(stored), f"meta of recording {path}", "what this runner wrote")
-        return meta, meta.pop("schema_version")
-    except (KeyError, AttributeError, TypeError) as error:
-        raise InvalidFile(f"meta of recording {path}", f"{type(error).__name__}: {error}", "what this runner wrote") from error
-
-
-def misfit(arrays: Mapping[str, Any]) -> str:
-    """The first of a recording's fields that contradicts LAYOUT or those before it; empty if there is none. What is no field is
-    passed over, and so is an empty `overlap`."""
+def _misfit(found: Mapping[str, Any]) -> str:
+    """Return the first field that contradicts LAYOUT or those before it, "" without one; an empty `overlap` fits."""
     sizes: dict[str, int] = {}
-    counted = [numbers for name in COUNTED for numbers in arrays.get(name, {}).values()]
+    counted = [numbers for name in COUNTED for numbers in found.get(name, {}).values()]
     for name, (kind, *axes) in LAYOUT.items():
-        for found in counted if name == "counted" else [arrays[name]] if name in arrays else []:
-            if name == "overlap" and found.size == 0:
+        for array in counted if name == "counted" else [found[name]] if name in found else []:
+            if name == "overlap" and array.size == 0:
                 continue
-            expected = tuple(
+            shape = tuple(
                 sizes.setdefault(axis, size) if isinstance(axis, str) else axis
-                for axis, size in zip(axes, found.shape, strict=False)
+                for axis, size in zip(axes, array.shape, strict=False)
             )
-            if not found.dtype.str[1:].startswith(kind) or found.ndim != len(axes) or found.shape != expected:
+            if not array.dtype.str[1:].startswith(kind) or array.ndim != len(axes) or array.shape != shape:
                 return name
-    return ""
-
-
-def _beyond(recording: Recording) -> str:
-    """The field of snapshots that names a frame or an event that there is not; empty if neither does."""
-    for name, most in (("inside_frame", recording.frames), ("inside_event", len(EVENTS) - 1)):
-        found = getattr(recording, name)
-        if found.size and not 0 <= found.min() <= found.max() <= most:
+    # snapshots name frames and events that there are
+    most = {"inside_frame": sizes.get("states", 1) - 1, "inside_event": len(EVENTS) - 1}
+    for name in most.keys() & found.keys():
+        if found[name].size and not 0 <= found[name].min() <= found[name].max() <= most[name]:
             return name
     return ""

@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from reports.charts import cells, curves, marks, strips
 from reports.drawing.stills import Stills
 from reports.pages import scripts
-from reports.replay.moments import Instants, moment
+from reports.replay.moments import moment
 from reports.tables.changes import Changes
 from reports.tables.checks import Checks
 from reports.tables.figures import quantity
@@ -33,7 +33,7 @@ def environment() -> Environment:
     )
 
 
-def linked(run: Run, rows: pd.DataFrame, instants: Mapping[str, Instants]) -> list[dict[str, str]]:
+def linked(run: Run, rows: pd.DataFrame, instants: Mapping[str, Mapping[str, float]]) -> list[dict[str, str]]:
     """Return rows of checks as text, each with the address of its moment."""
     return [
         {
@@ -70,7 +70,7 @@ def page(
     tables: Mapping[str, pd.DataFrame | None],
     losses: pd.DataFrame,
     stills: Mapping[str, Stills],
-    instants: Mapping[str, Instants],
+    instants: Mapping[str, Mapping[str, float]],
     damage: Sequence[str],
     files: Sequence[str],
 ) -> str:
@@ -153,7 +153,7 @@ def verdict(checks: Checks) -> str:
     return f"{len(checks.passed)} of {checks.total} checks pass"
 
 
-def change_words(run: Run, changes: Changes | None, instants: Mapping[str, Instants]) -> dict[str, Any]:
+def change_words(run: Run, changes: Changes | None, instants: Mapping[str, Mapping[str, float]]) -> dict[str, Any]:
     """Return what the template shows of changes of the gated engine."""
     if changes is None:
         return {"changed": None, "worse": 0, "better": 0, "since": "", "no_times": ""}

@@ -1,6 +1,6 @@
 """`scenes/NAME.html`: one scene played in every engine side by side, its charts over time, figures and settings."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -16,7 +16,7 @@ from reports.pages.index import environment
 from reports.reading.kept import Drawn, Shown, drawn, fitting, shown
 from reports.replay import three_js
 from reports.replay.courses import MEASURES, courses
-from reports.replay.moments import Instants, instants
+from reports.replay.moments import instants
 from reports.replay.scene import counts_of, replay
 from reports.tables.figures import quantity
 from reports.tables.run import Run
@@ -38,7 +38,7 @@ class Made:
     text: str
     scene: str
     stills: Stills | None = None
-    instants: Instants = Instants()
+    instants: Mapping[str, float] = field(default_factory=dict)
     damage: tuple[str, ...] = ()
 
 
@@ -64,14 +64,14 @@ def _made(run: Run, name: str, rows: pd.DataFrame, around: tuple[str | None, str
     series = run.results.series.get(name, {})
     seed = int(rows.seed.iloc[0])
     files = _files(run.folder, name, list(dict.fromkeys([*series, *rows.run])), seed)
-    played, pictures, times = None, None, Instants()
+    played, pictures, times = None, None, dict[str, float]()
     dt = run.results.frame_times.get(name, 1.0 / 60.0)
     depths = {one: own.overlap for one, own in series.items()}
     try:
         played = replay(files.scene, files.shown, run.gated, depths) if files.scene else None
         scripts.data(played)
         own = next((one for one in files.shown if one.run == run.gated), None)
-        times = instants(own, files.scene) if own else Instants()
+        times = dict(instants(own, files.scene)) if own else {}
         shown_runs = {one.run: one for one in files.shown}
         main = [shown_runs[one] for one in run.runs if one in shown_runs and not about(one.partition("/")[0]).baseline]
         if with_stills and played and files.scene and main:

@@ -1,1 +1,1 @@
-"""Reading of a run's files: typed rows, recordings, scenes, and whether they are whole."""
+"""Readers of a run's files: results, recordings and scenes."""

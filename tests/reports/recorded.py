@@ -47,7 +47,6 @@ def recording(folder: Path, name: str, run: str, states: int = STATES, sinks: bo
         "angular_velocities": np.zeros((states, 3, 3)),
         "raw_positions": positions[:, 2:],
         "raw_orientations": turns[:, 2:],
-        "counts:contacts": np.arange(states),
     }
     with (folder / "recordings" / stem).open("wb") as file:
         array_file.write(file, arrays)

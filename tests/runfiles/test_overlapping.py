@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from runfiles import array_file, overlapping
+from runfiles import overlapping
 
 NAMES = ("floor", "box", "hand")
 
@@ -10,9 +10,8 @@ NAMES = ("floor", "box", "hand")
 def test_pairs_come_back(tmp_path: Path) -> None:
     pairs = [(), (("hand", "floor", 0.02), ("box", "hand", 0.01)), ()]
     overlapping.write(overlapping.gathered(pairs, NAMES), tmp_path, "a.b.c.0")
-    found = array_file.read(tmp_path / overlapping.FOLDER / "a.b.c.0.npz")
-    assert found["frame"].tolist() == [1, 1] and found["depth"].tolist() == [0.02, 0.01]
-    assert found["first"].tolist() == [2, 1] and found["second"].tolist() == [0, 2]
+    assert overlapping.read(tmp_path, "a.b.c.0", 3, 3) == [(1, 2, 0, 0.02), (1, 1, 2, 0.01)]
+    assert overlapping.read(tmp_path, "d.b.c.0", 3, 3) == []
 
 
 def test_a_heap_keeps_its_deepest_pairs_only() -> None:

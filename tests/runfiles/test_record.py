@@ -67,7 +67,7 @@ def test_the_motion_of_a_scene_is_kept_once(tmp_path: Path) -> None:
         assert again.times.tolist() == one.times.tolist()
     assert len(list(motions.iterdir())) == 2
     wanted = {"raw_angles", "times"}
-    assert record.arrays_of(tmp_path / "recordings" / "a.npz", wanted.__contains__).keys() == wanted
+    assert record.read(tmp_path / "recordings" / "a.npz", wanted).keys() == {"meta", *wanted}
 
 
 @pytest.mark.parametrize("harm", ["gone", "half", "other", "elsewhere"])

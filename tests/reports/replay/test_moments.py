@@ -1,14 +1,14 @@
 """The worst moments of a run are where its figures are largest."""
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from reports.reading.kept import Array, Shown, shown
+from reports.reading.kept import Array, Drawn, Shown, shown
 from reports.reading.load import Series
-from reports.replay.moments import Instants, Kind, instants, moment, moments, remarks, states_of_metrics
+from reports.replay.moments import Kind, instants, moment, moments, remarks
 from tests.reports.recorded import STATES, recording
 from tests.reports.small_runs import OURS, OVERLAP, figure, run_of
 
@@ -81,31 +81,27 @@ def test_each_metric_has_its_own_state_and_a_joint_is_no_link() -> None:
     turns[9:, 2] = np.cos(0.5 * angle), 0.0, 0.0, np.sin(0.5 * angle)
     places[12, 2, 0], places[17:, 0, 0], places[20:, 1, 0] = 0.03, 0.02, 0.5
     one = Shown("mine/default", np.arange(states) / 60.0, places, turns, places, places, raw_places, raw_turns)
-    names = ["human/root", "human/arm", "human/hand"]
+    bodies = [{"name": name} for name in ("human/root", "human/arm", "human/hand")]
+
+    def states_of(parents: Sequence[int | None]) -> dict[str, int]:
+        return {metric: round(60.0 * time) for metric, time in instants(one, Drawn(bodies, np.zeros(3), parents)).items()}
+
     found = {"link_jump_max": 20, "root_jump_max": 17, "reversal_max": 13, "tracker_offset_max": 20}
-    assert states_of_metrics(one, names) == found
-    assert states_of_metrics(one, names, (None, 0, 1))["pose_jump_max"] == 5
+    assert states_of(()) == found
+    assert states_of((None, 0, 1))["pose_jump_max"] == 5
     # a joint that turns against its parent's turn leaves its link where it was: of orientations nothing shows, of joints it does
     turns[:, 0], turns[9:, 2] = turns[0, 0], turns[0, 0]
     turns[7:, 1] = np.cos(angle), 0.0, 0.0, np.sin(angle)
-    assert states_of_metrics(one, names, (None, 0, 1))["pose_jump_max"] == 7
-
-
-def test_the_longest_wait_is_found(one: Shown) -> None:
-    waits = np.zeros(STATES, dtype=np.int64)
-    waits[2], waits[6:9] = 1, 2
-    counts: Mapping[str, np.ndarray] = {"waiting": waits, "planning": np.eye(1, STATES, 9, dtype=np.int64)[0]}
-    found = instants(Shown(**{**vars(one), "counts": counts}), None).wait
-    assert found == pytest.approx((4 / 60.0, 6 / 60.0)) and instants(one, None).wait is None
+    assert states_of((None, 0, 1))["pose_jump_max"] == 7
 
 
 def test_an_address_leads_to_the_time_of_the_largest_value() -> None:
     rows = [figure("a", OURS, OVERLAP, 1.0)]
     series = {"a": {OURS: Series(np.array([0.0, np.nan, 3.0, 1.0]), np.array([1.0, 9.0, 2.0]))}}
     results = run_of(rows, series).results
-    assert moment(results, "a", OURS, OVERLAP) == ""
+    assert moment(results, "a", OURS, OVERLAP, {}) == ""
     object.__setattr__(results, "frame_times", {"a": 0.5})
-    assert moment(results, "a", OURS, OVERLAP) == "#t=1"
-    assert moment(results, "a", OURS, "frame_time_p95") == "#t=1"
-    assert moment(results, "a", OURS, "course_error_max") == moment(results, "b", OURS, OVERLAP) == ""
-    assert moment(results, "a", OURS, OVERLAP, {"a": Instants({OVERLAP: 0.25})}) == "#t=0.25"
+    assert moment(results, "a", OURS, OVERLAP, {}) == "#t=1"
+    assert moment(results, "a", OURS, "frame_time_p95", {}) == "#t=1"
+    assert moment(results, "a", OURS, "course_error_max", {}) == moment(results, "b", OURS, OVERLAP, {}) == ""
+    assert moment(results, "a", OURS, OVERLAP, {"a": {OVERLAP: 0.25}}) == "#t=0.25"
