@@ -17,7 +17,7 @@ from reports.reading.kept import Drawn, Shown, drawn, fitting, shown
 from reports.replay import three_js
 from reports.replay.courses import MEASURES, courses
 from reports.replay.moments import instants
-from reports.replay.scene import counts_of, replay
+from reports.replay.scene import replay
 from reports.tables.figures import quantity
 from reports.tables.run import Run
 from runfiles.engines import about, run_label
@@ -149,7 +149,7 @@ def _page(
             damage=files.damage,
             cut=_cut(run, name, rows),
             replay=played if playable else None,
-            states=counts_of(played) if played else 0,
+            states=max((run["frames"] for run in played["runs"]), default=0) if played else 0,
             no_replay=three_js.WORDS if played and not three else "Nothing was recorded.",
             charts={key: MEASURES[key][:2] for key in specs},
             runs=runs,

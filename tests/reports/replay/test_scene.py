@@ -1,5 +1,6 @@
 """A replay holds what was recorded, and opens where something is wrong."""
 
+import base64
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +9,8 @@ import pytest
 
 from reports.pages.scripts import data
 from reports.reading.kept import Drawn, drawn, shown
-from reports.replay.packed import codes, text, unpacked
-from reports.replay.scene import BYTES_PER_POSE, MOST_BYTES, counts_of, replay, stride
+from reports.replay.packed import LEAST, MISSING, MOST, codes, text
+from reports.replay.scene import BYTES_PER_POSE, MOST_BYTES, replay, stride
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import OURS
 
@@ -32,6 +33,13 @@ def bodies(folder: Path) -> Drawn:
     return found
 
 
+def unpacked(packed: str, stretch: tuple[float, float]) -> np.ndarray:
+    """The numbers again, as a page unpacks them."""
+    found = np.frombuffer(base64.b64decode(packed), dtype="<u2").astype(np.float64)
+    low, high = stretch
+    return np.where(found == MISSING, np.nan, low + (found - LEAST) / (MOST - LEAST) * (high - low))
+
+
 def held(folder: Path, **change: Any) -> Any:
     """The data of a replay; ``change`` are values that arrays of our recording have from state 5 on."""
     found = shown(folder, NAME, [OURS, THEIRS])
@@ -44,7 +52,7 @@ def test_poses_and_pairs_come_back(folder: Path) -> None:
     found = held(folder)
     ours, theirs = found["runs"]
     assert (ours["run"], ours["frames"], theirs["run"], theirs["frames"]) == (OURS, STATES, THEIRS, SHORT)
-    assert found["moving"] == [1, 2] and found["links"] == [2] and found["ghost"]["frames"] == counts_of(found) == STATES
+    assert found["moving"] == [1, 2] and found["links"] == [2] and found["ghost"]["frames"] == STATES
     heights = unpacked(ours["places"], (found["low"][2], found["high"][2])).reshape(STATES, 2, 3)[:, 0, 2]
     assert heights == pytest.approx(1.0 - 5.0 * (np.arange(STATES) / 60.0) ** 2, abs=1e-4)
     # depths below what counts as overlap are no pair
@@ -90,10 +98,10 @@ def test_nothing_recorded_is_nothing_to_play(folder: Path) -> None:
 
 def test_packed_numbers_come_back_within_half_a_step() -> None:
     values = np.array([-1.0, 0.0, 0.123456, 3.0, np.nan, np.inf, 9.0])
-    found = unpacked(text(codes(values, (-1.0, 3.0))), (-1.0, 3.0))
+    found = unpacked(text(codes(values, -1.0, 3.0)), (-1.0, 3.0))
     assert found[:4] == pytest.approx(values[:4], abs=0.5 * 4.0 / 65534 + 1e-12)
     assert np.isnan(found[4:6]).all() and found[6] == 3.0
-    assert unpacked(text(codes(np.zeros(3), (0.0, 0.0))), (0.0, 0.0)).tolist() == [0.0] * 3
+    assert unpacked(text(codes(np.zeros(3), 0.0, 0.0)), (0.0, 0.0)).tolist() == [0.0] * 3
 
 
 @pytest.mark.parametrize("frames", [1, 600, 1200, 3601])
