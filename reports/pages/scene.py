@@ -143,7 +143,7 @@ def _page(
             libraries=libraries,
             data=scripts.data({"specs": specs, "palette": marks.palette(extra), "replay": played if playable else None}),
             scene=name,
-            title=run.titles.get(name, ""),
+            title=run.results.titles.get(name, ""),
             before=around[0],
             after=around[1],
             damage=files.damage,

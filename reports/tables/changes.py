@@ -1,8 +1,8 @@
 """Changes between two runs: accuracy beyond rounding, frame times beyond their noise."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -54,22 +54,21 @@ class Changes:
     since: str
 
     def count(self, verdict: str) -> int:
-        """Number of rows with a verdict."""
+        """Return the number of rows with a verdict."""
         return int((self.table.verdict == verdict).sum())
 
     def of(self, run: str) -> "Changes":
-        """The changes of one engine and preset."""
-        return Changes(self.table[self.table.run == run], self.gone, self.added, self.no_times, self.since)
-
-
-def seeded(scene: str) -> bool:
-    """Return whether the content of a scene changes with the commit."""
-    return scene.startswith((CROWD_PREFIX, UNSEEN_PREFIX))
+        """Return the changes of one engine and preset."""
+        return replace(self, table=self.table[self.table.run == run])
 
 
 def figures(run: Run) -> pd.DataFrame:
-    """Return the worst value over seeds of every ranked metric, by scene, run and metric; NaN becomes infinite."""
-    rows = run.rows[run.rows.metric.isin(RANKED) & run.rows.measured & ~run.rows.scenario.map(seeded).astype(bool)]
+    """Return the worst value over seeds of every ranked metric, by scene, run and metric; NaN becomes infinite.
+
+    Scenes whose content changes with the commit are left out.
+    """
+    seeded = run.rows.scenario.str.startswith((CROWD_PREFIX, UNSEEN_PREFIX))
+    rows = run.rows[run.rows.metric.isin(RANKED) & run.rows.measured & ~seeded]
     values = rows.assign(value=rows.value.fillna(math.inf))
     return values.groupby(KEYS, sort=False).agg(value=("value", "max"), unit=("unit", "first")).reset_index()
 
@@ -77,80 +76,73 @@ def figures(run: Run) -> pd.DataFrame:
 def changes(old: Run, new: Run) -> Changes:
     """Compare two runs."""
     no_times = _why_no_times(old.results.provenance, new.results.provenance)
-    before, after = figures(old), figures(new)
-    compared = set(PERCENTILES) if not no_times else set()
-    timed = [name for name in RANKED if name.startswith("frame_time_") and name not in compared]
-    before, after = (one[~one.metric.isin(timed)] for one in (before, after))
-    runs_before, runs_after = (set(map(" ".join, zip(one.scenario, one.run, strict=True))) for one in (before, after))
+    timed = [name for name in RANKED if name.startswith("frame_time_") and (no_times or name not in PERCENTILES)]
+    before, after = (found[~found.metric.isin(timed)] for found in map(figures, (old, new)))
+    runs_before, runs_after = (set(found.scenario + " " + found.run) for found in (before, after))
     both = before.merge(after, on=KEYS, how="left", suffixes=("_old", "_new"))
-    present = pd.Series([f"{a} {b}" in runs_after for a, b in zip(both.scenario, both.run, strict=True)], index=both.index)
-    both = both[both.value_new.notna() | present]
-    found = [line for row in both.itertuples() if (line := _line(row, old, new, both)) is not None]
-    table = pd.DataFrame(found, columns=COLUMNS).sort_values(["verdict", "scenario"], ascending=[False, True], kind="stable")
-    return Changes(
-        table.reset_index(drop=True),
-        tuple(sorted(runs_before - runs_after)),
-        tuple(sorted(runs_after - runs_before)),
-        no_times,
-        old.name,
-    )
+    both = both[both.value_new.notna() | (both.scenario + " " + both.run).isin(runs_after)]
+
+    def judged(row: Any) -> tuple[str, float, float]:
+        if row.metric in PERCENTILES and not math.isnan(row.value_new):
+            return _of_time(row, old, new, both)
+        level = METRICS[row.metric].level or 0.0
+        return _verdict(row, max(1e-3 * level, min(level, 1e-2 * max(row.value_old, row.value_new))), SAME), math.nan, math.nan
+
+    gone, added = (tuple(sorted(one)) for one in (runs_before - runs_after, runs_after - runs_before))
+    return Changes(_table(both, judged), gone, added, no_times, old.name)
 
 
 def against_baseline(baseline: pd.DataFrame, run: Run, name: str) -> Changes:
     """Compare watched metrics with the committed baseline, a frame with the columns scenario, run, metric, unit and value."""
     after = figures(run)
     both = baseline.merge(after[after.run == run.gated], on=KEYS, how="left", suffixes=("_old", "_new"))
-    both = both[both.scenario.isin(after.scenario)]
+
+    def judged(row: Any) -> tuple[str, float, float]:
+        level = METRICS[row.metric].level if row.metric in METRICS else 0.0
+        return _verdict(row, level or 0.0, ELSEWHERE), math.nan, math.nan
+
+    gone = tuple(sorted(set(baseline.scenario) - set(after.scenario)))
+    return Changes(_table(both[both.scenario.isin(after.scenario)], judged), gone, (), "the baseline has no times", name)
+
+
+def _table(both: pd.DataFrame, judged: Callable[[Any], tuple[str, float, float]]) -> pd.DataFrame:
+    """Return the rows that ``judged`` gives a verdict, with the interval of a time."""
     found = []
     for row in both.itertuples():
-        metric = METRICS.get(str(row.metric))
-        level = 0.0 if metric is None or metric.level is None else metric.level
-        verdict = "worse" if math.isnan(row.value_new) else _verdict(row.value_old, row.value_new, level, ELSEWHERE)
+        verdict, *interval_of_ratio = judged(row)
         if verdict:
-            found.append(
-                (row.scenario, row.run, row.metric, row.unit_old, row.value_old, row.value_new, verdict, math.nan, math.nan)
-            )
+            figures_of_row = (row.unit_old, float(row.value_old), float(row.value_new))
+            found.append((row.scenario, row.run, row.metric, *figures_of_row, verdict, *interval_of_ratio))
     table = pd.DataFrame(found, columns=COLUMNS).sort_values(["verdict", "scenario"], ascending=[False, True], kind="stable")
-    gone = sorted(set(baseline.scenario) - set(after.scenario))
-    return Changes(table.reset_index(drop=True), tuple(gone), (), "the baseline has no times", name)
+    return table.reset_index(drop=True)
 
 
-def _line(row: Any, old: Run, new: Run, both: pd.DataFrame) -> tuple[object, ...] | None:
-    """One row of the table; None where nothing changed."""
-    a, b = float(row.value_old), float(row.value_new)
-    scene, run, metric = str(row.scenario), str(row.run), str(row.metric)
-    unit, low, high = str(row.unit_old), math.nan, math.nan
-    if math.isnan(b):
-        return scene, run, metric, unit, a, b, "worse", low, high
-    if metric not in PERCENTILES:
-        level = METRICS[metric].level or 0.0
-        verdict = _verdict(a, b, max(1e-3 * level, min(level, 1e-2 * max(a, b))), SAME)
-    else:
-        found = interval(
-            old.results.series.get(scene, {}).get(run), new.results.series.get(scene, {}).get(run), PERCENTILES[metric]
-        )
-        verdict = ""
-        if found is not None:
-            # a loaded machine slows all engines of a scene: divide by their common factor
-            shared = _shared(both, scene, run, metric)
-            low, high = (end / shared for end in found)
-            plain = b / a if a > 0.0 else math.inf
-            least, most = sorted((plain, plain / shared))
-            verdict = (
-                "worse" if least > TIME_FACTOR and low > 1.0 else "better" if most * TIME_FACTOR < 1.0 and high < 1.0 else ""
-            )
-    return (scene, run, metric, unit, a, b, verdict, low, high) if verdict else None
-
-
-def _verdict(old: float, new: float, level: float, share: float) -> str:
+def _verdict(row: Any, level: float, share: float) -> str:
+    """Compare two figures; a missing one is worse."""
+    old, new = float(row.value_old), float(row.value_new)
     margin = level + share * min(old, new)
-    return "worse" if new > old + margin else "better" if old > new + margin else ""
+    return "worse" if math.isnan(new) or new > old + margin else "better" if old > new + margin else ""
 
 
-def _shared(both: pd.DataFrame, scene: str, run: str, metric: str) -> float:
-    """Median ratio of the times of the other engines in a scene; 1 without others."""
-    engine = run.partition("/")[0] + "/"
-    others = both[(both.scenario == scene) & (both.metric == metric) & ~both.run.str.startswith(engine) & (both.value_old > 0.0)]
+def _of_time(row: Any, old: Run, new: Run, both: pd.DataFrame) -> tuple[str, float, float]:
+    """Compare two times: return the verdict, and the interval of their ratio."""
+    series = [run.results.series.get(row.scenario, {}).get(row.run) for run in (old, new)]
+    found = interval(*series, PERCENTILES[row.metric])
+    if found is None:
+        return "", math.nan, math.nan
+    # a loaded machine slows all engines of a scene: divide by their common factor
+    shared = _shared(both, row)
+    low, high = (end / shared for end in found)
+    plain = row.value_new / row.value_old if row.value_old > 0.0 else math.inf
+    least, most = sorted((plain, plain / shared))
+    worse, better = least > TIME_FACTOR and low > 1.0, most * TIME_FACTOR < 1.0 and high < 1.0
+    return "worse" if worse else "better" if better else "", low, high
+
+
+def _shared(both: pd.DataFrame, row: Any) -> float:
+    """Return the median ratio of the times of the other engines in a scene; 1 without others."""
+    own = both.run.str.startswith(row.run.partition("/")[0] + "/")
+    others = both[(both.scenario == row.scenario) & (both.metric == row.metric) & ~own & (both.value_old > 0.0)]
     ratio = float((others.value_new / others.value_old).median()) if len(others) else 1.0
     return ratio if math.isfinite(ratio) and ratio > 0.0 else 1.0
 

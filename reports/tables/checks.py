@@ -38,65 +38,38 @@ class Checks:
         """True if no check failed and none is missing."""
         return self.finished and not (len(self.failed) or len(self.crashed) or len(self.unmeasured)) and self.total > 0
 
-    @property
-    def exit_code(self) -> int:
-        """Exit code of a gate over this table alone."""
-        if len(self.failed):
-            return 1
-        return 3 if len(self.crashed) or len(self.unmeasured) else 0 if self.total else 5
-
 
 def checks(run: Run) -> Checks:
     """Judge a run by its rows alone: a pass needs a finite value within the bound."""
     rows = run.rows
-    own = rows[
-        (rows.run == run.gated) & (rows.status.isin(("pass", "waived", "fail")) | ((rows.status == "info") & rows.bound.notna()))
-    ]
+    gated = rows.status.isin(("pass", "waived", "fail")) | ((rows.status == "info") & rows.bound.notna())
+    own = rows[(rows.run == run.gated) & gated]
     measured = own[own.measured]
-    limit = measured.waiver.fillna(measured.bound)
     finite = measured.value.abs() < float("inf")
     within = finite & (measured.value <= measured.bound)
-    waived = finite & ~within & (measured.value <= limit)
+    waived = finite & ~within & (measured.value <= measured.waiver.fillna(measured.bound))
     lost = ~within & ~waived & measured.bound.notna()
-    crashed = rows[rows.status == "crashed"].drop_duplicates(["scenario", "run", "seed"])
-    unmeasured = rows[rows.status == "not-measured"].drop_duplicates(["scenario", "run", "seed", "metric"])
-    missing = own[~own.measured & ~own.status.isin(("fail",))]
-    refused = rows[(rows.run == run.gated) & rows.status.isin(("refused", "cannot-say"))]
     failed = pd.concat([measured[lost], own[~own.measured & (own.status == "fail")]])
     order = (failed.value / failed.bound.where(failed.bound > 0.0)).fillna(float("inf")).sort_values(ascending=False)
+    unmeasured = rows[rows.status == "not-measured"].drop_duplicates(["scenario", "run", "seed", "metric"])
     return Checks(
-        measured[within & measured.bound.notna()],
-        measured[waived],
-        failed.loc[order.index],
-        crashed,
-        pd.concat([unmeasured, missing, _gaps(run)]),
-        refused,
-        run.results.exit_code is not None,
+        passed=measured[within & measured.bound.notna()],
+        waived=measured[waived],
+        failed=failed.loc[order.index],
+        crashed=rows[rows.status == "crashed"].drop_duplicates(["scenario", "run", "seed"]),
+        unmeasured=pd.concat([unmeasured, own[~own.measured & (own.status != "fail")], _gaps(run)]),
+        refused=rows[(rows.run == run.gated) & rows.status.isin(("refused", "cannot-say"))],
+        finished=run.results.exit_code is not None,
     )
 
 
 def _gaps(run: Run) -> pd.DataFrame:
-    """A row for each scene without any row of the gated engine, which took part elsewhere."""
-    rows = run.rows
-    present = set(rows.scenario[rows.run == run.gated])
-    absent = [scene for scene in dict.fromkeys(rows.scenario) if scene not in present] if present else []
-    engine, _, preset = run.gated.partition("/")
-    return pd.DataFrame(
-        [
-            {
-                "scenario": scene,
-                "engine": engine,
-                "preset": preset,
-                "run": run.gated,
-                "seed": 0,
-                "metric": "run",
-                "status": "not-measured",
-                "note": "no row in results.json",
-            }
-            for scene in absent
-        ],
-        columns=rows.columns,
-    )
+    """Return a row for each scene without any row of the gated engine, which took part elsewhere."""
+    present = run.rows.scenario[run.rows.run == run.gated]
+    scenes = run.rows.scenario.drop_duplicates()
+    absent = scenes[~scenes.isin(present) & bool(len(present))]
+    gaps = pd.DataFrame({"scenario": absent}, columns=run.rows.columns)
+    return gaps.assign(run=run.gated, seed=0, metric="run", status="not-measured", note="no row in results.json")
 
 
 def least_room(found: Checks, count: int = ROOM) -> pd.DataFrame:

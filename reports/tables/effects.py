@@ -33,14 +33,8 @@ def effects(folder: Path) -> pd.DataFrame | None:
                 continue
             held = plain[plain.value <= plain.bound]
             broken = [name for name in held.index if not without.value.get(name, float("nan")) <= held.bound[name]]
-            found.append(
-                {
-                    "scenario": scenario,
-                    "effect": str(change).removeprefix(WITHOUT),
-                    "share": (times[0] - times[1]) / times[0],
-                    "with_us": times[0],
-                    "without_us": times[1],
-                    "broken": broken,
-                }
-            )
+            found.append({
+                "scenario": scenario, "effect": str(change).removeprefix(WITHOUT), "share": (times[0] - times[1]) / times[0],
+                "with_us": times[0], "without_us": times[1], "broken": broken,
+            })
     return pd.DataFrame(found) if found else None

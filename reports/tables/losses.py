@@ -11,6 +11,8 @@ from runfiles.metrics import RANKED, Metric
 POWERS: Mapping[str, int] = {"m": 1, "m/s": 1, "J": 2}
 """Powers of the size of a scene's world that figures in a unit grow with; they are compared as in a world of size 1."""
 
+COLUMNS = ("metric", "label", "unit", "scenes", "lost", "share", "scene", "own", "best", "run")
+
 
 def losses(run: Run) -> pd.DataFrame:
     """Compare the gated engine with the best of the others in every scene and ranked metric.
@@ -21,20 +23,10 @@ def losses(run: Run) -> pd.DataFrame:
     rows = run.rows[run.rows.metric.isin(RANKED) & (run.rows.why == "")]
     sizes = rows.scenario.map(run.results.scales).fillna(1.0) ** rows.unit.map(POWERS).fillna(0)
     rows = rows.assign(value=rows.value / sizes)
-    left = set(
-        zip(
-            *(
-                run.rows.loc[(run.rows.metric == "wrong_side_frames") & ~(run.rows.value <= 0.0), name]
-                for name in ("scenario", "run")
-            ),
-            strict=True,
-        )
-    )
+    wrong = run.rows[(run.rows.metric == "wrong_side_frames") & ~(run.rows.value <= 0.0)]
+    left = set(zip(wrong.scenario, wrong.run, strict=True))
     found = [_of_metric(part, RANKED[name], run, left) for name, part in rows.groupby("metric", sort=False)]
-    table = pd.DataFrame(
-        [one for one in found if one is not None],
-        columns=("metric", "label", "unit", "scenes", "lost", "share", "scene", "own", "best", "run"),
-    )
+    table = pd.DataFrame([one for one in found if one is not None], columns=COLUMNS)
     return table.sort_values(["lost", "share"], ascending=False, kind="stable").reset_index(drop=True)
 
 
@@ -55,19 +47,10 @@ def _of_metric(part: pd.DataFrame, metric: Metric, run: Run, left: set[tuple[str
         return None
     lost = both[[metric.better(best, mine) for best, mine in zip(both.value, both.own, strict=True)]]
     entry: dict[str, object] = {
-        "metric": metric.name,
-        "label": metric.label,
-        "unit": metric.unit,
-        "scenes": len(both),
-        "lost": len(lost),
-        "share": len(lost) / len(both),
-        "scene": "",
-        "own": float("nan"),
-        "best": float("nan"),
-        "run": "",
+        "metric": metric.name, "label": metric.label, "unit": metric.unit, "scenes": len(both), "lost": len(lost),
+        "share": len(lost) / len(both), "scene": "", "own": float("nan"), "best": float("nan"), "run": "",
     }
     if len(lost):
-        widest = (lost.own - lost.value).fillna(float("inf")).idxmax()
-        worst = lost.loc[widest]
-        entry |= {"scene": widest, "own": worst.own, "best": worst.value, "run": run_label(str(worst.run))}
+        worst = lost.loc[(lost.own - lost.value).fillna(float("inf")).idxmax()]
+        entry |= {"scene": worst.name, "own": worst.own, "best": worst.value, "run": run_label(str(worst.run))}
     return entry

@@ -1,7 +1,6 @@
 """A run folder as one table: a row per scene, engine, preset, seed and metric."""
 
 import re
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -40,13 +39,9 @@ class Run:
         why            reason why the figure does not compare engines, "" where it does
         even           flag: measured in the same way as the other engines' figures
         """
-        rows = pd.DataFrame([{**vars(row), "run": row.run} for row in self.results.rows])
-        rows = rows.rename(columns={"ceiling": "waiver"})
-        rows["measured"] = rows.value.notna()
-        # a number that is not finite was measured all the same
-        rows["measured"] |= pd.Series([row.value is not None for row in self.results.rows], index=rows.index)
-        for name in ("value", "bound", "waiver"):
-            rows[name] = pd.to_numeric(rows[name], errors="coerce").astype(float)
+        listed = [{**vars(row), "run": row.run, "measured": row.value is not None} for row in self.results.rows]
+        rows = pd.DataFrame(listed).rename(columns={"ceiling": "waiver"})
+        rows = rows.astype(dict.fromkeys(("value", "bound", "waiver"), float))
         rows["why"] = reasons(rows, self.results.engines)
         rows["even"] = rows.why.isin(("", FEW_FRAMES))
         return rows
@@ -65,11 +60,11 @@ class Run:
     @cached_property
     def runs(self) -> tuple[str, ...]:
         """Rows of short tables that this run has, in their order: the gated one, the main presets, baselines."""
-        present = set(self.rows.run)
-        extra = sorted(run for run in present if run.partition("/")[0] not in {one.partition("/")[0] for one in main_runs()})
-        listed = [run for run in main_runs() if not about(run.partition("/")[0]).baseline] + extra
-        listed += [run for run in main_runs() if about(run.partition("/")[0]).baseline]
-        return tuple(run for run in dict.fromkeys([self.gated, *listed]) if run in present)
+        engines = [run.partition("/")[0] for run in main_runs()]
+        extra = sorted(run for run in set(self.rows.run) if run.partition("/")[0] not in engines)
+        baselines = [run for run, engine in zip(main_runs(), engines, strict=True) if about(engine).baseline]
+        listed = [self.gated, *(run for run in main_runs() if run not in baselines), *extra, *baselines]
+        return tuple(run for run in dict.fromkeys(listed) if run in set(self.rows.run))
 
     @cached_property
     def rivals(self) -> tuple[str, ...]:
@@ -77,11 +72,6 @@ class Run:
         own = self.gated.partition("/")[0]
         names = {run: run.partition("/")[0] for run in dict.fromkeys(self.rows.run)}
         return tuple(run for run, name in names.items() if name != own and not about(name).baseline)
-
-    @property
-    def titles(self) -> Mapping[str, str]:
-        """One sentence on each scene."""
-        return self.results.titles
 
     @property
     def name(self) -> str:
@@ -94,7 +84,6 @@ def read(folder: Path) -> Run:
     run = Run(folder, load(folder))
     for scene in dict.fromkeys(row.scenario for row in run.results.rows):
         if not PLAIN.fullmatch(scene):
-            raise InvalidFile(
-                "name of a scene in results.json", scene, "at most 200 letters and digits, and . _ - after the first"
-            )
+            valid = "at most 200 letters and digits, and . _ - after the first"
+            raise InvalidFile("name of a scene in results.json", scene, valid)
     return run

@@ -7,6 +7,7 @@ from pathlib import Path
 import pandas as pd
 
 from runfiles.accuracy import FOLLOWING, counts, follows, length
+from runfiles.comparable import ASLEEP_FROM
 from runfiles.engines import about
 from runfiles.metrics import unit
 from runfiles.table import read_study, wide
@@ -18,9 +19,6 @@ LEVELS = (("10 mm", 1e-2), ("1 mm", 1e-3), ("0.1 mm", 1e-4), ("1 µm", 1e-6))
 
 SPOILS = ("wrong_side_frames", "not_finite_frames")
 """Metrics that must be 0, or a small error means nothing."""
-
-ASLEEP_FROM = 50.0
-"""Share of resting frames [%] from which on the median is that of a sleeping frame."""
 
 
 def settings(folder: Path) -> pd.DataFrame | None:
@@ -57,22 +55,13 @@ def _setting(row: dict[str, object]) -> dict[str, object]:
     moving, one = number("frame_time_moving_p50"), about(engine)
     sleeps = one.sleeps and "sleeping" not in options or base == "sleeping" or values.get("sleep") is True
     return {
-        "scenario": row["scenario"],
-        "engine": engine,
-        "setting": change or base,
-        "preset": not change,
-        "base": base,
-        "step": _step(engine, values, number("time_step")),
-        "error": error,
-        "worst": max(errors, key=errors.__getitem__, default=""),
-        "median": number("frame_time_p50"),
-        "moving": moving,
-        "p95": number("frame_time_p95"),
-        "slowest": number("frame_time_max"),
-        "asleep": sleeps and math.isnan(moving) and number("resting_frames") >= ASLEEP_FROM,
+        "scenario": row["scenario"], "engine": engine, "setting": change or base, "preset": not change, "base": base,
+        "step": _step(engine, values, number("time_step")), "error": error,
+        "worst": max(errors, key=errors.__getitem__, default=""), "median": number("frame_time_p50"), "moving": moving,
+        "p95": number("frame_time_p95"), "slowest": number("frame_time_max"),
+        "asleep": sleeps and math.isnan(moving) and number("resting_frames") >= ASLEEP_FROM["frame_time_p50"],
         "measured": sound and not math.isnan(error) and math.isfinite(number("frame_time_p50")),
-        "native": "\n".join(one.in_own_words(values)),
-        "alone": bool(values) and set(values) <= set(one.alone),
+        "native": "\n".join(one.in_own_words(values)), "alone": bool(values) and set(values) <= set(one.alone),
         "options": options,
     }
 
