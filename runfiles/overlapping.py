@@ -40,14 +40,14 @@ def gathered(pairs_shown: Sequence[Pairs], names: Sequence[str]) -> Overlapping:
     return Overlapping(frame, first, second, np.array([row[3] for row in rows], dtype=np.float64))
 
 
-def _path(folder: Path, stem: str) -> Path:
+def path(folder: Path, stem: str) -> Path:
     """Return the file of the recording `stem` in a run's folder."""
     return folder / FOLDER / f"{stem}.npz"
 
 
 def write(found: Overlapping, folder: Path, stem: str) -> None:
     """Write the file of the recording `stem` into the run folder, whole or not at all."""
-    write_whole(_path(folder, stem), lambda file: array_file.write(file, vars(found)))
+    write_whole(path(folder, stem), lambda file: array_file.write(file, vars(found)))
 
 
 def read(folder: Path, stem: str, states: int, bodies: int) -> list[tuple[int, int, int, float]]:
@@ -56,14 +56,14 @@ def read(folder: Path, stem: str, states: int, bodies: int) -> list[tuple[int, i
     Raises:
         InvalidFile: for a damaged file.
     """
-    path = _path(folder, stem)
-    if not os.path.exists(path):
+    place = path(folder, stem)
+    if not os.path.exists(place):
         return []
-    stored = array_file.read(path)
+    stored = array_file.read(place)
     for name, kind, most in (("frame", "i", states), ("first", "i", bodies), ("second", "i", bodies), ("depth", "f", math.inf)):
         found = stored.get(name)
         if found is None or found.dtype.kind != kind or found.shape != (stored["frame"].size,):
-            raise InvalidFile(f"{name} in {path}", "missing, or of another shape or kind", "the whole file that a run wrote")
+            raise InvalidFile(f"{name} in {place}", "missing, or of another shape or kind", "the whole file that a run wrote")
         if found.size and not 0 <= found.min() <= found.max() < most:
-            raise InvalidFile(f"{name} in {path}", found.max(), f"from 0 to below {most}")
+            raise InvalidFile(f"{name} in {place}", found.max(), f"from 0 to below {most}")
     return list(zip(*(stored[name].tolist() for name in ("frame", "first", "second", "depth")), strict=True))

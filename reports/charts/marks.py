@@ -4,10 +4,10 @@ Colours are tokens, "@avatarsim" or "@ink": the page puts in those of its theme,
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from runfiles.engines import engines
+from runfiles.engines import about, engines
 
 Spec = dict[str, Any]
 
@@ -76,9 +76,9 @@ def shades(low: float, high: float, test: str, colour: str) -> Spec:
     return number("shade", legend=None, scale=scale, condition={"test": test, "value": colour})
 
 
-def palette(extra: Mapping[str, tuple[str, str]]) -> dict[str, dict[str, str]]:
-    """Return the colours of both themes by token; ``extra`` are those of engines that no file describes."""
-    both = {**INKS, **{one.name: (one.colour, one.dark) for one in engines().values()}, **extra}
+def palette(more: Iterable[str] = ()) -> dict[str, dict[str, str]]:
+    """Return the colours of both themes by token; ``more`` are engines that no file describes."""
+    both = {**INKS, **{name: (about(name).colour, about(name).dark) for name in (*engines(), *more)}}
     return {theme: {token: pair[k] for token, pair in both.items()} for k, theme in enumerate(("light", "dark"))}
 
 

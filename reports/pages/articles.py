@@ -9,7 +9,6 @@ import pandas as pd
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from reports.pages import scripts
-from reports.pages.index import environment
 from reports.tables.changes import TIME_FACTOR
 from reports.tables.figures import quantity, rounded
 from reports.tables.run import Run
@@ -48,31 +47,20 @@ def benches(folder: Path) -> list[str]:
 
 def _rendered(template: str, title: str, **values: Any) -> str:
     js = scripts.source("theme.js") + "onTheme(() => {});\n"
-    return (
-        environment()
-        .get_template(template)
-        .render(title=title, css=scripts.source("base.css"), js=js, policy=scripts.policy([js]), **values)
-    )
+    return scripts.rendered(template, f"{title} · Contact benchmark", [js], {"palette": {}}, heading=title, **values)
 
 
 def _method(run: Run) -> str:
-    info = run.results.provenance
+    info: Any = run.results.provenance
     shown = {name: value for name, value in info.items() if isinstance(value, str | int | float)}
-    shown |= {f"{name} version": value for name, value in dict(info.get("versions") or {}).items()}  # type: ignore[call-overload]
+    shown |= {f"{name} version": value for name, value in dict(info.get("versions") or {}).items()}
     return _rendered(
-        "method.html.j2",
-        "Method",
-        judge=_judge(run.folder),
-        repeats=REPEATS,
-        warm=WARM_FRAMES,
-        tail=TAIL_FRAMES,
-        noise=f"{100.0 * (TIME_FACTOR - 1.0):.0f} %",
-        provenance=shown,
-        notes=run.results.notes,
+        "method.html.j2", "Method", judge=_judge(run.folder), repeats=REPEATS, warm=WARM_FRAMES, tail=TAIL_FRAMES,
+        noise=f"{100.0 * (TIME_FACTOR - 1.0):.0f} %", provenance=shown, notes=run.results.notes,
     )
 
 
-def _judge(folder: Path) -> dict[str, str] | None:
+def _judge(folder: Path) -> dict[str, Any] | None:
     """Return the results of the test of the judge; None without it, or for a damaged file."""
     path = folder / JUDGE
     if not path.exists():
@@ -80,12 +68,8 @@ def _judge(folder: Path) -> dict[str, str] | None:
     try:
         found: Any = read_json(path, str(path), "the whole file that one command wrote", MOST_BYTES)
         whole = found["all"]
-        return {
-            "pairs": f"{whole['pairs']:,}",
-            "error": quantity(float(whole["largest_depth_error"]), "m"),
-            "misses": str(whole["misses"]),
-            "alarms": str(whole["false_alarms"]),
-        }
+        error = quantity(float(whole["largest_depth_error"]), "m")
+        return {"pairs": f"{whole['pairs']:,}", "error": error, "misses": whole["misses"], "alarms": whole["false_alarms"]}
     except (InvalidFile, KeyError, TypeError, ValueError, OverflowError):
         return None
 
@@ -94,59 +78,18 @@ def _engines(run: Run) -> str:
     found: dict[str, dict[str, Any]] = {}
     for note in run.results.engines:
         name = note.run.partition("/")[0]
-        one = about(name)
-        entry = found.setdefault(
-            name,
-            {
-                "name": name,
-                "label": one.label,
-                "colour": one.both,
-                "version": note.version,
-                "features": {},
-                "presets": {},
-                "issues": one.issues,
-                "unlike": one.unlike,
-            },
-        )
+        entry = found.setdefault(name, {"about": about(name), "version": note.version, "features": {}, "presets": {}})
         for feature, said in note.cannot_say.items():
             entry["features"].setdefault(feature, said)
         # show the settings of a preset in an everyday scene, where it ran one
-        kept = entry["presets"].get(note.run)
-        if note.settings and (
-            kept is None or (note.scenario in run.results.everyday and kept["scene"] not in run.results.everyday)
-        ):
+        kept, everyday = entry["presets"].get(note.run), run.results.everyday
+        if note.settings and (kept is None or (note.scenario in everyday and kept["scene"] not in everyday)):
             entry["presets"][note.run] = {"label": run_label(note.run), "scene": note.scenario, "settings": note.settings}
-    for name, entry in found.items():
-        lacking = about(name).unsupported
-        entry["unsupported"] = [
-            {
-                "feature": feature,
-                "lacks": lacking[feature].lacks if feature in lacking else "",
-                "metrics": ", ".join(label(one) for one in lacking[feature].metrics) if feature in lacking else "",
-                "note": said,
-            }
-            for feature, said in entry.pop("features").items()
-        ]
-        entry["presets"] = list(entry["presets"].values())
-    return _rendered("engines.html.j2", "Engines and settings", engines=list(found.values()))
+    return _rendered("engines.html.j2", "Engines and settings", engines=found, label=label)
 
 
 def _glossary() -> str:
-    metrics = [
-        {
-            "name": one.name,
-            "label": one.label,
-            "definition": one.definition,
-            "tolerance": ""
-            if one.level is None
-            else f"{100.0 * one.share:.0f} %"
-            if one.share
-            else quantity(one.level, one.unit),
-            "compared": "yes" if one.level is not None else f"no: {one.unranked}",
-        }
-        for one in METRICS.values()
-    ]
-    return _rendered("glossary.html.j2", "Glossary", metrics=metrics)
+    return _rendered("glossary.html.j2", "Glossary", metrics=METRICS.values(), quantity=quantity)
 
 
 def _bench(folder: Path) -> str:
@@ -157,20 +100,13 @@ def _bench(folder: Path) -> str:
         except (ValueError, pd.errors.ParserError, UnicodeDecodeError):
             continue
         rows = [[_cell(value) for value in row] for row in table.head(MOST_ROWS).itertuples(index=False)]
-        tables.append(
-            {
-                "name": name.partition(".")[0],
-                "title": BENCHES[name],
-                "file": name,
-                "columns": list(table.columns),
-                "rows": rows,
-                "more": max(0, len(table) - MOST_ROWS),
-            }
-        )
+        more = max(0, len(table) - MOST_ROWS)
+        tables.append({"title": BENCHES[name], "file": name, "columns": list(table.columns), "rows": rows, "more": more})
     return _rendered("bench.html.j2", "Benchmarks", tables=tables)
 
 
-def _cell(value: object) -> dict[str, Any]:
+def _cell(value: object) -> tuple[str, bool]:
+    """Return a cell's text, and whether it is a number."""
     if isinstance(value, float):
-        return {"text": "" if value != value else rounded(value), "is_number": True}
-    return {"text": str(value), "is_number": isinstance(value, int)}
+        return "" if value != value else rounded(value), True
+    return str(value), isinstance(value, int)

@@ -12,7 +12,6 @@ from avatarsim.errors import InvalidFile
 from reports.charts import curves, marks
 from reports.drawing.stills import Stills, stills
 from reports.pages import scripts
-from reports.pages.index import environment
 from reports.reading.kept import Drawn, Shown, drawn, fitting, shown
 from reports.replay import three_js
 from reports.replay.courses import MEASURES, courses
@@ -32,132 +31,103 @@ FOLDER = "scenes"
 
 @dataclass(frozen=True, eq=False)
 class Made:
-    """A page: its path in the run folder and text; and for the index stills of the scene, and when figures are largest."""
+    """A page: its path in the run folder and text; for the index stills of the scene, and times [s] of largest figures."""
 
     path: str
     text: str
     scene: str
+    stills: Stills | None
+    instants: Mapping[str, float]
+    damage: tuple[str, ...]
+
+
+@dataclass(eq=False)
+class Played:
+    """Drawable parts of a scene, and a sentence for each file that cannot be read or drawn."""
+
+    replay: Any = None
+    specs: Mapping[str, marks.Spec] = field(default_factory=dict)
     stills: Stills | None = None
     instants: Mapping[str, float] = field(default_factory=dict)
-    damage: tuple[str, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Files:
-    """Readable files of a scene, and a sentence for each that is not."""
-
-    scene: Drawn | None
-    shown: Sequence[Shown] = ()
     damage: list[str] = field(default_factory=list)
 
 
 def scene_pages(run: Run, with_stills: frozenset[str]) -> Iterator[Made]:
     """Make the page of each scene, one after the other; ``with_stills`` names scenes whose stills the index shows."""
-    names = list(dict.fromkeys(run.rows.scenario))
     groups = dict(tuple(run.rows.groupby("scenario", sort=False)))
-    for k, name in enumerate(names):
-        around = names[k - 1] if k else None, names[k + 1] if k + 1 < len(names) else None
-        yield _made(run, name, groups[name], around, name in with_stills)
+    names = list(groups)
+    for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
+        seed = int(groups[name].seed.iloc[0])
+        played = _played(run, name, groups[name], seed, name in with_stills)
+        text = _page(run, name, groups[name], (before, after), played, seed)
+        damage = tuple(f"{name}: {said}" for said in played.damage)
+        yield Made(f"{FOLDER}/{name}.html", text, name, played.stills, played.instants, damage)
 
 
-def _made(run: Run, name: str, rows: pd.DataFrame, around: tuple[str | None, str | None], with_stills: bool) -> Made:
-    series = run.results.series.get(name, {})
-    seed = int(rows.seed.iloc[0])
-    files = _files(run.folder, name, list(dict.fromkeys([*series, *rows.run])), seed)
-    played, pictures, times = None, None, dict[str, float]()
-    dt = run.results.frame_times.get(name, 1.0 / 60.0)
-    depths = {one: own.overlap for one, own in series.items()}
+def _played(run: Run, name: str, rows: pd.DataFrame, seed: int, with_stills: bool) -> Played:
+    series, dt, found = run.results.series.get(name, {}), run.results.frame_times.get(name, 1.0 / 60.0), Played()
+    scene, recorded = _files(run.folder, name, list(dict.fromkeys([*series, *rows.run])), seed, found.damage)
+    by_run = {one.run: one for one in recorded}
     try:
-        played = replay(files.scene, files.shown, run.gated, depths) if files.scene else None
-        scripts.data(played)
-        own = next((one for one in files.shown if one.run == run.gated), None)
-        times = dict(instants(own, files.scene)) if own else {}
-        shown_runs = {one.run: one for one in files.shown}
-        main = [shown_runs[one] for one in run.runs if one in shown_runs and not about(one.partition("/")[0]).baseline]
-        if with_stills and played and files.scene and main:
-            pictures = stills(files.scene, main, run.gated, float(str(played["azimuth"])))
-        lines = courses(series, files.shown, files.scene, dt)
+        found.replay = replay(scene, recorded, run.gated, {one: own.overlap for one, own in series.items()}) if scene else None
+        scripts.data(found.replay)
+        found.instants = instants(by_run[run.gated], scene) if run.gated in by_run else {}
+        main = [by_run[one] for one in run.runs if one in by_run and not about(one.partition("/")[0]).baseline]
+        if with_stills and found.replay and scene and main:
+            found.stills = stills(scene, main, run.gated, found.replay["azimuth"])
+        lines = courses(series, recorded, scene, dt)
     except UNDRAWABLE as error:
-        files.damage.append(f"a recording cannot be drawn ({type(error).__name__}: {error})")
-        played, lines = None, courses(series, (), None, dt)
-    specs = {
+        found.damage.append(f"a recording cannot be drawn ({type(error).__name__}: {error})")
+        found.replay, lines = None, courses(series, (), None, dt)
+    found.specs = {
         key: curves.over_time(lines[key], unit, f"{title} over time, a line per engine.", floor)
         for key, (title, unit, floor) in MEASURES.items()
         if key in lines
     }
-    text = _page(run, name, rows, around, played, specs, files, seed)
-    return Made(f"{FOLDER}/{name}.html", text, name, pictures, times, tuple(f"{name}: {said}" for said in files.damage))
+    return found
 
 
-def _files(folder: Path, name: str, runs: Sequence[str], seed: int) -> Files:
-    """Load the file of the scene and its recordings; report unreadable ones without paths of this machine."""
-    scene, recorded, damage = None, list[Shown](), list[str]()
-    try:
-        scene = drawn(folder, name)
-    except InvalidFile as error:
-        damage.append(str(error))
-    for run in runs:
+def _files(folder: Path, name: str, runs: Sequence[str], seed: int, damage: list[str]) -> tuple[Drawn | None, list[Shown]]:
+    """Load the file of the scene and its recordings; ``damage`` gets a sentence without paths for each unreadable one."""
+    scene, recorded = None, list[Shown]()
+    for run in ("", *runs):
         try:
-            recorded += [fitting(one, scene) for one in shown(folder, name, [run], seed)]
+            if run:
+                recorded += [fitting(one, scene) for one in shown(folder, name, [run], seed)]
+            else:
+                scene = drawn(folder, name)
         except InvalidFile as error:
-            damage.append(str(error))
-    return Files(scene, recorded, [said.replace(f"{folder}/", "") for said in damage])
+            damage.append(str(error).replace(f"{folder}/", ""))
+    return scene, recorded
 
 
 @cache
-def _libraries() -> tuple[str, str]:
-    """Vega and three.js, packed; "" for one that is not installed."""
+def _libraries() -> dict[str, str]:
+    """Return three.js, where it is installed, and Vega, packed."""
     three = three_js.library()
-    return scripts.packed(scripts.vega().encode()), scripts.packed(_as_module(three).encode()) if three else ""
-
-
-def _as_module(library: str) -> str:
-    """Return a classic script as a module whose declarations stay global."""
-    return f"(0, (function () {{ {library}\nif (typeof THREE !== 'undefined') window.THREE = THREE; }}).call(window));"
+    # a classic script as a module whose declarations stay global
+    module = f"(0, (function () {{ {three}\nif (typeof THREE !== 'undefined') window.THREE = THREE; }}).call(window));"
+    return {"three": scripts.packed(module.encode()) if three else "", "vega": scripts.packed(scripts.vega().encode())}
 
 
 def _page(
-    run: Run,
-    name: str,
-    rows: pd.DataFrame,
-    around: tuple[str | None, str | None],
-    played: Any,
-    specs: dict[str, Any],
-    files: Files,
-    seed: int,
+    run: Run, name: str, rows: pd.DataFrame, around: tuple[str | None, str | None], played: Played, seed: int
 ) -> str:
-    vega, three = _libraries()
     runs = [one for one in dict.fromkeys([*run.runs, *rows.run]) if one in set(rows.run)]
-    playable = played is not None and three != ""
-    sources = ["theme.js", "quantity.js", *(["gif.js", "replay.js"] if playable else []), "scene.js"]
-    js = "".join(map(scripts.source, sources))
-    extra = {one.partition("/")[0]: (about(one.partition("/")[0]).colour, about(one.partition("/")[0]).dark) for one in runs}
-    libraries = {**({"three": three} if playable else {}), **({"vega": vega} if specs else {})}
-    return (
-        environment()
-        .get_template("scene.html.j2")
-        .render(
-            policy=scripts.policy([js], " blob:"),
-            css=scripts.source("base.css") + scripts.source("scene.css"),
-            js=js,
-            libraries=libraries,
-            data=scripts.data({"specs": specs, "palette": marks.palette(extra), "replay": played if playable else None}),
-            scene=name,
-            title=run.results.titles.get(name, ""),
-            before=around[0],
-            after=around[1],
-            damage=files.damage,
-            cut=_cut(run, name, rows),
-            replay=played if playable else None,
-            states=max((run["frames"] for run in played["runs"]), default=0) if played else 0,
-            no_replay=three_js.WORDS if played and not three else "Nothing was recorded.",
-            charts={key: MEASURES[key][:2] for key in specs},
-            runs=runs,
-            labels={one: run_label(one) for one in runs},
-            colours={one: about(one.partition("/")[0]).both for one in runs},
-            figures=_figures(run, rows, runs),
-            settings=_settings(run, name, seed),
-        )
+    packed = _libraries()
+    shown = played.replay if packed["three"] else None
+    sources = ["theme.js", "quantity.js", *(["gif.js", "replay.js"] if shown else []), "scene.js"]
+    palette = marks.palette({one.partition("/")[0] for one in runs})
+    return scripts.rendered(
+        "scene.html.j2", f"{name} · Contact benchmark", ["".join(map(scripts.source, sources))],
+        {"specs": played.specs, "palette": palette, "replay": shown}, css=["scene.css"], more=" blob:",
+        libraries={key: packed[key] for key, used in (("three", shown), ("vega", played.specs)) if used},
+        scene=name, sentence=run.results.titles.get(name, ""), before=around[0], after=around[1], damage=played.damage,
+        cut=_cut(run, name, rows), replay=shown, states=max((one["frames"] for one in shown["runs"]), default=0) if shown else 0,
+        no_replay="Nothing was recorded." if packed["three"] or not played.replay else three_js.WORDS,
+        charts={key: MEASURES[key][:2] for key in played.specs}, runs=runs, labels={one: run_label(one) for one in runs},
+        colours={one: about(one.partition("/")[0]).both for one in runs}, figures=_figures(run, rows, runs),
+        settings=_settings(run, name, seed),
     )
 
 
@@ -169,44 +139,34 @@ def _cut(run: Run, name: str, rows: pd.DataFrame) -> str:
 
 
 def _figures(run: Run, rows: pd.DataFrame, runs: Sequence[str]) -> list[dict[str, Any]]:
-    """A row per metric in the order of the registry: ranked ones first."""
+    """Return a row per metric in the order of the registry: ranked ones first."""
     order = {metric: k for k, metric in enumerate(METRICS)}
-    best = rows[rows.measured].sort_values("value", na_position="last").drop_duplicates(["run", "metric"], keep="last")
-    cells = {(row.run, row.metric): row for row in best.itertuples()}
+    worst = rows[rows.measured].sort_values("value", na_position="last").drop_duplicates(["run", "metric"], keep="last")
+    cells = {(row.run, row.metric): row for row in worst.itertuples()}
     found = []
-    for metric in sorted(best.metric.unique(), key=lambda one: (one not in METRICS, order.get(one, 0), one)):
+    for metric in sorted(worst.metric.unique(), key=lambda one: (one not in METRICS, order.get(one, 0), one)):
         row: dict[str, Any] = {"label": label(metric), "limit": "", "outcome": "", "cells": []}
         for one in runs:
-            cell = cells.get((one, metric))
-            row["cells"].append(
-                {"text": "–", "why": "", "bad": False}
-                if cell is None
-                else {
-                    "text": quantity(cell.value, cell.unit) if cell.value == cell.value else "NaN",
-                    "why": cell.why,
-                    "bad": one == run.gated and cell.bound == cell.bound and not cell.value <= cell.bound,
-                }
-            )
-        own = cells.get((run.gated, metric))
-        if own is not None and own.bound == own.bound:
-            limit = own.waiver if own.waiver == own.waiver else own.bound
-            row["limit"] = quantity(own.bound, own.unit)
-            row["outcome"] = "pass" if own.value <= own.bound else "waived" if own.value <= limit else "fail"
+            cell, own = cells.get((one, metric)), one == run.gated
+            if cell is None:
+                row["cells"].append({"text": "–", "why": "", "bad": False})
+                continue
+            broken = own and cell.bound == cell.bound and not cell.value <= cell.bound
+            row["cells"].append({"text": quantity(cell.value, cell.unit), "why": cell.why, "bad": broken})
+            if own and cell.bound == cell.bound:
+                waived = cell.waiver == cell.waiver and cell.value <= cell.waiver
+                outcome = "pass" if not broken else "waived" if waived else "fail"
+                row |= {"limit": quantity(cell.bound, cell.unit), "outcome": outcome}
         found.append(row)
     return found
 
 
 def _settings(run: Run, name: str, seed: int) -> list[dict[str, Any]]:
-    """Settings in force, and files in each engine's own words."""
+    """Return settings in force, and files in each engine's own words."""
     found: dict[str, dict[str, Any]] = {}
     for note in run.results.engines:
         if note.scenario == name and note.settings and note.run not in found:
-            path = written(run.folder, name, note.run, seed)
-            found[note.run] = {
-                "run": note.run,
-                "version": note.version,
-                "settings": note.settings,
-                "native": f"../{path}" if path else "",
-                "steps": [f"../{one}" for one in steps_written(run.folder, name, note.run, seed)],
-            }
+            files = (written(run.folder, name, note.run, seed), *steps_written(run.folder, name, note.run, seed))
+            paths = [f"../{path}" for path in files if path]
+            found[note.run] = {"run": note.run, "version": note.version, "settings": note.settings, "files": paths}
     return list(found.values())

@@ -1,4 +1,4 @@
-"""Scripts and data inside a page, and the security policy that lets nothing else run or be fetched."""
+"""Pages from templates: scripts and data inside them, and the security policy that lets nothing else run or be fetched."""
 
 import base64
 import gzip
@@ -8,13 +8,33 @@ from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import vl_convert
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 FOLDER = Path(__file__).parents[1] / "templates"
 
 SNIPPET = "window.vegaEmbed = vegaEmbed;"
 """Export of the bundle: the only name that pages use."""
+
+
+@cache
+def _environment() -> Environment:
+    """Return the templates; text from outside stays text."""
+    return Environment(
+        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+
+
+def rendered(
+    template: str, title: str, scripts: Sequence[str], payload: object, css: Sequence[str] = (), more: str = "", **values: Any
+) -> str:
+    """Return a page with these scripts, data for them, style sheets beyond that of all pages, and ``more`` allowed sources."""
+    return _environment().get_template(template).render(
+        title=title, scripts=scripts, policy=policy(scripts, more), data=data(payload),
+        css="".join(map(source, ("base.css", *css))), **values,
+    )
 
 
 def source(name: str) -> str:

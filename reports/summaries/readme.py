@@ -69,7 +69,7 @@ def picture(run: Run) -> str:
             "title": {"color": "@ink", "fontSize": 13},
         },
     }
-    svg = vl_convert.vegalite_to_svg(json.dumps(coloured(whole, palette({})["light"])))
+    svg = vl_convert.vegalite_to_svg(json.dumps(coloured(whole, palette()["light"])))
     # a hundredth of a pixel is enough, and a third of the bytes
     return re.sub(r"(\.\d\d)\d+", r"\1", svg)
 

@@ -126,8 +126,8 @@ def _verdict(row: Any, level: float, share: float) -> str:
 
 def _of_time(row: Any, old: Run, new: Run, both: pd.DataFrame) -> tuple[str, float, float]:
     """Compare two times: return the verdict, and the interval of their ratio."""
-    series = [run.results.series.get(row.scenario, {}).get(row.run) for run in (old, new)]
-    found = interval(*series, PERCENTILES[row.metric])
+    before, after = (run.results.series.get(row.scenario, {}).get(row.run) for run in (old, new))
+    found = interval(before, after, PERCENTILES[row.metric])
     if found is None:
         return "", math.nan, math.nan
     # a loaded machine slows all engines of a scene: divide by their common factor

@@ -34,9 +34,14 @@ class Checks:
         return len(self.passed) + len(self.waived) + len(self.failed)
 
     @property
+    def missing(self) -> int:
+        """Number of runs and figures that were not measured."""
+        return len(self.crashed) + len(self.unmeasured)
+
+    @property
     def is_sound(self) -> bool:
         """True if no check failed and none is missing."""
-        return self.finished and not (len(self.failed) or len(self.crashed) or len(self.unmeasured)) and self.total > 0
+        return self.finished and not (len(self.failed) or self.missing) and self.total > 0
 
 
 def checks(run: Run) -> Checks:

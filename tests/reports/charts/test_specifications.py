@@ -65,7 +65,7 @@ def texts(part: Any) -> Iterator[str]:
 
 
 def test_every_chart_can_be_drawn_in_both_themes(tmp_path: Path) -> None:
-    palettes = marks.palette({"newcomer": (about("newcomer").colour, about("newcomer").dark)})
+    palettes = marks.palette(["newcomer"])
     for name, spec in specifications(tmp_path).items():
         for colours in palettes.values():
             drawn = marks.coloured(spec, colours) | {"width": 200}
@@ -74,7 +74,7 @@ def test_every_chart_can_be_drawn_in_both_themes(tmp_path: Path) -> None:
 
 
 def test_colours_are_tokens_of_the_palette(tmp_path: Path) -> None:
-    palettes = marks.palette({"newcomer": ("#123456", "#654321")})
+    palettes = marks.palette(["newcomer"])
     seen = set(re.findall(r'"@(\w+)"', "".join(map(source, ("theme.js", "index.js", "scene.js")))))
     for name, spec in specifications(tmp_path).items():
         seen |= {found[1] for text in texts(spec) if (found := TOKEN.fullmatch(text))}
@@ -84,8 +84,8 @@ def test_colours_are_tokens_of_the_palette(tmp_path: Path) -> None:
 
 
 def test_both_themes_have_valid_colours_of_the_same_names() -> None:
-    light, dark = marks.palette({"newcomer": ("#123456", "#654321")}).values()
-    assert set(light) == set(dark) and (light["newcomer"], dark["newcomer"]) == ("#123456", "#654321")
+    light, dark = marks.palette(["newcomer"]).values()
+    assert set(light) == set(dark) and (light["newcomer"], dark["newcomer"]) == (about("newcomer").colour, about("newcomer").dark)
     assert all(re.fullmatch(r"#[0-9a-f]{6}", colour) for colour in [*light.values(), *dark.values()])
 
 
@@ -131,7 +131,7 @@ def test_charts_of_nothing_are_charts(tmp_path: Path) -> None:
     empty = run_of([figure("a", OURS, "run", None, "crashed")])
     for spec in (strips.strip(empty, strips.STRIPS["time"], "x"), cells.bars(losses(empty)), curves.over_time({}, "m", "x")):
         assert spec["height"] > 0 and vl_convert.vegalite_to_svg(
-            json.dumps(marks.coloured(spec, marks.palette({})["light"]) | {"width": 90})
+            json.dumps(marks.coloured(spec, marks.palette()["light"]) | {"width": 90})
         )
 
 
