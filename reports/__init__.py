@@ -1,10 +1,10 @@
 """Reports: pages and summaries from the files of one run. Reads files, runs nothing."""
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from avatarsim.errors import InvalidFile
 
@@ -24,8 +24,6 @@ SHOWN = 5
 """Scenes of which the index shows stills."""
 
 BASELINE = Path(__file__).with_name("baseline.csv")
-
-Found = TypeVar("Found")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +65,7 @@ def judged(folder: Path, before: Path | None = None, baseline: Path | None = Non
 def write_report(folder: Path, before: Path | None = None, baseline: Path | None = None) -> tuple[str, ...]:
     """Write index.html, the pages beside it, a page per scene, summary.md and junit.xml.
 
-    Files of the run that are damaged cost their scene or section: the pages name them, and so does a sentence each that is
-    returned.
+    Damaged files of the run cost their scene or section: the pages name them, and so does a sentence each that is returned.
     All pages are made before one of them is replaced. Raises InvalidFile as `judged`; files in the folder then stay as they are.
     """
     found, damage = judged(folder, before, baseline), list[str]()
@@ -93,67 +90,41 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     from reports.summaries.text import markdown
     from reports.tables import effects, hard_cases, settings
 
+    tables: dict[str, pd.DataFrame | None] = {}
     run = found.run
-
-    def part(load: "Callable[[Path], Found]") -> Found | None:
+    for name, load in {"settings": settings.settings, "cases": hard_cases.by_case, "effects": effects.effects}.items():
         try:
-            return load(run.folder)
+            tables[name] = load(run.folder)
         except InvalidFile as error:
+            tables[name] = None
             damage.append(str(error).replace(f"{run.folder}/", ""))
-            return None
-
-    tried = part(settings.settings)
-    tables = {"settings": tried, "cases": part(hard_cases.by_case), "effects": part(effects.effects)}
+    tried = tables["settings"]
     shown = telling(found, [] if tried is None else list(dict.fromkeys(tried.scenario)))
     stills, instants = {}, {}
     for made in scene_pages(run, frozenset(shown)):
-        if made.stills:
-            stills[made.scene] = made.stills
-        instants[made.scene] = made.instants
+        stills[made.scene], instants[made.scene] = made.stills, made.instants
         damage += made.damage
         yield made.path, made.text
     beside = articles(run)
     yield from beside.items()
     yield JUNIT, junit(found.checks)
     yield SUMMARY, markdown(run, found.checks, found.changes, found.losses, damage)
-    files = [name for name in FILES if name == SUMMARY or (run.folder / name).exists()] + [
-        name for name in beside if name == "bench.html"
-    ]
+    files = [name for name in FILES if name == SUMMARY or (run.folder / name).exists()]
+    files += beside.keys() & {"bench.html"}
     changes = next((one for one in found.changes if one.since != "baseline"), None)
-    yield (
-        PAGE,
-        page(
-            run,
-            found.checks,
-            changes,
-            tables,
-            found.losses,
-            {name: stills[name] for name in shown if name in stills},
-            instants,
-            damage,
-            files,
-        ),
-    )
+    pictures = {name: one for name in shown if (one := stills[name])}
+    yield PAGE, page(run, found.checks, changes, tables, found.losses, pictures, instants, damage, files)
 
 
 def telling(found: Judged, scenes: Sequence[str]) -> list[str]:
     """Return the scenes whose stills are shown: everyday ones, then avatars, then those in which other engines overlap most."""
     run = found.run
-    depths = run.rows[
-        (run.rows.metric == "residual_overlap_max")
-        & run.rows.run.isin(run.runs)
-        & run.rows.scenario.isin(scenes or run.rows.scenario)
-    ]
-    depths = depths[~depths.run.str.startswith(("tracker/", run.gated.partition("/")[0] + "/"))].groupby("scenario").value.max()
-    order = sorted(
-        depths.index, key=lambda name: (name not in run.results.everyday, name not in run.avatars, -_number(depths[name]))
-    )
-    return [str(name) for name in order[:SHOWN]]
-
-
-def _number(value: float) -> float:
-    """A value, or zero for one that is no number."""
-    return value if value == value else 0.0
+    rows = run.rows[(run.rows.metric == "residual_overlap_max") & run.rows.run.isin(run.runs)]
+    rows = rows[rows.scenario.isin(scenes or run.rows.scenario)]
+    others = rows[~rows.run.str.startswith(("tracker/", run.gated.partition("/")[0] + "/"))]
+    depths = others.groupby("scenario").value.max().fillna(0.0)
+    everyday, avatars = run.results.everyday, run.avatars
+    return sorted(map(str, depths.index), key=lambda name: (name not in everyday, name not in avatars, -depths[name]))[:SHOWN]
 
 
 def _replace(folder: Path, texts: Iterable[tuple[str, str]]) -> None:

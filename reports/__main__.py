@@ -1,4 +1,4 @@
-"""`python -m reports write [RUN]`: the pages again. `diff BASE NEW`: what got better or worse.
+"""`python -m reports write [RUN]`: the pages again. `diff BASE NEW`: changes for the better and the worse.
 
 `baseline [RUN]` and `headline [RUN]` make a run's figures the committed ones: of later comparisons, and of the README.
 
@@ -23,20 +23,23 @@ README = Path(__file__).resolve().parent.parent / "README.md"
 
 
 def parser() -> argparse.ArgumentParser:
-    """All commands and their options."""
+    """Return all commands and their options."""
     top = argparse.ArgumentParser(prog="python -m reports", description="Pages and comparisons from files of runs.")
     commands = top.add_subparsers(dest="command", required=True)
-    write = commands.add_parser("write", help="write index.html, the scenes' pages, summary.md and junit.xml of a run again")
-    write.add_argument("run", type=path_option, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+
+    def command(name: str, words: str, folder: str = "run") -> argparse.ArgumentParser:
+        made = commands.add_parser(name, help=words)
+        if folder == "new":
+            made.add_argument("base", type=path_option, help="folder of the earlier run, or a baseline file (.csv)")
+        made.add_argument(folder, type=path_option, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+        return made
+
+    write = command("write", "write index.html, the scenes' pages, summary.md and junit.xml of a run again")
     write.add_argument("--before", type=path_option, help="folder of an earlier run to compare with")
-    compare = commands.add_parser("diff", help="what got better or worse from BASE to NEW")
-    compare.add_argument("base", type=path_option, help="folder of the earlier run, or a baseline file (.csv)")
-    compare.add_argument("new", type=path_option, nargs="?", default=LATEST, help=f"folder of the later run (default: {LATEST})")
-    keep = commands.add_parser("baseline", help="make a run's accuracy the committed baseline")
-    keep.add_argument("run", type=path_option, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    command("diff", "list changes for the better and the worse from BASE to NEW", "new")
+    keep = command("baseline", "make a run's accuracy the committed baseline")
     keep.add_argument("--to", type=path_option, default=BASELINE, metavar="FILE", help="another file")
-    head = commands.add_parser("headline", help="write the README's table and charts from a run")
-    head.add_argument("run", type=path_option, nargs="?", default=LATEST, help=f"folder of a run (default: {LATEST})")
+    command("headline", "write the README's table and charts from a run")
     return top
 
 
@@ -44,6 +47,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code."""
     chosen = parser().parse_args(arguments)
     try:
+        if chosen.command == "diff":
+            new = read(chosen.new)
+            if chosen.base.suffix == ".csv":
+                found = against_baseline(baseline.load(chosen.base), new, str(chosen.base))
+            else:
+                found = changes(read(chosen.base), new)
+            print("\n".join(changed_lines(found)))
+            return 1 if found.count("worse") else 0
         if chosen.command == "write":
             damage = write_report(chosen.run, chosen.before)
             for said in damage:
@@ -53,22 +64,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if chosen.command == "baseline":
             chosen.to.write_text(baseline.text(read(chosen.run)), encoding="utf-8")
             print(chosen.to)
-            return 0
-        if chosen.command == "headline":
+        else:
             readme.write(read(chosen.run), README)
             print(README)
-            return 0
-        new = read(chosen.new)
-        found = (
-            against_baseline(baseline.load(chosen.base), new, str(chosen.base))
-            if chosen.base.suffix == ".csv"
-            else changes(read(chosen.base), new)
-        )
     except AvatarsimError as error:
         print(f"reports: {error}", file=sys.stderr)
         return 2
-    print("\n".join(changed_lines(found)))
-    return 1 if found.count("worse") else 0
+    return 0
 
 
 if __name__ == "__main__":

@@ -120,10 +120,11 @@ def _text(raw: object) -> str:
 
 
 def _row(raw: Mapping[str, Any]) -> Row:
-    texts: dict[str, Any] = {name: _text(raw.get(name, "")) for name in ("scenario", "engine", "preset", "metric", "unit", "note")}
+    texts = ("scenario", "engine", "preset", "metric", "unit", "note")
+    cells: dict[str, Any] = {name: _text(raw.get(name, "")) for name in texts}
     # numbers, words for numbers, or null
-    numbers: dict[str, Any] = {name: None if raw.get(name) is None else float(raw[name]) for name in ("value", "bound", "ceiling")}
-    return Row(**texts, **numbers, seed=int(raw.get("seed", 0)), frames=int(raw.get("frames", 0)), status=raw["status"])
+    cells |= {name: None if raw.get(name) is None else float(raw[name]) for name in ("value", "bound", "ceiling")}
+    return Row(**cells, seed=int(raw.get("seed", 0)), frames=int(raw.get("frames", 0)), status=raw["status"])
 
 
 def _series(raw: Mapping[str, Any]) -> Series:

@@ -35,18 +35,13 @@ def junit(checks: Checks) -> str:
 
 
 def _case(suite: ElementTree.Element, row: Any, kind: str, status: str) -> None:
-    scene, run, metric, seed = row.scenario, row.run, row.metric, row.seed
-    bound, waiver, unit = row.bound, row.waiver, row.unit
-    limit = waiver if pd.notna(waiver) else bound
-    name = f"{metric} <= {quantity(limit, unit)} (seed {seed})" if pd.notna(limit) else f"{metric} (seed {seed})"
-    case = ElementTree.SubElement(suite, "testcase", {"classname": f"{scene}.{run}", "name": name})
+    metric, limit = row.metric, row.waiver if pd.notna(row.waiver) else row.bound
+    within = f" <= {quantity(limit, row.unit)}" if pd.notna(limit) else ""
+    name = f"{metric}{within} (seed {row.seed})"
+    case = ElementTree.SubElement(suite, "testcase", {"classname": f"{row.scenario}.{row.run}", "name": name})
     if status == WAIVED:
         case.set("status", WAIVED)
     if kind:
-        value = row.value
-        text = (
-            f"{status}: {metric} is {quantity(value, unit)}, limit {quantity(bound, unit)}"
-            if pd.notna(bound)
-            else f"{status}: {row.note}"
-        )
+        figure = f"{metric} is {quantity(row.value, row.unit)}, limit {quantity(row.bound, row.unit)}"
+        text = f"{status}: {figure if pd.notna(row.bound) else row.note}"
         ElementTree.SubElement(case, kind, {"message": text})

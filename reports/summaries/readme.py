@@ -31,44 +31,26 @@ def block(run: Run) -> str:
     machine = f"{info.get('cpus', '?')} cores of {info.get('cpu', '?')}"
     ran = f"Run `{of['run']}` at commit `{of['commit'][:12]}`, {of['date']}, on {machine}"
     shown = "Overlap left, bounce error, angle beyond joint limits and frame time of five engines, a dot per scene."
-    return "\n".join(
-        [
-            BEGINS,
-            f"{ran}; {run.rows.scenario.nunique()} scenes. A dot is a scene, a tick the median.",
-            f"{BRACKETS} `method.html` beside every report says how it is measured.",
-            "",
-            f"![{shown}]({PICTURE})",
-            "",
-            *table(run),
-            ENDS,
-        ]
-    )
+    scenes = f"{run.rows.scenario.nunique()} scenes. A dot is a scene, a tick the median."
+    how = f"{BRACKETS} `method.html` beside every report says how it is measured."
+    return "\n".join([BEGINS, f"{ran}; {scenes}", how, "", f"![{shown}]({PICTURE})", "", *table(run), ENDS])
 
 
 def picture(run: Run) -> str:
     """Return the four strip charts as one SVG, in light colours."""
     charts = []
     for (name, chart), width in zip(STRIPS.items(), WIDTHS, strict=True):
-        spec = strip(run, chart, chart.title, name == "overlap") | {
-            "width": width,
-            "title": {"text": chart.title, "anchor": "start"},
-        }
+        title = {"text": chart.title, "anchor": "start"}
+        spec = strip(run, chart, chart.title, name == "overlap") | {"width": width, "title": title}
         # a static picture has nothing to point with
         spec["layer"][0]["encoding"]["opacity"] = {"value": 0.65}
         charts.append({key: value for key, value in spec.items() if key != "params"})
-    whole = {
-        "hconcat": charts,
-        "background": "@paper",
-        "padding": 10,
-        "config": {
-            # thousands of dots need no label each: the picture has its words
-            "aria": False,
-            "view": {"stroke": None},
-            "font": "sans-serif",
-            "axis": {"labelColor": "@muted", "gridColor": "@grid"},
-            "title": {"color": "@ink", "fontSize": 13},
-        },
+    # thousands of dots need no label each: the picture has its words
+    config = {
+        "aria": False, "view": {"stroke": None}, "font": "sans-serif",
+        "axis": {"labelColor": "@muted", "gridColor": "@grid"}, "title": {"color": "@ink", "fontSize": 13},
     }
+    whole = {"hconcat": charts, "background": "@paper", "padding": 10, "config": config}
     svg = vl_convert.vegalite_to_svg(json.dumps(coloured(whole, palette()["light"])))
     # a hundredth of a pixel is enough, and a third of the bytes
     return re.sub(r"(\.\d\d)\d+", r"\1", svg)

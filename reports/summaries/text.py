@@ -1,5 +1,6 @@
 """The short forms of a run: text for a terminal, summary.md, and the table of the README."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -47,45 +48,39 @@ BRACKETS = "In brackets: not like for like. Frame times: scenes without an avata
 
 
 def engines(run: Run) -> list[list[str]]:
-    """Return a row per engine of short tables: its label and the six figures."""
-    table = []
-    for name in run.runs:
-        own, cells = run.rows[(run.rows.run == name) & run.rows.measured], [run_label(name)]
-        for column in COLUMNS.values():
-            part = own[(own.metric == column.metric) & ~(column.loose & own.scenario.isin(run.avatars))]
-            if part.empty:
-                cells.append("–")
-                continue
-            even = float(part.even.mean()) >= 0.5
-            part = part[part.even] if even else part
-            unit = str(part.unit.iloc[0])
-            text = (
-                f"{int((~(part.value <= 1e-6)).sum())} of {len(part)}"
-                if column.how == "over"
-                else quantity(float(part.value.fillna(float("inf")).median()), unit, 2)
-            )
-            cells.append(text if even else f"({text})")
-        table.append(cells)
-    return table
+    """Return a row per engine of short tables: its label and the figures of COLUMNS."""
+    return [[run_label(name), *(_cell(run, name, column) for column in COLUMNS.values())] for name in run.runs]
+
+
+def _cell(run: Run, name: str, column: Column) -> str:
+    part = run.rows[(run.rows.run == name) & run.rows.measured & (run.rows.metric == column.metric)]
+    part = part[~(column.loose & part.scenario.isin(run.avatars))]
+    if part.empty:
+        return "–"
+    even = float(part.even.mean()) >= 0.5
+    part = part[part.even] if even else part
+    if column.how == "over":
+        text = f"{int((~(part.value <= 1e-6)).sum())} of {len(part)}"
+    else:
+        text = quantity(float(part.value.fillna(float("inf")).median()), str(part.unit.iloc[0]), 2)
+    return text if even else f"({text})"
 
 
 def headline(checks: Checks) -> str:
     """Return PASS or FAIL and the counts."""
     word = "PASS" if checks.is_sound else "FAIL" if len(checks.failed) else "INCOMPLETE"
-    counts = [f"{len(checks.passed)} pass"]
-    counts += [f"{len(checks.waived)} known exceptions"] if len(checks.waived) else []
-    counts += [f"{len(checks.failed)} fail"]
-    missing = len(checks.crashed) + len(checks.unmeasured)
-    counts += [f"{missing} not measured"] if missing else []
-    counts += [] if checks.finished else ["the run did not end"]
-    return f"{word}  {checks.total} checks: {', '.join(counts)}"
+    counts = {"pass": len(checks.passed), "known exceptions": len(checks.waived), "fail": len(checks.failed),
+              "not measured": checks.missing}
+    shown = [f"{number} {name}" for name, number in counts.items() if number or name in ("pass", "fail")]
+    shown += [] if checks.finished else ["the run did not end"]
+    return f"{word}  {checks.total} checks: {', '.join(shown)}"
 
 
 def blocks(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.DataFrame) -> list[tuple[str, list[str]]]:
     """Return titles and lines of all parts below the headline; parts without a line are left out but for changes."""
     failed = [_line(row, f"{_limit(row)}   scenes/{row.scenario}.html") for row in checks.failed.itertuples()]
     lacking = pd.concat([checks.crashed, checks.unmeasured]).itertuples()
-    missing = [f"{row.scenario:<24}{run_label(row.run):<18}{_brief(_lacking(row))}" for row in lacking]
+    missing = [f"{row.scenario:<24}{run_label(row.run):<18}{_lacking(row)}" for row in lacking]
     waived = [_line(row, f"{_limit(row)}, waived to {quantity(row.waiver, row.unit)}") for row in checks.waived.itertuples()]
     titled = (("failed", failed), ("not measured", missing), ("known exceptions", waived))
     found = [(title, _cut(lines)) for title, lines in titled if lines]
@@ -94,13 +89,12 @@ def blocks(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Data
         lines = [f"{row.verdict:<8}{row.scenario:<24}{label(row.metric):<30}{_step(row)}" for row in own.table.itertuples()]
         found.append((f"since {own.since}: {own.count('worse')} worse, {own.count('better')} better", _cut(lines)))
     room = [_line(row, _limit(row)) for row in least_room(checks).itertuples()]
-    found += [("least room", room)] if room else []
     lost = [
         f"{row.lost:>3} of {row.scenes:<4}{row.label:<32}{_value(row.own, row.unit):>10} against "
         f"{_value(row.best, row.unit)} ({row.run}, {row.scene})"
         for row in losses[losses.lost > 0].head(LOSSES).itertuples()
     ]
-    return found + ([("another engine is better in", lost)] if lost else [])
+    return found + [(title, lines) for title, lines in (("least room", room), ("another engine is better in", lost)) if lines]
 
 
 def changed_lines(found: Changes) -> list[str]:
@@ -118,20 +112,10 @@ def terminal(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
     lines = [headline(checks)]
     for title, content in blocks(run, checks, changes, losses):
         lines += ["", title, *(f"  {line}" for line in content)]
-    rows = [["engine", *COLUMNS], *engines(run)]
-    if len(rows) > 2:
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        lines += [
-            "",
-            *(
-                "  "
-                + "  ".join(
-                    cell.ljust(w) if k == 0 else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths, strict=True))
-                )
-                for row in rows
-            ),
-            f"  {BRACKETS}",
-        ]
+    rows = engines(run)
+    if len(rows) > 1:
+        aligned = pd.DataFrame(rows, columns=["", *(f" {head}" for head in COLUMNS)]).set_index("").rename_axis("engine", axis=1)
+        lines += ["", *(f"  {line}" for line in aligned.to_string().splitlines()), f"  {BRACKETS}"]
     return "\n".join(lines)
 
 
@@ -142,19 +126,18 @@ def markdown(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
     lines += [f"Left out: {said}" for said in damage]
     for title, content in blocks(run, checks, changes, losses):
         lines += ["", f"**{title}**", "```", *(content or ["none"]), "```"]
-    refused = sorted(set(checks.refused.scenario))
-    tail = [
-        f"{str(info.get('commit', ''))[:8]}, {str(info.get('started', ''))[:10]}, {info.get('cpus', '')} × {info.get('cpu', '')}"
-    ]
-    tail += [f"Refused as expected: {', '.join(refused)}"] if refused else []
+    refused = ", ".join(sorted(set(checks.refused.scenario)))
+    commit, started = str(info.get("commit", ""))[:8], str(info.get("started", ""))[:10]
+    tail = [f"{commit}, {started}, {info.get('cpus', '')} × {info.get('cpu', '')}"]
+    tail += [f"Refused as expected: {refused}"] if refused else []
     return "\n".join([*lines, "", ". ".join([*tail, "[Report](index.html) · [figures](results.csv)"]), ""])
 
 
 def table(run: Run) -> list[str]:
     """Return the table of engines as lines of Markdown."""
-    heads = ["engine", *COLUMNS]
-    lines = ["| " + " | ".join(heads) + " |", "|---|" + "---:|" * (len(heads) - 1)]
-    return [*lines, *("| " + " | ".join(row) + " |" for row in engines(run))]
+    rows = [["engine", *COLUMNS], *engines(run)]
+    head, *lines = ["| " + " | ".join(row) + " |" for row in rows]
+    return [head, "|---|" + "---:|" * len(COLUMNS), *lines]
 
 
 def _line(row: Any, after: str) -> str:
@@ -162,8 +145,10 @@ def _line(row: Any, after: str) -> str:
 
 
 def _lacking(row: Any) -> str:
-    name, note = str(row.metric), " ".join(str(row.note).split())
-    return note if name == "run" else f"{label(name)}: {note}"
+    """Return the reason of a missing figure in at most 80 characters."""
+    note = " ".join(str(row.note).split())
+    text = note if row.metric == "run" else f"{label(row.metric)}: {note}"
+    return text if len(text) <= 80 else text[:77] + "..."
 
 
 def _limit(row: Any) -> str:
@@ -175,13 +160,8 @@ def _step(row: Any) -> str:
 
 
 def _value(value: float, unit: str) -> str:
-    return "NaN" if value != value or value in (float("inf"), float("-inf")) else quantity(value, unit)
+    return quantity(value, unit) if math.isfinite(value) else "NaN"
 
 
 def _cut(lines: list[str]) -> list[str]:
     return lines if len(lines) <= LISTED else [*lines[: LISTED - 1], f"... and {len(lines) - LISTED + 1} more: see the page"]
-
-
-def _brief(note: object) -> str:
-    text = " ".join(str(note).split())
-    return text if len(text) <= 80 else text[:77] + "..."
