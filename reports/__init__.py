@@ -88,11 +88,14 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     from reports.pages.scene import scene_pages
     from reports.summaries.junit import junit
     from reports.summaries.text import markdown
-    from reports.tables import effects, hard_cases, settings
+    from reports.tables import contact_law, effects, hard_cases, settings
 
     tables: dict[str, pd.DataFrame | None] = {}
     run = found.run
-    for name, load in {"settings": settings.settings, "cases": hard_cases.by_case, "effects": effects.effects}.items():
+    readers = {
+        "settings": settings.settings, "cases": hard_cases.by_case, "effects": effects.effects, "law": contact_law.contact_law,
+    }
+    for name, load in readers.items():
         try:
             tables[name] = load(run.folder)
         except InvalidFile as error:

@@ -4,11 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
+import pandas as pd
 
 from reports.charts import marks
 from reports.charts.marks import LENGTH_LABEL, TIME_LABEL, Spec, layer, name, number
 from reports.reading.load import Array
-from runfiles.engines import run_label
+from runfiles.engines import main_runs, run_label
 
 FLOOR = 1e-7
 """Least error on the axis [m]."""
@@ -42,6 +43,35 @@ def error_against_time(names: Sequence[str]) -> Spec:
     ]
     described = "Largest error against frame time, a dot per setting of each engine."
     return marks.chart(described, 292, layers, datasets={"points": [], "limit": []}, data={"name": "points"})
+
+
+def obtained(table: pd.DataFrame, law: str) -> Spec:
+    """Return the coefficients of a law that each engine's bodies show, against the stated ones; bars span shapes and steps."""
+    own = table[table.law == law]
+    order = [run for run in main_runs() if run in set(own.run)]
+    shift = {run: 0.012 * (k - 0.5 * (len(order) - 1)) for k, run in enumerate(order)}
+    values = [
+        {
+            "x": row.stated + shift[row.run], "stated": f"{row.stated:g}", "low": row.low, "high": row.high, "middle": row.middle,
+            "engine": row.run.partition("/")[0], "label": run_label(row.run), "run": row.run,
+            "text": f"{row.middle:.3f}", "range": f"{row.low:.3f} to {row.high:.3f}",
+        }
+        for row in own[own.run.isin(order)].itertuples()
+    ]
+    top = max([1.05, *(value["high"] for value in values)])
+    axes = [marks.BARE | {"title": title, "tickCount": 5, "grid": True} for title in ("stated", "obtained")]
+    x = number("x", axis=axes[0], scale={"domain": [-0.06, 1.06], "nice": False})
+    y = number("middle", axis=axes[1], scale={"domain": [0.0, min(top, 2.0)], "clamp": True})
+    colour = marks.by_engine(list(dict.fromkeys(run.partition("/")[0] for run in order)))
+    tip = marks.tooltip(label="engine", stated="stated", text="obtained", range="range")
+    both = {"x": x, "color": colour, "tooltip": tip, "strokeDash": _dashes(order)}
+    same = {"data": {"values": [{"x": 0.0, "middle": 0.0}, {"x": 1.0, "middle": 1.0}]}}
+    layers = [
+        same | layer("line", {"x": x, "y": y}, color="@muted", strokeWidth=1),
+        layer("rule", both | {"y": y | {"field": "low"}, "y2": {"field": "high"}}, strokeWidth=2, opacity=0.55),
+        layer("point", both | {"y": y}, filled=True, size=34),
+    ]
+    return marks.chart(f"Coefficients of {law} obtained, against the stated ones.", 200, layers, values)
 
 
 def over_time(lines: Mapping[str, tuple[Array, Array]], unit: str, described: str, floor: float | None = None) -> Spec:

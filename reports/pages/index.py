@@ -60,9 +60,11 @@ def page(
     run: Run, checks: Checks, changes: Changes | None, tables: Mapping[str, pd.DataFrame | None], losses: pd.DataFrame,
     stills: Mapping[str, Stills], instants: Instants, damage: Sequence[str], files: Sequence[str],
 ) -> str:
-    """Return the page as text. ``tables`` has the keys settings, cases and effects."""
-    settings, cases, effects = (tables[name] for name in ("settings", "cases", "effects"))
+    """Return the page as text. ``tables`` has the keys settings, cases, effects and law."""
+    settings, cases, effects, law = (tables[name] for name in ("settings", "cases", "effects", "law"))
     specs = _charts(run, settings, cases, effects, losses)
+    if law is not None:
+        specs |= {name: curves.obtained(law, name) for name in dict.fromkeys(law.law)}
     engines = list(dict.fromkeys(name.partition("/")[0] for name in run.runs))
     payload = {
         "specs": specs,
@@ -84,6 +86,7 @@ def page(
         failed=linked(run, checks.failed, instants), waived=linked(run, checks.waived, instants), missing=missing(checks),
         stills=list(stills), shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.STRIPS,
         has_settings=settings is not None, has_cases=cases is not None, has_effects=effects is not None, levels=LEVELS,
+        laws=[] if law is None else list(dict.fromkeys(law.law)),
         figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit", ""))[:8],
         machine=f"{info.get('cpus', '')} × {info.get('cpu', '')}",
         versions=" · ".join(f"{about(name).label} {version}" for name, version in versions.items() if name in engines),
