@@ -45,9 +45,16 @@ class Unsupported:
 
 @dataclass(frozen=True)
 class Variant:
-    """A further preset, which runs only in scenes that meet a condition of scenarios/variants.py."""
+    """A further preset.
+
+    scenes   in which it runs: a condition of scenarios/variants.py
+    of       preset that it stands in for in short tables, in the metrics whose figures of that preset do not compare
+    metrics  of these
+    """
 
     scenes: str
+    of: str = ""
+    metrics: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
 
 def _dots(run: Run, chart: Strip) -> list[Spec]:
     """Return the values of a chart, one for each figure of its metric."""
-    rows = run.rows[(run.rows.metric == chart.metric) & run.rows.run.isin(run.runs) & run.rows.measured]
+    rows = run.main_rows(chart.metric)
     shares, unit = rows.groupby("run").even.mean(), METRICS[chart.metric].unit
     return [
         {
@@ -84,7 +84,8 @@ def _dots(run: Run, chart: Strip) -> list[Spec]:
             "value": chart.high if row.value != row.value else min(max(row.value, chart.low), chart.high),
             "text": quantity(row.value, unit),
             "even": row.even, "counted": bool(row.even and shares[row.run] >= 0.5),
-            "why": f"yes; {row.why}" if row.even and row.why else row.why or "yes", "place": marks.place_of(row.scenario),
+            "why": f"yes; preset {row.by}" if row.by else f"yes; {row.why}" if row.even and row.why else row.why or "yes",
+            "place": marks.place_of(row.scenario),
         }
         for row in rows.itertuples()
     ]

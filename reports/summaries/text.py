@@ -53,7 +53,8 @@ def engines(run: Run) -> list[list[str]]:
 
 
 def _cell(run: Run, name: str, column: Column) -> str:
-    part = run.rows[(run.rows.run == name) & run.rows.measured & (run.rows.metric == column.metric)]
+    part = run.main_rows(column.metric)
+    part = part[part.run == name]
     part = part[~(column.loose & part.scenario.isin(run.avatars))]
     if part.empty:
         return "–"

@@ -73,6 +73,24 @@ class Run:
         names = {run: run.partition("/")[0] for run in dict.fromkeys(self.rows.run)}
         return tuple(run for run, name in names.items() if name != own and not about(name).baseline)
 
+    def main_rows(self, metric: str) -> pd.DataFrame:
+        """Return the measured rows of a metric of the runs of short tables.
+
+        A variant stands in for a preset where its figure compares and that of the preset does not (`runfiles.engines.Variant`):
+        the row then has the run of the preset, and its column `by` the variant.
+        """
+        rows = self.rows[(self.rows.metric == metric) & self.rows.measured].assign(by="")
+        main, parts, gone = rows[rows.run.isin(self.runs)], list[pd.DataFrame](), set[tuple[str, str]]()
+        for engine in dict.fromkeys(rows.engine):
+            for name, one in about(engine).variants.items():
+                if metric in one.metrics:
+                    other = rows[(rows.run == f"{engine}/{name}") & rows.even].assign(run=f"{engine}/{one.of}", by=name)
+                    parts.append(other)
+                    gone |= set(zip(other.run, other.scenario, strict=True))
+        kept = [key not in gone for key in zip(main.run, main.scenario, strict=True)]
+        found = pd.concat([main[pd.Series(kept, index=main.index, dtype=bool) | main.even], *parts])
+        return found[~found.duplicated(["run", "scenario", "seed"])]
+
     @property
     def name(self) -> str:
         """Name of the folder."""

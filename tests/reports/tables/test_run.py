@@ -2,6 +2,7 @@
 
 import math
 
+from reports.reading.load import EngineNote
 from reports.tables.run import Run
 from runfiles.comparable import AVATAR_METRIC
 from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of
@@ -44,3 +45,13 @@ def test_no_number_is_measured_and_nothing_is_not() -> None:
 def test_a_table_without_any_value_is_still_a_table() -> None:
     rows = run_of([figure("a", OURS, "run", None, "crashed")]).rows
     assert len(rows) == 1 and not rows.measured.any() and rows.bound.isna().all()
+
+
+def test_a_variant_stands_in_where_the_figure_of_its_preset_does_not_compare() -> None:
+    """MuJoCo's tuned ball joints have no limit of twist; its preset hinges has."""
+    metric, lacking = "joint_limit_excess_max", {"twist limits": "no such limit"}
+    figures = [("a", MUJOCO, 90.0), ("a", "mujoco/hinges", 1.0), ("b", MUJOCO, 2.0), ("b", "mujoco/hinges", 3.0), ("a", OURS, 0.0)]
+    notes = [EngineNote(one, "a", "1", lacking, {}) for one in (MUJOCO, "mujoco/hinges")]
+    rows = run_of([figure(scene, one, metric, value) for scene, one, value in figures], notes=notes).main_rows(metric)
+    found = {(row.scenario, row.run): (row.value, row.by) for row in rows.itertuples()}
+    assert found == {("a", MUJOCO): (1.0, "hinges"), ("b", MUJOCO): (2.0, ""), ("a", OURS): (0.0, "")}
