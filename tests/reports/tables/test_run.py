@@ -50,8 +50,9 @@ def test_a_table_without_any_value_is_still_a_table() -> None:
 def test_a_variant_stands_in_where_the_figure_of_its_preset_does_not_compare() -> None:
     """MuJoCo's tuned ball joints have no limit of twist; its preset hinges has."""
     metric, lacking = "joint_limit_excess_max", {"twist limits": "no such limit"}
-    figures = [("a", MUJOCO, 90.0), ("a", "mujoco/hinges", 1.0), ("b", MUJOCO, 2.0), ("b", "mujoco/hinges", 3.0), ("a", OURS, 0.0)]
-    notes = [EngineNote(one, "a", "1", lacking, {}) for one in (MUJOCO, "mujoco/hinges")]
+    hinges = "mujoco/hinges"
+    figures = [("a", MUJOCO, 90.0), ("a", hinges, 1.0), ("b", MUJOCO, 2.0), ("b", hinges, 3.0), ("a", OURS, 0.0)]
+    notes = [EngineNote(one, "a", "1", lacking, {}) for one in (MUJOCO, hinges)]
     rows = run_of([figure(scene, one, metric, value) for scene, one, value in figures], notes=notes).main_rows(metric)
     found = {(row.scenario, row.run): (row.value, row.by) for row in rows.itertuples()}
     assert found == {("a", MUJOCO): (1.0, "hinges"), ("b", MUJOCO): (2.0, ""), ("a", OURS): (0.0, "")}
