@@ -113,10 +113,13 @@ def terminal(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
     lines = [headline(checks)]
     for title, content in blocks(run, checks, changes, losses):
         lines += ["", title, *(f"  {line}" for line in content)]
-    rows = engines(run)
-    if len(rows) > 1:
-        aligned = pd.DataFrame(rows, columns=["", *(f" {head}" for head in COLUMNS)]).set_index("").rename_axis("engine", axis=1)
-        lines += ["", *(f"  {line}" for line in aligned.to_string().splitlines()), f"  {BRACKETS}"]
+    rows = [["engine", *COLUMNS], *engines(run)]
+    if len(rows) > 2:
+        first, *widths = (max(map(len, column)) for column in zip(*rows, strict=True))
+        lines.append("")
+        for engine, *cells in rows:
+            lines.append(f"  {engine:<{first}}" + "".join(f"  {cell:>{w}}" for cell, w in zip(cells, widths, strict=True)))
+        lines.append(f"  {BRACKETS}")
     return "\n".join(lines)
 
 
