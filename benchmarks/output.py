@@ -1,19 +1,19 @@
 """Files and tables of the benchmarks."""
 
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from runfiles.csv_rows import csv_text
 from runfiles.files import write_text
 
 
-def write_rows(path: Path, rows: Sequence[object], kind: type) -> None:
-    """Write dataclass rows of one `kind` as CSV, and print the path."""
-    write_text(path, csv_text(rows, kind))
+def write_rows(path: Path, rows: Sequence[Any], kind: type) -> None:
+    """Write dataclass rows of one `kind` as CSV with six significant digits and nothing for NaN, and print the path."""
+    table = pd.DataFrame([asdict(row) for row in rows], columns=[entry.name for entry in fields(kind)])
+    write_text(path, table.to_csv(index=False, lineterminator="\n", float_format="%.6g"))
     print(path)
 
 

@@ -1,4 +1,4 @@
-"""Accuracies that a setting is asked for, how its errors are measured against them (as lengths), and which are missed."""
+"""Accuracy of settings: errors as lengths, the levels that they are compared with, and the levels that an engine misses."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -12,34 +12,33 @@ LEVELS = (1e-2, 1e-3, 1e-4, 1e-6)
 RELATIVE: Mapping[str, float] = {"stop_distance_error_max": 0.01}
 """Errors that are a share of a way, and the length [m] of one of their units if that way is a metre: 1 % counts as 10 mm."""
 FOLLOWING = ("tracker_offset_rms", "tracker_offset_rms_free")
-"""How far a posture is from its user's says how an engine follows, not how accurate its contact is: it stands beside."""
+"""Distances of a posture from its user's, which are no errors of contact."""
 FOLLOWS = LEVELS[0]
-"""Offset [m] from a user in whose way nothing is, above which a setting reaches no accuracy: what is farther away than the
-coarsest accuracy asked for avoids contact by not being there. Larger, and a body that stays behind by a foot's length is called
-accurate to a micrometre; smaller, and what follows on a spring falls out, which is no error of contact."""
+"""Offset [m] from a user with a free way above which a setting reaches no accuracy. Larger, and a body that stays behind by a
+foot's length is called accurate to a micrometre; smaller, and a body on a spring is excluded, which is no error of contact."""
 
 
-def counts(metric: str, unit: str) -> bool:
-    """Whether an error can be compared with a length."""
-    return metric in RELATIVE or (unit == "m" and metric not in FOLLOWING)
+def counts(metric: str) -> bool:
+    """Return whether an error can be compared with a length."""
+    return metric in RELATIVE or (unit(metric) == "m" and metric not in FOLLOWING)
 
 
-def length(metric: str, error: float) -> float:
-    """The error as a length [m], for a metric that `counts`."""
-    return error * RELATIVE.get(metric, 1.0)
+def lengths(values: Mapping[str, float]) -> dict[str, float]:
+    """Return the errors that count as lengths [m] by metric."""
+    return {name: value * RELATIVE.get(name, 1.0) for name, value in values.items() if counts(name)}
 
 
 def follows(offset: float) -> bool:
-    """Whether a free user is followed; a scene without a user, of whose offset nothing is known (nan), has none to follow."""
+    """Return whether a free user is followed; a scene without a user has an offset of nan."""
     return math.isnan(offset) or offset <= FOLLOWS
 
 
 def largest(entry: Mapping[str, Any], metrics: Sequence[str]) -> float:
-    """The largest of those errors of a cell that count [m]; infinite where one is missing, or its user is not followed."""
+    """Return the largest error [m] of a cell that counts; infinite where one is missing, or its user is not followed."""
     values: Mapping[str, float] = entry["values"] if entry["state"] == "measured" else {}
     if not follows(next((values[name] for name in FOLLOWING if name in values and name in metrics), math.nan)):
         return math.inf
-    found = [length(name, float(values.get(name, math.inf))) for name in metrics if counts(name, unit(name))]
+    found = lengths({name: float(values.get(name, math.inf)) for name in metrics}).values()
     return max((math.inf if math.isnan(error) else error for error in found), default=math.inf)
 
 
@@ -54,18 +53,15 @@ class Reached:
 
 
 def missing(found: Iterable[Reached], ours: str = "avatarsim") -> dict[tuple[str, str], float]:
-    """(scene, engine) -> its finest step [s] so far, where none of its settings reaches one of LEVELS that `ours` reaches."""
+    """Return (scene, engine) -> its finest step [s] where none of its settings reaches one of LEVELS that ``ours`` reaches."""
     least: dict[tuple[str, str], float] = {}
     finest: dict[tuple[str, str], float] = {}
     for one in found:
         place = one.scenario, one.engine
         least[place] = min(least.get(place, math.inf), one.error)
-        if one.step == one.step:
-            finest[place] = min(finest.get(place, math.inf), one.step)
-    return {
-        (scene, engine): finest[scene, engine]
-        for (scene, engine), error in least.items()
-        if engine != ours
-        and (scene, engine) in finest
-        and any(least.get((scene, ours), math.inf) <= level < error for level in LEVELS)
-    }
+        finest[place] = min(finest.get(place, math.inf), math.inf if math.isnan(one.step) else one.step)
+
+    def behind(place: tuple[str, str]) -> bool:
+        return any(least.get((place[0], ours), math.inf) <= level < least[place] for level in LEVELS)
+
+    return {place: step for place, step in finest.items() if place[1] != ours and step < math.inf and behind(place)}

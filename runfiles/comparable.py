@@ -7,7 +7,7 @@ import numpy as np
 import pandas as pd
 
 from runfiles.engines import about
-from runfiles.timing_protocol import RANKED_REPEATS, TAIL_FRAMES, TAILS, may_rank
+from runfiles.timing_protocol import RANKED_REPEATS, TAIL_FRAMES, may_rank
 
 AVATAR_METRIC = "tracker_offset_rms"
 """Metric that exactly the scenes with an avatar have."""
@@ -54,45 +54,27 @@ def reasons(rows: pd.DataFrame, notes: Iterable[Note]) -> pd.Series:
         rows: with the columns scenario, run, metric, value and note.
         notes: of all runs.
     """
-    notes = tuple(notes)
-    why = pd.Series("", index=rows.index, dtype=object)
-    times = rows.metric.str.startswith(TIME)
-    why[rows.metric.isin(TAILS) & ~_ranks(rows)] = FEW_FRAMES
-    sleepers = {(note.scenario, note.run) for note in notes if about(note.run.partition("/")[0]).sleeps or _sleeps(note)}
-    resting = rows[(rows.metric == RESTING_METRIC) & rows.value.notna()]
-    share: dict[str, float] = {}
-    for scene, run, value in zip(resting.scenario, resting.run, resting.value, strict=True):
-        if (scene, run) in sleepers or about(run.partition("/")[0]).sleeps:
-            share[scene] = max(share.get(scene, 0.0), float(value))
+    notes, why = tuple(notes), pd.Series("", index=rows.index, dtype=object)
+    ranks = [may_rank(metric, note) for metric, note in zip(rows.metric, rows.note, strict=True)]
+    why[~np.array(ranks, dtype=bool)] = FEW_FRAMES
+    engine = rows.run.str.partition("/")[0]
+    sleeping = {(note.scenario, note.run) for note in notes if _sleeps(note)}
+    sleeps = engine.map(lambda name: about(name).sleeps).astype(bool) | pd.Series(_keys(rows), index=rows.index).isin(sleeping)
+    rests = rows[(rows.metric == RESTING_METRIC) & sleeps].groupby("scenario").value.max()
     for metric, least in ASLEEP_FROM.items():
-        scenes = [scene for scene, rests in share.items() if rests >= least]
-        why[(rows.metric == metric) & rows.scenario.isin(scenes)] = ASLEEP
-    avatars = set(rows.scenario[rows.metric == AVATAR_METRIC])
-    why[times & rows.scenario.isin(avatars)] = AVATAR_TIME
-    lacking = {
-        (note.scenario, note.run, metric): reason
-        for note in notes
-        for metric, reason in unsupported(note.run, note.cannot_say).items()
-    }
-    for scene, engine in _refused(rows):
-        why[(rows.scenario == scene) & (why == "")] = f"{about(engine).label} refuses the scene"
-    if lacking:
-        keys = zip(rows.scenario, rows.run, rows.metric, strict=True)
-        found = pd.Series([lacking.get(key, "") for key in keys], index=rows.index, dtype=object)
-        why = why.where(found == "", found)
-    return why
+        why[(rows.metric == metric) & rows.scenario.isin(rests.index[rests >= least])] = ASLEEP
+    why[rows.metric.str.startswith(TIME) & rows.scenario.isin(rows.scenario[rows.metric == AVATAR_METRIC])] = AVATAR_TIME
+    if "status" in rows:
+        for scene, name in {(scene, run.partition("/")[0]) for scene, run in _keys(rows[rows.status == "refused"])}:
+            why[(rows.scenario == scene) & (why == "")] = f"{about(name).label} refuses the scene"
+    lacking = {(note.scenario, note.run): unsupported(note.run, note.cannot_say) for note in notes}
+    found = [lacking.get(key, {}).get(metric, "") for key, metric in zip(_keys(rows), rows.metric, strict=True)]
+    return why.where([not reason for reason in found], pd.Series(found, index=rows.index, dtype=object))
 
 
-def _refused(rows: pd.DataFrame) -> set[tuple[str, str]]:
-    """Return (scene, engine) of scenes that an engine refuses, as the scene expects."""
-    if "status" not in rows:
-        return set()
-    refused = rows[rows.status == "refused"]
-    return {(scene, run.partition("/")[0]) for scene, run in zip(refused.scenario, refused.run, strict=True)}
-
-
-def _ranks(rows: pd.DataFrame) -> np.ndarray:
-    return np.array([may_rank(metric, note) for metric, note in zip(rows.metric, rows.note, strict=True)], dtype=bool)
+def _keys(rows: pd.DataFrame) -> list[tuple[str, str]]:
+    """Return (scene, run) of each row."""
+    return list(zip(rows.scenario, rows.run, strict=True))
 
 
 def _sleeps(note: Note) -> bool:

@@ -5,6 +5,7 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import BinaryIO
@@ -47,27 +48,27 @@ def clear_halves(folder: Path) -> None:
 
 
 def _runs(process: int) -> bool:
-    """Whether a process of that number is there, so far as the system tells."""
+    """Return whether a process of that number exists, so far as the system tells."""
     if os.name != "posix":
         # where the question itself would end it
         return True
     try:
         os.kill(process, 0)
-    except (ProcessLookupError, OverflowError):
+    except OSError as error:
+        # any other error is that of another user's process
+        return not isinstance(error, ProcessLookupError)
+    except OverflowError:
         return False
-    except OSError:
-        # there, and another user's
-        return True
     return True
 
 
 def write_text(path: Path, text: str) -> None:
-    """`text` as UTF-8 at `path`, whole or not at all."""
+    """Write a text as UTF-8, whole or not at all."""
     write_whole(path, lambda file: file.write(text.encode()))
 
 
 def write_json(path: Path, value: object) -> None:
-    """`value` as strict JSON; numbers that JSON has no word for become the texts NaN, Infinity and -Infinity."""
+    """Write strict JSON; numbers that JSON has no word for become the texts NaN, Infinity and -Infinity."""
     write_text(path, _in_lines(plain(value), DEEP) + "\n")
 
 
@@ -77,7 +78,7 @@ long, since Python's quick encoder knows no line ends."""
 
 
 def _in_lines(value: object, deep: int) -> str:
-    """`value` as JSON, with a line for each member of its first `deep` levels."""
+    """Return JSON with a line for each member of the first `deep` levels."""
     if deep and value and isinstance(value, dict):
         members = [f"{json.dumps(name, ensure_ascii=False)}: {_in_lines(member, deep - 1)}" for name, member in value.items()]
         return "{\n" + ",\n".join(members) + "\n}"
@@ -87,44 +88,32 @@ def _in_lines(value: object, deep: int) -> str:
 
 
 def plain(value: object) -> object:
-    """`value` with mappings, sequences and numbers turned into what strict JSON can hold; anything else into text."""
-    if type(value) is float and math.isfinite(value):
-        # what most of a run's figures are
-        return value
+    """Return mappings, sequences and numbers as strict JSON can hold them; anything else as text."""
+    if isinstance(value, float):
+        # a finite number as the float that it is: most of a run's figures are
+        return float(value) if math.isfinite(value) else "NaN" if value != value else f"{'-' * (value < 0.0)}Infinity"
     if value is None or isinstance(value, bool | int | str):
         return value
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, Sequence):
         return [plain(item) for item in value]
-    if hasattr(value, "tolist"):
-        return plain(value.tolist())
-    if isinstance(value, float):
-        if math.isfinite(value):
-            return value
-        return "NaN" if math.isnan(value) else ("Infinity" if value > 0.0 else "-Infinity")
-    return str(value)
+    return plain(value.tolist()) if hasattr(value, "tolist") else str(value)
 
 
 def run_folder(out: Path, command: str) -> Path:
-    """A new folder below `out`, named by the time and the command. Raises InvalidInput where none can be made."""
+    """Make a folder below `out`, named by the time and the command. Raises InvalidInput where none can be made."""
+    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
     try:
-        return _new_folder(out, command)
+        out.mkdir(parents=True, exist_ok=True)
+        for attempt in range(1000):
+            folder = out / f"{stamp}-{command}{f'-{attempt}' if attempt else ''}"
+            with suppress(FileExistsError):
+                folder.mkdir()
+                return folder
     except OSError as error:
         why = error.strerror or type(error).__name__
         raise InvalidInput("--out", str(out), f"a folder in which one can be made ({why.lower()})") from error
-
-
-def _new_folder(out: Path, command: str) -> Path:
-    stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
-    out.mkdir(parents=True, exist_ok=True)
-    for attempt in range(1000):
-        folder = out / f"{stamp}-{command}{f'-{attempt}' if attempt else ''}"
-        try:
-            folder.mkdir()
-        except FileExistsError:
-            continue
-        return folder
     raise InvalidInput("number of runs of one second", 1000, "fewer")
 
 

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import MISSING, dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,29 +33,11 @@ OF_USER = ("raw_positions", "raw_orientations", "raw_angles")
 """The fields that are the user's motion."""
 COUNTED = ("counts", "statuses")
 """The fields that hold numbers of frames by name."""
-LAYOUT: Mapping[str, tuple[str | int, ...]] = {
-    "times": ("f8", "states"),
-    "positions": ("f8", "states", "bodies", 3),
-    "orientations": ("f8", "states", "bodies", 4),
-    "velocities": ("f8", "states", "bodies", 3),
-    "angular_velocities": ("f8", "states", "bodies", 3),
-    "angles": ("f8", "states", "angles"),
-    "raw_positions": ("f8", "states", "links", 3),
-    "raw_orientations": ("f8", "states", "links", 4),
-    "raw_angles": ("f8", "states", "hinges"),
-    "inside_time": ("f8", "snapshots"),
-    "inside_frame": ("i8", "snapshots"),
-    "inside_event": ("i8", "snapshots"),
-    "inside_positions": ("f8", "snapshots", "bodies", 3),
-    "inside_orientations": ("f8", "snapshots", "bodies", 4),
-    "inside_velocities": ("f8", "snapshots", "bodies", 3),
-    "inside_angular_velocities": ("f8", "snapshots", "bodies", 3),
-    "state_hashes": ("U", "states"),
-    "counted": ("i8", "states"),
-    "overlap": ("f8", "states"),
-    "frame_times_ns": ("i8", "repeats", "frames"),
-}
-"""Kind of number and axes of every field, and of every array in COUNTED; axes of one name are equally long."""
+
+Vectors = Annotated[Array, "f8", "states", "bodies", 3]
+Inside = Annotated[Array, "f8", "snapshots", "bodies", 3]
+Codes = Annotated[Integers, "i8", "snapshots"]
+PerState = Annotated[Mapping[str, Integers], "i8", "states"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,31 +53,34 @@ class Recording:
     Quaternions do not change their sign from row to row; `state_hashes` are of those that the engine gave.
     overlap (F+1,) [m] of every state shown, as the run judged it; empty where it was not judged.
     counts, statuses: (F+1,) per name. state_hashes (F+1,). frame_times_ns (repeats, frames), empty before the timing pass.
+    Annotations have the kind of number and the axes of every array; axes of one name are equally long.
     meta: scene, engine, version, preset, seed, dt, settings, cannot_say, scene_hash, error (why it ended early, or absent).
     """
 
     meta: Mapping[str, object]
-    times: Array
-    positions: Array
-    orientations: Array
-    velocities: Array
-    angular_velocities: Array
-    angles: Array
-    raw_positions: Array
-    raw_orientations: Array
-    raw_angles: Array
-    inside_time: Array
-    inside_frame: Integers
-    inside_event: Integers
-    inside_positions: Array
-    inside_orientations: Array
-    inside_velocities: Array
-    inside_angular_velocities: Array
-    state_hashes: NDArray[np.str_]
-    counts: Mapping[str, Integers] = field(default_factory=dict)
-    statuses: Mapping[str, Integers] = field(default_factory=dict)
-    frame_times_ns: Integers = field(default_factory=lambda: np.zeros((0, 0), dtype=np.int64))
-    overlap: Array = field(default_factory=lambda: np.zeros(0))
+    times: Annotated[Array, "f8", "states"]
+    positions: Vectors
+    orientations: Annotated[Array, "f8", "states", "bodies", 4]
+    velocities: Vectors
+    angular_velocities: Vectors
+    angles: Annotated[Array, "f8", "states", "angles"]
+    raw_positions: Annotated[Array, "f8", "states", "links", 3]
+    raw_orientations: Annotated[Array, "f8", "states", "links", 4]
+    raw_angles: Annotated[Array, "f8", "states", "hinges"]
+    inside_time: Annotated[Array, "f8", "snapshots"]
+    inside_frame: Codes
+    inside_event: Codes
+    inside_positions: Inside
+    inside_orientations: Annotated[Array, "f8", "snapshots", "bodies", 4]
+    inside_velocities: Inside
+    inside_angular_velocities: Inside
+    state_hashes: Annotated[NDArray[np.str_], "U", "states"]
+    counts: PerState = field(default_factory=dict)
+    statuses: PerState = field(default_factory=dict)
+    frame_times_ns: Annotated[Integers, "i8", "repeats", "frames"] = field(
+        default_factory=lambda: np.zeros((0, 0), dtype=np.int64)
+    )
+    overlap: Annotated[Array, "f8", "states"] = field(default_factory=lambda: np.zeros(0))
 
     @property
     def frames(self) -> int:
@@ -192,11 +177,11 @@ def _arrays(path: Path, wanted: Callable[[str], bool]) -> dict[str, NDArray[Any]
 
 
 def _misfit(found: Mapping[str, Any]) -> str:
-    """Return the first field that contradicts LAYOUT or those before it, "" without one; an empty `overlap` fits."""
+    """Return the first field that contradicts its annotation or those before it, "" without one; an empty `overlap` fits."""
     sizes: dict[str, int] = {}
-    counted = [numbers for name in COUNTED for numbers in found.get(name, {}).values()]
-    for name, (kind, *axes) in LAYOUT.items():
-        for array in counted if name == "counted" else [found[name]] if name in found else []:
+    for name, hint in get_type_hints(Recording, include_extras=True).items():
+        kind, *axes = getattr(hint, "__metadata__", ("",))
+        for array in found.get(name, {}).values() if name in COUNTED else [found[name]] if kind and name in found else []:
             if name == "overlap" and array.size == 0:
                 continue
             shape = tuple(

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from runfiles.accuracy import FOLLOWING, counts, follows, length
+from runfiles.accuracy import FOLLOWING, follows, lengths
 from runfiles.comparable import ASLEEP_FROM
 from runfiles.engines import about
-from runfiles.metrics import unit
 from runfiles.table import read_study, wide
 
 STUDY = "settings"
@@ -48,7 +47,7 @@ def _setting(row: dict[str, object]) -> dict[str, object]:
     values = _values(engine, options)
     sound = all(number(metric) == 0.0 for metric in SPOILS if metric in row and not math.isnan(number(metric)))
     names = [name for name in row if name.endswith(("_max", "_rms", "_rms_free")) and not name.startswith("frame_time_")]
-    errors = {name: length(name, number(name)) for name in names if counts(name, unit(name)) and not math.isnan(number(name))}
+    errors = lengths({name: number(name) for name in names if not math.isnan(number(name))})
     error = max(errors.values(), default=math.nan) if sound else math.nan
     if sound and not all(follows(number(name)) for name in FOLLOWING):
         error = math.inf

@@ -15,7 +15,7 @@ def entry(state: str = "measured", **values: float) -> Entry:
 
 
 def test_what_is_a_length_counts_and_how_it_follows_does_not() -> None:
-    assert counts(OVERLAP, "m") and counts(STOP, "%") and not counts(OFFSET, "m") and not counts("spin_error_max", "rad/s")
+    assert counts(OVERLAP) and counts(STOP) and not counts(OFFSET) and not counts("spin_error_max")
     assert follows(math.nan) and follows(FOLLOWS) and not follows(1.001 * FOLLOWS)
 
 

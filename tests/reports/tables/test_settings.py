@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from reports.tables.settings import settings
 from runfiles.accuracy import counts, follows, largest
 from runfiles.engines import about
-from runfiles.metrics import unit
 from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, SETTING, Part, write_study
 
 METRICS = (OVERLAP, "stop_distance_error_max", "spin_error_max", "tracker_offset_rms_free")
@@ -34,7 +33,7 @@ def test_the_error_is_the_largest_that_counts(tmp_path: Path, cells: list[dict[s
     parts = [Part("arm_wall", MUJOCO, f"s{k}", {**values, "frame_time_max": 9.0}) for k, values in enumerate(cells)]
     for row, values in zip(read(tmp_path, *parts).itertuples(), cells, strict=True):
         twin = largest({"state": "measured", "values": values}, tuple(values))
-        if any(counts(name, unit(name)) for name in values) or not follows(values.get(METRICS[-1], math.nan)):
+        if any(counts(name) for name in values) or not follows(values.get(METRICS[-1], math.nan)):
             assert row.error == pytest.approx(twin)
 
 

@@ -214,8 +214,8 @@ def test_the_ladder_is_asked_first_and_the_solver_after_it(tmp_path: Path) -> No
     assert {cell.setting.name for cell in solver} == {
         "tuned sleep=true", "tuned iterations=10", "tuned solver_iterations=10", "tuned solver_iterations=200"}
     assert cells[first : first + len(rungs) + len(solver)] == [*rungs, *solver], "all else comes later"
-    coarse = [ladder.step_of(cell.setting.name) for cell in rungs if ladder.is_coarse(cell.setting.name)]
-    assert coarse == sorted(coarse, key=lambda step: -(step or 0.0)) and len(coarse) < len(rungs)
+    coarse = [ladder.NAMES[cell.setting.name] for cell in rungs if ladder.is_coarse(cell.setting.name)]
+    assert coarse == sorted(coarse) and len(coarse) < len(rungs)
     by_engine = {engine: {(cell.scenario, cell.setting.name) for cell in rungs if cell.setting.engine == engine}
                  for engine in ("mujoco", "pybullet")}
     # a preset that steps so already is the rung itself
