@@ -1,1 +1,1 @@
-"""What a run leaves in its folder, and what its figures mean: read alike by the harness, the reports and the benchmarks."""
+"""Files of a run and the meaning of their figures, for the harness, the reports and the benchmarks."""

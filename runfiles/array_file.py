@@ -20,6 +20,7 @@ from avatarsim.files import check
 MOST = 2**30
 """Bytes that all arrays of one file may take. The longest recording of the catalogue takes a twentieth; a file of a megabyte that
 deflate can blow up to a thousand must not take a machine's memory."""
+WHOLE = "a whole .npz file from this runner"
 LEVEL = 1
 """Of deflate. A higher one takes three times as long and saves a tenth."""
 PLANES = {"@float64": np.dtype(np.float64), "@int64": np.dtype(np.int64)}
@@ -40,7 +41,7 @@ def write(file: IO[bytes], arrays: Mapping[str, NDArray[np.generic]]) -> None:
 
 
 def planes(array: NDArray[np.generic]) -> NDArray[np.uint8]:
-    """(8, ..., n) bytes of an array (n, ...) of 64-bit numbers: those of equal weight beside each other, time last."""
+    """Return bytes (8, ..., n) of an array (n, ...) of 64-bit numbers: those of equal weight beside each other, time last."""
     bits = np.moveaxis(array, TIME, -1).copy(order="C").view(np.int64)
     bits[..., 1:] = np.diff(bits, axis=-1)
     # the sign goes to the lowest bit: a small step down has zeros above as a small step up has
@@ -50,7 +51,7 @@ def planes(array: NDArray[np.generic]) -> NDArray[np.uint8]:
 
 
 def joined(split: NDArray[np.uint8], kind: np.dtype[Any]) -> NDArray[np.generic]:
-    """The array whose `planes` these are. ValueError for what can be none of any."""
+    """Return the array whose `planes` these are. Raises ValueError for bytes of another layout."""
     if split.dtype != np.uint8 or split.ndim < 2 or split.shape[0] != 8:
         raise ValueError(f"byte planes of {split.dtype}, {split.shape}")
     bits = np.ascontiguousarray(np.moveaxis(split, 0, -1)).view("<i8")[..., 0].astype(np.int64)
@@ -60,8 +61,8 @@ def joined(split: NDArray[np.uint8], kind: np.dtype[Any]) -> NDArray[np.generic]
 
 
 def read(path: Path, wanted: Callable[[str], bool] = lambda name: True) -> dict[str, NDArray[Any]]:
-    """The arrays of a file whose name is `wanted`. Raises InvalidFile for one that is missing, damaged, or too large."""
-    check(path, f"arrays of {path}", "a whole .npz file from this runner", MOST)
+    """Read the arrays of a file whose name is `wanted`. Raises InvalidFile for one that is missing, damaged, or too large."""
+    check(path, f"arrays of {path}", WHOLE, MOST)
     try:
         with path.open("rb") as file, zipfile.ZipFile(file) as archive:
             members = archive.infolist()
@@ -72,16 +73,14 @@ def read(path: Path, wanted: Callable[[str], bool] = lambda name: True) -> dict[
     except InvalidFile:
         raise
     except Exception as error:
-        # what zipfile, zlib and numpy raise over a file that is damaged has no common base
-        found = f"{type(error).__name__}: {error}"
-        raise InvalidFile(f"arrays of {path}", found, "a whole .npz file from this runner") from error
+        # zipfile, zlib and numpy have no common error
+        raise InvalidFile(f"arrays of {path}", f"{type(error).__name__}: {error}", WHOLE) from error
 
 
 def _name(member: zipfile.ZipInfo) -> tuple[str, str]:
-    """Name of an array, and the ending that says how it is kept."""
-    whole = member.filename.removesuffix(".npy")
-    ending = next((one for one in PLANES if whole.endswith(one)), "")
-    return whole.removesuffix(ending), ending
+    """Return the name of an array, and the ending of its layout."""
+    name, at, kind = member.filename.removesuffix(".npy").rpartition("@")
+    return (name, at + kind) if at + kind in PLANES else (member.filename.removesuffix(".npy"), "")
 
 
 def _array(archive: zipfile.ZipFile, member: zipfile.ZipInfo) -> tuple[str, NDArray[Any]]:

@@ -162,26 +162,21 @@ def about(name: str) -> About:
 @cache
 def _of_joined(name: str, path: tuple[str, ...]) -> About:
     adapter = _entries(path).get(name, "")
-    file = _file_beside(adapter.partition(":")[0])
-    if file is not None:
-        return _read(file, name, adapter)
-    colour, dark = SPARE[sum(map(ord, name)) % len(SPARE)]
-    return About(name, name, colour, dark, ("default",), adapter)
+    for folder in _folders(adapter.partition(":")[0]):
+        if (folder / FILE).is_file():
+            return _read(folder / FILE, name, adapter)
+    return About(name, name, *SPARE[sum(map(ord, name)) % len(SPARE)], ("default",), adapter)
 
 
-def _file_beside(module: str) -> Path | None:
-    """Return the file of facts in the package of a module; nothing of the package is imported."""
+def _folders(module: str) -> list[Path]:
+    """Return the folders that may hold a module's file of facts; nothing of its package is imported."""
     top, *inner = module.split(".")
     try:
         spec = find_spec(top) if top else None
     except (ImportError, ValueError):
-        return None
-    for place in (spec.submodule_search_locations or ()) if spec else ():
-        folder = Path(place).joinpath(*inner)
-        file = (folder if folder.is_dir() else folder.parent) / FILE
-        if file.is_file():
-            return file
-    return None
+        return []
+    places = [Path(place).joinpath(*inner) for place in (spec and spec.submodule_search_locations) or ()]
+    return [place if place.is_dir() else place.parent for place in places]
 
 
 def _read(path: Path, name: str = "", adapter: str = "") -> About:
@@ -200,7 +195,7 @@ def run_label(run: str) -> str:
     """Return "engine/preset" as pages call it: without the preset where the engine has one in tables."""
     name, _, preset = run.partition("/")
     one = about(name)
-    return one.label if len(one.presets) == 1 and preset == one.presets[0] else f"{one.label} {preset}"
+    return one.label if one.presets == (preset,) else f"{one.label} {preset}"
 
 
 def main_runs() -> tuple[str, ...]:

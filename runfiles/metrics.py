@@ -69,12 +69,10 @@ RANKED: Mapping[str, Metric] = MappingProxyType({name: one for name, one in METR
 
 def metric(name: str) -> Metric:
     """Return the metric, or the family, of a name. Raises UnknownName."""
-    if name in METRICS:
-        return METRICS[name]
-    for family in FAMILIES:
-        if name.startswith(family.name) or name.endswith(family.name):
-            return family
-    raise UnknownName("metric", name, METRICS)
+    found = [one for one in FAMILIES if name.startswith(one.name) or name.endswith(one.name)]
+    if name not in METRICS and not found:
+        raise UnknownName("metric", name, METRICS)
+    return METRICS.get(name) or found[0]
 
 
 def unit(name: str) -> str:

@@ -3,19 +3,15 @@
 GATED = ("avatarsim", "default")
 """The engine and preset that carry bounds unless `check --engine` names another."""
 BASELINE = "tracker"
-"""The engine without contact handling: its overlap is how large the problem is."""
+"""The engine without contact handling: its overlap is the size of the problem."""
 COMPILED = "compiled: "
-"""How the names of settings begin that are no choice of ours but what became of those in a scene, in numbers."""
+"""Beginning of the names of settings that an engine's compiler made of ours in a scene, in numbers."""
 TUNED = "tuned"
-"""The preset beside which settings stand that are better in something else."""
-UNSEEN_PREFIX = "unseen_"
-"""How the names of scenes begin whose motions nothing was tuned for."""
-CROWD_PREFIX = "crowd_"
-"""How the names of scenes begin in which random bodies are drawn by a seed, which the name ends with."""
-OWN_PREFIX = "own_"
-"""How the names of scenes begin that a user brings as files."""
+"""The preset with which settings are compared that are better in something else."""
+UNSEEN_PREFIX, CROWD_PREFIX, OWN_PREFIX = "unseen_", "crowd_", "own_"
+"""Beginnings of the names of scenes: of motions that nothing was tuned for, of bodies drawn by a seed, of files of a user."""
 
 
 def stem(scenario: str, engine: str, preset: str, seed: int) -> str:
-    """Name, without ending, of the files that a run keeps of one engine and preset in one scene with one seed."""
+    """Return the name, without ending, of the files of one engine and preset in one scene with one seed."""
     return f"{scenario}.{engine}.{preset}.{seed}"

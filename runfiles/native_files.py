@@ -1,13 +1,11 @@
-"""Where a scene in a simulator's own words lies in a run's folder: MJCF, calls, and what an engine was told in every step."""
+"""Places of a scene in a simulator's own words in a run's folder: MJCF, calls, and the inputs of an engine in every step."""
 
 from pathlib import Path
 
 from runfiles.naming import stem
 
-FOLDER = "native"
-"""Where these files lie in a run's folder."""
-STEPS = "steps.npz"
-"""How the names of files end that have what an engine was told in every step."""
+FOLDER, STEPS = "native", "steps.npz"
+"""Folder of these files, and ending of the names of those with the inputs of every step."""
 
 
 def replay(engine: str) -> str:
@@ -16,14 +14,14 @@ def replay(engine: str) -> str:
 
 
 def steps_written(folder: Path, scene: str, run: str, seed: int) -> tuple[str, ...]:
-    """Paths, below a run's `folder`, of those two files; none where there are none."""
+    """Return the paths, below a run's `folder`, of the steps and their program; none where there are none."""
     engine, _, preset = run.partition("/")
     names = f"{FOLDER}/{stem(scene, engine, preset, seed)}.{STEPS}", replay(engine)
     return names if all((folder / name).exists() for name in names) else ()
 
 
 def written(folder: Path, scene: str, run: str, seed: int) -> str:
-    """Path, below a run's `folder`, of what was written for that scene, run and seed; "" if nothing was."""
+    """Return the path, below a run's `folder`, of the file for that scene, run and seed; "" without one."""
     engine, _, preset = run.partition("/")
     found = sorted((folder / FOLDER).glob(f"{stem(scene, engine, preset, seed)}.*.gz"))
     return f"{FOLDER}/{found[0].name}" if found else ""

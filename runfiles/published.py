@@ -1,4 +1,4 @@
-"""Whether results.json keeps to its published layout: checked when a run has ended, and by every reader of it."""
+"""Check of results.json against its published schema: when a run has ended, and by every reader."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -16,7 +16,7 @@ LONGEST = 80
 
 
 def check(data: object, path: Path) -> None:
-    """Raise InvalidFile, naming the first place that the schema does not allow, what stands there and what may."""
+    """Raise InvalidFile with the first place that the schema does not allow, its value and the allowed ones."""
     from jsonschema.exceptions import best_match
 
     error = best_match(_validator().iter_errors(data))
@@ -36,7 +36,7 @@ def _validator() -> Any:
     slow = Draft202012Validator.VALIDATORS["items"]
 
     def items(validator: Any, wanted: object, instance: object, around: Mapping[str, object]) -> Iterator[Any]:
-        """Of elements that look the same to the schema one is checked; a run has tens of thousands of rows."""
+        """Check one of all elements that look the same to the schema; a run has tens of thousands of rows."""
         if not isinstance(instance, list):
             return
         first: dict[object, int] = {}
@@ -52,7 +52,7 @@ def _validator() -> Any:
 
 
 def _look(element: object) -> object:
-    """What the schema can tell of an element: types, words for numbers, the status of a row; anything nested by its content."""
+    """Return all that the schema distinguishes in an element: types, words for numbers, the status of a row, nested content."""
     if isinstance(element, dict):
         return tuple((key, _look(value) if key != "status" else str(value)) for key, value in sorted(element.items()))
     if isinstance(element, str):

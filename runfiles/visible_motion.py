@@ -1,4 +1,4 @@
-"""Motion that a viewer sees: speeds and distances from which it counts, reversals and shaking of link origins."""
+"""Motion that a viewer sees: least speeds and distances, reversals and shaking of link origins."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,8 +17,8 @@ FAR = 0.1
 
 
 def reversals(shown: Array, target: Array) -> Array:
-    """(F, L) [m] of link origins (F+1, L, 3): the smaller of the displacements of this frame and the one before where the shown
-    ones point against each other and the target's do not; 0 where they do not. nan where something shown is no number."""
+    """Return the smaller [m] (F, L) of the displacements of link origins (F+1, L, 3) in this frame and the one before, where they
+    point against each other and the target's do not; 0 elsewhere, nan where a place is no number."""
     found = np.zeros(shown[1:].shape[:-1])
     step, wanted = np.diff(shown, axis=0), np.diff(target, axis=0)
     back = ~((step[1:] * step[:-1]).sum(axis=-1) >= 0.0) & ~((wanted[1:] * wanted[:-1]).sum(axis=-1) < 0.0)
@@ -28,8 +28,8 @@ def reversals(shown: Array, target: Array) -> Array:
 
 
 def shaking(reversed_by: Array, dt: float) -> Flags:
-    """(F,) True where a link reversed by more than SHAKES times `dt` [s] in ENOUGH of the WINDOW frames that end there, of
-    reversals (F, L) [m]."""
+    """Return (F,) True where one of the reversals (F, L) [m] is more than SHAKES times `dt` [s] in ENOUGH of the last WINDOW
+    frames."""
     seen = np.concatenate([np.zeros((WINDOW - 1, reversed_by.shape[1]), dtype=np.int64), ~(reversed_by <= SHAKES * dt)])
     often = np.lib.stride_tricks.sliding_window_view(seen, WINDOW, axis=0).sum(axis=-1) >= ENOUGH
     return np.asarray(often.any(axis=1))

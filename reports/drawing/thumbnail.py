@@ -15,7 +15,7 @@ from reports.reading.kept import Drawn, Shown
 WIDTH, HEIGHT = 320, 200
 """Units of the picture, two per pixel of a card: whole numbers of them are as fine as a screen shows."""
 MARGIN = 1.16
-"""How much wider than what moves the picture is: less cuts outlines off, more makes a hand a dot."""
+"""Width of the picture over that of the moving bodies: less cuts outlines off, more makes a hand a dot."""
 ELEVATION = 0.4
 """Angle [rad] from which the eye looks down, as the replay does when it opens."""
 LEAST_OFFSET = 0.01

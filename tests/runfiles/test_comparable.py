@@ -1,4 +1,4 @@
-"""Whether a figure compares engines."""
+"""Figures that compare engines, and reasons why others do not."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -15,7 +15,7 @@ Line = tuple[str, str, str, float]
 
 @dataclass(frozen=True)
 class Said:
-    """What an engine said of itself in a scene."""
+    """Report of an engine on itself in a scene."""
 
     scenario: str
     run: str

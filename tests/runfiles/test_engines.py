@@ -1,4 +1,4 @@
-"""What tables need to know of engines stands in one file each."""
+"""Facts on engines for tables are in one file each."""
 
 import fnmatch
 import re

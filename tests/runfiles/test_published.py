@@ -1,4 +1,4 @@
-"""What a run writes keeps to the published layout; the quick check finds what the slow one finds."""
+"""Results of a run keep to the published layout; the quick check agrees with the slow one."""
 
 import json
 from collections.abc import Callable

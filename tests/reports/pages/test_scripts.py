@@ -1,4 +1,4 @@
-"""What stands inside a page comes out as it went in, and cannot end the element that holds it."""
+"""Data inside a page comes out as it went in, and cannot end its element."""
 
 import base64
 import gzip

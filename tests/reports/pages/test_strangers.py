@@ -1,4 +1,4 @@
-"""What a run holds from outside stays text, and stays inside its folder."""
+"""Texts from outside stay text, and files stay inside their folder."""
 
 from collections.abc import Callable
 from pathlib import Path

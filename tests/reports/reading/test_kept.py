@@ -1,4 +1,4 @@
-"""What a run keeps of a scene is read whole, or refused with its name."""
+"""Scenes and recordings of a run are read whole, or refused with their names."""
 
 import json
 import re

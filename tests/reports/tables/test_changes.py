@@ -1,4 +1,4 @@
-"""What differs between two runs is listed, and nothing else."""
+"""Differences between two runs are listed, and nothing else."""
 
 import math
 from collections.abc import Mapping, Sequence
