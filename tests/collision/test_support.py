@@ -97,3 +97,19 @@ def test_foremost_corners_are_those_of_a_face_an_edge_or_a_corner(toward, count)
         np.testing.assert_array_equal((first, second), corners[:2])
     else:
         assert second == tuple(corners[0]) and first == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("many", [3, 40])
+def test_of_nothing_but_nan_the_first_row(many):
+    rows = np.full((many, 3), np.nan)
+    assert farthest(rows, 0, many, (1.0, 0.0, 0.0)) == 0
+    assert farthest(np.ones((many, 3)), 0, many, (np.nan, 0.0, 0.0)) == 0
+
+
+@pytest.mark.parametrize("many", [3, 4, 40])
+def test_infinite_rows_are_farthest(many):
+    for where in (many - 2, many - 1):
+        rows = np.ones((many, 3))
+        rows[where, 1] = np.inf
+        assert farthest(rows, 0, many, (0.5, 1.0, 0.5)) == where
+        assert largest(rows, 0, many, (0.5, 1.0, 0.5)) == np.inf

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from avatarsim.ik.kinematics import tangent_error, try_step
+from avatarsim.ik.kinematics import parts_of, tangent_error, try_step
 from avatarsim.ik.objective import LOSS_RADIUS, model, value_of
 from avatarsim.model.skeleton import BALL
 from avatarsim.scene.tracker import link_poses
@@ -227,3 +227,13 @@ def test_a_target_far_beyond_pulls_no_harder_than_one_at_the_loss_radius(by: flo
     assert pulls[1] == pytest.approx(pulls[0], abs=1e-9) and pulls[2] == pytest.approx(pulls[0], abs=1e-9)
     if by == 0.0:
         assert -pulls[0][0] == pytest.approx(len(mixed_avatar().links) * d, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_parts_of_a_step_are_the_norms_of_its_root_and_of_each_joint(seed: int) -> None:
+    found = at_random(seed)
+    skel, step = found.world.skeleton, np.random.default_rng(seed).normal(size=len(found.avatars.joint_of))
+    for link in range(len(skel.kind)):
+        mine = step[skel.first_dof[link] : skel.first_dof[link + 1]]
+        root, joint = (mine[:3], mine[3:]) if len(mine) == 6 else (mine[:0], mine)
+        assert parts_of(skel, link, step) == pytest.approx((np.linalg.norm(root), np.linalg.norm(joint)), abs=1e-14)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from avatarsim.ik.broad_phase import form_islands
 from avatarsim.ik.constraints import touch
 from avatarsim.ik.motion_budget import AT_REST
-from avatarsim.ik.state import PROBES, axis_at, keep_axis, make_pair_cache, slot_of
+from avatarsim.ik.state import PROBES, axis_at, forget_pairs, keep_axis, make_pair_cache, slot_of
 from avatarsim.ik.target import clip_to_limits, meet_target
 from avatarsim.model.joint_limits import cone_excess
 from avatarsim.model.skeleton import BALL, Posture
@@ -154,3 +154,25 @@ def test_a_pair_that_is_asked_for_in_every_step_is_never_forgotten() -> None:
         cache.step[0] = step
         slot_of(cache, *rng.integers(PIECES, size=2).tolist())
         assert axis_at(cache, slot_of(cache, 3, 7)) == (0.0, 0.0, 1.0)
+
+
+def test_of_a_full_neighbourhood_the_pair_unused_for_longest_is_given_up() -> None:
+    cache, rng = make_pair_cache(1, PIECES), np.random.default_rng(0)
+    for step in range(200):
+        cache.step[0] = step
+        pair = rng.integers(PIECES, size=2).tolist()
+        before, keys = cache.used.copy(), cache.key.copy()
+        at = slot_of(cache, *pair)
+        if keys[at] not in (-1, cache.key[at]):
+            # each of the slots looked at was used in another step
+            assert step - before[at] >= PROBES
+    assert (cache.key >= 0).all()
+    forget_pairs(cache)
+    assert (cache.key == -1).all()
+
+
+def test_a_pair_that_comes_anew_into_a_slot_knows_nothing() -> None:
+    cache = make_pair_cache(1, PIECES)
+    cache.axis[:], cache.axis_step[:], cache.gap_step[:] = 1.0, 0, 0
+    at = slot_of(cache, 3, 7)
+    assert axis_at(cache, at) == (0.0, 0.0, 0.0) and cache.axis_step[at] == -1 and cache.gap_step[at] == -1
