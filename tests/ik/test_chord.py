@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.track import between
-from avatarsim.ik.chord import DEPTH
+from avatarsim.ik.chord import DEPTH, common_ancestors
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
@@ -202,3 +202,9 @@ def test_a_ball_turned_by_half_a_circle_is_followed_the_short_way() -> None:
     after = replace(after, rotations=np.array([rotation.IDENTITY, rotation.from_rotation_vector((0.0, 3.0, 0.0))]))
     until, pair = chords.free_until(before, after)
     assert pair == ("post", "arm/arm") and until == pytest.approx((0.5 * np.pi - np.arcsin(0.04 / 0.3)) / 3.0, abs=1e-2)
+
+
+def test_the_nearest_common_ancestor_of_each_pair_of_links() -> None:
+    avatar = mixed_avatar()
+    found = common_ancestors(Chords(scene_with(avatar, ())).world.skeleton)
+    assert found.tolist() == [[0, 0, 0, 0, 0], [0, 1, 1, 1, 0], [0, 1, 2, 2, 0], [0, 1, 2, 3, 0], [0, 0, 0, 0, 4]]

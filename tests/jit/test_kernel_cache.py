@@ -297,3 +297,9 @@ def test_other_users_of_numba_keep_their_own_folder() -> None:
 def same(x: float) -> float:
     """Something to decorate."""
     return x
+
+
+def test_other_cache_folders_of_the_environment_come_after_our_own(package: Path, tmp_path: Path) -> None:
+    first = {"AVATARSIM_CACHE_DIR": str(tmp_path / "ours"), "NUMBA_CACHE_DIR": str(tmp_path / "numba")}
+    assert run(package, **first) == (21.0, 0)
+    assert list((tmp_path / "ours").rglob("*.kernel")) and not (tmp_path / "numba").exists()

@@ -14,7 +14,7 @@ from avatarsim.model.world import World, build
 from avatarsim.planner.ghost import put_ghost
 from avatarsim.planner.goal_test import aim_at_tracker, buy
 from avatarsim.planner.rrt_connect import begin_search, search
-from avatarsim.planner.state import NONE, Ghost, Outcome, Phase, Plan, make_planner, plan_is_sound
+from avatarsim.planner.state import GOAL_NODE, NONE, Ghost, Outcome, Phase, Plan, make_planner, plan_is_sound
 from avatarsim.planner.tree import add_node, get_node
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
@@ -153,3 +153,30 @@ def test_what_is_pressed_on_a_table_is_led_around_it_once_it_has_paid_and_not_in
     if not is_led:
         run.go(scene.first_sample, 30)
         assert "following" not in run.said and run.far(scene.first_sample) < 1e-6
+
+
+def test_a_path_whose_end_is_no_nearer_than_the_avatar_is_dropped_and_one_to_near_by_is_led_on() -> None:
+    scene, _ = behind_the_wall(walker())
+    planner = planner_of(moved_to_the_wall(scene))
+    s, start = planner.plan.searches, planner.world.posture
+    target = displaced(start, np.array([0.85, 0.0, 0.0]))
+    while s.lasts[0] == 0.0:
+        planner.slice(target)
+    for k in range(12):
+        target = displaced(start, np.array([0.85 + 0.03 * k, 0.02 * k, 0.0]))
+        for _ in range(4):
+            assert planner.slice(target) == Outcome.SEARCHING
+    end = displaced(start, np.zeros(3))
+    get_node(planner.world.skeleton, planner.avatars, 0, planner.plan.path[0, s.length[0] - 1], planner.plan, end)
+    assert np.linalg.norm(end.root[0] - target.root[0]) < 0.05
+    assert planner.slice(displaced(start, np.array([-0.3, 0.0, 0.0]))) == Outcome.STALE
+
+
+def test_a_goal_that_is_no_nearer_any_more_is_searched_for_no_longer() -> None:
+    scene, _ = behind_the_wall(walker())
+    planner = planner_of(moved_to_the_wall(scene))
+    s, start = planner.plan.searches, planner.world.posture
+    while s.phase[0] == Phase.GOAL:
+        planner.slice(displaced(start, np.array([0.85, 0.0, 0.0])), 30)
+    assert s.count[0] > GOAL_NODE and plan_is_sound(planner.plan)
+    assert planner.slice(displaced(start, np.array([-0.3, 0.0, 0.0]))) == Outcome.STALE

@@ -7,9 +7,10 @@ from scipy.spatial.transform import Rotation
 from avatarsim.collision.conservative_advancement import BROKEN, CLEAR, ROUNDS, UNKNOWN, time_of_impact
 from avatarsim.collision.path import FREE, HELD, STILL
 from avatarsim.model.geometry import place
-from avatarsim.rigid.first_event import ahead_of, balls_meet, first_event, out_of_reach
+from avatarsim.rigid.first_event import ROUND_WORK, SEARCH_WORK, ahead_of, balls_meet, event_of_pair, first_event, out_of_reach
 from avatarsim.rigid.islands import make_islands, part
 from avatarsim.rigid.near_pairs import MARGIN, NARROW, grow, margin_for, turn_within
+from avatarsim.rigid.state import SEARCHES, WORK
 from avatarsim.scene.shape import Box
 from tests.rigid.upper_world import GRAVITY, World, ball, slab, thing
 
@@ -182,3 +183,18 @@ def test_tiny_balls_in_lanes_are_no_island() -> None:
     world = World([wall, *bodies], restitution=1.0, gravity=(0.0, 0.0, 0.0))
     world.run(0.1)
     assert np.array_equal(world.velocities.linear[1:, 2], np.full(50, 0.01))
+
+
+@pytest.mark.nojit
+def test_rounds_of_a_search_are_charged() -> None:
+    """A box that tumbles down on another one takes more work the longer the search."""
+    world, rng, seen = world_of("boxes"), np.random.default_rng(11), set()
+    m = world.memory
+    for _ in range(50):
+        throw(world, rng, False)
+        m.counts[:] = 0
+        event_of_pair(world.geometry, m, 0, 1, 0.0, H)
+        assert m.counts[WORK] >= SEARCH_WORK * m.counts[SEARCHES]
+        assert (m.counts[WORK] - SEARCH_WORK * m.counts[SEARCHES]) % ROUND_WORK == 0
+        seen.add(int(m.counts[WORK]))
+    assert len(seen) > 3

@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.collision.path import make_series
 from avatarsim.rigid.contacts import Masses, add_contact, make_contacts
-from avatarsim.rigid.resting import ATTEMPTS, SOLVED, SWEEPS, Care, hold, remainder
+from avatarsim.rigid.resting import ATTEMPTS, SOLVED, SWEEPS, Care, hold, remainder, slip_that_ends
 from avatarsim.rigid.rolling import curvature
 from avatarsim.spatial import rotation
 
@@ -82,3 +82,13 @@ def test_a_remainder_shortens_no_segment_and_a_slip_does() -> None:
         length, _, w_end = held(contacts, masses, h, -np.cross(spin, arm) + np.array([slip, 0.0, 0.0]), spin)
         assert bool(length == h) is whole
         assert length > 1e-5
+
+
+def test_a_brick_that_slides_without_spin_has_no_remainder() -> None:
+    """Any slip of it counts that goes farther than SLIPPED."""
+    contacts, _ = standing(np.array([0.0, 0.0, -0.2]), 0.5)
+    linear, still = np.zeros((2, 3)), np.zeros((2, 3))
+    linear[1, 0] = 1e-5
+    assert remainder(contacts, 0, 1e-2, still, still) == 0.0
+    assert slip_that_ends(contacts, 0, 1e-2, linear, still, still) == ((1e-5, 0.0, 0.0), 1e-5)
+    assert slip_that_ends(contacts, 0, 1e-4, linear, still, still)[1] == 0.0

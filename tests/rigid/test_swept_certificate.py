@@ -9,7 +9,7 @@ from avatarsim.collision.path import HELD
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.rigid.substep_state import UNKNOWN
-from avatarsim.rigid.swept_certificate import certify_pieces, least_between, least_of, measure_way, pose_on_way
+from avatarsim.rigid.swept_certificate import LEAST, certify_pieces, least_between, least_of, measure_way, pose_on_way
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
 from avatarsim.tolerances import JUDGED
 from tests.rigid.upper_world import World, thing
@@ -151,3 +151,12 @@ def test_the_least_height_between_two_ends_is_that_of_many_instants(before: floa
     s = np.linspace(0.0, 1.0, 2001)
     sampled = (before + (after - before) * s - 4.0 * bulge * s * (1.0 - s)).min()
     assert sampled - 1e-6 <= least_between(before, after, bulge) <= sampled + 1e-12
+
+
+@pytest.mark.parametrize("gap", [1e-3, 2.0 * LEAST, 2e-8, -2e-7, -1e-3])
+def test_to_stand_still_is_certified(gap: float) -> None:
+    world, rng = pair(0, 4), np.random.default_rng(4)
+    throw(world, rng, gap)
+    world.memory.substeps.way[:], world.memory.substeps.turning[:], world.memory.paths.linear[:] = 0.0, 0.0, 0.0
+    measured(world)
+    assert certify_pieces(world.geometry, world.poses, world.memory, 0, H).holds
