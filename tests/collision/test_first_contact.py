@@ -298,3 +298,18 @@ def test_a_body_thrown_up_from_the_ground_comes_back_when_it_does(gap: float) ->
     v, g = 0.04893894, 9.81
     expected = (v + (v * v + 2.0 * g * gap) ** 0.5) / g
     assert earliest_touch(gap, v, -g, 1.0) == pytest.approx(expected, rel=1e-14)
+
+
+def test_an_exact_double_root_is_not_missed() -> None:
+    speed = 2.0
+    top = speed**2 / (2.0 * G)
+    ceiling = fixed("ceiling", (Piece(Box((2.0, 2.0, 0.1))),), "m", (0.0, 0.0, top + 0.1 + 0.05))
+    found = TwoBodies(ceiling, ball("ball", (0.0, 0.0, 0.0), velocity=(0.0, 0.0, speed))).first_contact(
+        0.4, acceleration_b=(0.0, 0.0, -G)
+    )
+    assert found.outcome == IMPACT and found.time <= found.contact <= speed / G
+    assert found.time == pytest.approx(speed / G, abs=1e-4)
+
+
+def test_a_horizon_of_nothing() -> None:
+    assert TwoBodies(wall(), ball("ball", (0.2, 0.0, 0.0), velocity=(-1.0, 0.0, 0.0))).first_contact(0.0).outcome == CLEAR
