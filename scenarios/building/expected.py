@@ -5,7 +5,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from avatarsim.scene.checks import Vector
+from reference.closed_form import roll_distance, roll_speed, roll_time, stop_distance, stop_time
 
+OfFloat = Callable[[float], float]
 OfTime = Callable[[float], Sequence[float]]
 """Three numbers at a time [s] since the start."""
 
@@ -140,3 +142,26 @@ def steady(x: float, y: float, z: float) -> OfTime:
 def uniform(start: Sequence[float], velocity: Sequence[float], acceleration: Sequence[float] = (0.0, 0.0, 0.0)) -> OfTime:
     """start + velocity t + acceleration t^2 / 2."""
     return lambda t: tuple(s + v * t + 0.5 * a * t * t for s, v, a in zip(start, velocity, acceleration, strict=True))
+
+
+def slides_to_stop(speed: float, friction: float, gravity: float) -> tuple[OfFloat, OfFloat]:
+    """Return way [m] and speed [m/s] by time of a body that slides over a level floor until it stops."""
+    ends, way = stop_time(speed, friction, gravity), stop_distance(speed, friction, gravity)
+    return lambda t: way * (1.0 - max(0.0, 1.0 - t / ends) ** 2), lambda t: speed * max(0.0, 1.0 - t / ends)
+
+
+def slides_to_roll(speed: float, drag: float, begins: float, way: float, end: float) -> tuple[OfFloat, OfFloat]:
+    """Return way [m] and speed [m/s] by time of a body that friction slows by `drag` [m/s^2] until it rolls.
+
+    It rolls at `end` [m/s] from the time `begins` [s] and the way `way` [m] on.
+    """
+    return (
+        lambda t: speed * t - 0.5 * drag * t * t if t < begins else way + end * (t - begins),
+        lambda t: speed - drag * t if t < begins else end,
+    )
+
+
+def ball_to_roll(speed: float, friction: float, gravity: float) -> tuple[OfFloat, OfFloat]:
+    """Return `slides_to_roll` of a ball that begins without spin."""
+    begins, way = roll_time(speed, friction, gravity), roll_distance(speed, friction, gravity)
+    return slides_to_roll(speed, friction * gravity, begins, way, roll_speed(speed))

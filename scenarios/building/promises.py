@@ -48,9 +48,15 @@ NEVER_STALLS = Bound(
 )
 GAINS_NOTHING = Bound("energy_gain_max", 1e-6, "impacts, friction and rest take energy")
 
+NO_ENERGY = Bound("energy_gain_max", 1e-9, "impacts and friction take energy")
+
+SOUND = (NO_OVERLAP, RIGHT_SIDE, FINITE)
+"""Poses are numbers, overlap nothing, and are on the right side of everything."""
 MOVES = (KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT, NO_SHAKING, SAYS_SO)
 """An avatar answers its user, is never suddenly elsewhere, does not shake, and says what keeps it."""
-AVATAR = (NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, *MOVES, FOLLOWS_WHEN_FREE)
+HAND = (*SOUND, *MOVES, FOLLOWS_WHEN_FREE)
+"""What a rigid hand promises."""
+AVATAR = (*SOUND, WITHIN_LIMITS, *MOVES, FOLLOWS_WHEN_FREE)
 """What every scene with an articulated avatar promises."""
-CROWD = (NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_TIME, NEVER_STALLS)
+CROWD = (*SOUND, KEEPS_TIME, NEVER_STALLS)
 """What every scene promises in which many bodies move and touch."""

@@ -4,32 +4,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
+from avatarsim.scene.body import Body, solid
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.building.cases import LAID, pair_table
+from scenarios.building.cases import LAID, fixture, loose, one_law, slab
 
 Array = NDArray[np.float64]
 
 CORNERS = 12
 """Directions in which a drawn hull has a corner: some four of them lie inside the others."""
-
-
 MUG_RADIUS, MUG_HEIGHT, MUG_MASS, MUG_FRICTION = 0.035, 0.09, 0.35, 0.7
 """Of a mug, a prism of 24 sides without a handle [m, kg], and friction of all its pairs."""
-
-
-def mug_on_floor(name: str, hand: Avatar, start: TrackerSample, attached: tuple[tuple[str, str], ...] = ()) -> Scene:
-    """Return a scene of a mug on a floor and the hand that lifts it."""
-    mug = (prism(24, MUG_RADIUS, MUG_HEIGHT),)
-    floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "floor", (0.0, 0.0, -0.1))
-    body = simulated("mug", mug, "mug", solid(mug, MUG_MASS), (0.0, 0.0, 0.5 * MUG_HEIGHT + LAID))
-    law = ContactLaw(0.0, MUG_FRICTION)
-    materials = pair_table(("floor", "mug", "hand"), {("floor", "mug"): law, ("mug", "hand"): law})
-    return Scene(name, (floor, body), (hand,), materials, start=start, attached=attached)
 
 
 def prism(sides: int, radius: float, height: float) -> Piece:
@@ -37,6 +25,18 @@ def prism(sides: int, radius: float, height: float) -> Piece:
     angles = 2.0 * np.pi * np.arange(sides) / sides
     ring = radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     return Piece(ConvexHull(np.vstack([np.insert(ring, 2, z, axis=1) for z in (-0.5 * height, 0.5 * height)])))
+
+
+COIN_THICK, COIN_MASS = 0.002, 0.007
+COIN = prism(20, 0.012, COIN_THICK)
+"""A coin, a prism of 20 sides [m, kg]."""
+
+
+def mug_on_floor(name: str, hand: Avatar, start: TrackerSample, attached: tuple[tuple[str, str], ...] = ()) -> Scene:
+    """Return a scene of a mug on a floor and the hand that lifts it."""
+    mug = loose("mug", prism(24, MUG_RADIUS, MUG_HEIGHT), "mug", MUG_MASS, (0.0, 0.0, 0.5 * MUG_HEIGHT + LAID))
+    materials = one_law(0.0, MUG_FRICTION, ("floor", "mug"), ("mug", "hand"))
+    return Scene(name, (slab(4.0, 4.0), mug), (hand,), materials, start=start, attached=attached)
 
 
 def drawn_hull(random: np.random.Generator, radius: float) -> Piece:
@@ -81,5 +81,5 @@ def open_box(width: float, height: float, thick: float, material: str) -> tuple[
         ((thick, out, height), (at, 0.0, 0.5 * height)), ((thick, out, height), (-at, 0.0, 0.5 * height)),
         ((width, thick, height), (0.0, at, 0.5 * height)), ((width, thick, height), (0.0, -at, 0.5 * height)),
     )
-    floor = fixed("floor", (Piece(Box((out, out, 0.1)), (0.0, 0.0, -0.05)),), material)
-    return (floor, *(fixed(f"wall_{k}", (Piece(Box(size)),), material, place) for k, (size, place) in enumerate(walls)))
+    floor = fixture("floor", Piece(Box((out, out, 0.1)), (0.0, 0.0, -0.05)), material)
+    return (floor, *(fixture(f"wall_{k}", Box(size), material, place) for k, (size, place) in enumerate(walls)))

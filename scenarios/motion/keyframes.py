@@ -1,6 +1,7 @@
 """Scripted human motion: postures at given times, and between them the minimum-jerk profile of point-to-point movements."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,14 +10,17 @@ from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Hinges
+from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.motion.track import Track
-from scenarios.scenario import RENDERED
+from scenarios.scenario import RENDERED, Motion
 
 Array = NDArray[np.float64]
 Draw = Callable[[np.random.Generator], TrackerSample]
 """A posture that is a little different each time."""
+Pose = Callable[..., TrackerSample]
+"""`posed` of one avatar from one posture."""
 Key = tuple[float, TrackerSample]
 """A time [s] after the start and the posture reached by then."""
 
@@ -87,3 +91,17 @@ def again_and_again(start: TrackerSample, ready: Draw, push: Draw, frames: int, 
             time += random.uniform(least, most)
             keys.append((time, sample))
     return through(start, keys, frames)
+
+
+def pushes(
+    ready: Callable[[Pose, np.random.Generator], TrackerSample], push: Callable[[Pose, np.random.Generator], TrackerSample],
+    frames: int,
+) -> Callable[[Scene, int], Motion]:
+    """Return the motion of `again_and_again` for a scene's first avatar; both postures are `posed` from the scene's start."""
+
+    def motion(scene: Scene, seed: int) -> Motion:
+        start = scene.first_sample
+        pose = partial(posed, scene.avatars[0], start)
+        return again_and_again(start, partial(ready, pose), partial(push, pose), frames, seed).motion()
+
+    return motion

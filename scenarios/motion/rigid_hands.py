@@ -1,4 +1,4 @@
-"""Users of rigid hands that are led without turning: where the hands are at any time."""
+"""Users of rigid hands that are led without turning, and motions given by time."""
 
 from collections.abc import Callable, Sequence
 
@@ -8,7 +8,7 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.motion.keyframes import minimum_jerk
+from scenarios.motion.keyframes import minimum_jerk, through
 from scenarios.scenario import RENDERED, Motion
 
 Places = Callable[[float], Sequence[Vector]]
@@ -20,9 +20,29 @@ def hands_at(places: Sequence[Vector], time: float = 0.0) -> TrackerSample:
     return TrackerSample(time, np.array(places), np.tile(rotation.IDENTITY, (len(places), 1)), np.zeros(0))
 
 
+def turned_hand(place: Vector, yaw: float, time: float = 0.0) -> TrackerSample:
+    """Return the sample of one hand that is turned by `yaw` [rad] about the vertical."""
+    return TrackerSample(time, np.array([place]), rotation.from_axis_angle((0.0, 0.0, 1.0), yaw)[None], np.zeros(0))
+
+
+def by_time(at: Callable[[float], TrackerSample], dt: float = RENDERED) -> Callable[[Scene, int], Motion]:
+    """Return the motion whose samples, one per frame of `dt` [s], are those of `at`; it is equal for all seeds."""
+    return lambda scene, seed: lambda frame: at((frame + 1) * dt)
+
+
 def led(places: Places) -> Callable[[Scene, int], Motion]:
     """Return the motion of hands that are where `places` says at every time."""
-    return lambda scene, seed: lambda frame: hands_at(places((frame + 1) * RENDERED), (frame + 1) * RENDERED)
+    return by_time(lambda time: hands_at(places(time), time))
+
+
+def keyed(keys: Sequence[tuple[float, TrackerSample]], frames: int) -> Callable[[Scene, int], Motion]:
+    """Return the motion from the scene's start through `keys`, each a time [s] and the sample reached by then."""
+    return lambda scene, seed: through(scene.first_sample, keys, frames).motion()
+
+
+def led_through(keys: Sequence[tuple[float, Vector]], frames: int) -> Callable[[Scene, int], Motion]:
+    """Return the motion of one hand through `keys`, each a time [s] and the place [m] reached by then."""
+    return keyed([(time, hands_at((place,))) for time, place in keys], frames)
 
 
 def eased(time: float, begin: float, end: float) -> float:

@@ -1,47 +1,36 @@
 """Thirty coins fall into a small tray, on their edges and on one another, and come to rest."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from avatarsim.scene.body import Body, ContactLaw, simulated, solid
-from avatarsim.scene.scene import Scene
-from scenarios.building.cases import pair_table
+from avatarsim.scene.body import Body
+from scenarios.building.cases import loose, one_law
 from scenarios.building.promises import CROWD, GAINS_NOTHING
-from scenarios.building.things import drawn_turn, open_box, prism
-from scenarios.motion.untracked import untracked
-from scenarios.scenario import Bound, Region, Scenario
+from scenarios.building.scenes import undriven
+from scenarios.building.things import COIN, COIN_MASS, drawn_turn, open_box
+from scenarios.scenario import Bound, Region
 
-RADIUS, THICK, MASS = 0.012, 0.002, 0.007
-"""Of a coin, a prism of 20 sides [m, kg]."""
 WIDTH, HEIGHT, WALL = 0.12, 1.0, 0.02
 """The tray [m]; its walls reach above the highest coin."""
-LOW, PITCH, ASIDE, SEED = 0.03, 0.028, 0.035, 6
+LOW, PITCH, ASIDE = 0.03, 0.028, 0.035
 """Height of the first coin, distance of one from the next, and how far aside they begin at most [m]."""
 NAMES = tuple(f"coin_{k}" for k in range(30))
 
 
-def build() -> Scene:
+def bodies() -> Iterator[Body]:
     """The tray, and a column of coins above it."""
-    random, coin = np.random.default_rng(SEED), (prism(20, RADIUS, THICK),)
-    bodies: list[Body] = list(open_box(WIDTH, HEIGHT, WALL, "tray"))
+    random = np.random.default_rng(6)
+    yield from open_box(WIDTH, HEIGHT, WALL, "tray")
     for k, name in enumerate(NAMES):
         x, y = random.uniform(-ASIDE, ASIDE, size=2).tolist()
-        bodies.append(simulated(name, coin, "coin", solid(coin, MASS), (x, y, LOW + k * PITCH), drawn_turn(random)))
-    law = ContactLaw(0.2, 0.3)
-    materials = pair_table(("tray", "coin"), {("tray", "coin"): law, ("coin", "coin"): law})
-    return Scene("coins", tuple(bodies), materials=materials)
+        yield loose(name, COIN, "coin", COIN_MASS, (x, y, LOW + k * PITCH), drawn_turn(random))
 
 
-SCENARIO = Scenario(
-    name="coins",
-    title="Thirty coins fall into a tray.",
-    judged="Overlap, time kept, energy.",
-    build=build,
-    motion=untracked(),
-    frames=480,
-    short=75,
+SCENARIO = undriven(
+    "coins", "Thirty coins fall into a tray.", "Overlap, time kept, energy.", bodies,
+    one_law(0.2, 0.3, ("tray", "coin"), ("coin", "coin")), frames=480, short=75,
     bounds=(*CROWD, GAINS_NOTHING, Bound("travel_missing", 0.0, "all come down")),
-    regions=(
-        Region(NAMES, (-0.5 * WIDTH, -0.5 * WIDTH, 0.0), (0.5 * WIDTH, 0.5 * WIDTH, HEIGHT), "the tray holds its coins"),
-    ),
+    regions=(Region(NAMES, (-0.5 * WIDTH, -0.5 * WIDTH, 0.0), (0.5 * WIDTH, 0.5 * WIDTH, HEIGHT), "the tray holds its coins"),),
     expects={"travel": {name: 0.01 + 0.3 * k * PITCH for k, name in enumerate(NAMES)}, "alone": (NAMES,)},
 )

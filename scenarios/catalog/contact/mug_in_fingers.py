@@ -1,7 +1,4 @@
-"""A palm with three fingers of one hinge each closes on a mug from above, lifts it, carries it aside, tilts it and sets it down.
-
-The fingers' user closes them 1.5 cm into the mug, which is a prism without a handle: what holds it is friction alone.
-"""
+"""A palm with three hinged fingers closes on a mug from above, lifts it, carries it aside, tilts it and sets it down."""
 
 import math
 from dataclasses import replace
@@ -12,16 +9,15 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges
-from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial import rotation
 from scenarios.building.expected import Carried
-from scenarios.building.promises import FINITE, KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
+from scenarios.building.promises import KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT, SOUND, WITHIN_LIMITS
 from scenarios.building.things import MUG_MASS, mug_on_floor, prism
-from scenarios.motion.rigid_hands import eased
-from scenarios.scenario import RENDERED, Bound, Motion, Region, Scenario
+from scenarios.motion.rigid_hands import by_time, eased
+from scenarios.scenario import Bound, Region, Scenario
 
 PALM, PALM_MASS, BOTTOM = (0.07, 0.02), 0.5, 0.125
 """Radius and thickness [m] and mass [kg] of the palm, and how high its face begins above the floor [m]."""
@@ -64,29 +60,15 @@ def at(time: float) -> TrackerSample:
     )
 
 
-def build() -> Scene:
-    """The mug on a floor, and the open hand above it."""
-    return mug_on_floor("mug_in_fingers", hand(), at(0.0))
-
-
-def motion(scene: Scene, seed: int) -> Motion:
-    """The same with every seed."""
-    return lambda frame: at((frame + 1) * RENDERED)
-
-
 SCENARIO = Scenario(
-    name="mug_in_fingers",
-    title="Three hinged fingers lift a mug, carry, tilt it and set it down.",
-    judged="Overlap; limits; that the mug comes along and does not slip.",
-    build=build,
-    motion=motion,
-    frames=372,
-    short=126,
+    "mug_in_fingers", "Three hinged fingers lift a mug, carry, tilt it and set it down.",
+    "Overlap; limits; that the mug comes along and does not slip.",
+    lambda: mug_on_floor("mug_in_fingers", hand(), at(0.0)), by_time(at), frames=372, short=126,
     bounds=(
-        NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS, NO_LEAP, NO_LEAP_OF_THE_ROOT, replace(KEEPS_MOVING, limit=5.0),
+        *SOUND, WITHIN_LIMITS, NO_LEAP, NO_LEAP_OF_THE_ROOT, replace(KEEPS_MOVING, limit=5.0),
         Bound("height_missing", 9.81 * MUG_MASS / CouplingSettings().spring + 1e-3,
               "the mug rises with its user, less the sag m g / K of one link, to a millimetre; four links share it"),
-        Bound("grip_slip_max", 1e-3, "what three fingers hold stays in them; as the palm tilts their springs yield a little"),
+        Bound("grip_slip_max", 1e-3, "fingers do not let the mug slip; as the palm tilts their springs yield a little"),
     ),
     regions=(Region(("mug",), (-0.3, -0.3, 0.0), (0.6, 0.3, 0.4), "the mug is neither shot away nor pressed into the floor"),),
     expects={"carried": (Carried("mug", ("hand/palm",), CLOSES[1] + 0.1, SINKS[0]),)},

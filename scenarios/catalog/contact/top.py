@@ -1,22 +1,21 @@
 """A top spins fast on a smooth table: nothing takes its spin, and its axis goes round for ever.
 
 The table pushes against the tip alone, and straight up, so the spin about the axis and the angular momentum about the vertical
-stay; `reference.closed_form.top_precession` says how fast the axis goes round on the mean.
+stay; `reference.closed_form.top_precession` is the mean rate of the axis.
 """
 
 import math
 
 import numpy as np
 
-from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
-from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, ConvexHull, Piece
+from avatarsim.scene.body import solid
+from avatarsim.scene.shape import ConvexHull, Piece
 from reference.closed_form import top_precession
-from scenarios.building.cases import LAID, pair_table, turned_by
+from scenarios.building.cases import LAID, laws, loose, slab, turned_by
 from scenarios.building.expected import Top
-from scenarios.building.promises import FINITE, KEEPS_TIME, NO_OVERLAP, RIGHT_SIDE
-from scenarios.motion.untracked import untracked
-from scenarios.scenario import Bound, Region, Scenario
+from scenarios.building.promises import KEEPS_TIME, SOUND
+from scenarios.building.scenes import undriven
+from scenarios.scenario import Bound, Region
 
 SIDES, RADIUS, RIM, MASS = 24, 0.03, (0.03, 0.04), 0.1
 """Sides and radius [m] of the top, a cone on its tip with a rim from one height to the other [m]; its mass [kg]."""
@@ -39,36 +38,24 @@ def reach() -> float:
     return -float(shape.vertices[:, 2].min())
 
 
-def build() -> Scene:
-    """The top on a table without friction."""
-    pieces = (piece(),)
-    axis = (math.sin(LEAN), 0.0, math.cos(LEAN))
-    bodies: list[Body] = [fixed("table", (Piece(Box((2.0, 2.0, 0.2))),), "table", (0.0, 0.0, -0.1))]
-    bodies.append(simulated(
-        "top", pieces, "top", solid(pieces, MASS), (0.0, 0.0, reach() * math.cos(LEAN) + LAID), turned_by((0.0, 1.0, 0.0), LEAN),
-        angular_velocity=(SPIN * axis[0], 0.0, SPIN * axis[2]),
-    ))
-    return Scene("top", tuple(bodies), materials=pair_table(("table", "top"), {("table", "top"): ContactLaw(0.0, 0.0)}))
-
-
 def precession() -> float:
     """How fast the axis goes round [rad/s]."""
     moments = np.diag(solid((piece(),), MASS).inertia)
     return top_precession(float(moments[0]), float(moments[2]), MASS, reach(), SPIN, LEAN, 9.81)
 
 
-SCENARIO = Scenario(
-    name="top",
-    title="A top spins on a smooth table.",
-    judged="Its spin, and how fast its axis goes round; overlap.",
-    build=build,
-    motion=untracked(),
-    frames=300,
-    short=120,
+SCENARIO = undriven(
+    "top", "A top spins on a smooth table.", "Its spin, and how fast its axis goes round; overlap.",
+    lambda: (
+        slab(2.0, 2.0, "table", "table"),
+        loose("top", piece(), "top", MASS, (0.0, 0.0, reach() * math.cos(LEAN) + LAID), turned_by((0.0, 1.0, 0.0), LEAN),
+              spin=(SPIN * math.sin(LEAN), 0.0, SPIN * math.cos(LEAN))),
+    ),
+    laws({("table", "top"): (0.0, 0.0)}), frames=300, short=120,
     bounds=(
-        NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_TIME,
-        Bound("axis_spin_error_max", 1.0, "no torque acts about its axis; half a percent is what the eye takes for the same"),
-        Bound("precession_error_max", 0.1, "by the closed form, give or take what part of a nod the time ends in"),
+        *SOUND, KEEPS_TIME,
+        Bound("axis_spin_error_max", 1.0, "no torque acts about its axis; half a percent is not seen"),
+        Bound("precession_error_max", 0.1, "by the closed form, give or take the part of a nod in which the time ends"),
         Bound("energy_gain_max", 1e-6, "nothing gives it energy"),
     ),
     regions=(Region(("top",), (-0.5, -0.5, 0.0), (0.5, 0.5, 0.1), "the top neither falls through the table nor flies away"),),
