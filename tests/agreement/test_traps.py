@@ -13,7 +13,7 @@ from avatarsim.scene.shape import Box, Capsule, Piece
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.judging.judge import Judge
-from scenarios.building.small_world import STACK
+from scenarios.catalog.hard.other_numbers import STACK
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.runs import FRAME, idle, loaded, of_catalog, played
 from tests.agreement.scenes import arm, ball_on_slab, bent, bodies_of_all_shapes, chain, hand_over_table, hull_on_slab, swung

@@ -1,98 +1,90 @@
-"""Centres that coincide, where a direction out has to be chosen and none is nearer than another.
+"""Deep overlap: a driven ball is led into the very centres of fixed bodies, and bodies begin inside each other.
 
-A user's ball is led from the side into the very centres of a fixed ball, capsule, cube, ellipsoid and hull, one after the other,
-stays there and goes on to the next: an engine that divides by the distance of centres loses its numbers there.
-`coincident_start`: pairs of such bodies begin in the same place, which is to be refused with the pairs and their depths; a
-ball in a ball is as deep as both radii together.
-
-In the 330 frames of a quick comparison the raw motion is inside each of the five in 33 of them, up to 0.2 m deep.
+An engine that divides by the distance of centres loses its numbers there. A start that overlaps may be refused, with the pairs
+and their depths; an engine that resolves it must add no velocity.
 """
+
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Body, fixed, simulated, solid
+from avatarsim.scene.body import Body
+from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
-from avatarsim.scene.tracker import TrackerSample
-from avatarsim.spatial import rotation
-from scenarios.building.cases import NOWHERE
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
+from scenarios.building.cases import NOWHERE, driven, fixture, loose
 from scenarios.building.promises import FINITE, FOLLOWS_WHEN_FREE, NO_OVERLAP
-from scenarios.motion.keyframes import through
-from scenarios.motion.untracked import untracked
-from scenarios.scenario import REFUSAL, Bound, Motion, Scenario
+from scenarios.building.scenes import undriven
+from scenarios.motion.rigid_hands import hands_at, led_through
+from scenarios.scenario import REFUSAL, Bound, Scenario
 
-RADIUS, MASS = 0.1, 0.5
-"""Radius of the user's ball and half the size of everything else [m]; mass [kg]."""
-APART = 0.7
-"""Distance of the fixed bodies [m]."""
-FRAMES = 330
+RADIUS, APART, FRAMES = 0.1, 0.7, 330
+"""Radius of the user's ball and half the size of everything else, distance of the fixed bodies [m]."""
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 SHAPES: dict[str, Shape] = {
     "sphere": Sphere(RADIUS), "capsule": Capsule(RADIUS, RADIUS), "box": Box((2.0 * RADIUS,) * 3),
     "ellipsoid": Ellipsoid((RADIUS, 0.8 * RADIUS, 1.2 * RADIUS)), "hull": ConvexHull(RADIUS * CORNERS),
 }
+EDGE, DEPTHS = 0.2, (0.01, 0.05, 0.1, 0.2)
+"""Edge of the boxes, and by how much they overlap [m]; the last two are in the same place."""
 
 
 def build() -> Scene:
     """Five fixed bodies in a row along y, and a driven ball beside the first."""
-    bodies = tuple(fixed(name, (Piece(shape),), "wood", (0.0, APART * k, 0.0)) for k, (name, shape) in enumerate(SHAPES.items()))
-    pieces = (Piece(Sphere(RADIUS)),)
-    ball = rigid_avatar("ball", pieces, solid(pieces, MASS))
-    return Scene("coincident_centres", bodies, (ball,), start=_at(0.5, 0.0))
+    bodies = tuple(fixture(name, shape, "wood", (0.0, APART * k, 0.0)) for k, (name, shape) in enumerate(SHAPES.items()))
+    return Scene("coincident_centres", bodies, (driven("ball", Sphere(RADIUS), 0.5),), start=hands_at(((0.5, 0.0, 0.0),)))
 
 
-def motion(scene: Scene, seed: int) -> Motion:
+def keys() -> Iterator[tuple[float, Vector]]:
     """Into a centre, there for a third of a second, out again, along to the next."""
-    keys = []
     for k in range(len(SHAPES)):
         y, begins = APART * k, 1.1 * k
-        keys += [
-            (begins + 0.3, _at(0.0, y)), (begins + 0.6, _at(0.0, y)), (begins + 0.85, _at(0.5, y)),
-            (begins + 1.1, _at(0.5, y + APART)),
-        ]
-    return through(scene.first_sample, keys, FRAMES).motion()
+        yield from (
+            (begins + 0.3, (0.0, y, 0.0)), (begins + 0.6, (0.0, y, 0.0)), (begins + 0.85, (0.5, y, 0.0)),
+            (begins + 1.1, (0.5, y + APART, 0.0)),
+        )
 
 
-def _at(x: float, y: float) -> TrackerSample:
-    return TrackerSample(0.0, np.array([[x, y, 0.0]]), np.array([rotation.IDENTITY]), np.zeros(0))
-
-
-def start() -> Scene:
-    """Five pairs in the same place each, without gravity."""
-    bodies: list[Body] = []
+def pairs() -> Iterator[Body]:
+    """Five pairs in the same place each."""
     for k, (name, shape) in enumerate(SHAPES.items()):
-        pieces = (Piece(shape),)
         for which in ("one", "other"):
-            bodies.append(simulated(f"{name}_{which}", pieces, "wood", solid(pieces, MASS), (0.0, APART * k, 0.0)))
-    return Scene("coincident_start", tuple(bodies), gravity=NOWHERE)
+            yield loose(f"{name}_{which}", shape, "wood", 0.5, (0.0, APART * k, 0.0))
+
+
+def boxes() -> Iterator[Body]:
+    """Four pairs along y, each along x inside one another."""
+    for k, depth in enumerate(DEPTHS):
+        for side, sign in (("left", -0.5), ("right", 0.5)):
+            yield loose(f"{side}_{k}", Box((EDGE, EDGE, EDGE)), "wood", 1.0, (sign * (EDGE - depth), 2.0 * k, 0.0))
+
+
+def start(name: str, title: str, judged: str, bodies: Callable[[], Iterator[Body]]) -> Scenario:
+    """A scene whose loose bodies overlap at the start."""
+    return undriven(
+        name, title, judged, bodies, gravity=NOWHERE, frames=60,
+        bounds=(NO_OVERLAP, FINITE, Bound("energy_added_max", 0.0, "bodies at rest that are moved apart are still at rest")),
+        metrics=("energy_added_max",), expects={REFUSAL: True}, family="deep_overlap" if name == "deep_overlap" else "",
+    )
 
 
 SCENARIOS = (
     Scenario(
-        name="coincident_centres",
-        title="A driven ball is led into the very centres of a ball, a capsule, a cube, an ellipsoid and a hull.",
-        judged="Overlap, numbers that stay numbers, and that it goes on when its user does.",
-        build=build,
-        motion=motion,
-        frames=FRAMES,
+        "coincident_centres",
+        "A driven ball is led into the very centres of a ball, a capsule, a cube, an ellipsoid and a hull.",
+        "Overlap, numbers that stay numbers, and that it goes on when its user does.",
+        build, led_through(tuple(keys()), FRAMES), FRAMES,
         bounds=(
             NO_OVERLAP, FINITE, FOLLOWS_WHEN_FREE,
             Bound("still_frames", 25.0, "led straight at a centre and straight out, it stands still: a fifth of all frames"),
         ),
     ),
-    Scenario(
-        name="coincident_start",
-        title="Balls, capsules, cubes, ellipsoids and hulls begin two by two in the same place.",
-        judged="Whether the engine refuses to begin and says which pairs overlap, and how deep.",
-        build=start,
-        motion=untracked(),
-        frames=60,
-        bounds=(
-            NO_OVERLAP, FINITE,
-            Bound("energy_added_max", 0.0, "bodies at rest that are moved apart are still at rest"),
-        ),
-        metrics=("energy_added_max",),
-        expects={REFUSAL: True},
+    start(
+        "coincident_start", "Balls, capsules, cubes, ellipsoids and hulls begin two by two in the same place.",
+        "Whether the engine refuses to begin and says which pairs overlap, and how deep.", pairs,
+    ),
+    start(
+        "deep_overlap", "Pairs of boxes begin 1 to 20 cm inside each other.",
+        "Energy that removing the overlap adds; a refusal that names the pairs is right as well.", boxes,
     ),
 )

@@ -1,38 +1,33 @@
-"""Non-convex bodies of convex pieces: rings, channels and angles are hollow for what falls through them and on what they fall.
+"""Rings, channels and angles of convex pieces are hollow for bodies that fall through them, and on those on which they fall.
 
-A ball falls through a fixed ring, one to the bottom of a channel, one into the notch of an angle. A ring falls over a post, a
-channel over a bar, as a staple does. None of these touches what its convex hull would hit; closed forms: free fall, and the
-bounces of `bounce_ladder`. Beside them a ring, a channel and an angle are dropped tumbling onto the floor: they add no energy,
-and nothing goes through anything.
+A ball falls through a fixed ring, one to the bottom of a channel, one into the notch of an angle; a ring falls over a post, a
+channel over a bar. None of these touches a convex hull's inside; closed forms: free fall, and the bounces of `bounce_ladder`. A
+ring, a channel and an angle are dropped tumbling onto the floor: they add no energy, and nothing goes through anything.
 """
 
+from collections.abc import Iterator
 from math import pi
 
 import numpy as np
 
-from avatarsim.scene.body import Body, ContactLaw, fixed, simulated, solid
+from avatarsim.scene.body import Body
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, ConvexHull, Piece, Sphere
 from reference.closed_form import bounce_state
-from scenarios.building.cases import pair_table, turned_by
+from scenarios.building.cases import fixture, laws, loose, slab, turned_by
 from scenarios.building.expected import Course, OfTime
-from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE
-from scenarios.motion.untracked import untracked
-from scenarios.scenario import INFINITE, Bound, Region, Scenario
+from scenarios.building.promises import NO_ENERGY, SOUND
+from scenarios.building.scenes import above, each_alone, undriven
+from scenarios.scenario import Bound
 
-GRAVITY, MASS, BALL = 9.81, 1.0, 0.1
-"""[m/s^2], mass of all [kg], radius of the balls [m]."""
+BALL = 0.1
+"""Radius of the balls [m]."""
 OUTER, INNER, SEGMENTS = 0.3, 0.18, 16
 """Radii of the ring's segments [m], which run straight, and how many there are; their hole still lets 0.176 m through."""
-BAR = 0.06
-"""Thickness of rings, channels and angles [m]."""
-WIDE, LONG = 0.4, 0.5
-"""Inner width of a channel and length of channel and angle [m]."""
-HEIGHT, RESTITUTION = 0.5, 0.5
-"""Fall of all that bounce, or land [m]; restitution of balls on the bottoms that they meet."""
-HIGH = 1.2
-"""Height of the fixed ring [m]."""
+BAR, WIDE, LONG = 0.06, 0.4, 0.5
+"""Thickness of rings, channels and angles, inner width of a channel, and length of channel and angle [m]."""
+HEIGHT, RESTITUTION, HIGH = 0.5, 0.5, 1.2
+"""Fall of all that bounce or land [m], restitution of balls on the bottoms that they meet, height of the fixed ring [m]."""
 
 
 def ring() -> tuple[Piece, ...]:
@@ -56,74 +51,53 @@ def angle() -> tuple[Piece, ...]:
     )
 
 
-def build() -> Scene:
+LANDS: dict[str, tuple[Vector, float, float]] = {
+    "through_ring": ((-6.0, 0.0, HIGH + HEIGHT), HIGH + HEIGHT - BALL, RESTITUTION),
+    "in_channel": ((-4.05, 0.0, HIGH + BALL + HEIGHT), HEIGHT, RESTITUTION),
+    "in_angle": ((-1.98, 0.0, HIGH + BALL + HEIGHT), HEIGHT, RESTITUTION),
+    "hoop": ((0.01, 0.0, 0.5 * BAR + HEIGHT), HEIGHT, 0.0), "staple": ((2.02, 0.0, WIDE + HEIGHT), HEIGHT, 0.0),
+}
+"""Bodies that meet nothing on the way, and land: first place, way down [m] and restitution."""
+PROFILES = {"ring": ring(), "channel": channel(), "angle": angle()}
+TUMBLING = tuple(f"tumbling_{name}" for name in PROFILES)
+
+
+def bodies() -> Iterator[Body]:
     """Eight stations along x, two metres apart, on one floor."""
-    ball, mass = (Piece(Sphere(BALL)),), solid((Piece(Sphere(BALL)),), MASS)
-    post, beam = (Piece(Box((0.2, 0.2, 0.4))),), (Piece(Box((0.3, 2.0, 0.2))),)
-    hoop, staple = ring(), channel()
-    over = turned_by((1.0, 0.0, 0.0), pi)
-    bodies: list[Body] = [
-        fixed("floor", (Piece(Box((30.0, 6.0, 0.2))),), "floor", (0.0, 0.0, -0.1)),
-        fixed("ring", hoop, "fixed", (-6.0, 0.0, HIGH)),
-        simulated("through_ring", ball, "ball", mass, (-6.0, 0.0, HIGH + HEIGHT)),
-        fixed("channel", staple, "fixed", (-4.0, 0.0, HIGH)),
-        simulated("in_channel", ball, "ball", mass, (-4.05, 0.0, HIGH + BALL + HEIGHT)),
-        fixed("angle", angle(), "fixed", (-2.0, 0.0, HIGH)),
-        simulated("in_angle", ball, "ball", mass, (-1.98, 0.0, HIGH + BALL + HEIGHT)),
-        fixed("post", post, "fixed", (0.0, 0.0, 0.2)),
-        simulated("hoop", hoop, "ring", solid(hoop, MASS), (0.01, 0.0, 0.5 * BAR + HEIGHT)),
-        fixed("beam", beam, "fixed", (2.0, 0.0, 0.1)),
-        simulated("staple", staple, "channel", solid(staple, MASS), (2.02, 0.0, WIDE + HEIGHT), over),
-    ]
-    for k, (name, pieces) in enumerate({"ring": hoop, "channel": staple, "angle": angle()}.items()):
-        turn = turned_by((1.0, 2.0 - k, 0.5), 0.7)
-        bodies.append(simulated(f"tumbling_{name}", pieces, name, solid(pieces, MASS), (4.0 + 2.0 * k, 0.0, 1.0), turn))
-    names = ("floor", "fixed", "ball", "ring", "channel", "angle")
-    stated = {("ball", "fixed"): ContactLaw(RESTITUTION, 0.0), ("ball", "floor"): ContactLaw(RESTITUTION, 0.0)}
-    stated |= {(name, "floor"): ContactLaw(0.0, 0.5) for name in ("ring", "channel", "angle")}
-    stated |= {(name, "fixed"): ContactLaw(0.0, 0.5) for name in ("ring", "channel", "angle")}
-    return Scene("non_convex", tuple(bodies), materials=pair_table(names, stated))
+    places = {name: place for name, (place, _, _) in LANDS.items()}
+    yield slab(30.0, 6.0)
+    for k, (name, ball) in enumerate(zip(PROFILES, ("through_ring", "in_channel", "in_angle"), strict=True)):
+        yield fixture(name, PROFILES[name], "fixed", (2.0 * k - 6.0, 0.0, HIGH))
+        yield loose(ball, Sphere(BALL), "ball", 1.0, places[ball])
+    yield fixture("post", Box((0.2, 0.2, 0.4)), "fixed", (0.0, 0.0, 0.2))
+    yield loose("hoop", PROFILES["ring"], "ring", 1.0, places["hoop"])
+    yield fixture("beam", Box((0.3, 2.0, 0.2)), "fixed", (2.0, 0.0, 0.1))
+    yield loose("staple", PROFILES["channel"], "channel", 1.0, places["staple"], turned_by((1.0, 0.0, 0.0), pi))
+    for k, (name, pieces) in enumerate(PROFILES.items()):
+        yield loose(f"tumbling_{name}", pieces, name, 1.0, (4.0 + 2.0 * k, 0.0, 1.0), turned_by((1.0, 2.0 - k, 0.5), 0.7))
 
 
 def falls(start: Vector, way: float, restitution: float) -> OfTime:
-    """From rest down by `way` [m], and what comes then."""
-    return lambda time: (start[0], start[1], start[2] - way + bounce_state(way, restitution, GRAVITY, time)[0])
+    """From rest down by `way` [m], and bounces or rest."""
+    return lambda time: (start[0], start[1], start[2] - way + bounce_state(way, restitution, 9.81, time)[0])
 
 
-def courses() -> tuple[Course, ...]:
-    """Bodies that meet nothing on the way, and land."""
-    starts = {body.name: body.position for body in build().bodies}
-    ways = {
-        "through_ring": (HIGH + HEIGHT - BALL, RESTITUTION), "in_channel": (HEIGHT, RESTITUTION),
-        "in_angle": (HEIGHT, RESTITUTION), "hoop": (HEIGHT, 0.0), "staple": (HEIGHT, 0.0),
-    }
-    return tuple(Course(name, falls(starts[name], *way)) for name, way in ways.items())
-
-
-TUMBLING = ("tumbling_ring", "tumbling_channel", "tumbling_angle")
-
-SCENARIO = Scenario(
-    name="non_convex",
-    title="Balls fall through a ring, into a channel and an angle; a ring falls over a post, a staple over a bar; three tumble.",
-    judged="Whether what is hollow is hollow; energy of those that tumble.",
-    build=build,
-    motion=untracked(),
+SCENARIO = undriven(
+    "non_convex",
+    "Balls fall through a ring, into a channel and an angle; a ring falls over a post, a staple over a bar; three tumble.",
+    "Whether what is hollow is hollow; energy of those that tumble.", bodies,
+    laws({
+        **{("ball", ground): (RESTITUTION, 0.0) for ground in ("fixed", "floor")},
+        **{(name, ground): (0.0, 0.5) for name in PROFILES for ground in ("floor", "fixed")},
+    }),
     frames=120,
     bounds=(
-        NO_OVERLAP, RIGHT_SIDE, FINITE,
-        Bound("course_error_max", 1e-6, "none of these touches anything before landing; apexes are 2e-8 m off"),
-        Bound("energy_gain_max", 1e-9, "no bounce adds energy, whatever the shape"),
-        Bound("travel_missing", 0.0, "those that tumble come down"),
+        *SOUND, Bound("course_error_max", 1e-6, "none of these touches anything before landing; apexes are 2e-8 m off"),
+        NO_ENERGY, Bound("travel_missing", 0.0, "those that tumble come down"),
     ),
-    regions=(
-        Region(
-            ("through_ring", "in_*", "hoop", "staple", "tumbling_*"), (-INFINITE, -INFINITE, -0.1), (INFINITE,) * 3,
-            "nothing falls through the floor",
-        ),
-    ),
+    regions=(above(-0.1, "through_ring", "in_*", "hoop", "staple", "tumbling_*"),),
     expects={
-        "courses": courses(),
-        "alone": tuple((name,) for name in ("through_ring", "in_channel", "in_angle", "hoop", "staple", *TUMBLING)),
+        "courses": tuple(Course(name, falls(*fall)) for name, fall in LANDS.items()), "alone": each_alone((*LANDS, *TUMBLING)),
         "travel": dict.fromkeys(TUMBLING, 0.5),
     },
 )
