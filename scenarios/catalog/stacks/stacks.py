@@ -1,0 +1,88 @@
+"""Boxes on one another settle and rest: ten of them, and a heavy one on a light one.
+
+They begin with a millimetre of air below each, so that an engine that does nothing at all is not at rest but in the air.
+"""
+
+from collections.abc import Iterator
+
+from avatarsim.scene.body import Body
+from avatarsim.scene.shape import Box
+from scenarios.building.cases import loose, one_law, slab
+from scenarios.building.expected import Course, Rest, Tower, steady
+from scenarios.building.promises import SOUND
+from scenarios.building.scenes import above, undriven
+from scenarios.scenario import INFINITE, Bound, Region, Scenario
+
+EDGE, AIR = 0.2, 1e-3
+"""Edge of a box, air below each at the start [m]."""
+BOXES = tuple(f"box_{k}" for k in range(10))
+SLEEPS = 300
+"""Frames of a quick comparison of ten boxes: Bullet puts to sleep what has rested for 2 s, in more than half of the frames."""
+DULL = one_law(0.0, 0.5, ("floor", "box"), ("box", "box"))
+RESTING = (
+    Bound("drift_max", 1e-6, "bodies at rest stay where they are"), Bound("rest_energy_end", 1e-12, "bodies at rest do not move"),
+)
+
+
+def ten() -> Iterator[Body]:
+    """Ten boxes on one another."""
+    for k, name in enumerate(BOXES):
+        yield loose(name, Box((EDGE, EDGE, EDGE)), "box", 1.0, (0.0, 0.0, (k + 0.5) * EDGE + (k + 1) * AIR))
+
+
+def of_ten(name: str, title: str, frames: int, others: tuple[Body, ...] = ()) -> Scenario:
+    """The scene of ten boxes, and others by themselves."""
+    alone = tuple(other.name for other in others)
+    falls = {box: 0.9 * (k + 1) * AIR for k, box in enumerate(BOXES)} | dict.fromkeys(alone, 0.9 * AIR)
+    return undriven(
+        name, title, "Overlap, drift and motion left.", lambda: (slab(4.0, 4.0), *ten(), *others), DULL, family="stack_ten",
+        frames=frames, short=SLEEPS,
+        bounds=(
+            *SOUND, *RESTING, Bound("travel_missing", 0.0, "every box comes down on the one below"),
+            Bound("halted_frames", 0.0, "no box hangs in the air"),
+        ),
+        regions=(
+            Region(("box_*",), (-0.1, -0.1, 0.0), (0.1, 0.1, INFINITE), "no box falls through the floor or off the stack"),
+        ),
+        expects={"rests": (Rest((*BOXES, *alone), 0.5),), "travel": falls},
+    )
+
+
+def of_towers(name: str, ratios: tuple[float, ...], title: str, shift: float, reason: str) -> Scenario:
+    """Towers of two boxes, the upper one `ratio` times as heavy; a landing may shift a box by `shift` [m]."""
+    places = {name: (place, mass) for k, ratio in enumerate(ratios) for name, place, mass in (
+        (f"light_{ratio:g}", (k - 2.0, 0.0, 1), 1.0), (f"heavy_{ratio:g}", (k - 2.0, 0.0, 2), ratio),
+    )}
+
+    def bodies() -> Iterator[Body]:
+        yield slab(8.0, 4.0)
+        for box, ((x, y, storey), mass) in places.items():
+            yield loose(box, Box((EDGE, EDGE, EDGE)), "box", mass, (x, y, (storey - 0.5) * EDGE + storey * AIR))
+
+    touching = {box: (x, y, (storey - 0.5) * EDGE) for box, ((x, y, storey), _) in places.items()}
+    return undriven(
+        name, title, "Whether each tower stands, and how far into each other.", bodies, DULL, family="heavy_on_light",
+        frames=600, short=60,
+        bounds=(
+            *SOUND, Bound("course_error_max", shift, reason),
+            Bound("towers_fallen", 0.0, "a thousand to one is what is sought, and ten thousand to one can be had"), *RESTING,
+        ),
+        regions=(above(0.0, "light_*", "heavy_*"),),
+        expects={
+            "courses": tuple(Course(box, steady(*place), since=0.4) for box, place in touching.items()),
+            "rests": (Rest(tuple(places), 0.4),),
+            "towers": tuple(Tower(f"heavy_{ratio:g}", ratio, touching[f"heavy_{ratio:g}"], 0.4) for ratio in ratios),
+        },
+    )
+
+
+SCENARIOS = (
+    of_ten("stack_ten", "Ten boxes settle on one another and rest.", 600),
+    of_ten("rest_ten_minutes", "A box, and a stack of ten, rest for ten minutes.", 36_000,
+           (loose("alone", Box((EDGE, EDGE, EDGE)), "box", 1.0, (1.0, 0.0, 0.5 * EDGE + AIR)),)),
+    of_towers("heavy_on_light", (1e3,), "A heavy box on a light one, a thousand to one.",
+              1e-5, "boxes that stand are where they touch, to what a landing may shift them"),
+    of_towers("heavy_on_light_ratios", (1.0, 10.0, 100.0, 1e3, 1e4),
+              "Heavy boxes on light ones: 1, 10, 100, 1000 and 10,000 to one.",
+              1e-4, "impulses one after the other turn a heavy box as it lands: it slides by 20 micrometres"),
+)
