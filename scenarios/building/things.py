@@ -3,23 +3,16 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, solid
 from avatarsim.scene.checks import Quaternion, Vector
-from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Piece
-from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from scenarios.building.cases import LAID, fixture, loose, one_law, slab
+from scenarios.building.cases import fixture
 
 Array = NDArray[np.float64]
 
 CORNERS = 12
 """Directions in which a drawn hull has a corner: some four of them lie inside the others."""
-MUG_RADIUS, MUG_HEIGHT, MUG_MASS, MUG_FRICTION = 0.035, 0.09, 0.35, 0.7
-"""Of a mug, a prism of 24 sides without a handle [m, kg], and friction of all its pairs."""
-
-
 def prism(sides: int, radius: float, height: float) -> Piece:
     """Return an upright prism of so many `sides` with its corners at `radius` [m]; the origin is its centre of mass."""
     angles = 2.0 * np.pi * np.arange(sides) / sides
@@ -32,11 +25,11 @@ COIN = prism(20, 0.012, COIN_THICK)
 """A coin, a prism of 20 sides [m, kg]."""
 
 
-def mug_on_floor(name: str, hand: Avatar, start: TrackerSample, attached: tuple[tuple[str, str], ...] = ()) -> Scene:
-    """Return a scene of a mug on a floor and the hand that lifts it."""
-    mug = loose("mug", prism(24, MUG_RADIUS, MUG_HEIGHT), "mug", MUG_MASS, (0.0, 0.0, 0.5 * MUG_HEIGHT + LAID))
-    materials = one_law(0.0, MUG_FRICTION, ("floor", "mug"), ("mug", "hand"))
-    return Scene(name, (slab(4.0, 4.0), mug), (hand,), materials, start=start, attached=attached)
+def disc(sides: int, radius: float, height: float) -> Piece:
+    """Return a `prism` whose corners come one above another."""
+    around = np.linspace(0.0, 2.0 * np.pi, sides, endpoint=False)
+    rim = [(radius * np.cos(a), radius * np.sin(a), z) for a in around for z in (-0.5 * height, 0.5 * height)]
+    return Piece(ConvexHull(np.array(rim)))
 
 
 def drawn_hull(random: np.random.Generator, radius: float) -> Piece:
