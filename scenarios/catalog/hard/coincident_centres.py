@@ -1,4 +1,4 @@
-"""Deep overlap: a driven ball is led into the very centres of fixed bodies, and bodies begin inside each other.
+"""Deep overlap: a driven ball is led into the very centres of fixed bodies, and bodies or a hand begin in others.
 
 An engine that divides by the distance of centres loses its numbers there. A start that overlaps may be refused, with the pairs
 and their depths; an engine that resolves it must add no velocity.
@@ -12,10 +12,11 @@ from avatarsim.scene.body import Body
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
+from scenarios.building.avatars.hand import rigid_hand
 from scenarios.building.cases import NOWHERE, driven, fixture, loose
-from scenarios.building.promises import FINITE, FOLLOWS_WHEN_FREE, NO_OVERLAP
+from scenarios.building.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP
 from scenarios.building.scenes import undriven
-from scenarios.motion.rigid_hands import hands_at, led_through
+from scenarios.motion.rigid_hands import hands_at, led, led_through
 from scenarios.scenario import REFUSAL, Bound, Scenario
 
 RADIUS, APART, FRAMES = 0.1, 0.7, 330
@@ -82,6 +83,14 @@ SCENARIOS = (
     start(
         "coincident_start", "Balls, capsules, cubes, ellipsoids and hulls begin two by two in the same place.",
         "Whether the engine refuses to begin and says which pairs overlap, and how deep.", pairs,
+    ),
+    Scenario(
+        "start_inside", "The first pose overlaps: a hand begins inside a table.",
+        "Whether the engine refuses to begin and says which pairs overlap.",
+        lambda: Scene("start_inside", (fixture("table", Box((1.0, 1.0, 0.05)), "wood", (0.0, 0.0, -0.025)),), (rigid_hand(),),
+                      start=hands_at((NOWHERE,))),
+        led(lambda time: ((0.2 * time, 0.0, 0.0),)), 60, family="start_inside", bounds=(NO_OVERLAP, FINITE, *MOVES),
+        expects={REFUSAL: True},
     ),
     start(
         "deep_overlap", "Pairs of boxes begin 1 to 20 cm inside each other.",

@@ -1,0 +1,120 @@
+"""A driven ball is led into a wall, a hand presses a box against one, and a hand is thrown through one of two millimetres."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from avatarsim.scene.checks import Vector
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Sphere
+from avatarsim.scene.tracker import TrackerSample
+from scenarios.building.avatars.hand import rigid_hand
+from scenarios.building.cases import driven, fixture, loose
+from scenarios.building.promises import HAND
+from scenarios.building.scenes import before
+from scenarios.building.stage import HIGH, SPAN, THICK, floor, wall_ahead
+from scenarios.motion.rigid_hands import hands_at, led_through, turned_hand
+from scenarios.scenario import RENDERED, Bound, Motion, Region, Scenario
+
+RADIUS, FACE, DEEP = 0.05, 0.3, 0.1
+"""Radius of the ball, where its wall begins along x, and how far it is led into the wall [m]."""
+EDGE, BOX_AT, BOX_FACE, PRESSED = 0.2, 0.35, 0.6, 0.08
+"""Edge of the box, where its middle is at first and where its wall begins along x, how far the user presses beyond [m]."""
+PALM, FIRST = (0.04, 0.12, 0.12), 0.1
+"""Edges of the flat palm that presses it, and where it begins [m]."""
+FRAMES, CYCLE = 300, 50
+"""Frames of the thrown hand; of a thrust: there, a while behind the wall, back, a while before it."""
+THIN, START, BEHIND = 2e-3, -0.35, 0.4
+"""Thickness of its wall, where the hand rests before it, and how far it is driven behind it [m]."""
+
+
+def at_ball(x: float, y: float) -> Vector:
+    """A place of the ball."""
+    return x, y, 0.5 * HIGH
+
+
+def at_palm(x: float, y: float) -> Vector:
+    """A place of the palm."""
+    return x, y, 0.5 * EDGE
+
+
+INSIDE, AT_WALL = FACE - RADIUS + DEEP, BOX_FACE - EDGE - 0.5 * PALM[0]
+# never straight in: to motion along the normal alone standing still is the right answer
+BALL_KEYS = (
+    (0.6, at_ball(INSIDE, 0.1)), (1.0, at_ball(INSIDE, 0.2)), (2.0, at_ball(INSIDE, 0.6)), (2.6, at_ball(0.0, 0.5)),
+    (3.0, at_ball(0.0, 0.3)),
+)
+PALM_KEYS = (
+    (0.8, at_palm(AT_WALL, 0.005)), (1.1, at_palm(AT_WALL + PRESSED, 0.0)), (1.5, at_palm(AT_WALL + 0.9 * PRESSED, -0.02)),
+    (1.9, at_palm(AT_WALL - 0.05, 0.0)), (2.5, at_palm(FIRST, 0.0)), (3.2, at_palm(AT_WALL, 0.02)),
+    (3.5, at_palm(AT_WALL + PRESSED, 0.03)), (3.8, at_palm(AT_WALL - 0.05, 0.0)), (5.0, at_palm(FIRST, 0.1)),
+)
+
+
+def thrusts(scene: Scene, seed: int) -> Motion:
+    """Thrust after thrust, each from another side and faster than the one before: 2 to 20 m/s."""
+    count = FRAMES // CYCLE
+    speeds = np.geomspace(2.0, 20.0, count)
+    aims = np.random.default_rng(seed).uniform(-0.3, 0.3, (count, 2))
+
+    def sample(frame: int) -> TrackerSample:
+        k = min(frame // CYCLE, count - 1)
+        inside = frame - k * CYCLE + 1
+        # at the stated speed to the far end, there until half-time, at the same speed back
+        takes = int(np.ceil((BEHIND - START) / (speeds[k] * RENDERED)))
+        way = min(inside, max(CYCLE // 2 - inside + takes, 0)) * RENDERED * speeds[k]
+        share = float(np.clip(way / (BEHIND - START), 0.0, 1.0))
+        y, yaw = share * aims[k] * (1.0, 2.0)
+        # a hand trembles: it never rests altogether
+        x = START + share * (BEHIND - START) + 2e-3 * np.sin(0.9 * frame)
+        return turned_hand((x, float(y), 0.5 * HIGH), float(yaw), (frame + 1) * RENDERED)
+
+    return sample
+
+
+def scenario(
+    name: str, title: str, judged: str, build: Callable[[], Scene], motion: Callable[[Scene, int], Motion], frames: int,
+    short: int | None, regions: tuple[Region, ...], bounds: tuple[Bound, ...] = (), expects: dict[str, object] | None = None,
+) -> Scenario:
+    """A scene of a rigid hand that meets a wall."""
+    return Scenario(
+        name, title, judged, build, motion, frames, short, bounds=(*HAND, *bounds), regions=regions, expects=expects or {},
+        family=name,
+    )
+
+
+SCENARIOS = (
+    scenario(
+        "driven_10cm_wall", "A driven ball is led ten centimetres into a wall, along it, and back.",
+        "Overlap while it is held, offset once the way is free.",
+        lambda: Scene("driven_10cm_wall", (wall_ahead(FACE),), (driven("hand", Sphere(RADIUS), 0.46),),
+                      start=hands_at((at_ball(0.0, 0.0),))),
+        led_through(BALL_KEYS, 180), 180, None, (before(FACE + 0.5 * THICK, "hand"),),
+    ),
+    scenario(
+        "squeeze", "A driven hand presses a box against a wall, further than there is room.",
+        "Overlap; that the box stays in the room and the hand on its side of it; where the box ends; energy.",
+        lambda: Scene(
+            "squeeze",
+            (floor(), wall_ahead(BOX_FACE), loose("box", Box((EDGE,) * 3), "wood", 2.0, (BOX_AT, 0.0, 0.5 * EDGE + 1e-4))),
+            (driven("hand", Box(PALM), 0.46),), start=hands_at((at_palm(FIRST, 0.0),)),
+        ),
+        led_through(PALM_KEYS, 300), 300, 150,
+        (
+            Region(("box",), (0.0, -0.5, 0.0), (BOX_FACE, 0.5, 2.0 * EDGE),
+                   "the box can be pushed to the wall, but neither through it, nor into the floor, nor thrown over the hand"),
+            before(BOX_FACE + 0.5 * THICK, "hand"),
+        ),
+        (Bound("travel_missing", 0.0, "the box is pushed to the wall, 15 cm; a hand that meets nothing leaves it where it is"),),
+        {"travel": {"box": BOX_FACE - 0.5 * EDGE - BOX_AT - 0.01}},
+    ),
+    scenario(
+        "thin_wall_hand", "A rigid hand is driven through a wall of two millimetres, at 2 to 20 m/s.",
+        "The right side of the wall, sub-steps included; overlap.",
+        lambda: Scene(
+            "thin_wall_hand", (fixture("wall", Box((THIN, SPAN, HIGH)), "wood", (0.5 * THIN, 0.0, 0.5 * HIGH)),),
+            (rigid_hand(),), start=turned_hand((START, 0.0, 0.5 * HIGH), 0.0),
+        ),
+        thrusts, FRAMES, None, (before(0.5 * THIN, "hand", reason="the wall is endless: there is no way behind it"),),
+    ),
+)
