@@ -1,11 +1,16 @@
-"""Floor and endless walls for scenes with one avatar, and the regions that go with them."""
+"""Floor and endless walls for scenes with one avatar, the regions that go with them, and scenes of a humanoid."""
 
-from avatarsim.scene.body import Body, fixed
+from collections.abc import Callable
+
+from avatarsim.scene.body import Body
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Piece
+from avatarsim.scene.shape import Box
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
-from scenarios.scenario import INFINITE, Region
+from scenarios.building.cases import fixture
+from scenarios.building.promises import AVATAR
+from scenarios.building.scenes import above
+from scenarios.scenario import INFINITE, RENDERED, Bound, Motion, Region, Scenario
 
 SPAN = 20.0
 """Width of floor and walls [m]: no motion leads round them within a scene, so their far side is the wrong side."""
@@ -17,28 +22,40 @@ HIGH = 4.0
 
 def floor() -> Body:
     """A slab whose top is z = 0."""
-    return fixed("floor", (Piece(Box((SPAN, SPAN, THICK))),), "wood", (0.0, 0.0, -0.5 * THICK))
+    return fixture("floor", Box((SPAN, SPAN, THICK)), "wood", (0.0, 0.0, -0.5 * THICK))
 
 
 def wall_ahead(face: float) -> Body:
     """A wall across the x axis whose near face is at x = `face` [m]."""
-    return fixed("wall", (Piece(Box((THICK, SPAN, HIGH))),), "wood", (face + 0.5 * THICK, 0.0, 0.5 * HIGH))
-
-
-def human_before_wall(name: str, face: float) -> Scene:
-    """The humanoid stands on the floor, its root over the origin, and looks at a wall at x = `face` [m]."""
-    human = humanoid()
-    return Scene(name, (floor(), wall_ahead(face)), (human,), start=standing(human))
+    return fixture("wall", Box((THICK, SPAN, HIGH)), "wood", (face + 0.5 * THICK, 0.0, 0.5 * HIGH))
 
 
 def above_floor(*bodies: str) -> Region:
     """No frame origin below the middle of the floor."""
     # the middle, not the face: origins of shoulders and hips lie up to 5 mm outside the avatar's own shapes
-    low, high = (-INFINITE, -INFINITE, -0.5 * THICK), (INFINITE, INFINITE, INFINITE)
-    return Region(bodies, low, high, "nothing sinks through the floor")
+    return above(-0.5 * THICK, *bodies, reason="nothing sinks through the floor")
 
 
-def before_wall(face: float, *bodies: str) -> Region:
-    """No frame origin beyond the middle of the wall at `face` [m], nor below that of the floor."""
-    low, high = (-INFINITE, -INFINITE, -0.5 * THICK), (face + 0.5 * THICK, INFINITE, INFINITE)
-    return Region(bodies, low, high, "nothing goes through the wall, nor through the floor; it cannot be walked round")
+def before_wall(face: float, *bodies: str, axis: int = 0) -> Region:
+    """No frame origin beyond the middle of the wall at `face` [m] along an axis, nor below that of the floor."""
+    high = [INFINITE, INFINITE, INFINITE]
+    high[axis] = face + 0.5 * THICK
+    x, y, z = high
+    reason = "nothing goes through the wall, nor through the floor; it cannot be walked round"
+    return Region(bodies, (-INFINITE, -INFINITE, -0.5 * THICK), (x, y, z), reason)
+
+
+def with_human(
+    name: str, title: str, judged: str, motion: Callable[[Scene, int], Motion],
+    bodies: Callable[[], tuple[Body, ...]] = lambda: (floor(),), at: tuple[float, ...] = (), *, frames: int,
+    region: Region, short: int | None = None, bounds: tuple[Bound, ...] = AVATAR, family: str = "", everyday: bool = False,
+) -> Scenario:
+    """Return a scene of the humanoid, which stands `at` x, y [m] and heading [rad]."""
+
+    def build() -> Scene:
+        human = humanoid()
+        return Scene(name, bodies(), (human,), start=standing(human, *at))
+
+    return Scenario(
+        name, title, judged, build, motion, frames, short, RENDERED, bounds, (region,), family=family, everyday=everyday
+    )

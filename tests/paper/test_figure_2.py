@@ -3,7 +3,7 @@
 import numpy as np
 
 from reference.judging.judge import Judge
-from scenarios.catalog.paper.avatar_into_wall import FACE
+from scenarios.catalog.paper.into_wall import FACE
 from tests.paper.scene_run import of_shown, of_user, scene_run
 
 FRAMES = 90

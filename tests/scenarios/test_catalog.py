@@ -17,7 +17,7 @@ from runfiles.metrics import METRICS
 from scenarios import catalog, measure
 from scenarios.building.reach import reach
 from scenarios.catalog.paper import ball_drop, hand_over_table
-from scenarios.catalog.recorded import mocap_punch_wall, mocap_walk_wall
+from scenarios.catalog.recorded import mocap_clips
 from scenarios.motion.mocap import clip_names
 from scenarios.scenario import EXPECTS, Bound, Drop, Motion, Region, Scenario
 from tests.scenarios.raw_overlap import RAW
@@ -99,7 +99,7 @@ def test_the_raw_motion_goes_where_the_scene_says(name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "face"), [("mocap_punch_wall", mocap_punch_wall.FACE), ("mocap_walk_wall", mocap_walk_wall.FACE)]
+    ("name", "face"), [("mocap_punch_wall", mocap_clips.PUNCH_FACE), ("mocap_walk_wall", mocap_clips.WALK_FACE)]
 )
 def test_the_wall_stands_a_foot_inside_the_reach_and_is_never_wholly_passed(name: str, face: float) -> None:
     scenario, scene, motion = built(name)

@@ -1,10 +1,7 @@
-"""Every recorded clip as it was recorded, in a gallery whose floor and furniture are not the user's.
+"""A humanoid follows recorded motion of pybullet_data: all fifteen human clips in the gallery, and three before obstacles.
 
-Real motion: all fifteen human clips of pybullet_data at 60 Hz, after half a second in which the user walks from a free
-posture into the clip's first one. Where a clip begins, and which way it faces, is ours: so that it stays in the room.
-The raw motion is inside the floor in every clip, for 31 frames (walk) to 178 (getup_faceup), 0.01 to 0.2 m deep; inside
-itself in seven of them (punch: 0.08 m); inside walls and exhibits in six (spin: 0.18 m). tests/scenarios/raw_overlap.py
-has each.
+At 60 Hz, after half a second in which the user walks from a free posture into the clip's first one. Floor, furniture and walls 
+are not the user's: tests/scenarios/raw_overlap.py lists how deep each raw motion is inside them.
 """
 
 from dataclasses import dataclass
@@ -13,17 +10,21 @@ import numpy as np
 
 from avatarsim.scene.body import Body
 from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
+from scenarios.building.cases import fixture
 from scenarios.building.gallery import gallery, inside
 from scenarios.building.promises import AVATAR
+from scenarios.building.stage import above_floor, before_wall, floor, wall_ahead, with_human
+from scenarios.motion.layers import upper_body_of
 from scenarios.motion.mocap import load_clip, placed, retimed
-from scenarios.motion.track import LEAD_IN, track_of
+from scenarios.motion.resampled import at_rate
+from scenarios.motion.track import LEAD_IN, to_and_fro, track_of
 from scenarios.scenario import Motion, Scenario
 
 NEAR = 2.0
-"""Distance [m] from where a clip begins beyond which exhibits of many pieces are left out. None is ever met there (the raw
-motions say so), and fifteen scenes would pay for them in every engine; the scenes of Table 2 keep them all."""
+"""Distance [m] from where a clip begins beyond which exhibits of many pieces are left out: none is ever met there."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Played:
         return Scene(self.name, tuple(body for body in gallery() if self.counts(body)), (human,), start=start)
 
     def counts(self, body: Body) -> bool:
-        """Walls, floor and whatever is one piece; of what is made of many, only what is near enough to be met."""
+        """True for walls, floor and all bodies of one piece, and for others that are near."""
         away = np.hypot(body.position[0] - self.x, body.position[1] - self.y)
         return len(body.pieces) == 1 or bool(away < NEAR)
 
@@ -61,15 +62,9 @@ class Played:
     def scenario(self) -> Scenario:
         """The scene with its bounds."""
         return Scenario(
-            name=self.name,
-            family="mocap",
-            title=f"Recorded motion in the gallery, as recorded: {self.what}.",
-            judged="Overlap with floor, furniture and itself; limits; offset from the user; jumps.",
-            build=self.build,
-            motion=self.motion,
-            frames=LEAD_IN + self.postures,
-            bounds=AVATAR,
-            regions=(inside("human/*"),),
+            self.name, f"Recorded motion in the gallery, as recorded: {self.what}.",
+            "Overlap with floor, furniture and itself; limits; offset from the user; jumps.", self.build, self.motion,
+            LEAD_IN + self.postures, bounds=AVATAR, regions=(inside("human/*"),), family="mocap",
         )
 
 
@@ -91,4 +86,51 @@ PLAYED = (
     Played("walk", 76, -0.9, 0.25, 0.0, "a walk through the doorway, too near to one of its posts"),
 )
 
-SCENARIOS = tuple(played.scenario() for played in PLAYED)
+GETUP_FRAMES = LEAD_IN + 2 * 182 - 1
+"""The clip has 182 postures at 60 Hz; the lowest one is shown once."""
+PUNCH_FACE = 1.43
+"""Where the wall begins along x [m]: the fist reaches 1.73 m."""
+WALK_FACE, WALK_FRAMES = 1.34, LEAD_IN + 4 * 75 + 1
+"""Where the wall begins along x [m], and frames: the leading foot reaches 1.64 m; twice there and twice back."""
+HUG = 170.0 / 60.0
+"""Time in the clip "spin" at which the upper body starts [s]: the arms close round the hips and open again within the walk."""
+
+
+def low_table() -> Body:
+    """A table without legs, which head and hands of the clip pass."""
+    return fixture("low_table", Box((0.6, 1.2, 0.05)), "wood", (0.4 + 0.5 * 0.6, 0.0, 0.3 - 0.5 * 0.05))
+
+
+def getup(scene: Scene, seed: int) -> Motion:
+    """Half a second into the clip's last pose, then down and up again."""
+    clip = track_of(retimed(load_clip("getup_facedown")), scene.avatars[0])
+    return clip.backwards().there_and_back(GETUP_FRAMES - LEAD_IN).led_in(scene.first_sample).motion()
+
+
+def walk(scene: Scene, seed: int) -> Motion:
+    """The legs of one clip under the upper body of another: into the wall and back, twice."""
+    return to_and_fro(upper_body_of(retimed(load_clip("spin")), HUG, retimed(load_clip("walk"))), scene, WALK_FRAMES)
+
+
+PUNCH = with_human(
+    "mocap_punch_wall", "A recorded punch is thrown again and again at a wall that stands 0.3 m inside its reach.",
+    "Overlap with wall, floor and itself; the right side of the wall; limits; offset from the user; jumps.",
+    lambda scene, seed: to_and_fro(load_clip("punch"), scene, 300), lambda: (floor(), wall_ahead(PUNCH_FACE)), frames=300,
+    region=before_wall(PUNCH_FACE, "human/*"), family="mocap", everyday=True,
+)
+
+SCENARIOS = (
+    *(played.scenario() for played in PLAYED), PUNCH, at_rate(PUNCH),
+    with_human(
+        "mocap_getup_floor", "A recorded getting up from face down, played backwards and forwards beside a low table.",
+        "Overlap with floor, table and itself; nothing below the floor; limits; offset from the user; jumps.",
+        getup, lambda: (floor(), low_table()), (-0.25,), frames=GETUP_FRAMES, region=above_floor("human/*"),
+        family="mocap", everyday=True,
+    ),
+    with_human(
+        "mocap_walk_wall", "A recorded walk, hands on the hips, leads 0.3 m into a wall and backwards out again, twice.",
+        "Overlap with wall, floor and itself; the right side of the wall; limits; offset from the user; jumps.",
+        walk, lambda: (floor(), wall_ahead(WALK_FACE)), frames=WALK_FRAMES, region=before_wall(WALK_FACE, "human/*"),
+        family="mocap", everyday=True,
+    ),
+)
