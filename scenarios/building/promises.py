@@ -12,6 +12,9 @@ WITHIN_LIMITS = Bound(
     "joint_limit_excess_max", 1e-9,
     "limits hold exactly; 1e-9 degrees is the rounding of turning poses back into angles",
 )
+WITHIN_CONES = Bound(
+    "reach_cone_excess_max", 1e-9, "cones hold exactly; 1e-9 degrees is the rounding of poses turned into angles"
+)
 KEEPS_MOVING = Bound(
     "still_frames", 1.0,
     "the shown avatar answers its user: an engine that freezes never overlaps, and is useless",

@@ -1,53 +1,43 @@
 """Eq. 6 over masses and frame times: hands of 0.1 to 10 kg, on the spring of the virtual coupling, strike balls as they pass.
 
-Closed form, elastic and without friction: a hand that is led at V and strikes a ball at rest goes on with (m - M) / (m + M) V,
-the ball with 2 m / (m + M) V; from then on the hand's offset from its user is that of a damped spring with the hand's mass,
-thrown back with 2 M / (m + M) V. Balls of a quarter of their hand's mass are faster than the user and are not met again. Balls
+Closed form, elastic and without friction: a hand led at V that strikes a ball at rest goes on with (m - M) / (m + M) V, the ball
+with 2 m / (m + M) V; the hand's offset from its user is then that of a damped spring, thrown back with 2 M / (m + M) V. Balls
 four times as heavy as their hand are caught up with again and again: the paper's worry about endless loops.
-
-In the 60 frames of a quick comparison the raw motion is inside each of the eight balls for 24, up to 0.1 m deep.
 """
 
-from collections.abc import Callable
+from collections.abc import Iterator
 
 import numpy as np
 
-from avatarsim.scene.avatar import rigid_avatar
-from avatarsim.scene.body import Body, ContactLaw, simulated, solid
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Piece, Sphere
+from avatarsim.scene.shape import Sphere
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from reference.closed_form import spring_state, two_spheres
-from scenarios.building.cases import NOWHERE, pair_table
+from scenarios.building.cases import NOWHERE, driven, laws, loose
 from scenarios.building.expected import Course, OfTime, steady
 from scenarios.building.promises import FINITE, MOVES, NO_OVERLAP
-from scenarios.scenario import Bound, Motion, Scenario
+from scenarios.motion.rigid_hands import by_time
+from scenarios.scenario import Bound, Scenario
 
-MASSES = (0.1, 0.4, 1.0, 10.0)
-"""Of the hands [kg]; 0.4 is critically damped."""
-LIGHT, HEAVY = 0.25, 4.0
-"""Mass of a ball over that of its hand."""
+MASSES, LIGHT, HEAVY = (0.1, 0.4, 1.0, 10.0), 0.25, 4.0
+"""Masses of the hands [kg], of which 0.4 is critically damped, and of a ball over that of its hand."""
 SPRING, DAMPING = 1000.0, 40.0
 """Eq. 6 with the paper's K [N/m] and R [N s/m], which are the engine's defaults."""
-SPEED, RADIUS, GAP = 0.5, 0.05, 0.1
-"""Speed of the users [m/s], radius of hands and balls, way to the ball [m]: they meet after 0.2 s."""
-LANE, SECONDS = 0.5, 1.0
-"""Distance of the hands [m], length of the run [s]."""
-RATES = (30, 60, 240)
-"""Frames per second."""
+SPEED, RADIUS, GAP, LANE = 0.5, 0.05, 0.1, 0.5
+"""Speed of the users [m/s], radius of hands and balls, way to the ball [m], met after 0.2 s, and distance of the hands [m]."""
 CASES = tuple((mass, ratio) for ratio in (LIGHT, HEAVY) for mass in MASSES)
 
 
 def build(name: str) -> Scene:
     """Eight hands side by side, a ball before each."""
-    piece, bodies, hands = (Piece(Sphere(RADIUS)),), list[Body](), []
-    for k, (mass, ratio) in enumerate(CASES):
-        at = (2.0 * RADIUS + GAP, LANE * k, 0.0)
-        bodies.append(simulated(f"ball_{mass:g}_{ratio:g}", piece, "ball", solid(piece, ratio * mass), at))
-        hands.append(rigid_avatar(f"hand_{mass:g}_{ratio:g}", piece, solid(piece, mass), "hand"))
-    materials = pair_table(("ball", "hand"), {("ball", "hand"): ContactLaw(1.0, 0.0)})
-    return Scene(name, tuple(bodies), tuple(hands), materials=materials, gravity=NOWHERE, start=led(0.0))
+    ball = Sphere(RADIUS)
+    bodies = tuple(
+        loose(f"ball_{mass:g}_{ratio:g}", ball, "ball", ratio * mass, (2.0 * RADIUS + GAP, LANE * k, 0.0))
+        for k, (mass, ratio) in enumerate(CASES)
+    )
+    hands = tuple(driven(f"hand_{mass:g}_{ratio:g}", ball, mass, "hand") for mass, ratio in CASES)
+    return Scene(name, bodies, hands, laws({("ball", "hand"): (1.0, 0.0)}), gravity=NOWHERE, start=led(0.0))
 
 
 def led(time: float) -> TrackerSample:
@@ -57,15 +47,9 @@ def led(time: float) -> TrackerSample:
     return TrackerSample(time, places, np.tile(rotation.IDENTITY, (count, 1)), np.zeros(0))
 
 
-def motion_at(dt: float) -> Callable[[Scene, int], Motion]:
-    """Straight on, looked at every `dt` [s]."""
-    return lambda scene, seed: lambda frame: led((frame + 1) * dt)
-
-
-def hand_goes(mass: float, y: float) -> OfTime:
-    """Place [m] of a hand that strikes a light ball."""
+def hand_goes(after: float, mass: float, y: float) -> OfTime:
+    """Place [m] of a hand that goes on at the speed `after` [m/s] when it has struck a ball."""
     due = GAP / SPEED
-    after, _ = two_spheres(mass, LIGHT * mass, SPEED, 0.0, 1.0)
 
     def at(time: float) -> tuple[float, float, float]:
         off = spring_state(0.0, after - SPEED, mass, SPRING, DAMPING, time - due)[0] if time > due else 0.0
@@ -74,35 +58,28 @@ def hand_goes(mass: float, y: float) -> OfTime:
     return at
 
 
-def courses(dt: float) -> tuple[Course, ...]:
+def courses(dt: float) -> Iterator[Course]:
     """Places of all hands with light balls, and velocities of these: samples leave open when in a frame a hand strikes."""
-    found = []
-    for k, (mass, ratio) in enumerate(CASES):
-        if ratio == LIGHT:
-            found.append(Course(f"hand_{mass:g}_{ratio:g}", hand_goes(mass, LANE * k)))
-            _, after = two_spheres(mass, ratio * mass, SPEED, 0.0, 1.0)
-            found.append(Course(f"ball_{mass:g}_{ratio:g}", velocity=steady(after, 0.0, 0.0), since=GAP / SPEED + 1.5 * dt))
-    return tuple(found)
+    for k, mass in enumerate(MASSES):
+        own, others = two_spheres(mass, LIGHT * mass, SPEED, 0.0, 1.0)
+        yield Course(f"hand_{mass:g}_{LIGHT:g}", hand_goes(own, mass, LANE * k))
+        yield Course(f"ball_{mass:g}_{LIGHT:g}", velocity=steady(others, 0.0, 0.0), since=GAP / SPEED + 1.5 * dt)
 
 
 def at_rate(rate: int) -> Scenario:
-    """The grid at so many frames per second."""
+    """The grid at so many frames per second, for a second."""
     name = "coupling_sweep" if rate == 60 else f"coupling_sweep_{rate}"
     return Scenario(
-        name=name,
-        title=f"Hands of 0.1 to 10 kg strike balls as they pass, at {rate} frames per second.",
-        judged="How hands return on the spring of eq. 6, and where the balls go; that pushing heavy balls ends.",
-        build=lambda: build(name),
-        motion=motion_at(1.0 / rate),
-        frames=round(SECONDS * rate),
-        dt=1.0 / rate,
+        name, f"Hands of 0.1 to 10 kg strike balls as they pass, at {rate} frames per second.",
+        "How hands return on the spring of eq. 6, and where the balls go; that pushing heavy balls ends.",
+        lambda: build(name), by_time(led, 1.0 / rate), rate, dt=1.0 / rate,
         bounds=(
             NO_OVERLAP, FINITE, *MOVES,
             Bound("course_error_max", 1e-6, "eq. 6 in closed form at any frame time; contact is a gap of 2e-8 m"),
             Bound("velocity_error_max", 1e-9, "eq. 9 with the hand's coupled mass; nothing but rounding is left"),
         ),
-        expects={"courses": courses(1.0 / rate)},
+        expects={"courses": tuple(courses(1.0 / rate))},
     )
 
 
-SCENARIOS = tuple(at_rate(rate) for rate in RATES)
+SCENARIOS = tuple(map(at_rate, (30, 60, 240)))
