@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from scenarios.catalog.contact import posts
+from scenarios.catalog.contact import flat_hands
 from scenarios.motion.rigid_hands import eased, led
 from scenarios.scenario import RENDERED
 
 
 def test_a_led_hand_is_where_it_should_be_at_the_end_of_a_frame() -> None:
-    motion = led(lambda time: ((time, 2.0 * time, 0.5), (0.0, -time, 0.0)))(posts.SCENARIOS[1].build(), 0)
+    motion = led(lambda time: ((time, 2.0 * time, 0.5), (0.0, -time, 0.0)))(flat_hands.SCENARIOS[1].build(), 0)
     sample = motion(5)
     assert sample.time == pytest.approx(6 * RENDERED)
     assert sample.positions.tolist() == [[sample.time, 2.0 * sample.time, 0.5], [0.0, -sample.time, 0.0]]
