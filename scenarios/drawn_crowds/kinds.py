@@ -6,15 +6,15 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from avatarsim.scene.avatar import Avatar, rigid_avatar
-from avatarsim.scene.body import Body, Mass, fixed, simulated, solid
+from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.body import Body
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, reach
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
-from scenarios.building.cases import LAID, turned_by
+from scenarios.building.cases import LAID, driven, loose, slab, turned_by
 from scenarios.building.reach import extent
 from scenarios.building.things import drawn_box, drawn_turn, open_box
 from scenarios.drawn_crowds.bodies import DENSITIES, FLOOR, HAND, THINGS, drawn_piece, drawn_table, lattice, of_density, spacing
@@ -80,13 +80,13 @@ class Drawn:
     def bodies(self, places: list[Vector], drift: float = 0.0, spin: float = 0.0) -> list[Body]:
         """Return the floor, and the bodies at their places, turned, made of and moving as it is drawn."""
         random = self.random
-        found = [fixed("floor", (Piece(Box((SPAN, SPAN, 0.2))),), FLOOR, (0.0, 0.0, -0.1))]
+        found = [slab(SPAN, SPAN, FLOOR)]
         for k, (piece, place) in enumerate(zip(self.pieces, places, strict=True)):
             mass = of_density(piece, float(random.uniform(*DENSITIES)))
             material = THINGS[random.integers(len(THINGS))]
             (x, y, z), turning = drawn_vector(random, drift), drawn_vector(random, spin)
             velocity = (x, y, -abs(z))
-            found.append(simulated(f"thing_{k}", (piece,), material, mass, place, drawn_turn(random), velocity, turning))
+            found.append(loose(f"thing_{k}", piece, material, mass, place, drawn_turn(random), velocity, turning))
         return found
 
     def crowd(self, bodies: list[Body], hands: tuple[Avatar, ...] = (), places: Places | None = None, first: int = 0) -> Crowd:
@@ -132,7 +132,7 @@ def struck(drawn: Drawn) -> Crowd:
     x, y, z = (-distance * way + [0.0, 0.0, reach(heavy) + random.uniform(*FLIES)]).tolist()
     # as fast upwards as it falls on the way to the middle
     vx, vy, vz = (speed * way + [0.0, 0.0, 0.5 * 9.81 * distance / speed]).tolist()
-    bodies.append(simulated("thrown", (heavy,), THINGS[0], of_density(heavy, STEEL), (x, y, z), drawn_turn(random), (vx, vy, vz)))
+    bodies.append(loose("thrown", heavy, THINGS[0], of_density(heavy, STEEL), (x, y, z), drawn_turn(random), (vx, vy, vz)))
     return drawn.crowd(bodies)
 
 
@@ -166,12 +166,7 @@ def swept(drawn: Drawn) -> Crowd:
         x, y, z = (corners[k] + share * (corners[k + 1] - corners[k])).tolist()
         return ((x, y, z),)
 
-    return drawn.crowd(bodies, (rigid_avatar("hand", (piece,), of_mass(piece), HAND),), at)
-
-
-def of_mass(piece: Piece) -> Mass:
-    """Return HAND_MASS spread over a piece."""
-    return solid((piece,), HAND_MASS)
+    return drawn.crowd(bodies, (driven("hand", piece, HAND_MASS, HAND),), at)
 
 
 def gripped(drawn: Drawn) -> Crowd:
@@ -196,8 +191,7 @@ def gripped(drawn: Drawn) -> Crowd:
         z = 0.5 * PAD[2] + ABOVE + rise * eased(time, *UP)
         return (right + 0.5 * PAD[0] + gone, 0.0, z), (-left - 0.5 * PAD[0] - gone, 0.0, z)
 
-    pad = Piece(Box(PAD))
-    pads = tuple(rigid_avatar(name, (pad,), of_mass(pad), HAND) for name in ("right", "left"))
+    pads = tuple(driven(name, Box(PAD), HAND_MASS, HAND) for name in ("right", "left"))
     return drawn.crowd(bodies, pads, at, first=1)
 
 

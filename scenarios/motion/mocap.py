@@ -1,5 +1,6 @@
-"""Recorded human motion: the clips of pybullet_data, repeated, placed, and retimed to one step per rendered frame."""
+"""Recorded human motion: the clips of pybullet_data, repeated, placed, layered, and retimed to one step per rendered frame."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,6 +11,10 @@ from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 from scenarios.data_folder import data_file, pybullet_data
 from scenarios.scenario import RENDERED
+
+UPPER = ("chest", "neck", "right_shoulder", "right_elbow", "left_shoulder", "left_elbow")
+"""Links of an upper body. The root belongs to the legs, which carry it."""
+Change = Callable[[Array], Array]
 
 
 def clip_names() -> tuple[str, ...]:
@@ -26,6 +31,15 @@ def load_clip(name: str) -> Clip:
     return read_clip(data_file(f"data/motions/humanoid3d_{name}.txt"))
 
 
+def with_frames(clip: Clip, times: Array, positions: Change, rotations: Change | None = None) -> Clip:
+    """Return the clip at `times` [s], its arrays changed along their first axis, rotations perhaps in another way."""
+    return replace(
+        clip, times=times, root_positions=positions(clip.root_positions),
+        rotations={link: (rotations or positions)(values) for link, values in clip.rotations.items()},
+        angles={link: positions(values) for link, values in clip.angles.items()},
+    )
+
+
 def repeated(clip: Clip, times: int) -> Clip:
     """A clip that wraps, `times` over: each round starts where the last ended, its first frame being the join."""
     if not clip.wraps:
@@ -38,25 +52,19 @@ def repeated(clip: Clip, times: int) -> Clip:
 
     starts = (rounds * clip.times[-1] + clip.times[None, :-1]).ravel()
     places = (rounds[..., None] * stride + clip.root_positions[None, :-1]).reshape(-1, 3)
-    return Clip(
-        name=clip.name,
-        wraps=True,
-        times=np.append(starts, times * clip.times[-1]),
+    return replace(
+        with_frames(clip, np.append(starts, times * clip.times[-1]), joined),
         root_positions=np.vstack([places, (times - 1) * stride + clip.root_positions[-1]]),
-        rotations={link: joined(values) for link, values in clip.rotations.items()},
-        angles={link: joined(values) for link, values in clip.angles.items()},
     )
 
 
 def placed(clip: Clip, x: float, y: float, heading: float) -> Clip:
     """The clip begun at (x, y) [m] on the floor and turned by `heading` [rad] about the vertical through there."""
-    turn = rotation.from_axis_angle((0.0, 0.0, 1.0), heading)
+    turn = np.tile(rotation.from_axis_angle((0.0, 0.0, 1.0), heading), (len(clip.times), 1))
     from_start = clip.root_positions - clip.root_positions[0] * np.array([1.0, 1.0, 0.0])
-    frames = len(clip.times)
     return replace(
-        clip,
-        root_positions=rotation.rotate(np.tile(turn, (frames, 1)), from_start) + np.array([x, y, 0.0]),
-        rotations={**clip.rotations, "root": rotation.multiply(np.tile(turn, (frames, 1)), clip.rotations["root"])},
+        clip, root_positions=rotation.rotate(turn, from_start) + np.array([x, y, 0.0]),
+        rotations={**clip.rotations, "root": rotation.multiply(turn, clip.rotations["root"])},
     )
 
 
@@ -73,14 +81,25 @@ def retimed(clip: Clip, step: float = RENDERED) -> Clip:
         u = fraction.reshape(-1, *(1,) * (values.ndim - 1))
         return values[before] + u * (values[after] - values[before])
 
-    return Clip(
-        name=clip.name,
-        wraps=clip.wraps,
-        times=times,
-        root_positions=on_line(clip.root_positions),
-        rotations={
-            link: rotation.normalised(rotation.slerp(values[before], values[after], fraction))
-            for link, values in clip.rotations.items()
-        },
-        angles={link: on_line(values) for link, values in clip.angles.items()},
+    def on_circle(values: Array) -> Array:
+        return rotation.normalised(rotation.slerp(values[before], values[after], fraction))
+
+    return with_frames(clip, times, on_line, on_circle)
+
+
+def upper_body_of(above: Clip, start: float, below: Clip) -> Clip:
+    """`below` with chest, neck and arms as in `above` from `start` [s] on; both retimed to the same steps.
+
+    Raises InvalidInput when `above` ends before `below` does.
+    """
+    first = int(np.searchsorted(above.times, start - 1e-9))
+    taken = slice(first, first + len(below.times))
+    if len(above.times[taken]) < len(below.times):
+        latest = above.times[-1] - below.times[-1]
+        raise InvalidInput(f"start of clip {above.name} over clip {below.name} [s]", start, f"at most {latest:g}")
+    return replace(
+        below,
+        name=f"{below.name} under {above.name}",
+        rotations={link: (above.rotations[link][taken] if link in UPPER else kept) for link, kept in below.rotations.items()},
+        angles={link: (above.angles[link][taken] if link in UPPER else kept) for link, kept in below.angles.items()},
     )

@@ -1,8 +1,4 @@
-"""Resampling of a tracker's motion to another frame rate: linear between samples, rotations on the great circle (slerp).
-
-A headset of 90 Hz asks for frames of 11.1 ms. The same motion in such frames is another question to an engine that counts frames,
-or whose step does not divide them.
-"""
+"""Resampling of a tracker's motion to another frame rate: linear between samples, rotations on the great circle (slerp)."""
 
 import math
 from collections.abc import Callable
@@ -26,9 +22,8 @@ def resampled(motion: Motion, start: TrackerSample, old: float, new: float) -> M
 
     def sample(frame: int) -> TrackerSample:
         time = (frame + 1) * new
-        place = time / old - 1.0
-        before = math.floor(place + ROUNDING)
-        share = place - before
+        before = math.floor(time / old - 1.0 + ROUNDING)
+        share = time / old - 1.0 - before
         if share <= ROUNDING:
             return replace(at(before), time=time)
         return replace(between(at(before), at(before + 1), share), time=time)
@@ -37,11 +32,11 @@ def resampled(motion: Motion, start: TrackerSample, old: float, new: float) -> M
 
 
 def at_rate(scenario: Scenario, hertz: int = HEADSET) -> Scenario:
-    """The same question at another frame rate, under the same bounds: as long in seconds, one more of the scenario's family."""
-    name, dt = f"{scenario.name}_{hertz}hz", 1.0 / hertz
+    """Return the scenario at another frame rate, as long in seconds, with its bounds, in its family.
 
-    def build() -> Scene:
-        return replace(scenario.build(), name=name)
+    It is another question to an engine that counts frames, or whose step does not divide them.
+    """
+    name, dt = f"{scenario.name}_{hertz}hz", 1.0 / hertz
 
     def rated(motion: Callable[[Scene, int], Motion]) -> Callable[[Scene, int], Motion]:
         return lambda scene, seed: resampled(motion(scene, seed), scene.first_sample, scenario.dt, dt)
@@ -50,7 +45,8 @@ def at_rate(scenario: Scenario, hertz: int = HEADSET) -> Scenario:
         return round(number * scenario.dt / dt)
 
     return replace(
-        scenario, name=name, title=f"{scenario.title.removesuffix('.')}, at {hertz} Hz.", build=build, dt=dt,
+        scenario, name=name, title=f"{scenario.title.removesuffix('.')}, at {hertz} Hz.",
+        build=lambda: replace(scenario.build(), name=name), dt=dt,
         motion=rated(scenario.motion), frames=frames(scenario.frames),
         short=None if scenario.short is None else frames(scenario.short),
         short_motion=None if scenario.short_motion is None else rated(scenario.short_motion),

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.spatial import rotation
 from scenarios.motion.keyframes import minimum_jerk
-from scenarios.motion.layers import upper_body_of
-from scenarios.motion.mocap import placed, retimed
+from scenarios.motion.mocap import placed, retimed, upper_body_of, with_frames
 from scenarios.scenario import RENDERED
 
 Array = NDArray[np.float64]
@@ -53,11 +52,7 @@ def warped(clip: Clip, random: np.random.Generator) -> Clip:
 def cut(clip: Clip, first: int, count: int) -> Clip:
     """`count` postures from `first` on, or as many as there are; the time begins anew."""
     part = slice(first, first + count)
-    return replace(
-        clip, wraps=False, times=clip.times[part] - clip.times[first], root_positions=clip.root_positions[part],
-        rotations={link: values[part] for link, values in clip.rotations.items()},
-        angles={link: values[part] for link, values in clip.angles.items()},
-    )
+    return replace(with_frames(clip, clip.times[part] - clip.times[first], lambda values: values[part]), wraps=False)
 
 
 def layered(above: Clip, below: Clip) -> Clip:

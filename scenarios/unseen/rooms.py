@@ -1,82 +1,66 @@
-"""The five rooms of the unseen motions. Each stands where it is; the motion is placed in it by its seed."""
+"""The five rooms of the unseen motions; the motion is placed in each by its seed."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from avatarsim.scene.body import Body, fixed
-from avatarsim.scene.checks import Vector
+from avatarsim.scene.body import Body
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Piece
+from avatarsim.scene.shape import Box
 from runfiles.naming import UNSEEN_PREFIX
 from scenarios.building import gallery, stage
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
-from scenarios.building.promises import FINITE, NO_OVERLAP, RIGHT_SIDE, WITHIN_LIMITS
-from scenarios.scenario import Bound, Motion, Region, Scenario
+from scenarios.building.cases import fixture
+from scenarios.building.promises import SOUND, WITHIN_CONES, WITHIN_LIMITS
+from scenarios.scenario import Motion, Region, Scenario
 from scenarios.unseen.drawn_motion import Corner, drawn_motion
 
 FRAMES = 600
 """Ten seconds: four to eight pieces of clips."""
-FACE = 0.55
-"""Where the endless wall begins along x [m]: a step ahead of the start, within reach of an arm."""
-ENDLESS = 200.0
-"""Width of the endless wall and of its floor [m]. A path round an end of it is 100 m long, of which an avatar goes 50 m in the
-ten seconds (5 m/s, the setting catch_up_move). Round a wall of 20 m an avatar was led to a user beyond it."""
-NARROW, LOW = 0.5, 1.5
-"""Width of the corridor and height of its ceiling [m]: the avatar is 1.6 m high and 0.5 m wide with its arms."""
-MOUTH, LONG = 0.5, 15.0
-"""Where the corridor begins along x, and its length [m]."""
+FACE, ENDLESS = 0.55, 200.0
+"""Where the endless wall begins along x, and its width and that of its floor [m]: a path round an end of it is 100 m long, and
+an avatar goes 50 m in the ten seconds (5 m/s, the setting catch_up_move)."""
+NARROW, LOW, MOUTH, LONG = 0.5, 1.5, 0.5, 15.0
+"""Width of the corridor and height of its ceiling, where it begins along x, and its length [m]; the avatar is 1.6 m high."""
 PARTED, DOOR, LINTEL = 1.2, 0.9, 2.1
 """Where the wall between two rooms begins along x, the width and height of its doorway [m]."""
-PROMISES: tuple[Bound, ...] = (
-    NO_OVERLAP, RIGHT_SIDE, FINITE, WITHIN_LIMITS,
-    Bound("reach_cone_excess_max", 1e-9, "cones hold exactly; 1e-9 degrees is the rounding of poses turned into angles"),
-)
-"""What holds whatever the motion is. How it looks is measured and has no bound: none was tuned for."""
-
-
-def floor() -> tuple[Body, ...]:
-    """A floor and nothing else."""
-    return (stage.floor(),)
+PROMISES = (*SOUND, WITHIN_LIMITS, WITHIN_CONES)
+"""Bounds that hold whatever the motion is. How it looks is measured and has no bound."""
 
 
 def wall() -> tuple[Body, ...]:
     """A floor, and a wall that nothing can walk round."""
     thick = stage.THICK
     return (
-        _box("floor", (ENDLESS, ENDLESS, thick), (0.0, 0.0, -0.5 * thick)),
-        _box("wall", (thick, ENDLESS, stage.HIGH), (FACE + 0.5 * thick, 0.0, 0.5 * stage.HIGH)),
+        fixture("floor", Box((ENDLESS, ENDLESS, thick)), "wood", (0.0, 0.0, -0.5 * thick)),
+        fixture("wall", Box((thick, ENDLESS, stage.HIGH)), "wood", (FACE + 0.5 * thick, 0.0, 0.5 * stage.HIGH)),
     )
 
 
 def corridor() -> tuple[Body, ...]:
     """Two walls NARROW apart under a ceiling lower than the avatar, open at both ends."""
     middle, thick = MOUTH + 0.5 * LONG, stage.THICK
-    aside = 0.5 * (NARROW + thick)
+    side, aside = Box((LONG, thick, stage.HIGH)), 0.5 * (NARROW + thick)
     return (
         stage.floor(),
-        _box("wall_left", (LONG, thick, stage.HIGH), (middle, aside, 0.5 * stage.HIGH)),
-        _box("wall_right", (LONG, thick, stage.HIGH), (middle, -aside, 0.5 * stage.HIGH)),
-        _box("ceiling", (LONG, stage.HIGH, thick), (middle, 0.0, LOW + 0.5 * thick)),
+        fixture("wall_left", side, "wood", (middle, aside, 0.5 * stage.HIGH)),
+        fixture("wall_right", side, "wood", (middle, -aside, 0.5 * stage.HIGH)),
+        fixture("ceiling", Box((LONG, stage.HIGH, thick)), "wood", (middle, 0.0, LOW + 0.5 * thick)),
     )
 
 
 def door() -> tuple[Body, ...]:
     """An endless wall with one doorway, and so two rooms."""
-    x, side = PARTED + 0.5 * stage.THICK, 0.5 * (stage.SPAN - DOOR)
-    aside, above = 0.5 * (side + DOOR), stage.HIGH - LINTEL
+    x, wide = PARTED + 0.5 * stage.THICK, 0.5 * (stage.SPAN - DOOR)
+    side, aside, above = Box((stage.THICK, wide, stage.HIGH)), 0.5 * (wide + DOOR), stage.HIGH - LINTEL
     return (
         stage.floor(),
-        _box("wall_left", (stage.THICK, side, stage.HIGH), (x, aside, 0.5 * stage.HIGH)),
-        _box("wall_right", (stage.THICK, side, stage.HIGH), (x, -aside, 0.5 * stage.HIGH)),
-        _box("lintel", (stage.THICK, DOOR, above), (x, 0.0, LINTEL + 0.5 * above)),
+        fixture("wall_left", side, "wood", (x, aside, 0.5 * stage.HIGH)),
+        fixture("wall_right", side, "wood", (x, -aside, 0.5 * stage.HIGH)),
+        fixture("lintel", Box((stage.THICK, DOOR, above)), "wood", (x, 0.0, LINTEL + 0.5 * above)),
     )
-
-
-def _box(name: str, size: Vector, at: Vector) -> Body:
-    return fixed(name, (Piece(Box(size)),), "wood", at)
 
 
 @dataclass(frozen=True)
@@ -117,7 +101,7 @@ class Room:
 LINKS = "human/*"
 ABOVE = stage.above_floor(LINKS)
 ROOMS = (
-    Room("floor", "on a floor", floor, (0.0, 0.0, 0.0), (-2.0, -2.0), (2.0, 2.0), ABOVE),
+    Room("floor", "on a floor", lambda: (stage.floor(),), (0.0, 0.0, 0.0), (-2.0, -2.0), (2.0, 2.0), ABOVE),
     Room("wall", "before an endless wall", wall, (0.0, 0.0, 0.0), (-0.8, -1.5), (0.95, 1.5), stage.before_wall(FACE, LINKS)),
     Room("gallery", "in the gallery", gallery.gallery, (1.0, -0.8, 0.0), (-4.4, -2.4), (4.4, 2.4), gallery.inside(LINKS)),
     Room("corridor", "in a narrow, low corridor", corridor, (0.0, 0.0, 0.0), (-0.3, -0.15), (3.5, 0.15), ABOVE),

@@ -1,18 +1,16 @@
 """The paper's rigid hand: fifteen elliptical parts of a hundred triangles each, moved as one body.
 
-Palm, three phalanges per finger and two of the thumb are fifteen. Lengths are those of an adult hand of 0.19 m, laid
-out by ourselves: flat, palm down, fingers along x, thumb of the left hand towards -y, z up.
+Lengths are those of an adult hand of 0.19 m: flat, palm down, fingers along x, thumb of the left hand towards -y, z up.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from avatarsim.scene.avatar import Avatar, rigid_avatar
-from avatarsim.scene.body import solid
+from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.shape import Piece, ellipsoid_hull
-from avatarsim.spatial import rotation
+from scenarios.building.cases import driven, turned_by
 
 MASS = 0.46
 """Mass of the hand [kg]: 0.61 per cent of a body of 75 kg (de Leva 1996)."""
@@ -47,18 +45,16 @@ def hand_pieces() -> tuple[Piece, ...]:
     pieces = [Piece(ellipsoid_hull(PALM))]
     for digit in DIGITS:
         angle = float(np.radians(digit.bearing))
-        along = np.array([np.cos(angle), np.sin(angle), 0.0])
-        w, x, y, z = (float(value) for value in rotation.from_axis_angle((0.0, 0.0, 1.0), angle))
+        along, turn = np.array([np.cos(angle), np.sin(angle), 0.0]), turned_by((0.0, 0.0, 1.0), angle)
         reached = 0.0
         for bone in digit.bones:
-            px, py, pz = (float(value) for value in np.array(digit.base) + (reached + 0.5 * bone) * along)
+            x, y, z = (np.array(digit.base) + (reached + 0.5 * bone) * along).tolist()
             radii = (0.5 * bone * OVERREACH, digit.half_thickness, digit.half_thickness)
-            pieces.append(Piece(ellipsoid_hull(radii), (px, py, pz), (w, x, y, z)))
+            pieces.append(Piece(ellipsoid_hull(radii), (x, y, z), turn))
             reached += bone
     return tuple(pieces)
 
 
 def rigid_hand(name: str = "hand") -> Avatar:
     """A driven hand without joints: it is kept out of things by translation alone, as in the paper."""
-    pieces = hand_pieces()
-    return rigid_avatar(name, pieces, solid(pieces, MASS))
+    return driven(name, hand_pieces(), MASS)

@@ -1,8 +1,7 @@
 """The humanoid that the recorded motions were made for, read from its file: 15 links, 45 kg, 1.6 m.
 
-The file (pybullet_data/humanoid/humanoid.urdf) is authored four times too large and with y up; masses are true.
-Its inertias are placeholders (0.1 on every diagonal), so ours are those of solid shapes of the stated mass.
-Its limits are wide open or absent; ours are in `scenarios.building.avatars.limits`.
+The file (pybullet_data/humanoid/humanoid.urdf) is four times too large and has y up; masses are true. Its inertias are
+placeholders and its limits wide open: inertias are those of solid shapes, limits those of `scenarios.building.avatars.limits`.
 """
 
 from functools import cache
@@ -30,12 +29,6 @@ UPRIGHT: Quaternion = (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)
 """Turns the file's axes (y up) into ours (z up): a quarter turn about x."""
 CHAINS = ("right_wrist", "left_wrist", "right_ankle", "left_ankle", "neck")
 """Tips of the paper's chains: arms, legs, neck."""
-IGNORE: tuple[tuple[str, str], ...] = ()
-"""Pairs of links, beyond a link and its parent, that overlap in the neutral posture by construction: none.
-
-Measured: standing with the arms a little away, the closest such pair are the thighs, 60 mm apart, so what overlaps
-in a clip is the motion's own doing.
-"""
 
 
 @cache
@@ -54,7 +47,7 @@ def humanoid(name: str = "human") -> Avatar:
         child, parent = (_word(path, _part(path, joint, tag), "link") for tag in ("child", "parent"))
         # the file hangs the root on a massless base, which is the world's place for it
         links.append(_link(path, elements[child], joint, None if parent == "base" else parent))
-    return Avatar(name, tuple(links), CHAINS, IGNORE)
+    return Avatar(name, tuple(links), CHAINS)
 
 
 def _link(path: Path, element: ElementTree.Element, joint: ElementTree.Element, parent: str | None) -> Link:
@@ -62,7 +55,7 @@ def _link(path: Path, element: ElementTree.Element, joint: ElementTree.Element, 
     mass = float(_word(path, _part(path, element, "inertial/mass"), "value"))
     pieces = tuple(_piece(path, collision) for collision in element.findall("collision"))
     anchor = _vector(path, _part(path, joint, "origin"), "xyz") * SCALE if parent else np.zeros(3)
-    x, y, z = (float(value) for value in z_up(anchor))
+    x, y, z = z_up(anchor).tolist()
     return Link(name, parent, _joint(path, joint, name, parent), pieces, solid(pieces, mass), anchor=(x, y, z))
 
 
@@ -75,16 +68,20 @@ def _joint(path: Path, joint: ElementTree.Element, name: str, parent: str | None
     if kind == "spherical":
         return Ball(ball_limits(name), reach_cone(name))
     if kind == "revolute":
-        x, y, z = (float(value) for value in z_up(_vector(path, _part(path, joint, "axis"), "xyz")))
+        x, y, z = z_up(_vector(path, _part(path, joint, "axis"), "xyz")).tolist()
         return Hinges((Hinge((x, y, z), *hinge_limits(name)),))
     raise InvalidFile(f"type of joint {name} in {path.name}", kind, "fixed, spherical or revolute")
 
 
 def _piece(path: Path, collision: ElementTree.Element) -> Piece:
     geometry, origin = _part(path, collision, "geometry"), _part(path, collision, "origin")
-    x, y, z = (float(value) for value in z_up(_vector(path, origin, "xyz") * SCALE))
-    turn = rotation.multiply(UPRIGHT, _from_roll_pitch_yaw(_vector(path, origin, "rpy")))
-    return Piece(_shape(path, geometry[0]), (x, y, z), _quaternion(turn))
+    x, y, z = z_up(_vector(path, origin, "xyz") * SCALE).tolist()
+    # turns by roll about x, then pitch about y, then yaw about z, all fixed axes
+    angles = zip(np.eye(3), _vector(path, origin, "rpy"), strict=True)
+    roll, pitch, yaw = (rotation.from_axis_angle(axis, angle) for axis, angle in angles)
+    turn = rotation.multiply(UPRIGHT, rotation.multiply(yaw, rotation.multiply(pitch, roll)))
+    w, a, b, c = rotation.normalised(turn).tolist()
+    return Piece(_shape(path, geometry[0]), (x, y, z), (w, a, b, c))
 
 
 def _shape(path: Path, element: ElementTree.Element) -> Shape:
@@ -96,20 +93,9 @@ def _shape(path: Path, element: ElementTree.Element) -> Shape:
     if element.tag == "capsule":
         return Capsule(length("radius"), length("length"))
     if element.tag == "box":
-        x, y, z = _vector(path, element, "size") * SCALE
-        return Box((float(x), float(y), float(z)))
+        x, y, z = (_vector(path, element, "size") * SCALE).tolist()
+        return Box((x, y, z))
     raise InvalidFile(f"shape in {path.name}", element.tag, "sphere, capsule or box")
-
-
-def _from_roll_pitch_yaw(angles: NDArray[np.float64]) -> NDArray[np.float64]:
-    """URDF's convention: turn by roll about x, then pitch about y, then yaw about z, all fixed axes."""
-    roll, pitch, yaw = (rotation.from_axis_angle(axis, angle) for axis, angle in zip(np.eye(3), angles, strict=True))
-    return rotation.multiply(yaw, rotation.multiply(pitch, roll))
-
-
-def _quaternion(values: NDArray[np.float64]) -> Quaternion:
-    w, x, y, z = (float(value) for value in rotation.normalised(values))
-    return w, x, y, z
 
 
 def _part(path: Path, element: ElementTree.Element, tag: str) -> ElementTree.Element:

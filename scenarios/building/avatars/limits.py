@@ -1,13 +1,10 @@
-"""How far a human's joints turn: one table of ranges of motion, and the limits we construct from it.
+"""How far a human's joints turn: one table of ranges of motion, and the limits constructed from it.
 
-The numbers in RANGES are goniometer values in degrees from range-of-motion tables (AAOS, AMA, Kurz); the limits are
-OUR OWN construction from them, not published anywhere: anatomy tables state ends of motion in four directions, our
-ball joints a circular cone and a twist. So the cone's axis is tilted half-way between opposite ends, and its opening is
-what the furthest of the four ends needs. A circle through the far ends is generous in between; the reach cone inside
-it, a polygon of CORNERS corners, follows the four ends on quarters of ellipses.
-
-Of the recorded clips the ankles go furthest beyond: crouches bend a loaded ankle forward by 30 to 60 degrees, where
-the table's 20 are those of a hanging foot. The avatar then stays at its limit; only the user is beyond.
+The numbers in RANGES are goniometer values in degrees from range-of-motion tables (AAOS, AMA, Kurz); the limits are our own:
+tables state ends of motion in four directions, our ball joints a circular cone and a twist. The cone's axis is tilted half-way
+between opposite ends, and its opening reaches the furthest of the four. A circle is generous in between; the reach cone inside it,
+a polygon, follows the four ends on quarters of ellipses. Of the recorded clips ankles go furthest beyond: crouches bend a loaded
+ankle forward by 30 to 60 degrees, where the table's 20 are those of a hanging foot.
 """
 
 from dataclasses import dataclass
@@ -16,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import UnknownName
+from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import ReachCone, SwingTwist
 
 DOWN, UP = (0.0, 0.0, -1.0), (0.0, 0.0, 1.0)
@@ -29,7 +27,7 @@ class Range:
     `turn_out` and `turn_in` turns about it: the left limb's `turn_out` turns what faces forward to the left.
     """
 
-    axis: tuple[float, float, float]
+    axis: Vector
     forward: float
     backward: float
     outward: float
@@ -54,8 +52,8 @@ CORNERS = 16
 """Corners of a reach cone: the arcs between them stay within 2 % of the ellipses."""
 
 WIDEST_REACH = 165.0
-"""Furthest [degrees] that a corner is from where the limb points at zero: an arm that is lifted by 180 degrees forward and one
-lifted sideways point the same way, and a polygon cannot have all those corners in one point."""
+"""Furthest [degrees] that a corner is from where the limb points at zero: arms lifted by 180 degrees forward and sideways point
+the same way, and a polygon cannot have all those corners in one point."""
 
 HINGES = {
     # flexion only; the signs are those of the humanoid's file: elbows bend by positive angles, knees by negative ones
@@ -66,7 +64,7 @@ HINGES = {
 
 def hinge_limits(link: str) -> tuple[float, float]:
     """Lower and upper limit [rad] of the hinge of `link`, such as "left_knee"."""
-    _, joint = _side_and_joint(link)
+    joint = _side_and_joint(link)[1]
     if joint not in HINGES:
         raise UnknownName("joint with hinge limits", link, HINGES)
     low, high = np.radians(HINGES[joint])
@@ -75,25 +73,17 @@ def hinge_limits(link: str) -> tuple[float, float]:
 
 def ball_limits(link: str) -> SwingTwist:
     """Cone and twist of the ball joint of `link`, such as "left_hip" or "neck"."""
-    side, joint = _side_and_joint(link)
-    if joint not in RANGES:
-        raise UnknownName("joint with ball limits", link, RANGES)
-    found = RANGES[joint]
-    centre = tilted(found, side, 0.5 * (found.forward - found.backward), 0.5 * (found.outward - found.inward))
-    swing = max(_angle(centre, end) for end in ends(found, side))
+    found, side, centre = _ball(link)
+    swing = max(_angle(np.array(centre), end) for end in ends(found, side))
     # turning the left limb outwards is a positive turn about up
     out = side * (1.0 if found.axis == UP else -1.0)
     low, high = sorted((out * found.turn_out, -out * found.turn_in))
-    x, y, z = (float(value) for value in centre)
-    return SwingTwist(found.axis, (x, y, z), swing, (float(np.radians(low)), float(np.radians(high))))
+    return SwingTwist(found.axis, centre, swing, (float(np.radians(low)), float(np.radians(high))))
 
 
 def reach_cone(link: str) -> ReachCone:
     """Reach cone of the ball joint of `link`: from each of the four ends to the next on a quarter of an ellipse, in angles."""
-    side, joint = _side_and_joint(link)
-    if joint not in RANGES:
-        raise UnknownName("joint with a reach cone", link, RANGES)
-    found = RANGES[joint]
+    found, side, seen = _ball(link)
     corners = []
     for bearing in 2.0 * np.pi * np.arange(CORNERS) / CORNERS:
         forward = np.cos(bearing) * (found.forward if np.cos(bearing) > 0.0 else found.backward)
@@ -102,9 +92,17 @@ def reach_cone(link: str) -> ReachCone:
         corners.append(tilted(found, side, shorter * forward, shorter * outward))
     # counter-clockwise seen from outside: that depends on where the limb points, and on the side
     around = 1 if (found.axis == UP) == (side > 0.0) else -1
-    seen = tilted(found, side, 0.5 * (found.forward - found.backward), 0.5 * (found.outward - found.inward))
-    x, y, z = (float(value) for value in seen)
-    return ReachCone(np.array(corners[::around]), (x, y, z))
+    return ReachCone(np.array(corners[::around]), seen)
+
+
+def _ball(link: str) -> tuple[Range, float, Vector]:
+    """Ranges of a ball joint, its side, and the middle of its cone."""
+    side, joint = _side_and_joint(link)
+    if joint not in RANGES:
+        raise UnknownName("joint with ball limits", link, RANGES)
+    found = RANGES[joint]
+    x, y, z = tilted(found, side, 0.5 * (found.forward - found.backward), 0.5 * (found.outward - found.inward)).tolist()
+    return found, side, (x, y, z)
 
 
 def tilted(found: Range, side: float, forward: float, outward: float) -> NDArray[np.float64]:

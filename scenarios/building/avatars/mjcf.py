@@ -109,9 +109,7 @@ class Mjcf:
         inertial = body.find("inertial")
         if inertial is None:
             raise InvalidFile(f"mass of body {body.get('name')} in {self.path.name}", None, "shapes or <inertial>")
-        return Mass(
-            float(self.numbers(inertial, "mass", 1)[0]), inertia=np.diag(self.numbers(inertial, "diaginertia", 3))
-        )
+        return Mass(float(self.numbers(inertial, "mass", 1)[0]), inertia=np.diag(self.numbers(inertial, "diaginertia", 3)))
 
     def turn(self, element: Element) -> Array:
         """Quaternion of an element's orientation, given as quat, axisangle or euler (turns about x, y, z of the moving frame)."""
@@ -172,17 +170,15 @@ def _volume(shape: Shape) -> float:
         return float(4.0 / 3.0 * np.pi * shape.radius**3)
     if isinstance(shape, Capsule):
         return float(np.pi * shape.radius**2 * (shape.length + 4.0 / 3.0 * shape.radius))
-    if isinstance(shape, Box):
-        return float(np.prod(shape.size))
     # files with meshes state their masses; one that does not is refused, as no mass is nan
-    return float("nan")
+    return float(np.prod(shape.size)) if isinstance(shape, Box) else float("nan")
 
 
 def _vector(values: Array) -> Vector:
-    x, y, z = (float(value) for value in values)
+    x, y, z = values.tolist()
     return x, y, z
 
 
 def _quaternion(values: Array) -> Quaternion:
-    w, x, y, z = (float(value) for value in rotation.normalised(values))
+    w, x, y, z = rotation.normalised(values).tolist()
     return w, x, y, z

@@ -17,7 +17,7 @@ from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.shadow_hand import shadow_hand
 from scenarios.building.cases import fixture, loose, slab, turned_by
-from scenarios.building.obj_pieces import convex_pieces
+from scenarios.building.gallery import convex_pieces
 from scenarios.building.promises import AVATAR
 from scenarios.data_folder import data_file
 from scenarios.motion.keyframes import Key, through

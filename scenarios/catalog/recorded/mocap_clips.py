@@ -17,8 +17,7 @@ from scenarios.building.cases import fixture
 from scenarios.building.gallery import gallery, inside
 from scenarios.building.promises import AVATAR
 from scenarios.building.stage import above_floor, before_wall, floor, wall_ahead, with_human
-from scenarios.motion.layers import upper_body_of
-from scenarios.motion.mocap import load_clip, placed, retimed
+from scenarios.motion.mocap import load_clip, placed, retimed, upper_body_of
 from scenarios.motion.resampled import at_rate
 from scenarios.motion.track import LEAD_IN, to_and_fro, track_of
 from scenarios.scenario import Motion, Scenario

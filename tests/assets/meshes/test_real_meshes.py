@@ -7,12 +7,11 @@ import numpy as np
 import pytest
 
 from avatarsim.assets.meshes import pieces_of_mesh
-from avatarsim.assets.meshes.mesh import read_mesh
+from avatarsim.assets.meshes.mesh import groups, read_mesh
 from avatarsim.assets.meshes.repairs import mended
 from avatarsim.errors import InvalidShape
 from avatarsim.scene.shape import ConvexHull
 from scenarios.building.gallery import MESHES
-from scenarios.building.obj_pieces import groups
 from scenarios.data_folder import data_file
 
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial import ConvexHull as QuickHull
 
+from avatarsim.assets.meshes.mesh import groups
 from avatarsim.errors import InvalidFile, MissingPackage
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import Role, solid
@@ -15,8 +16,7 @@ from avatarsim.scene.shape import ConvexHull, Piece, Sphere
 from avatarsim.spatial import rotation
 from reference.judging.judge import Judge, Verdict
 from scenarios import data_folder
-from scenarios.building.gallery import MESHES, PEDESTALS, gallery, inside, meshes, walls
-from scenarios.building.obj_pieces import convex_pieces, groups
+from scenarios.building.gallery import MESHES, PEDESTALS, convex_pieces, gallery, inside, meshes, walls
 from scenarios.data_folder import data_file
 
 PROBE = (Piece(Sphere(0.4)),)

@@ -9,8 +9,7 @@ from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.humanoid import humanoid
-from scenarios.motion.layers import UPPER
-from scenarios.motion.mocap import load_clip, retimed
+from scenarios.motion.mocap import UPPER, load_clip, retimed
 from scenarios.motion.track import track_of
 from scenarios.scenario import RENDERED
 from scenarios.unseen.clips import FASTEST, SLOWEST, cut, faded, heading, layered, mirrored, warped
