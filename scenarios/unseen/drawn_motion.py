@@ -19,20 +19,17 @@ Array = NDArray[np.float64]
 Corner = tuple[float, float]
 """x and y [m]."""
 
-SHORTEST, LONGEST = 60, 150
-"""Postures of a piece of a clip before its time is warped: one to two and a half seconds, a stride at least."""
-FADE = 36
-"""Postures of a cross-fade, 0.6 s: enough to lie down from standing at 1.5 m/s."""
-STEER = 1.6
-"""Largest turn [rad] of one piece against the one before; over a fade, as fast as a human turns about (2.7 rad/s)."""
-GOES = 0.3
-"""Way [m] from which a piece goes somewhere and can be steered; others turn by up to SWAY [rad]."""
-SWAY = 0.5
+SHORTEST, LONGEST, FADE = 60, 150, 36
+"""Postures of a piece of a clip before its time is warped, one to two and a half seconds, and of a cross-fade: enough to lie down
+from standing at 1.5 m/s."""
+STEER, GOES, SWAY = 1.6, 0.3, 0.5
+"""Largest turn [rad] of one piece against the one before, as fast as a human turns about; way [m] from which a piece goes somewhere
+and can be steered; largest turn of others [rad]."""
 MIRRORED, LAYERED = 0.5, 0.4
 """Shares of the pieces that are mirrored, and that get the upper body of another clip."""
 FASTEST, ROUNDS = 8.0, 8
-"""Speed [m/s] of a link origin above which time is stretched: what boxers reach; the clips hold up to 12. And how often, at most:
-between two postures a link moves on an arc, which only the postures in between show."""
+"""Speed [m/s] of a link origin above which time is stretched, and how often at most: between two postures a link moves on an arc,
+which only the postures in between show."""
 TRIES, BESIDE = 4, 0.5
 """Pieces that are drawn until one ends inside the room's rectangle, or at most BESIDE [m] from it: a run goes 3 m a second."""
 SINKS = (-0.05, 0.03)
@@ -42,7 +39,7 @@ OFF_START, OFF_HEADING = 0.3, 1.0
 LED_IN = 2.0
 """Largest speed [m/s] of a link origin on the way from the start posture into the motion, were that way straight."""
 EVERY = 10
-"""Of so many postures one is asked for its lowest point: a percentile needs no more, and each takes three milliseconds."""
+"""Postures for each lowest point: a percentile needs no more, and each takes three milliseconds."""
 
 
 @cache

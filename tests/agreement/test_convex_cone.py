@@ -9,7 +9,7 @@ import pytest
 
 from avatarsim.engine import Settings
 from reference.in_mujoco.engine import MujocoEngine
-from scenarios.catalog.impacts.oblique_bounce import RESTITUTION, SPEED, after
+from scenarios.catalog.impacts.plate import RESTITUTION, SPEED, after
 from tests.agreement.runs import of_catalog
 
 SLIDES = [(45.0, 0.1), (70.0, 0.1), (70.0, 0.3)]

@@ -13,7 +13,7 @@ from avatarsim.scene.body import Body, ContactLaw, PairTable, fixed, simulated, 
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Shape
 from avatarsim.spatial import rotation
 from reference.closed_form import top_precession
-from scenarios.catalog.contact.top import piece, reach
+from scenarios.catalog.flight.flight import piece, reach
 from tests.rigid.upper_world import G, World, ball, slab, thing
 
 R, LAID = 0.05, 2e-8

@@ -1,10 +1,10 @@
 """How far a human's joints turn: one table of ranges of motion, and the limits constructed from it.
 
-The numbers in RANGES are goniometer values in degrees from range-of-motion tables (AAOS, AMA, Kurz); the limits are our own:
-tables state ends of motion in four directions, our ball joints a circular cone and a twist. The cone's axis is tilted half-way
-between opposite ends, and its opening reaches the furthest of the four. A circle is generous in between; the reach cone inside it,
-a polygon, follows the four ends on quarters of ellipses. Of the recorded clips ankles go furthest beyond: crouches bend a loaded
-ankle forward by 30 to 60 degrees, where the table's 20 are those of a hanging foot.
+The numbers in RANGES are goniometer values in degrees from range-of-motion tables (AAOS, AMA, Kurz); the limits are our own.
+Tables state ends of motion in four directions, ball joints have a circular cone and a twist: the cone's axis is tilted half-way
+between opposite ends, and its opening reaches the furthest of the four. The reach cone inside it, a polygon, follows the four
+ends on quarters of ellipses. Of the recorded clips ankles go furthest beyond: crouches bend a loaded ankle forward by 30 to 60
+degrees, where the table's 20 are those of a hanging foot.
 """
 
 from dataclasses import dataclass
