@@ -14,9 +14,9 @@ from avatarsim.errors import InvalidInput, StartOverlaps
 from benchmarks.output import print_rows, write_rows
 from runfiles.naming import GATED
 from scenarios import catalog
+from scenarios.cli.offered import filtered
 from scenarios.job import Job
-from scenarios.running.offered import filtered
-from scenarios.running.seat import Seat
+from scenarios.run.timed_worker import Seat
 
 MOST_TIMES = 10.0
 """Longest first frame, in multiples of the median frame."""

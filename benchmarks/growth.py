@@ -14,8 +14,8 @@ from benchmarks.output import print_pivot, write_rows
 from runfiles.naming import BASELINE
 from scenarios.engines import known
 from scenarios.job import Job
-from scenarios.running.harness import offers
-from scenarios.running.timing import Clocked, timed_pass
+from scenarios.run.harness import offers
+from scenarios.run.timing import Clocked, timed_pass
 
 BEST = {"mujoco": ("tuned",), "pybullet": ("tuned",)}
 """Presets timed of the engines we compare with: their best for contact. Of all others every one."""

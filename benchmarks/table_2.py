@@ -20,8 +20,8 @@ from scenarios.catalog.paper import TABLE_2 as SCENES
 from scenarios.job import Job
 from scenarios.measure.posture.tracker_offset import angle_offsets
 from scenarios.measure.timing import Timed
-from scenarios.results.kept import as_recorded, fitting, scenes_of
-from scenarios.running.seat import repeat
+from scenarios.run.kept import as_recorded, fitting, scenes_of
+from scenarios.run.timed_worker import repeat
 
 FIGURE_7, FIGURE_8 = "hand_over_table", "two_arms"
 """The scenes of both figures. The timing pass of a run stops long before the hand first touches the table, so the frames of

@@ -12,8 +12,8 @@ from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
 from scenarios.cli import commands, comparison, listing
 from scenarios.cli import study as studies
-from scenarios.results.gate import INCOMPLETE, STOPPED, USAGE
-from scenarios.running import cluster, own_settings
+from scenarios.run import cluster, own_settings
+from scenarios.run.gate import INCOMPLETE, STOPPED, USAGE
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": comparison.compare,

@@ -25,7 +25,7 @@ from runfiles.engines import about, engines
 from runfiles.naming import GATED
 from scenarios.catalog import get
 from scenarios.engines import known
-from scenarios.results.gate import USAGE
+from scenarios.run.gate import USAGE
 from scenarios.scenario import RENDERED, Scenario
 
 SCENE = "gallery"

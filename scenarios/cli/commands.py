@@ -14,18 +14,18 @@ from runfiles.files import clear_halves, latest, plain, point_latest, run_folder
 from runfiles.naming import GATED
 from runfiles.table import Row
 from scenarios.catalog.paper import TABLE_2
+from scenarios.cli import offered as scenes_offered
+from scenarios.cli.offered import filtered, unmatched
 from scenarios.cli.table import table
 from scenarios.engines import known
 from scenarios.job import Job, Outcome, State
-from scenarios.results.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
-from scenarios.results.provenance import provenance
-from scenarios.results.results import is_time
-from scenarios.results.resume import check_plan, earlier_run, has_ended, how_to_go_on, write_plan
-from scenarios.running import offered as scenes_offered
-from scenarios.running.cluster import workers_of
-from scenarios.running.harness import Run, offers
-from scenarios.running.offered import filtered, unmatched
-from scenarios.running.own_settings import OwnSettings, read, tried
+from scenarios.run.cluster import workers_of
+from scenarios.run.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
+from scenarios.run.harness import Run, offers
+from scenarios.run.own_settings import OwnSettings, read, tried
+from scenarios.run.provenance import provenance
+from scenarios.run.results import is_time
+from scenarios.run.resume import check_plan, earlier_run, has_ended, how_to_go_on, write_plan
 from scenarios.scenario import Scenario
 from scenarios.variants import VARIANTS, variants_of
 

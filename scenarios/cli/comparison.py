@@ -10,7 +10,7 @@ from runfiles.naming import GATED
 from scenarios import own_scenes
 from scenarios.cli.commands import Plan, carried_out, plan
 from scenarios.engines import known
-from scenarios.running.harness import Run
+from scenarios.run.harness import Run
 from scenarios.studies import contact_law, effects, hard_cases, judge_trust, settings
 from scenarios.studies.study import Request, Study, in_turn
 

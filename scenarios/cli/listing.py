@@ -7,7 +7,7 @@ from typing import Any
 
 from runfiles.metrics import FAMILIES, METRICS
 from scenarios.cli.commands import nothing, scenes
-from scenarios.results.effects_said import effects_of, lines_of, table_of_calls
+from scenarios.run.effects_said import effects_of, lines_of, table_of_calls
 from scenarios.scenario import Scenario
 
 

@@ -19,8 +19,8 @@ from avatarsim.errors import AvatarsimError, InvalidInput
 from runfiles.naming import GATED
 from scenarios.drawn_crowds import KINDS, seeds_of
 from scenarios.job import Outcome
-from scenarios.results.gate import FAILED, INCOMPLETE, PASSED, USAGE
-from scenarios.running.harness import named_runs, outcomes
+from scenarios.run.gate import FAILED, INCOMPLETE, PASSED, USAGE
+from scenarios.run.harness import named_runs, outcomes
 from scenarios.studies.broken import broken
 from scenarios.studies.crowds import HEAD, in_columns, jobs, line, summary
 from scenarios.unseen import seeds

@@ -5,7 +5,7 @@ from importlib import import_module
 
 from scenarios.job import Outcome
 from scenarios.measure.value import Missing
-from scenarios.results.gate import bounds_of
+from scenarios.run.gate import bounds_of
 
 
 def figure(outcome: Outcome, metric: str) -> float:

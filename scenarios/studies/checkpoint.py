@@ -13,7 +13,7 @@ from avatarsim.running.sources import cpu, version
 from runfiles.engines import about
 from runfiles.files import plain, write_text
 from scenarios.engines import known
-from scenarios.results.provenance import code_hash
+from scenarios.run.provenance import code_hash
 
 Entry = Mapping[str, Any]
 """One answer, as JSON holds it."""

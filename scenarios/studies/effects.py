@@ -18,12 +18,12 @@ from runfiles.table import Row
 from runfiles.timing_protocol import REPEATS
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
-from scenarios.results.gate import bounds_of
-from scenarios.results.machine import Meter
-from scenarios.running.progress import Progress
-from scenarios.running.run import accuracy
-from scenarios.running.seat import Seats
-from scenarios.running.timing import MOST_FRAMES, Clocked, Turns, loaded
+from scenarios.run.accuracy import accuracy
+from scenarios.run.gate import bounds_of
+from scenarios.run.machine import Meter
+from scenarios.run.progress import Progress
+from scenarios.run.timed_worker import Seats
+from scenarios.run.timing import MOST_FRAMES, Clocked, Turns, loaded
 from scenarios.scenario import Scenario
 from scenarios.studies.checkpoint import Entry, key_of
 from scenarios.studies.study import Head, Request, Study, answers

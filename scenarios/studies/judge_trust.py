@@ -4,8 +4,8 @@ import sys
 
 from avatarsim.errors import MissingPackage
 from runfiles.table import Row
-from scenarios.results.provenance import code_hash
-from scenarios.running.progress import Progress
+from scenarios.run.progress import Progress
+from scenarios.run.provenance import code_hash
 from scenarios.studies.study import Request, Study
 
 SEEDS = 2**32

@@ -17,10 +17,10 @@ from runfiles.files import write_text
 from runfiles.metrics import unit
 from runfiles.table import STUDIED, Row, Status, csv_text
 from scenarios.job import Outcome
-from scenarios.running.own_settings import OwnSettings
-from scenarios.running.processes import side_by_side
-from scenarios.running.progress import Progress
-from scenarios.running.timing import Clocked
+from scenarios.run.own_settings import OwnSettings
+from scenarios.run.processes import side_by_side
+from scenarios.run.progress import Progress
+from scenarios.run.timing import Clocked
 from scenarios.scenario import Scenario
 from scenarios.studies.checkpoint import Checkpoint, Entry
 

@@ -10,8 +10,8 @@ import numpy as np
 from runfiles.naming import GATED
 from scenarios import unseen
 from scenarios.job import Job, Outcome
-from scenarios.running.run import accuracy
-from scenarios.running.seat import repeat
+from scenarios.run.accuracy import accuracy
+from scenarios.run.timed_worker import repeat
 from scenarios.studies.broken import figure
 from scenarios.unseen.rooms import ROOMS
 

@@ -18,9 +18,9 @@ from pathlib import Path
 from avatarsim.console import ended
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.running.processes import Died
-from scenarios.results.gate import FAILED, INCOMPLETE, PASSED, USAGE
-from scenarios.running.processes import side_by_side
-from scenarios.running.progress import Progress
+from scenarios.run.gate import FAILED, INCOMPLETE, PASSED, USAGE
+from scenarios.run.processes import side_by_side
+from scenarios.run.progress import Progress
 from scenarios.studies.broken import broken
 from scenarios.studies.unseen_motions import Seen, jobs, seen, table
 from scenarios.unseen import seeds

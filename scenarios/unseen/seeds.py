@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from scenarios.results.provenance import ROOT, commit_of, hash_of_sources
+from scenarios.run.provenance import ROOT, commit_of, hash_of_sources
 
 DIGITS = 7
 """Hexadecimal digits of the hash that make the seed: what git shows of a commit, and well within 32 bits."""

@@ -18,7 +18,7 @@ from runfiles.naming import COMPILED
 from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.results import native
+from scenarios.run import native
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.runs import loaded
 

@@ -11,8 +11,8 @@ from avatarsim.scene.tracker import TrackerSample
 from runfiles.record import load
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.running import run as room
-from scenarios.running.run import accuracy
+from scenarios.run import accuracy as room
+from scenarios.run.accuracy import accuracy
 from tests.agreement.rivals import HAS_PYBULLET
 
 FRAMES = 12

@@ -16,7 +16,7 @@ from benchmarks.__main__ import main
 from reference.judging.judge import Judge
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.running.timing import Clocked
+from scenarios.run.timing import Clocked
 
 SMALL = [f"{kind}_{size}_{mode}" for kind in ("links", "avatars") for size in scenes.SIZES[kind][:2]
          for mode in scenes.MODES[kind]]

@@ -10,9 +10,9 @@ from avatarsim.engine import FrameRecord, Settings
 from avatarsim.simulator import AvatarsimEngine
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
-from scenarios.results.gate import exit_code, rows_of
-from scenarios.running.asked import Asked
-from scenarios.running.run import gathered
+from scenarios.run.accuracy import gathered
+from scenarios.run.asked import Asked
+from scenarios.run.gate import exit_code, rows_of
 from scenarios.scenario import Scenario
 from tests.scenarios.scene_rules import begins_free_where_its_regions_allow, moves_soundly, says_what_it_is_and_what_must_hold
 

@@ -32,8 +32,8 @@ from scenarios.building.avatars.mjcf import Mjcf, parsed
 from scenarios.building.avatars.stl import hull_of
 from scenarios.job import Job
 from scenarios.motion.mocap import retimed
-from scenarios.results.resume import check_plan, earlier_run, has_ended, write_plan
-from scenarios.running.own_settings import read as read_settings
+from scenarios.run.own_settings import read as read_settings
+from scenarios.run.resume import check_plan, earlier_run, has_ended, write_plan
 from scenarios.studies.checkpoint import Checkpoint
 from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid

@@ -9,7 +9,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Sphere
 from avatarsim.settings import PostureSettings
 from scenarios.__main__ import COMMANDS as HARNESS
-from scenarios.results.gate import MEANINGS
+from scenarios.run.gate import MEANINGS
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ import pytest
 from reports.__main__ import main
 from runfiles.table import Row
 from scenarios.job import Job, Outcome
-from scenarios.results.results import Results, write
+from scenarios.run.results import Results, write
 from tests.reports.pages.conftest import filled
 from tests.reports.small_runs import HOST, OVERLAP
 

@@ -29,8 +29,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from runfiles import array_file
-from scenarios.results.results import is_time
-from scenarios.running.run import FRAME_SECONDS
+from scenarios.run.accuracy import FRAME_SECONDS
+from scenarios.run.results import is_time
 
 ROOT = Path(__file__).resolve().parents[2]
 ENGINES = ("avatarsim", "mujoco", "tracker")

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses, link_poses_each
 from reference.judging.judge import Judge
-from scenarios.results.gate import bounds_of
+from scenarios.run.gate import bounds_of
 from scenarios.scenario import EXPECTS, Scenario
 
 Array = NDArray[np.float64]

@@ -6,9 +6,9 @@ from avatarsim.errors import UnknownName
 from scenarios import catalog
 from scenarios.__main__ import main, parser
 from scenarios.cli.commands import plan
+from scenarios.cli.offered import scenarios
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.running.offered import scenarios
 from scenarios.variants import VARIANTS, variants_of
 
 CASES: list[tuple[str, str, str, set[str]]] = [

@@ -11,8 +11,8 @@ from runfiles.naming import BASELINE, GATED
 from runfiles.table import Row
 from scenarios.engines import STEPPED, TIDY
 from scenarios.job import Job
-from scenarios.running.asked import asked
-from scenarios.running.run import gathered, show
+from scenarios.run.accuracy import gathered, show
+from scenarios.run.asked import asked
 from scenarios.studies.checkpoint import Entry, key_of
 from scenarios.studies.contact_law import worlds
 from scenarios.studies.contact_law.obtained import friction, restitution

@@ -19,7 +19,7 @@ from scenarios.job import Job
 from scenarios.measure.bodies.energy import energy
 from scenarios.measure.frames import not_finite
 from scenarios.measure.side import wrong_side
-from scenarios.running.run import gathered
+from scenarios.run.accuracy import gathered
 from scenarios.scenario import Scenario
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.hard_cases.plan import Trial

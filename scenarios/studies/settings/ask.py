@@ -14,9 +14,9 @@ from dataclasses import dataclass, field
 from avatarsim.running.processes import Died
 from runfiles.table import Row
 from scenarios.job import Job, Outcome
-from scenarios.running.harness import tidy
-from scenarios.running.phenomena import TELLING
-from scenarios.running.seat import Seats
+from scenarios.run.harness import tidy
+from scenarios.run.sweep_scenes import TELLING
+from scenarios.run.timed_worker import Seats
 from scenarios.studies.checkpoint import Checkpoint, Entry, key_of
 from scenarios.studies.settings import clock, measure
 from scenarios.studies.settings.cell import Cell

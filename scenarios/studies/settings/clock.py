@@ -6,8 +6,8 @@ from types import MappingProxyType
 import numpy as np
 
 from runfiles.timing_protocol import PHASE_FRAMES, Protocol
-from scenarios.running.seat import Seats
-from scenarios.running.timing import Clocked, timed_pass
+from scenarios.run.timed_worker import Seats
+from scenarios.run.timing import Clocked, timed_pass
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings.cell import Cell
 

@@ -6,7 +6,7 @@ from scenarios.studies.settings.grid import Setting
 
 
 def copyable(setting: Setting) -> str:
-    """One line. A preset is named on the command line; options are a row that `scenarios.running.own_settings.read` takes; frames
+    """One line. A preset is named on the command line; options are a row that `scenarios.run.own_settings.read` takes; frames
     cut in parts and effects left out are said in Python."""
     parts = []
     if setting.options:

@@ -12,7 +12,7 @@ from avatarsim.scene.scene import Scene
 from reference.presets import Kind, kind_of
 from runfiles.engines import about
 from runfiles.typed_toml import read
-from scenarios.running.own_settings import OwnSettings
+from scenarios.run.own_settings import OwnSettings
 
 EVERYWHERE = tuple(Kind)
 FILE = "sweep.toml"

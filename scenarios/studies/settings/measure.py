@@ -6,7 +6,7 @@ from pathlib import Path
 
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
-from scenarios.running.run import accuracy
+from scenarios.run.accuracy import accuracy
 from scenarios.studies.checkpoint import Entry
 
 JUDGED = 50

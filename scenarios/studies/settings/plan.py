@@ -13,9 +13,9 @@ from runfiles.comparable import unsupported
 from runfiles.naming import BASELINE, stem
 from runfiles.timing_protocol import WARM_FRAMES
 from scenarios.job import Outcome
-from scenarios.running.own_settings import OwnSettings
-from scenarios.running.phenomena import long_errors_of, repeats_of, short_errors_of
-from scenarios.running.timing import MOST_FRAMES
+from scenarios.run.own_settings import OwnSettings
+from scenarios.run.sweep_scenes import long_errors_of, repeats_of, short_errors_of
+from scenarios.run.timing import MOST_FRAMES
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import clock, measure
 from scenarios.studies.settings.cell import TIMED, Cell

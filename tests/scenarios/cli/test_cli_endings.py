@@ -79,7 +79,7 @@ def test_own_settings_of_another_content_are_another_run(
 def test_results_of_a_whole_run_stay_until_what_resumes_it_has_ended(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    from scenarios.running import harness
+    from scenarios.run import harness
 
     called(tmp_path, "run", "--engine", "frozen", "--filter", "ball_drop")
     folder = last_run(tmp_path)
@@ -115,7 +115,7 @@ def test_an_empty_path_is_wrong_usage(site: Path, tmp_path: Path, option: str, m
 def test_a_run_that_is_stopped_keeps_what_was_finished(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
 ) -> None:
-    from scenarios.running import harness
+    from scenarios.run import harness
 
     real = harness.accuracy
 
@@ -152,7 +152,7 @@ def test_a_full_disk_is_one_sentence_and_3(
     def full(known: object, folder: Path) -> None:
         raise OSError(28, "No space left on device", str(folder / "results.json"))
 
-    monkeypatch.setattr("scenarios.results.results.write", full)
+    monkeypatch.setattr("scenarios.run.results.write", full)
     assert called(tmp_path, "check", "--engine", "tunnels", "--filter", "ball_drop") == 3
     line, err = last(capsys)
     assert "results.json: No space left on device" in err and "\n" not in err.strip() and "exit code 3" in line

@@ -14,7 +14,7 @@ from reference.judging.judge import Judge
 from scenarios import drawn_crowds
 from scenarios.drawn_crowds import KINDS
 from scenarios.drawn_crowds.bodies import FRICTIONS, RESTITUTIONS
-from scenarios.results.provenance import scene_hash
+from scenarios.run.provenance import scene_hash
 from scenarios.unseen import seeds
 
 

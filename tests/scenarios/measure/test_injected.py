@@ -12,7 +12,7 @@ from runfiles.table import Row
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
 from scenarios.measure.known import Known
-from scenarios.results.gate import rows_of
+from scenarios.run.gate import rows_of
 from scenarios.scenario import Bound, Scenario
 from tests.scenarios.examples import RADIUS, WALL_FACE, arm_scene, drop, drop_scene, fist, fist_scene, nobody, resting
 from tests.scenarios.measure.bodies.test_bounce import by_events

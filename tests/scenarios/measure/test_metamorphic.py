@@ -21,7 +21,7 @@ from scenarios.job import Job
 from scenarios.measure.everything import measured
 from scenarios.measure.known import Known
 from scenarios.measure.value import Missing
-from scenarios.running.run import gathered
+from scenarios.run.accuracy import gathered
 from scenarios.scenario import Region, Scenario
 from scenarios.studies.hard_cases.elsewhere import Elsewhere
 

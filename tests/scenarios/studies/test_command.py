@@ -14,8 +14,8 @@ from scenarios.__main__ import main
 from scenarios.cli import study as command
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.results.gate import NOTHING, STOPPED, USAGE
-from scenarios.running.timing import Clocked
+from scenarios.run.gate import NOTHING, STOPPED, USAGE
+from scenarios.run.timing import Clocked
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import clock, measure
 

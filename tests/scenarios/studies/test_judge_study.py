@@ -10,7 +10,7 @@ from avatarsim.errors import MissingPackage
 from reference import judge_trust as examination
 from reference.judging.known_pairs import KINDS, REGIMES
 from reports.pages import articles
-from scenarios.results import provenance
+from scenarios.run import provenance
 from scenarios.studies import judge_trust as study
 from scenarios.studies.study import Request
 

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.scene.tracker import link_poses
 from reference.judging.judge import Judge
 from scenarios import catalog
-from scenarios.results.provenance import scene_hash
+from scenarios.run.provenance import scene_hash
 from scenarios.scenario import RENDERED
 from scenarios.studies.hard_cases.plan import CASES, STARTS, alone, together, trials
 from scenarios.studies.hard_cases.variation import Variation, at_time, varied

@@ -6,8 +6,8 @@ import pytest
 from runfiles.timing_protocol import PHASE_FRAMES
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.running.seat import Seats
-from scenarios.running.timing import Clocked
+from scenarios.run.timed_worker import Seats
+from scenarios.run.timing import Clocked
 from scenarios.studies.settings.cell import Cell
 from scenarios.studies.settings.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times
 from scenarios.studies.settings.grid import Setting

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from scenarios.running.own_settings import read
+from scenarios.run.own_settings import read
 from scenarios.studies.settings.copyable import copyable
 from scenarios.studies.settings.grid import Setting
 from tests.scenarios.studies.settings.grids import GRIDS

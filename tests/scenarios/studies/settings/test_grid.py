@@ -5,9 +5,9 @@ import pytest
 from avatarsim.engine import Settings
 from scenarios import catalog
 from scenarios.engines import opened
-from scenarios.running.harness import offer
-from scenarios.running.own_settings import NAME, OwnSettings
-from scenarios.running.phenomena import TELLING
+from scenarios.run.harness import offer
+from scenarios.run.own_settings import NAME, OwnSettings
+from scenarios.run.sweep_scenes import TELLING
 from scenarios.studies.settings.grid import Setting, applicable, settings_of
 from tests.scenarios.studies.settings.grids import GRIDS
 

@@ -12,8 +12,8 @@ from runfiles.timing_protocol import REPEATS
 from scenarios import catalog
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Timed
-from scenarios.running import phenomena
-from scenarios.running.timing import Clocked
+from scenarios.run import sweep_scenes as phenomena
+from scenarios.run.timing import Clocked
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import ask, clock, measure, plan
 from scenarios.studies.settings.cell import Cell

@@ -1,0 +1,1 @@
+"""A run: jobs in processes, an accuracy pass, a timing pass, rows and files."""

@@ -1,0 +1,87 @@
+"""Settings that a user brings for an engine: each adds a row beside the engine's presets, and is tried before all else."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.files import read_toml
+from avatarsim.running.processes import Died
+from scenarios.engines import opened
+from scenarios.job import Job
+from scenarios.run.processes import side_by_side
+
+EXAMPLE = "scenarios/settings_example.toml"
+"""A file that every engine takes as it is, from the folder of the checkout."""
+LONGEST = 80
+"""Characters of a row's name. File systems take 255 in the name of a recording, which holds the scene and the engine too."""
+NAME = re.compile(rf"[A-Za-z0-9_.=-]{{1,{LONGEST}}}")
+"""What a row may be called: its name becomes part of file names, addresses and tables."""
+MOST_BYTES = 2**16
+"""Bytes of a file of settings, a thousand rows; the time to read a name of many parts grows with its square."""
+
+
+@dataclass(frozen=True)
+class OwnSettings:
+    """`name` of the row, the engine's preset `base` to begin from, and the `options` that override it."""
+
+    engine: str
+    name: str
+    base: str
+    options: Mapping[str, object]
+
+
+def read(path: Path, engines: Iterable[str], asked: Sequence[str] | None = None) -> tuple[OwnSettings, ...]:
+    """Read a TOML file with a table [engine.name] per row: `preset` is the base ("default"), all else are options.
+
+    Raises InvalidFile, UnknownName for an engine that is none of `engines`, InvalidInput for one that is not among those `asked`
+    for (None: all are): its rows would be left out."""
+    known = list(engines)
+    content = read_toml(path, str(path), "a readable TOML file", MOST_BYTES)
+    rows = []
+    for engine, tables in content.items():
+        if engine not in known:
+            raise UnknownName(f"engine in {path}", engine, known)
+        if asked is not None and engine not in asked:
+            valid = f"one of the engines that this command asks: {', '.join(asked)} (--engine names others)"
+            raise InvalidInput(f"engine of a table in {path}", engine, valid)
+        if not isinstance(tables, dict) or not tables or not all(isinstance(entry, dict) for entry in tables.values()):
+            raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
+        for name, entry in tables.items():
+            if not NAME.fullmatch(name):
+                valid = f"1 to {LONGEST} of letters a to z, digits, - _ . =: it becomes part of file names"
+                raise InvalidFile(f"name of a row in {path}", name, valid)
+            options = {key: value for key, value in entry.items() if key != "preset"}
+            rows.append(OwnSettings(engine, name, str(entry.get("preset", "default")), options))
+    if not rows:
+        raise InvalidFile(str(path), "nothing", "a table [engine.name] for each row")
+    return tuple(rows)
+
+
+Fault = tuple[str, object, str]
+"""What is wrong, the value it has, what would be valid."""
+
+
+def fault(job: Job) -> Fault | None:
+    """What the engine of `job` says against its settings when it loads the scene. Only what it calls invalid: whatever else goes
+    wrong is a result, and the run has it."""
+    # a name of no engine, a scene that overlaps, an engine that falls over: the run says so
+    with suppress(Exception), closing(opened(job.engine)) as engine:
+        scenario, scene, _ = job.asked()
+        try:
+            engine.load(scene, job.settings(engine), scenario.dt)
+        except InvalidInput as error:
+            return error.thing, error.value, error.valid
+    return None
+
+
+def tried(rows: Iterable[OwnSettings], scene: str, path: Path, workers: int) -> None:
+    """Load `scene` once with each of `rows`, which came from `path`. Raises InvalidInput with what an engine does not take."""
+    jobs = [Job(scene, row.engine, row.name, base=row.base, options=row.options, frames=1) for row in rows]
+    # in the order of the file, whichever answers first
+    for job, found in sorted(side_by_side(fault, jobs, workers), key=lambda answer: jobs.index(answer[0])):
+        if found is not None and not isinstance(found, Died):
+            thing, value, valid = found
+            raise InvalidInput(f"in [{job.engine}.{job.preset}] of {path}: {thing}", value, valid)

@@ -1,0 +1,60 @@
+"""What the machine says of itself, and where it says nothing."""
+
+from pathlib import Path
+
+import pytest
+
+from scenarios.run.machine import Meter, busy_seconds, clock, load_average, usable_cpus
+
+
+def test_this_machine_has_a_processor() -> None:
+    assert usable_cpus() >= 1
+    load = load_average()
+    assert load is None or len(load) == 3
+
+
+def test_the_clock_is_that_of_the_fastest(tmp_path: Path) -> None:
+    (tmp_path / "cpuinfo").write_text("model name\t: Abacus\ncpu MHz\t\t: 2445.4\ncpu MHz\t\t: 3100.6\n")
+    (tmp_path / "most").write_text("3500000\n")
+    assert clock(tmp_path / "cpuinfo", tmp_path / "most") == {"mhz": 3101, "mhz_max": 3500}
+
+
+@pytest.mark.parametrize("text", [None, "", "cpu MHz : fast\n", "cpu MHz\n"])
+def test_a_clock_that_nothing_tells_is_none(tmp_path: Path, text: str | None) -> None:
+    if text is not None:
+        (tmp_path / "cpuinfo").write_text(text)
+        (tmp_path / "most").write_text(text)
+    assert clock(tmp_path / "cpuinfo", tmp_path / "most") == {"mhz": None, "mhz_max": None}
+
+
+def test_busy_time_is_all_but_idle_and_waiting(tmp_path: Path) -> None:
+    (tmp_path / "stat").write_text("cpu  100 20 30 4000 500 6 7 800 90 9\ncpu0 1 2 3\n")
+    (tmp_path / "more").write_text("cpu  200 20 30 9000 900 6 7 800 95 9\ncpu0 1 2 3\n")
+    before, after = busy_seconds(tmp_path / "stat"), busy_seconds(tmp_path / "more")
+    empty = tmp_path / "none"
+    empty.write_text("cpu0 1 2\n")
+    assert before is not None and after is not None and after > before > 0.0
+    # 100 ticks of 963
+    assert (after - before) / before == pytest.approx(100 / 963)
+    assert busy_seconds(tmp_path / "absent") is None and busy_seconds(empty) is None
+
+
+def metered(busy: list[float | None], now: list[float]) -> Meter:
+    readings, times = iter(busy), iter(now)
+    meter = Meter(lambda: next(readings), lambda: next(times))
+    for _ in range(len(now) // 2):
+        with meter.running():
+            pass
+    return meter
+
+
+def test_other_work_is_what_is_busy_beside_one_thread() -> None:
+    # 10 s and 2 s long; of 14.4 s of work 12 s are meant
+    meter = metered([100.0, 112.0, 200.0, 202.4], [0.0, 10.0, 50.0, 52.0])
+    assert meter.seconds == 12.0 and meter.others == pytest.approx(0.2)
+
+
+def test_a_thread_that_waited_is_no_negative_work_and_nothing_known_is_none() -> None:
+    assert metered([0.0, 0.9], [0.0, 1.0]).others == 0.0
+    assert metered([None, 0.9, 1.0, 2.0], [0.0, 1.0, 2.0, 3.0]).others is None
+    assert Meter().others is None
