@@ -47,7 +47,7 @@ class Unsupported:
 class Variant:
     """A further preset.
 
-    scenes   in which it runs: a condition of scenarios/variants.py
+    scenes   in which it runs: a condition of scenarios/engines.py
     of       preset that it stands in for in short tables, in the metrics whose figures of that preset do not compare
     metrics  of these
     """

@@ -1,51 +1,31 @@
-"""Engines by name: those that `reference/*/about.toml` describe, and those that join through the entry-point group."""
+"""Engines by name, built in or joined by an entry point, and the scenes that their variants run in."""
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
 from multiprocessing import parent_process
 
 from avatarsim.engine import Engine
-from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
-from runfiles.engines import EXTRA as EXTRA
+from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName
+from avatarsim.scene.joint import Ball
 from runfiles.engines import about, engines, joined
-
-BUILT_IN = {one.name: one.adapter for one in engines().values()}
-
-
-class Flagged:
-    """Engines whose facts set a flag, those that joined included: `name in Flagged("sleeps")`."""
-
-    def __init__(self, flag: str) -> None:
-        self._flag = flag
-
-    def __contains__(self, name: str) -> bool:
-        return bool(getattr(about(name), self._flag))
-
-
-TIDY = Flagged("reuses_process")
-"""Engines that leave nothing behind in their process. The timing pass compares the state hashes of runs that others went before
-with those of runs that had other ones before them."""
-STEPPED = Flagged("has_time_step")
-"""Engines with a step of their own, by an option "dt"."""
+from runfiles.naming import UNSEEN_PREFIX
+from scenarios.scenario import Scenario
 
 
 def known() -> dict[str, str]:
     """Return all engines, name -> "module:class": the gated one first, those that joined last, in order of name.
 
-    An entry point may not take the name of an engine that is built in."""
-    return {**BUILT_IN, **{name: adapter for name, adapter in sorted(joined().items()) if name not in BUILT_IN}}
-
-
-def known_presets(name: str) -> tuple[str, ...]:
-    """Return the presets of an engine that cannot be opened: those of its facts, the default first."""
-    return tuple(sorted(about(name).presets, key=lambda preset: preset != "default"))
+    An entry point cannot take the name of an engine that is built in.
+    """
+    others = {name: adapter for name, adapter in sorted(joined().items()) if name not in engines()}
+    return {name: one.adapter for name, one in engines().items()} | others
 
 
 @contextmanager
-def hushed() -> Iterator[None]:
-    """Drop what is written to both streams, by C too: one engine greets on the error stream, amid the progress."""
+def _muted() -> Iterator[None]:
+    """Drop all output to both streams, also from C: one engine prints a greeting on import."""
     kept = [os.dup(1), os.dup(2)]
     nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
@@ -60,23 +40,65 @@ def hushed() -> Iterator[None]:
 
 
 def opened(name: str) -> Engine:
-    """A fresh engine. Raises UnknownName, MissingPackage when it needs a package that is not installed, and ImportError when a
-    module of its own is missing."""
-    # entry points of all installed packages are read only for an engine that is not built in, since that takes a while
-    paths = BUILT_IN if name in BUILT_IN else known()
-    if name not in paths:
-        raise UnknownName("engine", name, paths)
-    module, _, attribute = paths[name].partition(":")
+    """Return a fresh engine.
+
+    Raises:
+        UnknownName: for a name without an engine.
+        MissingPackage: for a package that is not installed.
+        ImportError: for a missing module of the engine itself.
+        InvalidInput: for a class without all parts of an engine.
+    """
+    one = about(name)
+    if not one.adapter:
+        raise UnknownName("engine", name, known())
+    module, _, attribute = one.adapter.partition(":")
     try:
-        # only in processes of the harness, and never what an engine that joined complains of
-        with hushed() if name in BUILT_IN and parent_process() is not None else nullcontext():
+        # only in worker processes, and never the messages of an engine that joined
+        with _muted() if name in engines() and parent_process() is not None else nullcontext():
             made = getattr(import_module(module), attribute)()
     except ImportError as error:
         if (error.name or module).partition(".")[0] == module.partition(".")[0]:
-            # a hole in the engine itself is a fault, which no installing mends
+            # a fault of the engine, which installing a package does not repair
             raise
-        raise MissingPackage(error.name or module, about(name).extra, f"engine {name}") from error
+        raise MissingPackage(error.name or module, one.extra, f"engine {name}") from error
     if not isinstance(made, Engine):
         valid = "a class with every part of avatarsim.engine.Engine"
-        raise InvalidInput(f"engine {name} ({paths[name]})", type(made).__name__, valid)
+        raise InvalidInput(f"engine {name} ({one.adapter})", type(made).__name__, valid)
     return made
+
+
+def may_sleep(scenario: Scenario) -> bool:
+    """Return whether bodies are to rest, or may fall asleep in an everyday scene: avatarsim puts them to sleep by default."""
+    if "rests" in scenario.expects:
+        return True
+    return scenario.everyday and scenario.as_run(False).build().derived_effects.sleeping
+
+
+def limits_balls(scenario: Scenario) -> bool:
+    """Return whether a ball joint of an avatar has limits."""
+    links = scenario.as_run(False).build().links
+    return any(isinstance(link.joint, Ball) and link.joint.limits is not None for link in links)
+
+
+CONDITIONS: Mapping[str, Callable[[Scenario], bool]] = {
+    "bodies may sleep": may_sleep,
+    "follows recorded motion": lambda scenario: scenario.name.startswith(("mocap_", UNSEEN_PREFIX)),
+    "ball joints have limits": limits_balls,
+}
+"""Conditions on a scene that `scenes` of a variant in about.toml can name."""
+
+
+def takes_part(engine: str, preset: str, scenario: Scenario) -> bool:
+    """Return whether a preset runs in a scenario: a variant only under its condition. Raises InvalidFile for an unknown one."""
+    one = about(engine)
+    if preset not in one.variants:
+        return True
+    condition = one.variants[preset].scenes
+    if condition not in CONDITIONS:
+        raise InvalidFile(f"variants.{preset}.scenes in {one.path}", condition, f"one of {', '.join(CONDITIONS)}")
+    return CONDITIONS[condition](scenario)
+
+
+def variants_of(engine: str, scenario: Scenario, chosen: Sequence[str]) -> list[str]:
+    """Return the variants of an engine that run in a scenario, of those `chosen`; of all where none is."""
+    return [name for name in about(engine).variants if (not chosen or name in chosen) and takes_part(engine, name, scenario)]

@@ -87,3 +87,8 @@ class Outcome:
     hashes: tuple[str, ...] = ()
     frame_seconds: float = 0.0
     resting: tuple[bool, ...] = ()
+
+
+def reuses_process(job: Job) -> bool:
+    """Return whether the next job may run in the process of this one."""
+    return about(job.engine).reuses_process

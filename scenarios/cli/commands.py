@@ -10,6 +10,7 @@ from pathlib import Path
 
 import reports
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName, described, likely
+from runfiles.engines import about
 from runfiles.files import clear_halves, latest, plain, point_latest, run_folder
 from runfiles.naming import GATED
 from runfiles.table import Row
@@ -17,7 +18,7 @@ from scenarios.catalog.paper import TABLE_2
 from scenarios.cli import offered as scenes_offered
 from scenarios.cli.offered import filtered, unmatched
 from scenarios.cli.table import table
-from scenarios.engines import known
+from scenarios.engines import known, variants_of
 from scenarios.job import Job, Outcome, State
 from scenarios.run.cluster import workers_of
 from scenarios.run.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
@@ -27,7 +28,6 @@ from scenarios.run.provenance import provenance
 from scenarios.run.results import is_time
 from scenarios.run.resume import check_plan, earlier_run, has_ended, how_to_go_on, write_plan
 from scenarios.scenario import Scenario
-from scenarios.variants import VARIANTS, variants_of
 
 MOST_SEED = 2**31 - 1
 """Largest seed: what every engine takes as one, some of them as a number of 32 bits."""
@@ -98,7 +98,7 @@ def plan(asked: argparse.Namespace, names: Sequence[str], first_preset_only: boo
     if asked.settings and found:
         tried([row for row in own if row.engine in presets and row.engine not in missing], next(iter(found)), asked.settings,
               asked.jobs)
-    known_variants = {variant for name in names for variant in VARIANTS.get(name, {})}
+    known_variants = {variant for name in names for variant in about(name).variants}
     if asked.preset and found and not missing and not any(presets.values()) and not known_variants & set(asked.preset):
         offered_presets = {p for offer in offered.values() for p in offer.presets}
         raise UnknownName("preset", ", ".join(asked.preset), offered_presets | known_variants)

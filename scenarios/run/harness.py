@@ -13,8 +13,8 @@ from avatarsim.running.processes import Died, Workers
 from runfiles.engines import about
 from runfiles.naming import BASELINE, UNSEEN_PREFIX
 from runfiles.table import Row
-from scenarios.engines import known_presets, opened
-from scenarios.job import Job, Outcome
+from scenarios.engines import opened
+from scenarios.job import Job, Outcome, reuses_process
 from scenarios.measure.overlap import SEEN
 from scenarios.measure.timing import frame_times, time_notes
 from scenarios.run import results
@@ -58,7 +58,8 @@ def offer(name: str) -> Offer:
     except MissingPackage as error:
         one = about(name)
         hint = one.when_missing if error.package in one.packages else ""
-        return Offer(known_presets(name), f"{name} is not installed: {hint}" if hint else str(error))
+        presets = tuple(sorted(one.presets, key=lambda preset: preset != "default"))
+        return Offer(presets, f"{name} is not installed: {hint}" if hint else str(error))
     except AvatarsimError as error:
         return Offer(trouble=str(error))
     except Exception as error:
@@ -91,15 +92,10 @@ def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
     return runs
 
 
-def tidy(job: Job) -> bool:
-    """Whether the next run may have this one's process."""
-    return about(job.engine).reuses_process
-
-
 def outcomes(jobs: Sequence[Job], folder: Path, workers: Workers) -> Iterator[Outcome]:
     """The accuracy pass over `jobs`: each in a process of its own, but for engines that are tidy; with 0 workers here, one after
     the other."""
-    for job, answer in side_by_side(partial(accuracy, folder=folder), jobs, workers, tidy):
+    for job, answer in side_by_side(partial(accuracy, folder=folder), jobs, workers, reuses_process):
         yield Outcome(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
 
 

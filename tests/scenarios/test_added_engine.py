@@ -10,10 +10,9 @@ from reference.presets import Kind
 from runfiles.comparable import unsupported
 from runfiles.engines import About, about, engines, run_label
 from scenarios import catalog
-from scenarios.engines import STEPPED, TIDY, known, known_presets, opened
+from scenarios.engines import known, opened, takes_part, variants_of
 from scenarios.job import Job
 from scenarios.studies.settings.grid import settings_of, short_order
-from scenarios.variants import takes_part, variants_of
 from tests.scenarios.command_line import called, last_run, latest
 from tests.scenarios.toy_engine import ABOUT, SWEEP, laid
 
@@ -44,8 +43,8 @@ def test_its_files_say_what_the_harness_asks_of_an_engine(site: Path) -> None:
     laid(site)
     assert known()["toy"] == about("toy").adapter == "toy_physics.inner.adapter:Toy" and "toy" not in engines()
     assert not {"toy_physics", "toy_physics.inner"} & set(sys.modules), "nothing of it is imported for that"
-    assert (run_label("toy/tuned"), known_presets("toy")) == ("Toy Physics", ("tuned",))
-    assert "toy" in STEPPED and "toy" not in TIDY
+    assert run_label("toy/tuned") == "Toy Physics" and about("toy").presets == ("tuned",)
+    assert about("toy").has_time_step and not about("toy").reuses_process
     assert unsupported("toy/tuned", ["dynamics"]).keys() == {"apex_error_max"}
     assert about("toy").in_own_words({"dt": 0.5}) == ["toy.step(1/2)"]
     stack, walk = catalog.get("stack_ten"), catalog.get("mocap_run")

@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
-from scenarios.engines import BUILT_IN, known, opened
+from runfiles.engines import about, engines
+from scenarios.engines import known, opened
 from tests.scenarios.bad_engines import NAMES, joined
 
 
@@ -16,7 +17,7 @@ def _strangers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_engines_join_through_the_entry_points() -> None:
-    assert list(known())[:4] == list(BUILT_IN) and set(NAMES) < set(known())
+    assert list(known())[:4] == list(engines()) and set(NAMES) < set(known())
     assert opened("frozen").presets == ("default", "other")
 
 
@@ -30,7 +31,7 @@ def test_an_entry_point_cannot_take_a_built_in_name(tmp_path: Path, monkeypatch:
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: impostor\nVersion: 1.0\n")
     (info / "entry_points.txt").write_text("[avatarsim.engines]\nmujoco = bad_engines_of_a_stranger:Frozen\n")
-    assert known()["mujoco"] == BUILT_IN["mujoco"]
+    assert known()["mujoco"] == about("mujoco").adapter
 
 
 @pytest.mark.parametrize("name", ["mujoco", "pybullet"])

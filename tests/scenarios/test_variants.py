@@ -3,13 +3,13 @@
 import pytest
 
 from avatarsim.errors import UnknownName
+from runfiles.engines import about, engines
 from scenarios import catalog
 from scenarios.__main__ import main, parser
 from scenarios.cli.commands import plan
 from scenarios.cli.offered import scenarios
-from scenarios.engines import opened
+from scenarios.engines import opened, variants_of
 from scenarios.job import Job
-from scenarios.variants import VARIANTS, variants_of
 
 CASES: list[tuple[str, str, str, set[str]]] = [
     ("mujoco", "sleeping", "tuned", {"sleep"}),
@@ -54,7 +54,7 @@ def test_every_variant_loads_and_says_what_differs_from_its_base(engine: str, na
 
 
 def test_every_variant_has_a_base_that_its_engine_has() -> None:
-    every = {(engine, name) for engine, names in VARIANTS.items() for name in names}
+    every = {(engine, name) for engine, one in engines().items() for name in one.variants}
     assert {(engine, name) for engine, name, *_ in CASES} == every
     assert all(base in opened(engine).presets for engine, _, base, _ in CASES)
 
@@ -83,4 +83,4 @@ def test_a_preset_that_no_engine_has_is_still_an_error() -> None:
 def test_a_comparison_plans_the_row_and_a_single_run_does_not(words: tuple[str, ...], runs: set[tuple[str, str]]) -> None:
     asked = parser().parse_args([*words, "--engine", "mujoco", "--jobs", "0"])
     made = plan(asked, asked.engine, asked.command == "run")
-    assert {(job.scenario, job.preset) for job in made.jobs if job.preset in VARIANTS["mujoco"]} == runs
+    assert {(job.scenario, job.preset) for job in made.jobs if job.preset in about("mujoco").variants} == runs

@@ -7,10 +7,10 @@ import numpy as np
 
 from avatarsim.errors import AvatarsimError, described
 from avatarsim.running.processes import Died
+from runfiles.engines import about
 from runfiles.naming import BASELINE, GATED
 from runfiles.table import Row
-from scenarios.engines import STEPPED, TIDY
-from scenarios.job import Job
+from scenarios.job import Job, reuses_process
 from scenarios.run.accuracy import gathered, show
 from scenarios.run.asked import asked
 from scenarios.studies.checkpoint import Entry, key_of
@@ -30,7 +30,7 @@ def jobs_of(request: Request) -> list[Job]:
         # one step a frame
         Job(
             worlds.name_of(law, shape, rate), engine, preset, base=preset,
-            options={"dt": 1.0 / rate} if engine in STEPPED else {}, catalogue=worlds.__name__,
+            options={"dt": 1.0 / rate} if about(engine).has_time_step else {}, catalogue=worlds.__name__,
         )
         for law in worlds.LAWS for shape in shapes for rate in rates for engine, presets in request.presets.items()
         for preset in (presets[:1] if engine == GATED[0] else presets) if engine != BASELINE
@@ -63,7 +63,7 @@ def obtained(job: Job) -> Entry:
 def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Run everything, side by side, and return the rows."""
     tasks = {key_of(NAME, job): job for job in jobs_of(request)}
-    found = dict(answers(obtained, tasks, request, request.checkpoint(NAME), NAME, lambda job: job.engine in TIDY, _died))
+    found = dict(answers(obtained, tasks, request, request.checkpoint(NAME), NAME, reuses_process, _died))
     return [row for key, job in tasks.items() for row in rows_of(job, found[key])], []
 
 

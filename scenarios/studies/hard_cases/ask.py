@@ -5,14 +5,14 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from avatarsim.running.processes import Died
+from runfiles.engines import about
 from runfiles.naming import BASELINE
 from runfiles.table import Row
-from scenarios.engines import TIDY
+from scenarios.engines import takes_part
 from scenarios.studies.checkpoint import Entry, key_of
 from scenarios.studies.hard_cases.plan import CASES, trials
 from scenarios.studies.hard_cases.trial import FIGURES, LATE, Task, tried
 from scenarios.studies.study import Head, Request, Study, answers
-from scenarios.variants import takes_part
 
 NAME = "hard_cases"
 PATIENCE = 3.0 * LATE
@@ -43,9 +43,8 @@ def tasks_of(request: Request) -> list[Task]:
 def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Try everything, side by side. Returns the rows, and a sentence for each engine and preset that could not be asked."""
     tasks = {key_of(NAME, task): task for task in tasks_of(request)}
-    found = dict(
-        answers(tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: task.engine in TIDY, _died, PATIENCE)
-    )
+    found = dict(answers(
+        tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: about(task.engine).reuses_process, _died, PATIENCE))
     plain = {(task.case, task.run): found[key] for key, task in tasks.items() if task.trial.name == ""}
     rows = [row for key, task in tasks.items() for row in rows_of(task, found[key], plain.get((task.case, task.run)))]
     absent = {row.run: row.note for row in rows if row.status == "not-measured"}

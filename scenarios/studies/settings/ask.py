@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from avatarsim.running.processes import Died
 from runfiles.table import Row
 from scenarios.job import Job, Outcome
-from scenarios.run.harness import tidy
+from scenarios.job import reuses_process as tidy
 from scenarios.run.sweep_scenes import TELLING
 from scenarios.run.timed_worker import Seats
 from scenarios.studies.checkpoint import Checkpoint, Entry, key_of
