@@ -20,7 +20,8 @@ from scenarios.catalog.paper import TABLE_2 as SCENES
 from scenarios.job import Job
 from scenarios.measure.posture.tracker_offset import angle_offsets
 from scenarios.measure.timing import Timed
-from scenarios.run.kept import as_recorded, fitting, scenes_of
+from scenarios.run.accuracy import prepare
+from scenarios.run.run_files import check_recording
 from scenarios.run.timed_worker import repeat
 
 FIGURE_7, FIGURE_8 = "hand_over_table", "two_arms"
@@ -111,9 +112,10 @@ def runs(folder: Path) -> list[Run]:
     for (scene, name), (times, overlap) in series.items():
         file = name.replace("/", ".")
         # a comparison of many scenes may have timed only frames around contact; the table is of a scene from its start
-        if times and not isnan(times[0]) and scene in scenes_of(folder, file):
-            kept = folder / "recordings" / f"{scene}.{file}.0.npz"
-            recording = fitting(load(kept), kept)
+        kept = folder / "recordings" / f"{scene}.{file}.0.npz"
+        if times and not isnan(times[0]) and kept.exists():
+            recording = load(kept)
+            check_recording(recording, kept)
             found.append(Run(scene, name, recording, np.array(times), max(overlap, default=nan)))
     return found
 
@@ -129,7 +131,7 @@ def row(run: Run) -> Row:
         return made
     joints = run.mean("joints")
     if isnan(joints):
-        scene = as_recorded(run.scene, run.recording).build()
+        scene = prepare(Job(run.scene, OWN[:-1], PRESETS[0], full=bool(run.recording.meta.get("full")))).scene
         joints = float((angle_offsets(run.recording, scene) > AWAY).sum(axis=1).mean())
     return replace(made, joints=joints, iterations=run.mean("iterations"), pairs=run.mean("pairs"))
 
@@ -157,7 +159,7 @@ def figure_7(frames: int | None = None, repeats: int = REPEATS) -> tuple[list[Fr
     shares: list[ShareRow] = []
     for preset in PRESETS:
         job = Job(FIGURE_7, OWN[:-1], preset, full=True, frames=frames)
-        count = job.asked()[0].frames
+        count = prepare(job).scenario.frames
         runs = [repeat(job, count) for _ in range(repeats)]
         stages = {name: np.array([stage[name] for _, stage, _ in runs], dtype=np.int64) for name in runs[0][1]}
         timed = Timed(np.array([times for times, _, _ in runs], dtype=np.int64), stages)

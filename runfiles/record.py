@@ -49,7 +49,7 @@ class Recording:
     of mass [m/s]; angular_velocities (F+1, n, 3) [rad/s]; angles (F+1, H) [rad], or (F+1, 0) from an engine that gives none.
     raw_*: the tracker's own posture: link frames (F+1, L, 3), (F+1, L, 4), hinge angles (F+1, H).
     inside_*: sub-steps and events in order: time (S,) [s], frame (S,) from 1 to F, event (S,) code in EVENTS, poses, velocities;
-    all of them while it is measured, those of `scenarios.run.thinned` in the file of a run.
+    all of them while it is measured, those of `scenarios.run.run_files` in the file of a run.
     Quaternions do not change their sign from row to row; `state_hashes` are of those that the engine gave.
     overlap (F+1,) [m] of every state shown, as the run judged it; empty where it was not judged.
     counts, statuses: (F+1,) per name. state_hashes (F+1,). frame_times_ns (repeats, frames), empty before the timing pass.

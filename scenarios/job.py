@@ -1,18 +1,15 @@
-"""Jobs and their outcomes: what is to be run, and what came of it; both travel between processes."""
+"""Jobs and their outcomes; both travel between processes."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from importlib import import_module
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from avatarsim.engine import Engine, Settings
 from avatarsim.errors import UnknownName
-from avatarsim.scene.scene import Scene
 from runfiles.engines import about
 from runfiles.naming import stem
 from scenarios.measure.value import Value
-from scenarios.scenario import Motion, Scenario
 
 State = Literal["measured", "crashed", "not-measured", "cannot-say", "refused"]
 
@@ -22,11 +19,12 @@ CATALOGUE = "scenarios.catalog"
 
 @dataclass(frozen=True)
 class Job:
-    """One engine with one preset in one scenario with one seed.
+    """One engine with one preset in one scenario with one seed; small, since it is sent to a process.
 
-    `preset` is the name in every table; `base` the engine's own preset beneath it and `options` what overrides it, both only for
-    settings that a user added. `frames` cuts the run short. `narrow` and `force` switch effects of the scene off and on, beyond
-    what its author did. Nothing here is large: a job is sent to a process of its own.
+    preset         its name in every table
+    frames         most frames; None: all
+    base, options  of settings that a user added: the engine's own preset, and values that override it
+    narrow, force  effects that are switched off and on, beside those of the scene's author
     """
 
     scenario: str
@@ -51,17 +49,8 @@ class Job:
         """Engine and preset as tables name them."""
         return f"{self.engine}/{self.preset}"
 
-    def asked(self) -> tuple[Scenario, Scene, Motion]:
-        """The scenario at the length that is run, its scene, its motion. Raises what the catalogue raises."""
-        scenario: Scenario = import_module(self.catalogue).get(self.scenario).as_run(self.full)
-        if self.frames is not None:
-            scenario = replace(scenario, frames=min(self.frames, scenario.frames))
-        built = scenario.build()
-        scene = replace(built, narrow=(*built.narrow, *self.narrow), force=(*built.force, *self.force))
-        return scenario, scene, scenario.motion(scene, self.seed)
-
     def settings(self, engine: Engine, *, inside: bool = False, stages: bool = False) -> Settings:
-        """Settings to load `engine` with; UnknownName for a preset that it does not have."""
+        """Return the settings to load `engine` with. Raises UnknownName for a preset that it does not have."""
         preset = self.base or self.preset
         offered = (*engine.presets, *about(self.engine).variants)
         if preset not in offered:
@@ -71,9 +60,16 @@ class Job:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What came of a job. `values` and `notes` by metric; `note` says why there are none; `overlap_m` per state shown;
-    `about` is what the engine said of itself (version, settings, cannot_say); `hashes` the state hash of every state shown;
-    `frame_seconds` roughly what a frame took [s]; `resting` of every frame whether nothing moved in it."""
+    """Result of a job.
+
+    note           reason of a state other than measured
+    values, notes  by metric
+    overlap_m      of every state shown [m]
+    about          version, settings and cannot_say of the engine, lapsed promises of the scene
+    hashes         of every state shown
+    frame_seconds  rough time of a frame [s]
+    resting        flag of every frame: nothing moves
+    """
 
     job: Job
     state: State

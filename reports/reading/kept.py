@@ -26,7 +26,7 @@ PARTS = {"name", "role", "pieces", "mass"}
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A scene's file: see `scenarios.run.scene_mesh`; `parents` is empty where an earlier run did not write them."""
+    """A scene's file: see `scenarios.run.run_files`; `parents` is empty where an earlier run did not write them."""
 
     bodies: Sequence[Mapping[str, Any]]
     gravity: Array

@@ -1,36 +1,101 @@
-"""The accuracy pass: run one engine through one scenario, record everything, measure it, keep the recording."""
+"""Accuracy pass: run one engine through one scenario, measure its recording and save it."""
 
-from collections.abc import Callable, Mapping
-from contextlib import closing
+from collections.abc import Mapping
+from contextlib import closing, suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
+from numpy.typing import NDArray
 
-from avatarsim.engine import Engine, FrameRecord, Snapshot
+from avatarsim.engine import FrameRecord, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps, UnsupportedScene, described
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, link_poses_each
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses_each
 from avatarsim.spatial import rotation
 from runfiles import overlapping, record
-from runfiles.record import EVENTS, Integers, Recording
+from runfiles.record import EVENTS, Recording
 from scenarios.engines import opened
 from scenarios.job import Job, Outcome, State
 from scenarios.measure.everything import measured
+from scenarios.measure.known import Known
 from scenarios.measure.overlap import INSIDE_JUDGED
 from scenarios.measure.phases import resting
-from scenarios.run import native
-from scenarios.run import scene_mesh as drawn
-from scenarios.run.asked import Asked, asked
-from scenarios.run.figures import figures, told
-from scenarios.run.provenance import code_hash
-from scenarios.run.thinned import thinned
-from scenarios.scenario import REFUSAL, Scenario
+from scenarios.run.provenance import code_hash, scene_hash
+from scenarios.run.run_files import figures, figures_meta, thinned, write_native, write_scene, write_steps
+from scenarios.scenario import REFUSAL, Motion, Scenario
+
+Array = NDArray[np.float64]
+Key = tuple[str, str, int, bool, int | None, tuple[str, ...], tuple[str, ...]]
 
 FRAME_SECONDS = "frame_seconds"
-"""Key in a recording's meta: median time [s] of a frame while other runs went on; too rough to be shown, it says how many frames
-a glance can take."""
+"""Key in a recording's meta: median time [s] of a frame beside other jobs. Too rough to be shown; it plans quick timing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A scenario at the length that is run, its scene and motion, and values that depend on these alone."""
+
+    scenario: Scenario
+    scene: Scene
+    motion: Motion
+
+    @cached_property
+    def samples(self) -> list[TrackerSample]:
+        """Samples of all frames. Raises InvalidSample."""
+        return [checked(sample, self.scene.avatars) for sample in self.first(self.scenario.frames)]
+
+    def first(self, frames: int) -> list[TrackerSample]:
+        """Return the samples of the first frames, unchecked; each is computed once."""
+        known = self._computed
+        known += [self.motion(k) for k in range(len(known), min(frames, self.scenario.frames))]
+        return known[:frames]
+
+    @cached_property
+    def _computed(self) -> list[TrackerSample]:
+        return []
+
+    @cached_property
+    def states(self) -> list[TrackerSample]:
+        """The first posture and all samples: one for each state that an engine shows."""
+        return [self.scene.first_sample, *self.samples]
+
+    @cached_property
+    def raw(self) -> tuple[Array, Array]:
+        """Link poses of the tracker in all states: (F+1, L, 3) [m] and (F+1, L, 4)."""
+        return link_poses_each(self.scene.avatars, self.states)
+
+    @cached_property
+    def scene_hash(self) -> str:
+        """Hash of the scene's description."""
+        return scene_hash(self.scene)
+
+    @cached_property
+    def known(self) -> Known:
+        """Values that all measures of the scene share; the scene is judged whole."""
+        return Known(self.scenario, self.scene.whole)
+
+
+_last: dict[Key, tuple[Scenario, Prepared]] = {}
+"""The scene prepared last in this process: at most one, since engines come scene by scene."""
+
+
+def prepare(job: Job) -> Prepared:
+    """Return scenario, scene and motion of a job; those of the last job where it has the same. Raises errors of the catalogue."""
+    key = job.catalogue, job.scenario, job.seed, job.full, job.frames, job.narrow, job.force
+    offered: Scenario = import_module(job.catalogue).get(job.scenario)
+    if key not in _last or _last[key][0] is not offered:
+        _last.clear()
+        scenario = offered.as_run(job.full)
+        if job.frames is not None:
+            scenario = replace(scenario, frames=min(job.frames, scenario.frames))
+        scene = scenario.build()
+        scene = replace(scene, narrow=(*scene.narrow, *job.narrow), force=(*scene.force, *job.force))
+        _last[key] = offered, Prepared(scenario, scene, scenario.motion(scene, job.seed))
+    return _last[key][1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,23 +112,20 @@ class Shown:
     note: str = ""
 
 
-def show(
-    job: Job, what: Asked, inside: bool = True, loaded: Callable[[Engine], object] = id, ended: Callable[[Engine], object] = id,
-) -> Shown:
+def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None = None) -> Shown:
     """Run the engine of a job through all its frames. An exception of the engine becomes the state of what is returned.
 
     Args:
         inside: record snapshots inside frames.
-        loaded: called with the engine once it has loaded the scene.
-        ended: called with the engine after its last frame.
+        folder: of the run, for the scene and the steps as the engine has them; None: not written.
     """
-    scene, dt, frames, about = what.scene, what.scenario.dt, list[FrameRecord](), dict[str, object]()
+    scene, dt, frames, about = prepared.scene, prepared.scenario.dt, list[FrameRecord](), dict[str, object]()
     try:
         engine = opened(job.engine)
-        cannot_say = dict(engine.cannot_say(scene))
-        about |= {"version": engine.version, "cannot_say": cannot_say, "settings": {}}
-        if "scene" in cannot_say:
-            return Shown("cannot-say", [], about, cannot_say["scene"])
+        unsupported = dict(engine.cannot_say(scene))
+        about |= {"version": engine.version, "cannot_say": unsupported, "settings": {}}
+        if "scene" in unsupported:
+            return Shown("cannot-say", [], about, unsupported["scene"])
         settings = job.settings(engine, inside=inside)
     except MissingPackage as error:
         return Shown("not-measured", [], about, str(error))
@@ -73,73 +135,72 @@ def show(
     try:
         frames.append(engine.load(scene, settings, dt))
         about |= {"settings": dict(engine.settings_as_run()), "cannot_say": dict(engine.cannot_say(scene))}
-        loaded(engine)
+        keeps_steps = folder is not None and write_native(engine, folder, job, prepared.scenario.everyday)
         spent = []
-        for sample in what.samples:
+        for sample in prepared.samples:
             begun = perf_counter()
             frames.append(engine.advance(sample, dt))
             spent.append(perf_counter() - begun)
         about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
-        ended(engine)
+        if folder is not None and keeps_steps:
+            write_steps(engine, folder, job)
     except MissingPackage as error:
         return Shown("not-measured", frames, about, str(error))
     except UnsupportedScene as error:
         return Shown("cannot-say", frames, about, str(error))
     except StartOverlaps as error:
-        return Shown("refused" if what.scenario.expects.get(REFUSAL) else "crashed", frames, about, described(error))
+        return Shown("refused" if prepared.scenario.expects.get(REFUSAL) else "crashed", frames, about, described(error))
     except Exception as error:
         note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
         return Shown("crashed", frames, about, note)
     finally:
-        _close(engine)
+        with suppress(Exception):
+            # its frames are all there: a close that fails changes no figure
+            engine.close()
     return Shown("measured", frames, about)
 
 
 def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
-    """Run `job`, save its recording below `folder` and measure it, judging so many snapshots inside frames (all if the job is in
-    full). Whatever goes wrong becomes an outcome of its own."""
+    """Run a job, save its recording below the folder of the run, and measure it. Every failure becomes an outcome.
+
+    Args:
+        judged: snapshots inside frames that are judged; all if the job is in full.
+    """
     try:
-        what = asked(job)
-        scenario, scene = what.scenario, what.scene
+        prepared = prepare(job)
         # an invalid sample is found here and is no fault of an engine
-        what.samples  # noqa: B018
+        prepared.samples  # noqa: B018
     except (AvatarsimError, ImportError) as error:
         return Outcome(job, "not-measured", f"the scene could not be made: {described(error)}")
+    scenario, scene = prepared.scenario, prepared.scene
     path = folder / "recordings" / f"{job.stem}.npz"
     judging = None if job.full else judged
     identity = {
-        "scene_hash": what.scene_hash, "code": code_hash(), "frames": scenario.frames, "full": job.full, "dt": scenario.dt,
+        "scene_hash": prepared.scene_hash, "code": code_hash(), "frames": scenario.frames, "full": job.full, "dt": scenario.dt,
         "base": job.base, "options": repr(sorted(job.options.items())), "judged": judging,
     }
-    drawn.write(scene, folder, scenario.name)
+    write_scene(scene, folder, scenario.name)
     if path.exists() and (earlier := kept(path, identity | {"version": _version(job.engine)})) is not None:
-        return outcome_of(job, earlier, what, path)
-    keeps = False
-
-    def loaded(engine: Engine) -> None:
-        nonlocal keeps
-        native.write(engine, folder, job)
-        keeps = native.keeps_steps(engine, job, scenario.everyday)
-
-    def ended(engine: Engine) -> None:
-        if keeps:
-            native.write_steps(engine, folder, job)
-
-    shown = show(job, what, loaded=loaded, ended=ended)
+        return outcome_of(job, earlier, prepared, path)
+    shown = show(job, prepared, folder=folder)
     frames, about = shown.frames, shown.about
     if shown.state == "crashed" and frames:
-        left = gathered(job, scenario, scene, what.states, frames, {**about, **identity, "error": shown.note})
+        left = gathered(job, scenario, scene, prepared.states, frames, {**about, **identity, "error": shown.note})
         record.save(thinned(left, scenario, scene), path, folder / record.MOTIONS)
         return Outcome(job, "crashed", shown.note, len(frames), about=about, recording=path)
     if shown.state != "measured":
-        return Outcome(job, shown.state, shown.note, len(frames) if shown.state == "crashed" else 0, about=about)
-    recording = gathered(job, scenario, scene, what.states, frames, {**about, **identity}, what.raw)
-    return outcome_of(job, concluded(recording, what, judging, path), what, path)
+        return Outcome(job, shown.state, shown.note, about=about)
+    recording = gathered(job, scenario, scene, prepared.states, frames, {**about, **identity}, prepared.raw)
+    found = measured(recording, prepared.known, judging)
+    overlapping.write(found.overlapping, folder, path.stem)
+    thin = thinned(recording, scenario, scene.whole)
+    thin = replace(thin, meta={**thin.meta, **figures_meta(found.values, found.notes)}, overlap=found.overlap)
+    record.save(thin, path, folder / record.MOTIONS)
+    return outcome_of(job, thin, prepared, path)
 
 
 def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
-    """The recording that an earlier, unfinished run left at `path`: whole, without error, of the same scene by the same code, and
-    measured as it would be now."""
+    """Return the recording that an earlier run left: whole, without error, of the same scene, code and measures; None if not."""
     if not overlapping.path(path.parent.parent, path.stem).exists():
         return None
     try:
@@ -151,29 +212,19 @@ def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
     return found if same and "error" not in found.meta else None
 
 
-def concluded(recording: Recording, what: Asked, judged: int | None, path: Path) -> Recording:
-    """Measure a whole recording, and save what is kept of it together with its figures."""
-    found = measured(recording, what.known, judged)
-    overlapping.write(found.overlapping, path.parent.parent, path.stem)
-    thin = thinned(recording, what.scenario, what.scene.whole)
-    left = replace(thin, meta={**thin.meta, **told(found.values, found.notes)}, overlap=found.overlap)
-    record.save(left, path, path.parent.parent / record.MOTIONS)
-    return left
-
-
-def outcome_of(job: Job, recording: Recording, what: Asked, path: Path) -> Outcome:
-    """What came of a job whose recording has been measured."""
+def outcome_of(job: Job, recording: Recording, prepared: Prepared, path: Path) -> Outcome:
+    """Return the outcome of a job whose recording has been measured."""
     about = {name: recording.meta.get(name, {}) for name in ("version", "cannot_say", "settings")}
-    about["lapsed"] = dict(what.scene.lapsed)
+    about["lapsed"] = dict(prepared.scene.lapsed)
     values, notes = figures(recording)
     overlap, hashes = tuple(recording.overlap.tolist()), tuple(recording.state_hashes.tolist())
     cost = float(str(recording.meta.get(FRAME_SECONDS, 0.0)))
-    rests = tuple(resting(recording, what.scene).tolist())
+    rests = tuple(resting(recording, prepared.scene).tolist())
     return Outcome(job, "measured", "", recording.frames, values, notes, overlap, about, path, hashes, cost, rests)
 
 
 def _version(name: str) -> str:
-    """Version of an engine, "" of one that does not open."""
+    """Return the version of an engine, "" of one that does not open."""
     try:
         with closing(opened(name)) as engine:
             return engine.version
@@ -182,35 +233,31 @@ def _version(name: str) -> str:
         return ""
 
 
-def _close(engine: Engine) -> None:
-    try:
-        engine.close()
-    except Exception:
-        # its frames are all there; failing to tidy up changes no figure
-        return
-
-
 def gathered(
     job: Job, scenario: Scenario, scene: Scene, states: list[TrackerSample], frames: list[FrameRecord],
-    about: Mapping[str, object], raw: tuple[record.Array, record.Array] | None = None,
+    about: Mapping[str, object], raw: tuple[Array, Array] | None = None,
 ) -> Recording:
-    """The frames that an engine showed, and the tracker's own posture beside each, as one recording; `raw` are the link poses of
-    `states` where they are known."""
+    """Return the frames of an engine, and the tracker's own posture in each, as one recording.
+
+    Args:
+        about: further entries of its meta.
+        raw: link poses of `states`, where they are known.
+    """
     shown = [frame.shown for frame in frames]
     inside = [(k, snapshot) for k, frame in enumerate(frames) for snapshot in frame.inside if k > 0]
+    within = [snapshot for _, snapshot in inside]
     raw_positions, raw_orientations = raw or link_poses_each(scene.avatars, states[: len(frames)])
     n, hinges = len(scene.names), sum(avatar.hinge_count for avatar in scene.avatars)
     # an engine that gives no angles, or a wrong number of them, has given none
     given = all(len(frame.angles) == hinges for frame in frames)
     angles = [frame.angles if given else np.zeros(0) for frame in frames]
-    within = [snapshot for _, snapshot in inside]
     return Recording(
         meta={
             "scene": scenario.name, "engine": job.engine, "preset": job.preset, "seed": job.seed, "dt": scenario.dt,
             "names": scene.names, **about,
         },
         times=np.arange(len(frames), dtype=np.float64) * scenario.dt,
-        positions=_stack(shown, "positions", n, 3), orientations=_turns(shown, n),
+        positions=_stack(shown, "positions", n, 3), orientations=_continuous(shown, n),
         velocities=_stack(shown, "velocities", n, 3), angular_velocities=_stack(shown, "angular_velocities", n, 3),
         angles=np.array(angles, dtype=np.float64).reshape(len(frames), -1),
         raw_positions=raw_positions, raw_orientations=rotation.continuous(raw_orientations),
@@ -218,27 +265,27 @@ def gathered(
         inside_time=np.array([snapshot.time for snapshot in within], dtype=np.float64),
         inside_frame=np.array([k for k, _ in inside], dtype=np.int64),
         inside_event=np.array([EVENTS.index(snapshot.event) for snapshot in within], dtype=np.int64),
-        inside_positions=_stack(within, "positions", n, 3), inside_orientations=_turns(within, n),
+        inside_positions=_stack(within, "positions", n, 3), inside_orientations=_continuous(within, n),
         inside_velocities=_stack(within, "velocities", n, 3),
         inside_angular_velocities=_stack(within, "angular_velocities", n, 3),
         state_hashes=np.array([frame.state_hash() for frame in frames]),
-        counts=_tally([frame.counts for frame in frames]), statuses=_tally([frame.statuses for frame in frames]),
+        counts=_by_name([frame.counts for frame in frames]), statuses=_by_name([frame.statuses for frame in frames]),
     )
 
 
-def _stack(snapshots: list[Snapshot], name: str, n: int, width: int) -> record.Array:
-    """(len(snapshots), n, width) of one field; an engine that gives another shape is told so by numpy."""
+def _stack(snapshots: list[Snapshot], name: str, n: int, width: int) -> Array:
+    """Return one field of all snapshots: (S, n, width)."""
     return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=np.float64).reshape(len(snapshots), n, width)
 
 
-def _turns(snapshots: list[Snapshot], n: int) -> record.Array:
-    """(len(snapshots), n, 4) orientations whose signs do not change from row to row."""
-    # an engine may show what is not finite
+def _continuous(snapshots: list[Snapshot], n: int) -> Array:
+    """Return the orientations of all snapshots, (S, n, 4), without changes of sign from row to row."""
+    # an engine may show poses that are not finite
     with np.errstate(over="ignore", invalid="ignore"):
         return rotation.continuous(_stack(snapshots, "orientations", n, 4))
 
 
-def _tally(per_frame: list[Mapping[str, int]]) -> dict[str, Integers]:
-    """name -> (F+1,), 0 where a frame does not mention it."""
-    names = sorted({name for tally in per_frame for name in tally})
-    return {name: np.array([tally.get(name, 0) for tally in per_frame], dtype=np.int64) for name in names}
+def _by_name(per_frame: list[Mapping[str, int]]) -> dict[str, NDArray[np.int64]]:
+    """Return numbers (F+1,) by name, 0 in frames without the name."""
+    names = sorted({name for numbers in per_frame for name in numbers})
+    return {name: np.array([numbers.get(name, 0) for numbers in per_frame], dtype=np.int64) for name in names}

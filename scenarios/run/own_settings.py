@@ -11,6 +11,7 @@ from avatarsim.files import read_toml
 from avatarsim.running.processes import Died
 from scenarios.engines import opened
 from scenarios.job import Job
+from scenarios.run.accuracy import prepare
 from scenarios.run.processes import side_by_side
 
 EXAMPLE = "scenarios/settings_example.toml"
@@ -69,9 +70,9 @@ def fault(job: Job) -> Fault | None:
     wrong is a result, and the run has it."""
     # a name of no engine, a scene that overlaps, an engine that falls over: the run says so
     with suppress(Exception), closing(opened(job.engine)) as engine:
-        scenario, scene, _ = job.asked()
+        prepared = prepare(job)
         try:
-            engine.load(scene, job.settings(engine), scenario.dt)
+            engine.load(prepared.scene, job.settings(engine), prepared.scenario.dt)
         except InvalidInput as error:
             return error.thing, error.value, error.valid
     return None

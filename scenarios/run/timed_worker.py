@@ -16,7 +16,7 @@ from avatarsim.errors import described, ended_by
 from avatarsim.running.processes import settled
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.run.asked import asked
+from scenarios.run.accuracy import prepare
 from scenarios.run.processes import context
 
 PATIENCE = 300.0
@@ -34,7 +34,7 @@ class Prepared:
     """Frames of a job, loaded anew and ready to be timed: so many from frame `first` on, those before it run and not timed."""
 
     def __init__(self, job: Job, frames: int, first: int = 0) -> None:
-        what = asked(job)
+        what = prepare(job)
         self.dt, samples = what.scenario.dt, what.first(first + frames)
         self.samples = samples[first:]
         self.engine: Engine = opened(job.engine)

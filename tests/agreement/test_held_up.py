@@ -11,6 +11,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from scenarios.job import Job
+from scenarios.run.accuracy import prepare
 from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
 from tests.agreement.runs import played
 from tests.agreement.scenes import every_joint, posture, skewed, turned
@@ -50,7 +51,8 @@ def test_looking_inside_frames_changes_no_bit(engine: Engine, preset: str, scene
     lasts = []
     for inside in (False, True):
         job = Job(scene, engine.name, preset, frames=12)
-        scenario, built, motion = job.asked()
+        prepared = prepare(job)
+        scenario, built, motion = prepared.scenario, prepared.scene, prepared.motion
         opened = type(engine)()
         samples = [motion(k) for k in range(12)]
         last = played(opened, built, samples, job.settings(opened, inside=inside), scenario.dt)[-1]

@@ -18,7 +18,7 @@ from runfiles.naming import COMPILED
 from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.job import Job
-from scenarios.run import native
+from scenarios.run.run_files import write_native, write_steps
 from tests.agreement.rivals import PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.runs import loaded
 
@@ -56,12 +56,11 @@ def test_what_was_told_in_every_step_plays_the_scene_again_without_this_project(
     scenario, engine, frames = catalog.get("mocap_punch_wall"), MujocoEngine(), 12
     scene, job = scenario.build(), Job("mocap_punch_wall", "mujoco", "tuned")
     engine.load(scene, Settings("tuned"), scenario.dt)
-    native.write(engine, tmp_path, job)
-    assert native.keeps_steps(engine, job, everyday=True) and not native.keeps_steps(engine, job, everyday=False)
+    assert not write_native(engine, tmp_path, job, everyday=False) and write_native(engine, tmp_path, job, everyday=True)
     motion = scenario.motion(scene, 0)
     for k in range(frames):
         engine.advance(motion(k), scenario.dt)
-    native.write_steps(engine, tmp_path, job)
+    write_steps(engine, tmp_path, job)
     steps, program = native_files.steps_written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
     model = native_files.written(tmp_path, "mocap_punch_wall", "mujoco/tuned", 0)
     ran = subprocess.run([sys.executable, *(str(tmp_path / name) for name in (program, model, steps))], capture_output=True,
@@ -119,13 +118,13 @@ def test_the_calls_set_bullet_as_it_was_run(name: str, preset: str) -> None:
 def test_a_run_keeps_it_once_and_an_engine_that_cannot_tell_gives_none(tmp_path: Path) -> None:
     scenario = catalog.get("driven_10cm_wall")
     engine = loaded(MujocoEngine(), scenario.build(), Settings("tuned"), scenario.dt)
-    native.write(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"))
+    write_native(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"), everyday=False)
     path = native_files.written(tmp_path, "driven_10cm_wall", "mujoco/tuned", 0)
     assert gzip.decompress((tmp_path / path).read_bytes()).decode() == engine.native()[1]
     before = (tmp_path / path).read_bytes()
-    native.write(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"))
+    write_native(engine, tmp_path, Job("driven_10cm_wall", "mujoco", "tuned"), everyday=False)
     assert (tmp_path / path).read_bytes() == before
-    native.write(opened("tracker"), tmp_path, Job("driven_10cm_wall", "tracker", "default"))
+    write_native(opened("tracker"), tmp_path, Job("driven_10cm_wall", "tracker", "default"), everyday=False)
     assert native_files.written(tmp_path, "driven_10cm_wall", "tracker/default", 0) == ""
 
 

@@ -16,6 +16,7 @@ from benchmarks.__main__ import main
 from reference.judging.judge import Judge
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
+from scenarios.run.accuracy import prepare
 from scenarios.run.timing import Clocked
 
 SMALL = [f"{kind}_{size}_{mode}" for kind in ("links", "avatars") for size in scenes.SIZES[kind][:2]
@@ -73,7 +74,7 @@ def test_an_engine_that_takes_long_gets_no_large_scene() -> None:
     assert runs("objects", 2000, "idle") == [*both, "mujoco/sleeping"]
     assert runs("avatars", 100, "apart") == both and runs("links", 199, "apart") == [*both, "mujoco/tuned"]
     assert growth.jobs_of("links", 199, "apart", {"pybullet": ("tuned",)}) == []
-    assert len(growth.jobs_of("links", 16, "contact", engines)[0].asked()[1].links) == 16
+    assert len(prepare(growth.jobs_of("links", 16, "contact", engines)[0]).scene.links) == 16
 
 
 def test_the_power_is_that_of_the_size() -> None:

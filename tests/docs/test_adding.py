@@ -10,8 +10,7 @@ from avatarsim.engine import FrameRecord, Settings
 from avatarsim.simulator import AvatarsimEngine
 from scenarios.job import Job, Outcome
 from scenarios.measure.everything import measured
-from scenarios.run.accuracy import gathered
-from scenarios.run.asked import Asked
+from scenarios.run.accuracy import Prepared, gathered
 from scenarios.run.gate import exit_code, rows_of
 from scenarios.scenario import Scenario
 from tests.scenarios.scene_rules import begins_free_where_its_regions_allow, moves_soundly, says_what_it_is_and_what_must_hold
@@ -29,10 +28,10 @@ def shown() -> Scenario:
     return scenario
 
 
-def recorded(scenario: Scenario) -> tuple[list[FrameRecord], Asked]:
+def recorded(scenario: Scenario) -> tuple[list[FrameRecord], Prepared]:
     """Every frame that the engine shows of the scenario, and what it was asked."""
     scene = scenario.build()
-    asked = Asked(scenario, scenario, scene, scenario.motion(scene, 0))
+    asked = Prepared(scenario, scene, scenario.motion(scene, 0))
     with AvatarsimEngine() as engine:
         frames = [engine.load(scene, Settings(record_inside=True), scenario.dt)]
         frames += [engine.advance(sample, scenario.dt) for sample in asked.samples]

@@ -10,6 +10,7 @@ from scenarios.cli.commands import plan
 from scenarios.cli.offered import scenarios
 from scenarios.engines import opened, variants_of
 from scenarios.job import Job
+from scenarios.run.accuracy import prepare
 
 CASES: list[tuple[str, str, str, set[str]]] = [
     ("mujoco", "sleeping", "tuned", {"sleep"}),
@@ -43,10 +44,10 @@ def test_every_variant_loads_and_says_what_differs_from_its_base(engine: str, na
     made = opened(engine)
     # a body on a wall is what follows; a stack is what rests
     where = "stack_ten" if name == "sleeping" else "driven_10cm_wall"
-    scenario, scene, _ = Job(where, engine, name).asked()
+    prepared = prepare(Job(where, engine, name))
     told = {}
     for preset in (base, name):
-        made.load(scene, Job(where, engine, preset).settings(made), scenario.dt)
+        made.load(prepared.scene, Job(where, engine, preset).settings(made), prepared.scenario.dt)
         told[preset] = {key: value[0] if isinstance(value, tuple) else value for key, value in made.settings_as_run().items()}
     made.close()
     differs = {key for key in told[name] if key in told[base] and told[base][key] != told[name][key]}

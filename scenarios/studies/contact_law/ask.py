@@ -11,8 +11,7 @@ from runfiles.engines import about
 from runfiles.naming import BASELINE, GATED
 from runfiles.table import Row
 from scenarios.job import Job, reuses_process
-from scenarios.run.accuracy import gathered, show
-from scenarios.run.asked import asked
+from scenarios.run.accuracy import gathered, prepare, show
 from scenarios.studies.checkpoint import Entry, key_of
 from scenarios.studies.contact_law import worlds
 from scenarios.studies.contact_law.obtained import friction, restitution
@@ -41,14 +40,14 @@ def obtained(job: Job) -> Entry:
     """Return what each stated coefficient became: "values", lists over bodies, phases of a step and directions."""
     law, _, _ = worlds.parts_of(job.scenario)
     try:
-        what = asked(job)
+        prepared = prepare(job)
     except AvatarsimError as error:
         return {"state": "not-measured", "note": described(error), "values": {}}
-    shown = show(job, what, inside=False)
+    shown = show(job, prepared, inside=False)
     if shown.state != "measured":
         return {"state": shown.state, "note": shown.note, "values": {}}
-    scene, dt = what.scene, what.scenario.dt
-    recording = gathered(job, what.scenario, scene, what.states, shown.frames, {})
+    scene, dt = prepared.scene, prepared.scenario.dt
+    recording = gathered(job, prepared.scenario, scene, prepared.states, shown.frames, {})
     touch, gravity = worlds.solid_of(law, worlds.parts_of(job.scenario)[1])[2], -scene.gravity[2]
     found: dict[str, list[float]] = {}
     for stated in worlds.ASKED[law]:

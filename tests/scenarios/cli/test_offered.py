@@ -12,6 +12,7 @@ from scenarios.__main__ import main, parser
 from scenarios.cli import offered
 from scenarios.cli.commands import plan
 from scenarios.job import CATALOGUE
+from scenarios.run.accuracy import prepare
 from scenarios.unseen import seeds
 
 OURS = {"unseen_corridor", "unseen_door", "unseen_door_90hz", "unseen_floor", "unseen_gallery", "unseen_wall"}
@@ -34,7 +35,7 @@ def test_a_plan_mixes_both_and_names_the_catalogue_and_the_seed_of_each() -> Non
     jobs = {job.scenario: job for job in plan(asked, asked.engine, False).jobs}
     assert (jobs["ball_drop"].catalogue, jobs["ball_drop"].seed) == (CATALOGUE, 0)
     assert (jobs["unseen_wall"].catalogue, jobs["unseen_wall"].seed) == (unseen.NAME, seeds.drawn().seed)
-    assert jobs["unseen_wall"].asked()[0].name == "unseen_wall"
+    assert prepare(jobs["unseen_wall"]).scenario.name == "unseen_wall"
     assert offered.origin(jobs.values()) == {"unseen": seeds.drawn().said}
     others = parser().parse_args(["run", "unseen_wall", "--engine", "tracker", "--jobs", "0", "--seed", "3", "4"])
     chosen = plan(others, others.engine, True).jobs
@@ -45,7 +46,7 @@ def test_a_drawn_crowd_is_offered_by_name_whatever_its_seed() -> None:
     assert offered.get("crowd_swept_8") is drawn_crowds.draw(8) and offered.catalogue_of("crowd_swept_8") == drawn_crowds.NAME
     asked = parser().parse_args(["compare", "--filter", "crowd_*", "--engine", "tracker", "--jobs", "0"])
     jobs = plan(asked, asked.engine, False).jobs
-    assert {job.scenario for job in jobs} == CROWDS and {job.asked()[0].name for job in jobs} == CROWDS
+    assert {job.scenario for job in jobs} == CROWDS and {prepare(job).scenario.name for job in jobs} == CROWDS
 
 
 def test_a_name_of_neither_kind_is_refused() -> None:

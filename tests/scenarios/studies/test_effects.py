@@ -10,6 +10,7 @@ from avatarsim.scene.effects import Effects
 from reports.tables.effects import effects
 from runfiles.table import Row
 from scenarios import catalog
+from scenarios.run.accuracy import prepare
 from scenarios.studies import effects as study
 from scenarios.studies.study import Request
 
@@ -26,7 +27,7 @@ def test_every_effect_is_left_out_once_and_all_others_are_forced_together(tmp_pa
     assert set(made[study.FORCED].force) | set(on) == {effect.name for effect in fields(Effects)}
     assert len({job.stem for job in made.values()}) == len(made)
     for job in made.values():
-        _, built, _ = job.asked()
+        built = prepare(job).scene
         assert built.narrow == job.narrow and built.force == job.force
 
 

@@ -9,7 +9,7 @@ import pytest
 from avatarsim.errors import InvalidSample
 from avatarsim.scene.tracker import TrackerSample, link_poses
 from scenarios.job import Job
-from scenarios.run.asked import asked
+from scenarios.run.accuracy import prepare
 from scenarios.scenario import Scenario
 from tests.scenarios.examples import drop, fist
 
@@ -31,9 +31,9 @@ def job(scenario: str, engine: str = "tracker", **more: object) -> Job:
 
 @pytest.mark.usefixtures("offered")
 def test_engines_of_a_scene_find_what_was_worked_out() -> None:
-    first = asked(job("fist"))
-    assert asked(job("fist", "mujoco", options={"dt": 0.001})) is first
-    assert asked(job("fist", "mujoco")).samples is first.samples
+    first = prepare(job("fist"))
+    assert prepare(job("fist", "mujoco", options={"dt": 0.001})) is first
+    assert prepare(job("fist", "mujoco")).samples is first.samples
 
 
 @pytest.mark.usefixtures("offered")
@@ -41,20 +41,20 @@ def test_engines_of_a_scene_find_what_was_worked_out() -> None:
     "other", [{"seed": 1}, {"frames": 2}, {"narrow": ("friction",)}, {"force": ("friction",)}, {"full": True}],
 )
 def test_whoever_asks_anything_else_is_told_anew(other: dict[str, object]) -> None:
-    first = asked(job("fist"))
-    assert asked(job("fist", **other)) is not first
-    assert asked(job("drop")).scene.name != first.scene.name
+    first = prepare(job("fist"))
+    assert prepare(job("fist", **other)) is not first
+    assert prepare(job("drop")).scene.name != first.scene.name
 
 
 def test_a_scenario_of_the_same_name_is_another(offered: dict[str, Scenario]) -> None:
-    first = asked(job("fist"))
+    first = prepare(job("fist"))
     offered["fist"] = fist()
-    assert asked(job("fist")) is not first
+    assert prepare(job("fist")) is not first
 
 
 @pytest.mark.usefixtures("offered")
 def test_the_tracker_has_its_links_where_kinematics_says() -> None:
-    what = asked(job("fist"))
+    what = prepare(job("fist"))
     assert len(what.states) == what.scenario.frames + 1 and what.states[0] is what.scene.first_sample
     for k, state in enumerate(what.states):
         positions, orientations = link_poses(what.scene.avatars, state)
@@ -67,4 +67,4 @@ def test_a_motion_that_nobody_can_make_is_refused_every_time(offered: dict[str, 
     offered["fist"] = Scenario("fist", was.title, was.judged, was.build, lambda scene, seed: lambda frame: nowhere, 3)
     for _ in range(2):
         with pytest.raises(InvalidSample):
-            _ = asked(job("fist")).samples
+            _ = prepare(job("fist")).samples

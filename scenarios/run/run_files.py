@@ -1,0 +1,185 @@
+"""Files that a job leaves in the folder of its run: its scene, its recording with figures, its scene as the simulator has it."""
+
+import gzip
+import io
+import math
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from pathlib import Path
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere
+from runfiles.files import write_json, write_whole
+from runfiles.naming import TUNED
+from runfiles.native_files import FOLDER, STEPS, replay
+from runfiles.record import Recording
+from scenarios import catalog
+from scenarios.job import Job
+from scenarios.measure.posture.joints import places
+from scenarios.measure.side import outside
+from scenarios.measure.value import Missing, Value
+from scenarios.scenario import Scenario
+
+Array = NDArray[np.float64]
+SCENES, SCENE_VERSION = "scenes", 1
+"""Folder of the files of scenes in that of a run, and their layout."""
+DIGITS = 7
+"""Decimals of a vertex [m]: a tenth of a micrometre, far below the resolution of a picture."""
+FIGURES, NOTES = "figures", "notes"
+"""Keys in the meta of a recording: value or (reason, fault) by metric; notes by metric."""
+
+
+def write_scene(scene: Scene, folder: Path, name: str) -> None:
+    """Write the file of scenario `name`, unless it is there: all engines have the same scene."""
+    path = folder / SCENES / f"{name}.json"
+    if not path.exists():
+        write_json(path, scene_mesh(scene))
+
+
+def scene_mesh(scene: Scene) -> dict[str, object]:
+    """Return what a page needs to draw a scene and to weigh its bodies.
+
+    Bodies and links are in canonical order, each with role, convex pieces and, of a simulated one, its mass; parents are the
+    indices of the links' parents, None for a root.
+    """
+    pieces = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
+    masses = [body.mass for body in scene.bodies] + [None for _ in scene.links]
+    return {
+        "schema_version": SCENE_VERSION, "scene": scene.name, "gravity": list(scene.gravity),
+        "parents": [place.parent for place in places(scene)],
+        "bodies": [
+            {
+                "name": name, "role": role.name.lower(), "pieces": [_piece(piece) for piece in of_body],
+                "mass": None if mass is None else {
+                    "mass": mass.mass, "centre": list(mass.centre), "inertia": mass.inertia.tolist(),
+                },
+            }
+            for name, role, of_body, mass in zip(scene.names, scene.roles, pieces, masses, strict=True)
+        ],
+    }
+
+
+def _piece(piece: Piece) -> dict[str, object]:
+    """Return kind and lengths [m] of a convex shape, and its pose on its body."""
+    match shape := piece.shape:
+        case Sphere():
+            lengths: dict[str, object] = {"kind": "sphere", "radius": shape.radius}
+        case Capsule():
+            lengths = {"kind": "capsule", "radius": shape.radius, "length": shape.length}
+        case Box():
+            lengths = {"kind": "box", "size": list(shape.size)}
+        case Ellipsoid():
+            lengths = {"kind": "ellipsoid", "radii": list(shape.radii)}
+        case _:
+            lengths = {"kind": "hull", "vertices": shape.vertices.round(DIGITS).tolist()}
+    return {**lengths, "position": list(piece.position), "orientation": list(piece.orientation)}
+
+
+def figures_meta(values: Mapping[str, Value], notes: Mapping[str, str]) -> dict[str, object]:
+    """Return figures and notes for the meta of a recording."""
+    found = {name: [value.reason, value.fault] if isinstance(value, Missing) else float(value) for name, value in values.items()}
+    return {FIGURES: found, NOTES: dict(notes)}
+
+
+def figures(recording: Recording) -> tuple[dict[str, Value], dict[str, str]]:
+    """Return figures and notes from the meta of a recording. Raises InvalidFile where they are absent or malformed."""
+    values, notes = (recording.meta.get(name) for name in (FIGURES, NOTES))
+    if not isinstance(values, dict) or not isinstance(notes, dict) or len(recording.overlap) not in (0, len(recording.times)):
+        raise InvalidFile("figures of a recording", type(values).__name__, "those that the run measured")
+    return {str(name): _value(name, value) for name, value in values.items()}, {str(k): str(v) for k, v in notes.items()}
+
+
+def _value(name: object, value: object) -> Value:
+    match value:
+        case bool():
+            pass
+        case int() | float() | "NaN" | "Infinity" | "-Infinity":
+            return float(value)
+        case [str(reason), "engine" | "scene" | "package" as fault]:
+            return Missing(reason, fault)
+    raise InvalidFile(f"figure {name} of a recording", value, "a number, or a reason and the place of the fault")
+
+
+def thinned(recording: Recording, scenario: Scenario, scene: Scene) -> Recording:
+    """Return a measured recording with what is still needed: every state shown, and few of those inside frames.
+
+    Sub-steps and events are nine tenths of a recording. The first of each frame inside which something is outside its region
+    stays; velocities of links become NaN, those of bodies stay for the energies that pages draw.
+    """
+    wrong = np.flatnonzero(outside(recording.inside_positions, scenario.regions, scene.names))
+    _, first = np.unique(recording.inside_frame[wrong], return_index=True)
+    inside = [entry.name for entry in fields(recording) if entry.name.startswith("inside_")]
+    few = replace(recording, **{name: getattr(recording, name)[wrong[first]] for name in inside})
+    bodies = {name: getattr(recording, name).copy() for name in ("velocities", "angular_velocities")}
+    for velocities in bodies.values():
+        velocities[:, recording.links] = np.nan
+    return replace(few, **bodies)
+
+
+@runtime_checkable
+class HasNative(Protocol):
+    """An engine that can write its scene in the language of its simulator."""
+
+    def native(self) -> tuple[str, str]:
+        """After `load`: return the ending of such a file, and the text."""
+
+
+@runtime_checkable
+class KeepsSteps(Protocol):
+    """An engine that can store the commands of every step, so that a scene can be played without this project."""
+
+    def keep_steps(self) -> None:
+        """After `load`: store them from now on."""
+
+    def steps_told(self) -> tuple[Mapping[str, Array], str]:
+        """Return the commands by name, empty without any, and a Python program that plays them."""
+
+
+def write_native(engine: object, folder: Path, job: Job, everyday: bool) -> bool:
+    """Write the loaded scene as the simulator has it, and let the engine store its steps in everyday scenes with preset tuned.
+
+    All scenes with an avatar would take 150 MB. Returns whether steps are stored.
+    """
+    if isinstance(engine, HasNative):
+        ending, text = engine.native()
+        # without a time in it, so that equal texts are equal files
+        data = gzip.compress(text.encode("utf-8"), mtime=0)
+        write_whole(folder / FOLDER / f"{job.stem}.{ending}.gz", lambda file: file.write(data))
+    if not (everyday and job.preset == TUNED and isinstance(engine, KeepsSteps)):
+        return False
+    engine.keep_steps()
+    return True
+
+
+def write_steps(engine: object, folder: Path, job: Job) -> None:
+    """Write the commands of every step, and the program that plays them; nothing where there are none."""
+    steps, program = engine.steps_told() if isinstance(engine, KeepsSteps) else ({}, "")
+    if steps:
+        packed = io.BytesIO()
+        np.savez_compressed(packed, allow_pickle=False, **steps)
+        write_whole(folder / FOLDER / f"{job.stem}.{STEPS}", lambda file: file.write(packed.getvalue()))
+        write_whole(folder / replay(job.engine), lambda file: file.write(program.encode("utf-8")))
+
+
+def check_recording(recording: Recording, path: Path) -> None:
+    """Raise InvalidFile unless the recording at `path` fits the catalogue's scene and has a finite tracker and finite times."""
+    scene = catalog.get(path.name.split(".")[0]).build()
+    bodies, links, hinges = len(scene.names), len(scene.links), scene.first_sample.angles.size
+    for name, valid in (
+        ("positions", (bodies,)), ("raw_positions", (links,)), ("raw_angles", (hinges,)), ("angles", (0, hinges)),
+    ):
+        if (width := getattr(recording, name).shape[1]) not in valid:
+            raise InvalidFile(f"width of {name} in recording {path}", width, f"{valid[-1]}, as scene {scene.name} has them")
+    if recording.frames < 1:
+        raise InvalidFile(f"frames of recording {path}", recording.frames, "1 at least")
+    dt = recording.meta.get("dt")
+    if not (isinstance(dt, int | float) and 0.0 < dt < math.inf):
+        raise InvalidFile(f"dt in recording {path}", dt, "the length of a frame [s], above 0")
+    for name in ("times", "raw_positions", "raw_orientations", "raw_angles"):
+        if not np.isfinite(getattr(recording, name)).all():
+            raise InvalidFile(f"{name} in recording {path}", "not all finite", "finite numbers")
