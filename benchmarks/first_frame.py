@@ -16,7 +16,7 @@ from runfiles.naming import GATED
 from scenarios import catalog
 from scenarios.cli.offered import filtered
 from scenarios.job import Job
-from scenarios.run.timed_worker import Seat
+from scenarios.run.timed_worker import TimedWorker
 
 MOST_TIMES = 10.0
 """Longest first frame, in multiples of the median frame."""
@@ -41,16 +41,16 @@ class Row:
 
 def measure(scene: str, preset: str, frames: int) -> Row | str:
     """Run a scene in a fresh process; the reason where it cannot run."""
-    process = Seat()
+    process = TimedWorker()
     try:
         process.prepare(Job(scene, GATED[0], preset), frames)
-        loaded = process.hear()
+        loaded = process.answer()
         if isinstance(loaded, str):
             return loaded
-        process.go()
-        answer = process.hear()
+        process.start()
+        answer = process.answer()
     finally:
-        process.leave()
+        process.close()
     if isinstance(answer, str) or answer[1] is None:
         return str(answer)
     us = 1e-3 * np.array(answer[1][0])

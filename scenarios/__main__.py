@@ -12,7 +12,7 @@ from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
 from scenarios.cli import commands, comparison, listing
 from scenarios.cli import study as studies
-from scenarios.run import cluster, own_settings
+from scenarios.run import own_settings
 from scenarios.run.gate import INCOMPLETE, STOPPED, USAGE
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
@@ -65,8 +65,9 @@ def parser() -> argparse.ArgumentParser:
     study = chosen.add_parser("study", help="a study at length, added to the last comparison", parents=[shared])
     study.add_argument("name", nargs="+", metavar="NAME", help=f"{', '.join(studies.STUDIES)}")
     study.add_argument("--run", type=path_option, metavar="RUN", help="run to add it to (default: the last comparison)")
+    scheduler = "Dask scheduler of a cluster, tcp://HOST:8786, that runs what is not timed, in place of processes here"
     for many in (compare, study):
-        many.add_argument(cluster.OPTION, metavar="ADDRESS", help=cluster.HELP)
+        many.add_argument("--scheduler", metavar="ADDRESS", help=scheduler)
     return top
 
 

@@ -20,10 +20,10 @@ from scenarios.cli.offered import filtered, unmatched
 from scenarios.cli.table import table
 from scenarios.engines import known, variants_of
 from scenarios.job import Job, Outcome, State
-from scenarios.run.cluster import workers_of
 from scenarios.run.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, Ceilings, bounds_of, ceilings, meaning
 from scenarios.run.harness import Run, offers
 from scenarios.run.own_settings import OwnSettings, read, tried
+from scenarios.run.processes import workers_of
 from scenarios.run.provenance import provenance
 from scenarios.run.results import is_time
 from scenarios.run.resume import check_plan, earlier_run, has_ended, how_to_go_on, write_plan

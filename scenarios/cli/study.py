@@ -15,8 +15,8 @@ from runfiles.naming import BASELINE
 from runfiles.table import Row
 from scenarios.cli.commands import Plan, nothing, plan, say_last
 from scenarios.engines import known
-from scenarios.run.cluster import workers_of
 from scenarios.run.gate import INCOMPLETE, STOPPED
+from scenarios.run.processes import workers_of
 from scenarios.studies import contact_law, effects, hard_cases, settings
 from scenarios.studies.study import Request, Study
 

@@ -21,14 +21,22 @@ from scenarios.run import results
 from scenarios.run.accuracy import accuracy
 from scenarios.run.effects_said import lapse_said
 from scenarios.run.gate import Ceilings, bounds_of, exit_code, rows_of
-from scenarios.run.glance import MANY, PATIENCE, glance
 from scenarios.run.machine import Meter, load_average
 from scenarios.run.processes import side_by_side
 from scenarios.run.progress import Progress
 from scenarios.run.results import Results
 from scenarios.run.sweep_scenes import repeats_of, short_errors_of
-from scenarios.run.timed_worker import Seats
-from scenarios.run.timing import MOST_FRAMES, Clocked, compared, timed_pass, timing_facts
+from scenarios.run.timed_worker import TimedWorkers
+from scenarios.run.timing import (
+    MOST_FRAMES,
+    QUICK_FROM,
+    QUICK_TIMEOUT,
+    Clocked,
+    compared,
+    quick_timing,
+    timed_pass,
+    timing_facts,
+)
 from scenarios.scenario import Scenario
 
 OFTEN = 3.0
@@ -140,20 +148,20 @@ class Run:
         sound = [job for job in ran if job.engine != BASELINE]
         seeds = {job.seed for job in sound}
         meter, begun, before = Meter(), time.monotonic(), load_average()
-        with Progress("timing", len(sound), sys.stderr) as progress, Seats(PATIENCE) as seats:
+        with Progress("timing", len(sound), sys.stderr) as progress, TimedWorkers(QUICK_TIMEOUT) as workers:
             names = list(dict.fromkeys(job.scenario for job in sound))
-            few = full or at_length or len(names) < MANY
+            few = full or at_length or len(names) < QUICK_FROM
             for scene in names:
                 for seed in sorted(seeds):
                     chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    for clocked in compared(self._timed(chosen, seats, full, few, meter)):
+                    for clocked in compared(self._timed(chosen, workers, full, few, meter)):
                         self.clocked[clocked.job.stem] = clocked
                         progress.step(f"{scene} {clocked.job.run}")
                     spent = round(time.monotonic() - begun, 1)
                     self.provenance["timing"] = {"seconds": spent, "load_before": before, **timing_facts(meter)}
                     self.write_now_and_then()
 
-    def _timed(self, jobs: Sequence[Job], seats: Seats, full: bool, few: bool, meter: Meter) -> list[Clocked]:
+    def _timed(self, jobs: Sequence[Job], workers: TimedWorkers, full: bool, few: bool, meter: Meter) -> list[Clocked]:
         """The timing pass over one scene: at length where there are few of them, otherwise a glance."""
         if few or not jobs:
             return timed_pass(jobs, full, meter=meter)
@@ -165,7 +173,7 @@ class Run:
         depths = self._depths(jobs[0])
         meets = next((k for k, depth in enumerate(depths) if depth > SEEN), 0)
         deep = depths if jobs[0].scenario.startswith(UNSEEN_PREFIX) else ()
-        return glance(jobs, costs, length, seats, at_length, meter, meets, often, deep)
+        return quick_timing(jobs, costs, length, workers, at_length, meter, meets, often, deep)
 
     def _depths(self, job: Job) -> Sequence[float]:
         """How deep [m] the user of a scene is in something in each state, by the raw tracker's own overlaps; empty without."""

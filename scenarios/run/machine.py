@@ -1,77 +1,67 @@
-"""Disturbances of timing by the machine: clock, processors that may be used, load, and time that other work took."""
+"""Disturbances of timing by the machine: clock, processors that may be used, load, and time of other work."""
 
 import os
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 STAT = Path("/proc/stat")
-"""Where Linux counts what all processors together did."""
-CPUINFO = Path("/proc/cpuinfo")
-FASTEST = Path("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq")
-"""Where Linux tells the highest clock [kHz], if the processor or what stands in for it lets it."""
+"""Linux: counts of what all processors did, in ticks. Guests, from FIRST_GUEST on, are counted among the others too."""
+CPUINFO, FASTEST = Path("/proc/cpuinfo"), Path("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq")
+"""Linux: the clock now [MHz], and the highest [kHz]."""
 IDLE, WAITING, FIRST_GUEST = 3, 4, 8
-"""Places of idle time and of waiting for disks among the counts; from the last on they count again what others have counted."""
+"""Indices among the counts of STAT."""
 
 
 def usable_cpus() -> int:
-    """Processors that this process may use."""
+    """Return the number of processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def load_average() -> list[float] | None:
-    """Processes that ran or waited to run, on the mean of the last 1, 5 and 15 minutes; None where the system does not tell."""
-    try:
+    """Return the mean number of running processes over 1, 5 and 15 minutes; None where the system does not know."""
+    with suppress(AttributeError, OSError):
         return [round(mean, 2) for mean in os.getloadavg()]
-    except (AttributeError, OSError):
-        return None
+    return None
 
 
 def clock(cpuinfo: Path = CPUINFO, fastest: Path = FASTEST) -> dict[str, int | None]:
-    """Clock of the fastest processor at this moment, and the highest it can have [MHz]; None where the system does not tell."""
-    return {"mhz": _mhz_now(cpuinfo), "mhz_max": _mhz_most(fastest)}
+    """Return the clock of the fastest processor now, and the highest possible [MHz]; None where the system does not know."""
+    found: dict[str, int | None] = {"mhz": None, "mhz_max": None}
+    with suppress(OSError, ValueError, IndexError):
+        lines = cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines()
+        clocks = [round(float(line.split(":", 1)[1])) for line in lines if line.lower().startswith("cpu mhz")]
+        found["mhz"] = max(clocks, default=None)
+    with suppress(OSError, ValueError):
+        found["mhz_max"] = round(int(fastest.read_text(encoding="utf-8")) / 1e3)
+    return found
 
 
-def reading_ns(readings: int = 2001, now: Callable[[], int] = time.perf_counter_ns) -> int:
-    """What a time that is read before and after nothing comes to [ns], the median: so much of every stretch that is timed is the
-    clock's own."""
+def reading_ns(readings: int = 2001) -> int:
+    """Return the median time [ns] between two readings of the clock: so much of every time is the clock's own."""
     found = []
     for _ in range(readings):
-        begun = now()
-        found.append(now() - begun)
+        begun = time.perf_counter_ns()
+        found.append(time.perf_counter_ns() - begun)
     return sorted(found)[readings // 2]
 
 
-def _mhz_now(cpuinfo: Path) -> int | None:
-    try:
-        lines = cpuinfo.read_text(encoding="utf-8", errors="replace").splitlines()
-        return max((round(float(line.split(":", 1)[1])) for line in lines if line.lower().startswith("cpu mhz")), default=None)
-    except (OSError, ValueError, IndexError):
-        return None
-
-
-def _mhz_most(fastest: Path) -> int | None:
-    try:
-        return round(int(fastest.read_text(encoding="utf-8")) / 1e3)
-    except (OSError, ValueError):
-        return None
-
-
 def busy_seconds(stat: Path = STAT) -> float | None:
-    """Time [s] that all processors together have been busy since the system began, what a host took included; None where the
-    system does not tell."""
-    try:
+    """Return the busy time [s] of all processors since the system began, that of a host included; None where it is unknown."""
+    with suppress(OSError, ValueError, IndexError, AttributeError):
         counts = [int(word) for word in stat.read_text(encoding="utf-8").split("\n", 1)[0].split()[1:]]
         return (sum(counts[:FIRST_GUEST]) - counts[IDLE] - counts[WAITING]) / os.sysconf("SC_CLK_TCK")
-    except (OSError, ValueError, IndexError, AttributeError):
-        return None
+    return None
 
 
 class Meter:
-    """How many processors other work keeps busy while something on one thread is timed.
+    """Measure how many processors other work keeps busy while one thread is timed.
 
-    `busy` tells the busy time [s] of all processors, `now` the time [s]."""
+    Args:
+        busy: returns the busy time [s] of all processors.
+        now: returns the time [s].
+    """
 
     def __init__(self, busy: Callable[[], float | None] = busy_seconds, now: Callable[[], float] = time.monotonic) -> None:
         self._busy, self._now = busy, now
@@ -79,7 +69,7 @@ class Meter:
 
     @contextmanager
     def running(self) -> Iterator[None]:
-        """The time in which one thread is at work that is meant to be."""
+        """Measure while one thread works."""
         before, begun = self._busy(), self._now()
         try:
             yield
@@ -93,7 +83,7 @@ class Meter:
 
     @property
     def others(self) -> float | None:
-        """Processors that other work kept busy, on the mean; None where nothing is known."""
+        """Mean number of processors that other work kept busy; None where it is unknown."""
         if not self._known or not self.seconds > 0.0:
             return None
         return max(0.0, self._all / self.seconds - 1.0)

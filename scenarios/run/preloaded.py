@@ -1,41 +1,39 @@
-"""Preloading for the fork server: what every worker process of the harness needs of the project is imported once, before forks.
+"""Preloading for the fork server: modules and data that every worker process needs, loaded once before forks.
 
-A module at fault is left to the worker process that needs it, which fails where it is used and says so.
+A part that fails is skipped; the worker process that needs it fails where it is used and reports it.
 """
 
 from contextlib import suppress
 from importlib import import_module
 
 NEEDED = ("scenarios.run.accuracy", "scenarios.run.timing", "reference.judging.judge")
-"""The harness and the judge; importing them takes half a second, and a comparison has hundreds of worker processes."""
-SMALL = "parallel_link"
-"""A scene with an avatar, quickly made: for what is compiled, or read from where compiled code is kept, at its first use."""
+"""The harness and the judge: half a second for each of hundreds of processes."""
 
 
-def every_scene() -> None:
-    """Import the whole catalogue."""
+def catalogue() -> None:
+    """Import all scenes."""
     import_module("scenarios.catalog").scenarios()
 
 
-def targets_in_use() -> None:
-    """Use what leads other engines along the tracker's motion: its kernels take longer to be read than a short run takes."""
-    scene = import_module("scenarios.catalog").get(SMALL).build()
+def target_kernels() -> None:
+    """Load the kernels that lead other engines along the tracker's motion, which takes longer than a short run."""
+    scene = import_module("scenarios.catalog").get("parallel_link").build()
     targets = import_module("reference.targets").Targets(scene, clamp=True)
     first = targets.within_limits(scene.first_sample)
     targets.ahead(targets.between(first, first, import_module("numpy").zeros(2)), 1.0)
 
 
-def sources_read() -> None:
-    """Hash every source file, which each worker process would do again."""
+def source_hash() -> None:
+    """Hash every source file."""
     import_module("scenarios.run.provenance").code_hash()
 
 
 def preload() -> None:
-    """All of it, each part as far as it goes."""
+    """Load all parts, each as far as it goes."""
     for name in NEEDED:
         with suppress(Exception):
             import_module(name)
-    for part in (every_scene, targets_in_use, sources_read):
+    for part in (catalogue, target_kernels, source_hash):
         with suppress(Exception):
             part()
 

@@ -1,6 +1,6 @@
-"""Test problems of the study of settings: its scenes, the errors in each, and how often their frames are timed.
+"""Scenes of the study of settings, the errors in each, and how often their frames are timed.
 
-The timing pass of a comparison times the scenes of its short form in the same way, so that a setting has one time on a page.
+The timing pass of a comparison times the scenes of the short form in the same way, so that a setting has one time on a page.
 """
 
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from scenarios.scenario import Scenario
 
 OVERLAP, LIMITS, OFFSET = "residual_overlap_max", "joint_limit_excess_max", "tracker_offset_rms_free"
 
-TELLING: Mapping[str, tuple[str, ...]] = {
+SWEEP_SCENES: Mapping[str, tuple[str, ...]] = {
     "mocap_punch_wall": (OVERLAP, LIMITS, OFFSET),
     "hand_grasp": (OVERLAP, LIMITS, OFFSET),
     "limit_torture_hinges": (LIMITS,),
@@ -21,17 +21,16 @@ TELLING: Mapping[str, tuple[str, ...]] = {
     "oblique_bounce": ("velocity_error_max", "spin_error_max"),
     "stop_distance": ("stop_distance_error_max", "stop_direction_error_max", OVERLAP),
 }
-"""Scene -> metrics: recorded motion against a wall, an articulated hand with loose things, limits alone, the paper's rigid hand,
-a thin wall, rest, bounce, bounce with friction, friction. Each at most ten seconds in its quick length."""
+"""Scenes of the long form -> metrics of error; each at most ten seconds in its quick length."""
 
 ERRORS = (
     OVERLAP, "wrong_side_frames", LIMITS, "reach_cone_excess_max", OFFSET, "restitution_error_max", "bounce_time_error_max",
     "apex_error_max", "course_error_max", "velocity_error_max", "spin_error_max", "stop_distance_error_max",
     "stop_direction_error_max", "drift_max", "energy_drift_max", "energy_gain_max",
 )
-"""What counts as error in a scene that is not listed above, if it is measured there."""
+"""Metrics of error in any other scene, where they are measured."""
 
-PHENOMENA: Mapping[str, tuple[str, ...]] = {
+SHORT_SWEEP_SCENES: Mapping[str, tuple[str, ...]] = {
     "bounce_ladder": ("apex_error_max", OVERLAP),
     "stop_distance": ("stop_distance_error_max", OVERLAP),
     "slide_to_roll": ("course_error_max", OVERLAP),
@@ -39,26 +38,25 @@ PHENOMENA: Mapping[str, tuple[str, ...]] = {
     "stack_ten": (OVERLAP, "drift_max"),
     "driven_10cm_wall": (OVERLAP, OFFSET),
 }
-"""Scene -> its errors, the first is drawn: bounce, stop by friction, roll, spring of eq. 6, rest, a driven body at a wall."""
-ALSO: Mapping[str, tuple[str, ...]] = {"ball_drop": (OVERLAP, "apex_error_max")}
-"""Everyday scenes with a closed form; of all others the penetration counts, and the offset from the tracker stands beside it."""
+"""Scenes of the short form beside everyday ones -> metrics of error; the first is drawn."""
+CLOSED_FORM: Mapping[str, tuple[str, ...]] = {"ball_drop": (OVERLAP, "apex_error_max")}
+"""Everyday scenes with a closed form; of all others the errors are overlap and offset."""
 ONCE = 300
-"""Timed frames from which on one repeat is enough for a median: what disturbs a few is lost among the others. The row says how
-many it had, and has no 99th percentile."""
+"""Timed frames from which on one repeat is enough for a median: the disturbance of a few is lost among the others."""
 
 
 def short_errors_of(name: str, scenario: Scenario) -> tuple[str, ...]:
-    """The errors of a scene in the short form; none for a scene that is not in it."""
-    if name in PHENOMENA:
-        return PHENOMENA[name]
-    return ALSO.get(name, (OVERLAP, OFFSET)) if scenario.everyday else ()
+    """Return the errors of a scene in the short form; none for a scene that is not in it."""
+    if name in SHORT_SWEEP_SCENES:
+        return SHORT_SWEEP_SCENES[name]
+    return CLOSED_FORM.get(name, (OVERLAP, OFFSET)) if scenario.everyday else ()
 
 
 def long_errors_of(name: str) -> tuple[str, ...]:
     """Return the errors of a scene in the long form."""
-    return TELLING.get(name, ERRORS)
+    return SWEEP_SCENES.get(name, ERRORS)
 
 
 def repeats_of(frames: int) -> int:
-    """How often so many rendered frames are timed."""
+    """Return how often so many rendered frames are timed."""
     return 1 if frames >= ONCE else REPEATS

@@ -1,7 +1,7 @@
-"""Timed worker processes: one engine in a process of its own, which loads and runs when it is told to, job after job.
+"""Timed workers: processes that load and run jobs when told to, one at a time, and stay.
 
-A conversation over a pipe: between order and answer the parent sleeps. Pebble, which runs all other jobs, has threads that look
-ten times a second: for ten engines 200 wake-ups a second, a hundredth of a processor, beside the frames that are being timed.
+Orders go through a pipe, so that the parent sleeps while frames are timed. Pebble, which runs all other jobs, has threads that
+wake ten times a second: for ten engines a hundredth of a processor.
 """
 
 import multiprocessing
@@ -19,31 +19,31 @@ from scenarios.job import Job
 from scenarios.run.accuracy import prepare
 from scenarios.run.processes import context
 
-PATIENCE = 300.0
-"""Longest one repeat may take [s]."""
-LAST_WORDS = 30.0
-"""Longest [s] to wait for how a process ends once its pipe has; shorter, and a busy machine would leave that untold."""
-GO = "go"
-"""The order to run what is loaded."""
+TIMEOUT = 300.0
+"""Longest time of one repeat [s]."""
+EXIT_TIMEOUT = 30.0
+"""Longest wait [s] for the exit code of a process whose pipe has closed; shorter, and a busy machine would leave it unknown."""
+START = "start"
+"""The order to run the loaded frames."""
 
 Repeat = tuple[list[int], dict[str, list[int]], str]
-"""Nanoseconds of each frame from outside and per stage, and the state hash of the last."""
+"""Times [ns] of all frames from outside and per stage, and the state hash of the last."""
 
 
-class Prepared:
-    """Frames of a job, loaded anew and ready to be timed: so many from frame `first` on, those before it run and not timed."""
+class LoadedFrames:
+    """Frames of a job, loaded and ready to be timed: so many from frame `first` on; those before it have run."""
 
     def __init__(self, job: Job, frames: int, first: int = 0) -> None:
-        what = prepare(job)
-        self.dt, samples = what.scenario.dt, what.first(first + frames)
+        prepared = prepare(job)
+        self.dt, samples = prepared.scenario.dt, prepared.first(first + frames)
         self.samples = samples[first:]
         self.engine: Engine = opened(job.engine)
-        self.shown = self.engine.load(what.scene, job.settings(self.engine, stages=True), self.dt)
+        self.shown = self.engine.load(prepared.scene, job.settings(self.engine, stages=True), self.dt)
         for sample in samples[:first]:
             self.shown = self.engine.advance(sample, self.dt)
 
-    def timed(self) -> Repeat:
-        """Run the frames; once."""
+    def run(self) -> Repeat:
+        """Run the frames once, and close the engine."""
         engine, shown, dt = self.engine, self.shown, self.dt
         around: list[int] = []
         stages: dict[str, list[int]] = {}
@@ -60,24 +60,23 @@ class Prepared:
 
 
 def repeat(job: Job, frames: int) -> Repeat:
-    """The first frames of a job, timed; a fresh load each time."""
-    return Prepared(job, frames).timed()
+    """Load a job in this process and time its first frames."""
+    return LoadedFrames(job, frames).run()
 
 
 def _serve(connection: Connection) -> None:
-    """Life of one timed engine: for each job that comes in, a load, and once it is told to go, its frames; each is answered with
-    the seconds it took. None ends it."""
+    """Load each job that comes in, and run it once told to; answer either with the seconds it took. None ends the process."""
     settled()
     try:
         while (order := connection.recv()) is not None:
             begun = time.perf_counter()
-            prepared = Prepared(*order)
+            loaded = LoadedFrames(*order)
             connection.send((time.perf_counter() - begun, None))
             if connection.recv() is None:
                 return
             begun = time.perf_counter()
-            answer = prepared.timed()
-            connection.send((time.perf_counter() - begun, answer))
+            found = loaded.run()
+            connection.send((time.perf_counter() - begun, found))
     except (EOFError, ConnectionError):
         # the parent has gone
         return
@@ -86,48 +85,48 @@ def _serve(connection: Connection) -> None:
             connection.send((0.0, described(error)))
 
 
-class Seat:
-    """The worker process of one engine, and what it was told to do. It answers one order at a time."""
+class TimedWorker:
+    """A process that runs one engine. It answers one order at a time."""
 
-    def __init__(self, patience: float = PATIENCE) -> None:
+    def __init__(self, timeout: float = TIMEOUT) -> None:
         self.end, there = multiprocessing.Pipe()
         self.child = context().Process(target=_serve, args=(there,), daemon=True)
         self.child.start()
         there.close()
-        self.patience, self.gone = patience, False
+        self.timeout, self.gone = timeout, False
 
     def prepare(self, job: Job, frames: int, first: int = 0) -> None:
-        """Let it load `job` and run up to frame `first`; it will be asked so many frames from there on."""
-        self._say((job, frames, first))
+        """Order it to load a job and run up to frame `first`, ready for so many frames from there on."""
+        self._send((job, frames, first))
 
-    def go(self) -> None:
-        """Let it run what it has loaded."""
-        self._say(GO)
+    def start(self) -> None:
+        """Order it to run the loaded frames."""
+        self._send(START)
 
-    def _say(self, what: object) -> None:
+    def _send(self, order: object) -> None:
         with suppress(ConnectionError):
-            # `hear` tells of a process that has died meanwhile
-            self.end.send(what)
+            # `answer` reports a process that has died meanwhile
+            self.end.send(order)
 
-    def hear(self) -> tuple[float, Repeat | None] | str:
-        """Its answer to either, with the seconds it took; or why there is none, and never will be."""
+    def answer(self) -> tuple[float, Repeat | None] | str:
+        """Return the time [s] of the last order, and a repeat once frames have run; or the reason that it will never answer."""
         try:
-            if self.end.poll(self.patience):
-                spent, answer = self.end.recv()
-                if not isinstance(answer, str):
-                    return spent, answer
+            if self.end.poll(self.timeout):
+                spent, found = self.end.recv()
+                if not isinstance(found, str):
+                    return spent, found
             else:
                 self.child.kill()
-                answer = f"no answer within {self.patience:g} s"
+                found = f"no answer within {self.timeout:g} s"
         except (EOFError, ConnectionError):
-            self.child.join(LAST_WORDS)
+            self.child.join(EXIT_TIMEOUT)
             self.child.kill()
             self.child.join()
-            answer = f"its process {ended_by(self.child.exitcode or 0)}"
+            found = f"its process {ended_by(self.child.exitcode or 0)}"
         self.gone = True
-        return answer
+        return found
 
-    def leave(self, at_once: bool = False) -> None:
+    def close(self, at_once: bool = False) -> None:
         """End the process, in the middle of its work if `at_once`."""
         with suppress(ConnectionError):
             self.end.send(None)
@@ -140,24 +139,24 @@ class Seat:
         self.end.close()
 
 
-class Seats:
+class TimedWorkers:
     """One process per name, started when it is first needed and again when it has ended; use as a context."""
 
-    def __init__(self, patience: float = PATIENCE) -> None:
-        self.patience = patience
-        self.taken: dict[str, Seat] = {}
+    def __init__(self, timeout: float = TIMEOUT) -> None:
+        self.timeout = timeout
+        self.taken: dict[str, TimedWorker] = {}
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        for seat in self.taken.values():
-            seat.leave(at_once=kind is not None)
+        for worker in self.taken.values():
+            worker.close(at_once=kind is not None)
 
-    def at(self, name: str) -> Seat:
-        """The process of that name."""
+    def at(self, name: str) -> TimedWorker:
+        """Return the process of that name."""
         if name in self.taken and self.taken[name].gone:
-            self.taken.pop(name).leave()
+            self.taken.pop(name).close()
         if name not in self.taken:
-            self.taken[name] = Seat(self.patience)
+            self.taken[name] = TimedWorker(self.timeout)
         return self.taken[name]

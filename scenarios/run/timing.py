@@ -1,130 +1,227 @@
-"""The timing pass: serial, one thread, warm, nothing recorded, the engines of a scene taking turns repeat by repeat."""
+"""Timing pass: serial, one thread, warm, nothing recorded, the engines of a scene in turns repeat by repeat.
 
-from collections.abc import Callable, Sequence
+With many scenes each is timed quickly: engines are compared by one window of its frames that contains contact, and one process
+per engine and preset serves all scenes. Hashes of the last frames are compared with those of processes that ran one scene only,
+so that an engine that carries anything from scene to scene is found.
+"""
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import nan
+from typing import NamedTuple
 
 import numpy as np
 
+from runfiles.naming import GATED
 from runfiles.timing_protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES, WARM_FRAMES
 from scenarios.job import Job
 from scenarios.measure.timing import Shared, Timed
 from scenarios.run.machine import Meter, clock, load_average, reading_ns
-from scenarios.run.timed_worker import Repeat, Seat
+from scenarios.run.timed_worker import Repeat, TimedWorker, TimedWorkers
 
 MOST_FRAMES = 900
-"""Frames timed: all of every everyday scene at its short length, and of a longer one a quarter of a minute. With less the hand
-over the table, which comes down to it slowly, would be timed in the air."""
-ENOUGH = 6.0
-"""Time [s] after which an engine gets no further repeat in a quick comparison; its row says how many it had."""
+"""Timed frames: all of every everyday scene at its short length, and a quarter of a minute of a longer one. Fewer: the hand over
+the table, which comes down slowly, would be timed in the air."""
+ENGINE_TIME = 6.0
+"""Time [s] after which an engine gets no further repeat in a quick comparison; its row has their number."""
+QUICK_FROM = 12
+"""Scenes of a comparison from which on each is timed quickly, unless full lengths are asked for: a hundred scenes at length, in
+fresh processes, take a quarter of an hour."""
+QUICK_TIMEOUT = 60.0
+"""Longest wait [s] for one answer in quick timing."""
+ROUND_TIME = 0.3
+"""Time [s] of one round of all engines through the same frames of a scene; it decides the number of these."""
+LEAST_FRAMES = TAIL_FRAMES // 5
+"""Least window. Fewer: falling bodies would be timed in the air, and the 95th percentile of these frames could lie above the 99th
+of all TAIL_FRAMES of a fast engine."""
+CHEAP_TIME = 0.015
+"""Time [s] of one repeat up to which an engine is run REPEATS times, or over TAIL_FRAMES frames, or over the whole scene. Twice
+as much: the pass takes a tenth longer; half: a fifth of avatarsim's rows lose their tail."""
+BEFORE_CONTACT = 3
+"""One of so many frames of the window lies before the user's first contact, as a base for the cost of contact."""
+LEAD_TIME = 1.5
+"""Time [s] of all engines of a scene together for untimed frames before a window at the deepest contact. All of up to 500 such
+frames in six rooms would take ten seconds more; with half of it, three rooms would be timed at a first touch."""
 
 
 @dataclass(frozen=True, eq=False)
 class Clocked:
-    """One job's times, or why there are none."""
+    """Times of one job, or the reason that there are none."""
 
     job: Job
     timed: Timed | None
     note: str = ""
 
 
-class Turns:
-    """What one job has given so far, turn by turn, from frame `first` on. In a `fresh` process its warm-up is a figure of its
-    own."""
+class TimedJob:
+    """Repeats of one job so far, from frame `first` on."""
 
-    def __init__(self, job: Job, seat: Seat, fresh: bool, first: int = 0) -> None:
-        self.job, self.seat, self.fresh, self.first = job, seat, fresh, first
+    def __init__(self, job: Job, worker: TimedWorker, first: int = 0) -> None:
+        self.job, self.worker, self.first = job, worker, first
         self.note, self.warmup, self.warm_frames, self.spent = "", nan, 0, 0.0
         self.repeats: list[Repeat] = []
 
-    def warmed(self) -> None:
-        """Take the answer to the warm-up, which counts by itself."""
-        if not self.note and (found := self.hear()):
-            self.warm_frames = len(found[0])
-        if self.fresh:
-            self.warmup = self.spent
-        self.spent = 0.0
-
-    def turn(self, meter: Meter) -> None:
-        """The frames of one repeat, while no other engine runs."""
-        with meter.running():
-            self.seat.go()
-            found = self.hear()
-        if found:
-            self.repeats.append(found)
-
-    def hear(self) -> Repeat | None:
-        """What it answers to either order; None when it has loaded, or is gone, which its note says."""
-        found = self.seat.hear()
+    def answer(self) -> Repeat | None:
+        """Wait for the worker. None where it has loaded, or has ended, which is noted."""
+        found = self.worker.answer()
         if isinstance(found, str):
             self.note = found
             return None
         self.spent += found[0]
         return found[1]
 
+    def warmed(self, fresh: bool) -> None:
+        """Take the answer to the warm-up, whose time is a figure of a fresh process and none of the repeats."""
+        if not self.note and (found := self.answer()):
+            self.warm_frames = len(found[0])
+        if fresh:
+            self.warmup = self.spent
+        self.spent = 0.0
+
+    def turn(self, meter: Meter) -> None:
+        """Run the loaded frames, while no other engine runs."""
+        with meter.running():
+            self.worker.start()
+            found = self.answer()
+        if found:
+            self.repeats.append(found)
+
     def clocked(self) -> Clocked:
-        """All that it gave."""
+        """Return all repeats."""
         if not self.repeats:
             return Clocked(self.job, None, self.note or "no repeat was run")
         around = np.array([repeat[0] for repeat in self.repeats], dtype=np.int64)
         names = sorted({name for repeat in self.repeats for name in repeat[1]})
-        silent = [0] * around.shape[1]
-        stages = {name: np.array([repeat[1].get(name, silent) for repeat in self.repeats], dtype=np.int64) for name in names}
+        zeros = [0] * around.shape[1]
+        stages = {name: np.array([repeat[1].get(name, zeros) for repeat in self.repeats], dtype=np.int64) for name in names}
         hashes = tuple(repeat[2] for repeat in self.repeats)
         timed = Timed(around, stages, self.warmup, hashes, self.warm_frames, self.first)
         return Clocked(self.job, timed, self.note or timed.protocol.said)
 
 
-def loaded(table: Sequence[Turns], counts: Sequence[int], warm: bool = True) -> list[Turns]:
-    """Let all load side by side, each for so many frames from its first on, or from the scene's to get `warm`; those that are
-    ready, in a quiet moment."""
-    asked = [at for at in table if not at.note]
-    for at, count in zip(table, counts, strict=True):
-        if not at.note:
-            at.seat.prepare(at.job, count, 0 if warm else at.first)
-    for at in asked:
-        at.hear()
-    return [at for at in asked if not at.note]
+def load(table: Sequence[TimedJob], counts: Sequence[int], warm: bool = False) -> list[TimedJob]:
+    """Load jobs side by side, each with so many frames from its first on, from the scene's to get `warm`; return those ready."""
+    waiting = [(each, count) for each, count in zip(table, counts, strict=True) if not each.note]
+    for each, count in waiting:
+        each.worker.prepare(each.job, count, 0 if warm else each.first)
+    for each, _ in waiting:
+        each.answer()
+    return [each for each, _ in waiting if not each.note]
 
 
 def timed_pass(
-    jobs: Sequence[Job], full: bool, done: Callable[[], None] = lambda: None, frames: Sequence[int] | None = None,
-    seats: Sequence[Seat] = (), repeats: int | Sequence[int] = REPEATS, meter: Meter | None = None,
-    firsts: Sequence[int] | None = None,
+    jobs: Sequence[Job], full: bool, frames: Sequence[int] | None = None, workers: Sequence[TimedWorker] = (),
+    repeats: int | Sequence[int] = REPEATS, meter: Meter | None = None, firsts: Sequence[int] | None = None,
 ) -> list[Clocked]:
-    """Time all `jobs` of one scene, each in a fresh process, or in those of `seats`, one each, which go on. They warm up side by
-    side, each on a load that is thrown away; then one at a time, turn by turn, `repeats` times round, each on a load of its own.
+    """Time all jobs of one scene. They warm up side by side, each on a load that is thrown away; then they take turns, one at a
+    time, each repeat on a load of its own.
 
-    `done` is called after each job's last turn; `frames` says how many of each job are timed (otherwise MOST_FRAMES), `repeats`
-    how often, for all or for each, `firsts` at which frame timing begins. `meter` runs during every turn."""
+    Args:
+        full: repeat slow engines as often as others.
+        frames: timed frames of each job; MOST_FRAMES without.
+        workers: process of each job, which stays; a fresh one for each without.
+        repeats: of all jobs, or of each.
+        meter: runs during every turn.
+        firsts: frame of each job at which timing begins.
+    """
     counts = [MOST_FRAMES] * len(jobs) if frames is None else frames
     often = [repeats] * len(jobs) if isinstance(repeats, int) else repeats
-    meter, table = meter or Meter(), list[Turns]()
+    begins = [0] * len(jobs) if firsts is None else firsts
+    meter, table = meter or Meter(), list[TimedJob]()
     try:
         for k, job in enumerate(jobs):
-            table.append(Turns(job, seats[k] if seats else Seat(), fresh=not seats, first=0 if firsts is None else firsts[k]))
-        for at in loaded(table, [WARM_FRAMES] * len(table)):
-            at.seat.go()
-        for at in table:
-            at.warmed()
+            table.append(TimedJob(job, workers[k] if workers else TimedWorker(), begins[k]))
+        for each in load(table, [WARM_FRAMES] * len(table), warm=True):
+            each.worker.start()
+        for each in table:
+            each.warmed(fresh=not workers)
         for turn in range(max(often, default=0)):
             plan = zip(table, counts, often, strict=True)
-            again = [(at, count) for at, count, most in plan if turn < most and (full or at.spent < ENOUGH)]
-            for at in loaded([at for at, _ in again], [count for _, count in again], warm=False):
-                at.turn(meter)
+            again = [(each, count) for each, count, most in plan if turn < most and (full or each.spent < ENGINE_TIME)]
+            for each in load([each for each, _ in again], [count for _, count in again]):
+                each.turn(meter)
     except BaseException:
-        for at in table if not seats else ():
-            at.seat.leave(at_once=True)
+        for each in table if not workers else ():
+            each.worker.close(at_once=True)
         raise
-    for at in table:
-        if not seats:
-            at.seat.leave()
-        done()
-    return [at.clocked() for at in table]
+    for each in table if not workers else ():
+        each.worker.close()
+    return [each.clocked() for each in table]
+
+
+class Round(NamedTuple):
+    """So many repeats of so many frames from frame `first` on."""
+
+    repeats: int
+    first: int
+    frames: int
+
+
+def quick_timing(
+    jobs: Sequence[Job], costs: Sequence[float], length: int, workers: TimedWorkers, at_length: bool = False,
+    meter: Meter | None = None, meets: int = 0, swept: int = 0, depths: Sequence[float] = (),
+) -> list[Clocked]:
+    """Time all jobs of one scene of `length` frames, as `rounds` plans.
+
+    Args:
+        costs: rough time of a frame [s] of each job.
+        at_length: time all frames, as of an everyday scene.
+        meets: frame of the first contact of the user.
+        swept: repeats by which a sweep times the scene, 0 without one; both get one time.
+        depths: overlap of the user [m] by state, where the window is that of the deepest.
+    """
+    gated = [(job.engine, job.preset) == GATED for job in jobs]
+    if at_length:
+        plan = [Round(REPEATS, 0, MOST_FRAMES)] * len(jobs)
+    elif swept:
+        plan = [Round(REPEATS if promised else swept, 0, MOST_FRAMES) for promised in gated]
+    else:
+        plan = rounds(costs, length, meets, gated, depths)
+    return timed_pass(
+        jobs, True, frames=[each.frames for each in plan], repeats=[each.repeats for each in plan],
+        workers=[workers.at(job.run) for job in jobs], meter=meter, firsts=[each.first for each in plan],
+    )
+
+
+def rounds(
+    costs: Sequence[float], length: int, meets: int = 0, gated: Sequence[bool] = (), depths: Sequence[float] = (),
+) -> list[Round]:
+    """Plan the timed frames of each engine of a scene; arguments as of `quick_timing`.
+
+    All share one window, by which they are compared: as many frames as fit into ROUND_TIME, with the first contact in it, or with
+    `depths` the deepest of the windows before which frames take no more than LEAD_TIME. Fast engines have TAIL_FRAMES, or the
+    whole scene, or REPEATS besides. The `gated` engine has REPEATS of the whole scene, so that its slowest frame is that of all.
+    """
+    tail, whole = min(length, TAIL_FRAMES), min(length, MOST_FRAMES)
+    cost = sum(costs)
+    same = min(tail, max(LEAST_FRAMES, round(ROUND_TIME / cost))) if cost > 0.0 else tail
+    first = max(0, min(meets - same // BEFORE_CONTACT, whole - same))
+    if len(depths) > whole:
+        reached = round(LEAD_TIME / cost) if cost > 0.0 else whole
+        first = deepest(depths[1 : whole + 1], same, min(max(first, reached), whole - same))
+    plan = []
+    for each, promised in zip(costs, gated or [False] * len(costs), strict=True):
+        if promised:
+            plan.append(Round(REPEATS, 0, whole))
+            continue
+        if each * whole <= CHEAP_TIME:
+            begins, frames = 0, whole
+        elif each * tail <= CHEAP_TIME:
+            begins, frames = min(first, whole - tail), tail
+        else:
+            begins, frames = first, same
+        plan.append(Round(1 if each * frames > CHEAP_TIME else REPEATS, begins, frames))
+    return plan
+
+
+def deepest(depths: Sequence[float], frames: int, last: int) -> int:
+    """Return the first frame, at most `last`, of the window of so many frames with the largest mean depth; NaN counts as 0."""
+    sums = np.concatenate([[0.0], np.cumsum(np.nan_to_num(np.asarray(depths[: last + frames], dtype=np.float64)))])
+    return int(np.argmax(sums[frames:] - sums[:-frames]))
 
 
 def timing_facts(meter: Meter) -> dict[str, object]:
-    """What goes into the provenance of times: the protocol at its fullest, and what the machine did meanwhile."""
+    """Return the protocol at its fullest and the state of the machine, for the provenance of times."""
     others = None if meter.others is None else round(meter.others, 3)
     return {
         "repeats": REPEATS, "warm_frames": WARM_FRAMES, "tail_frames": TAIL_FRAMES, "phase_frames": PHASE_FRAMES,
@@ -133,13 +230,11 @@ def timing_facts(meter: Meter) -> dict[str, object]:
 
 
 def compared(found: Sequence[Clocked]) -> list[Clocked]:
-    """The engines of one scene, each told which repeats and frames all of them had: by those they are compared."""
+    """Return the engines of one scene with the repeats and frames that all of them had, by which they are compared."""
     every = [clocked.timed for clocked in found if clocked.timed is not None]
     if not every:
         return list(found)
     repeats = min(timed.around_ns.shape[0] for timed in every)
     first, last = max(timed.first for timed in every), min(timed.first + timed.around_ns.shape[1] for timed in every)
     shared = Shared(repeats, first, max(0, last - first))
-    return [
-        clocked if clocked.timed is None else replace(clocked, timed=replace(clocked.timed, shared=shared)) for clocked in found
-    ]
+    return [each if each.timed is None else replace(each, timed=replace(each.timed, shared=shared)) for each in found]

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.effects import KEPT, Effects
 from avatarsim.scene.scene import Scene
+from runfiles import record
 from runfiles.naming import GATED
-from runfiles.record import load
 from runfiles.table import Row
 from runfiles.timing_protocol import REPEATS
 from scenarios.job import Job, Outcome
@@ -22,8 +22,8 @@ from scenarios.run.accuracy import accuracy
 from scenarios.run.gate import bounds_of
 from scenarios.run.machine import Meter
 from scenarios.run.progress import Progress
-from scenarios.run.timed_worker import Seats
-from scenarios.run.timing import MOST_FRAMES, Clocked, Turns, loaded
+from scenarios.run.timed_worker import TimedWorkers
+from scenarios.run.timing import MOST_FRAMES, Clocked, TimedJob, load
 from scenarios.scenario import Scenario
 from scenarios.studies.checkpoint import Entry, key_of
 from scenarios.studies.study import Head, Request, Study, answers
@@ -66,21 +66,21 @@ def _plain(scenario: str, seed: int, full: bool, frames: int | None) -> NDArray[
 
 
 def _positions(outcome: Outcome) -> NDArray[np.float64]:
-    return np.zeros((0, 0, 3)) if outcome.recording is None else load(outcome.recording).positions
+    return np.zeros((0, 0, 3)) if outcome.recording is None else record.load(outcome.recording).positions
 
 
-def timed_in_turn(jobs: Sequence[Job], seats: Seats) -> list[Clocked]:
+def timed_in_turn(jobs: Sequence[Job], workers: TimedWorkers) -> list[Clocked]:
     """Time jobs of one scene in one process, turn by turn: what is compared then differs in the effect alone."""
-    table, meter = list[Turns](), Meter()
+    table, meter = list[TimedJob](), Meter()
     for _ in range(REPEATS):
         for k, job in enumerate(jobs):
-            seat = seats.at(ENGINE)
+            worker = workers.at(ENGINE)
             if k == len(table):
-                table.append(Turns(job, seat, fresh=False))
-            table[k].seat = seat
-            for ready in loaded([table[k]], [MOST_FRAMES]):
+                table.append(TimedJob(job, worker))
+            table[k].worker = worker
+            for ready in load([table[k]], [MOST_FRAMES]):
                 ready.turn(meter)
-    return [turns.clocked() for turns in table]
+    return [each.clocked() for each in table]
 
 
 def ask(request: Request) -> tuple[list[Row], list[str]]:
@@ -94,13 +94,13 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
     checkpoint = request.checkpoint(NAME)
     done = dict(answers(figures, tasks, request, checkpoint, NAME, lambda job: True, lambda job, how: _died(str(how))))
     rows, troubles = list[Row](), list[str]()
-    with Progress("effects, times", len(planned), sys.stderr) as progress, Seats() as seats:
+    with Progress("effects, times", len(planned), sys.stderr) as progress, TimedWorkers() as workers:
         for name, group in planned.items():
             sound = {change: job for change, job in group.items() if done[keys[job.stem]]["state"] == "measured"}
             time_key = key_of(NAME, "times", *sound.values())
             times = checkpoint.get(time_key)
             if times is None:
-                clocked = timed_in_turn(list(sound.values()), seats)
+                clocked = timed_in_turn(list(sound.values()), workers)
                 times = dict(zip(sound, map(_p50, clocked), strict=True))
                 checkpoint.put(time_key, times)
             for change, job in group.items():

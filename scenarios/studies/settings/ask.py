@@ -15,8 +15,8 @@ from avatarsim.running.processes import Died
 from runfiles.table import Row
 from scenarios.job import Job, Outcome
 from scenarios.job import reuses_process as tidy
-from scenarios.run.sweep_scenes import TELLING
-from scenarios.run.timed_worker import Seats
+from scenarios.run.sweep_scenes import SWEEP_SCENES as TELLING
+from scenarios.run.timed_worker import TimedWorkers as Seats
 from scenarios.studies.checkpoint import Checkpoint, Entry, key_of
 from scenarios.studies.settings import clock, measure
 from scenarios.studies.settings.cell import Cell

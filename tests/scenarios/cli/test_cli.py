@@ -185,13 +185,13 @@ def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_ta
 def test_many_scenes_get_a_glance_in_a_comparison_and_all_their_frames_in_a_bench(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scenarios.run.harness.MANY", 1)
+    monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
     drop = replace(catalog.get("ball_drop"), everyday=False)
     monkeypatch.setattr(catalog, "scenarios", lambda: {"ball_drop": drop})
     monkeypatch.setattr(catalog, "get", lambda name: drop)
-    monkeypatch.setattr("scenarios.run.glance.CHEAP", 0.0)
-    monkeypatch.setattr("scenarios.run.glance.LEAST", 25)
-    monkeypatch.setattr("scenarios.run.glance.SLICE", 0.0)
+    monkeypatch.setattr("scenarios.run.timing.CHEAP_TIME", 0.0)
+    monkeypatch.setattr("scenarios.run.timing.LEAST_FRAMES", 25)
+    monkeypatch.setattr("scenarios.run.timing.ROUND_TIME", 0.0)
     for command, rounds in (("bench", f"{REPEATS} x 40"), ("compare", "1 x 25")):
         called(tmp_path, command, "--engine", "tunnels", "--preset", "default", "--filter", "ball_drop", frames=40)
         found = latest(tmp_path)
@@ -208,7 +208,7 @@ def test_many_scenes_get_a_glance_in_a_comparison_and_all_their_frames_in_a_benc
 def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("scenarios.run.harness.MANY", 1)
+    monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
     words = ["compare", "--engine", "avatarsim", "--preset", "default", "--filter", "coincident_start,ball_drop"]
     called(tmp_path, *words, frames=2)
     found = latest(tmp_path)

@@ -17,10 +17,9 @@ from avatarsim.errors import InvalidInput
 from avatarsim.running import cluster as generic
 from avatarsim.running.processes import THREADS, Died
 from scenarios.__main__ import main
-from scenarios.run import cluster as module
-from scenarios.run.cluster import cluster
+from scenarios.run import processes as module
 from scenarios.run.harness import Run
-from scenarios.run.processes import side_by_side
+from scenarios.run.processes import cluster, side_by_side
 from scenarios.run.provenance import provenance
 from tests.scenarios.killed import differing, of_run, run_of
 
@@ -109,7 +108,7 @@ def test_a_cluster_that_runs_other_sources_is_refused(address: str, monkeypatch:
     ({"v": {}, "w": {"python": "3.10.0"}}, "workers of the same python: w has 3.10.0"),
 ])
 def test_workers_that_would_find_something_else_are_refused(told: dict[str, object], said: str) -> None:
-    here = {**module.about(None), "folder": (Path("run"), 12)}
+    here = {**module.facts(None), "folder": (Path("run"), 12)}
     found = {worker: {**here, **about} if isinstance(about, dict) else about for worker, about in told.items()}
     with pytest.raises(InvalidInput, match=said):
         cluster("tcp://127.0.0.1:8786").require_same(here, found)

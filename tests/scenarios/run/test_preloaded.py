@@ -28,7 +28,7 @@ def test_a_module_at_fault_is_left_to_who_needs_it(monkeypatch: pytest.MonkeyPat
         asked.append("first")
         raise RuntimeError("this file is being edited")
 
-    monkeypatch.setattr(preloaded, "every_scene", broken)
-    monkeypatch.setattr(preloaded, "sources_read", lambda: asked.append("last"))
+    monkeypatch.setattr(preloaded, "catalogue", broken)
+    monkeypatch.setattr(preloaded, "source_hash", lambda: asked.append("last"))
     preloaded.preload()
     assert asked == ["first", "last"]

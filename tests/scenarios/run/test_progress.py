@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from scenarios.run.progress import QUIET, Progress
+from scenarios.run.progress import INTERVAL, Progress
 
 
 class Terminal(io.StringIO):
@@ -26,7 +26,7 @@ def test_a_long_pass_says_in_between_that_it_goes_on(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr("scenarios.run.progress.time.monotonic", lambda: now[0])
     with Progress("accuracy", 3, stream) as progress:
         for _ in range(3):
-            now[0] += 0.7 * QUIET
+            now[0] += 0.7 * INTERVAL
             progress.step("one")
     assert [line.split()[1] for line in stream.getvalue().splitlines()] == ["2/3", "3/3"]
 

@@ -39,7 +39,7 @@ class Counted:
         values = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0}
         return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": values, "missing": {}}
 
-    def clock(self, jobs: list[Job], full: bool, frames: list[int], seats: list[object], repeats: list[int]) -> list[Clocked]:
+    def clock(self, jobs: list[Job], full: bool, frames: list[int], workers: list[object], repeats: list[int]) -> list[Clocked]:
         self.timed += [job.preset for job in jobs]
         shapes = zip(repeats, frames, strict=True)
         return [Clocked(job, Timed(np.full(shape, 5000, dtype=np.int64))) for job, shape in zip(jobs, shapes, strict=True)]

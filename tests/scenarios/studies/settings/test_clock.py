@@ -6,7 +6,7 @@ import pytest
 from runfiles.timing_protocol import PHASE_FRAMES
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
-from scenarios.run.timed_worker import Seats
+from scenarios.run.timed_worker import TimedWorkers as Seats
 from scenarios.run.timing import Clocked
 from scenarios.studies.settings.cell import Cell
 from scenarios.studies.settings.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times

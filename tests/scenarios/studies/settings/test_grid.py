@@ -7,7 +7,7 @@ from scenarios import catalog
 from scenarios.engines import opened
 from scenarios.run.harness import offer
 from scenarios.run.own_settings import NAME, OwnSettings
-from scenarios.run.sweep_scenes import TELLING
+from scenarios.run.sweep_scenes import SWEEP_SCENES as TELLING
 from scenarios.studies.settings.grid import Setting, applicable, settings_of
 from tests.scenarios.studies.settings.grids import GRIDS
 

@@ -57,7 +57,7 @@ class Fakes:
         return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": VALUES, "missing": {}}
 
     def clock(
-        self, jobs: Sequence[Job], full: bool, frames: Sequence[int], seats: object, repeats: Sequence[int],
+        self, jobs: Sequence[Job], full: bool, frames: Sequence[int], workers: object, repeats: Sequence[int],
     ) -> list[Clocked]:
         self.timed += [f"{job.scenario} {job.preset}" for job in jobs]
         self.time += self.each * len(jobs)
@@ -84,7 +84,7 @@ def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other()
     scenes = catalog.scenarios()
     taken = {name for name, scenario in scenes.items() if phenomena.short_errors_of(name, scenario)}
     everyday = {name for name, scenario in scenes.items() if scenario.everyday}
-    assert taken == everyday | set(phenomena.PHENOMENA) and len(everyday) == 5 and len(phenomena.PHENOMENA) == 6
+    assert taken == everyday | set(phenomena.SHORT_SWEEP_SCENES) and len(everyday) == 5 and len(phenomena.SHORT_SWEEP_SCENES) == 6
 
 
 def test_only_engines_and_presets_of_the_run_and_rows_of_the_users_own(tmp_path: Path) -> None:
