@@ -14,7 +14,7 @@ from avatarsim.errors import InvalidInput, StartOverlaps
 from benchmarks.output import print_rows, write_rows
 from runfiles.naming import GATED
 from scenarios import catalog
-from scenarios.cli.offered import filtered
+from scenarios.cli.plan import filtered
 from scenarios.job import Job
 from scenarios.run.timed_worker import TimedWorker
 

@@ -12,19 +12,18 @@ from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
 from scenarios.cli import commands, comparison, listing
 from scenarios.cli import study as studies
-from scenarios.run import own_settings
 from scenarios.run.gate import INCOMPLETE, STOPPED, USAGE
+from scenarios.run.own_settings import EXAMPLE
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": comparison.compare,
     "check": commands.check, "bench": commands.bench, "study": studies.study,
 }
-"""What each word of the command line does."""
 
 
 def parser() -> argparse.ArgumentParser:
-    """All commands and their options."""
-    about = "Runs scenes through physics engines and measures what they show."
+    """Return the parser of all commands and their options."""
+    about = "Run scenes in physics engines and measure the frames that they show."
     top = argparse.ArgumentParser(prog="python -m scenarios", description=about)
     chosen = top.add_subparsers(dest="command", required=True, metavar="COMMAND")
     shared = argparse.ArgumentParser(add_help=False)
@@ -34,73 +33,73 @@ def parser() -> argparse.ArgumentParser:
     usual = "presets; by default all but those that run on request only"
     shared.add_argument("--preset", nargs="+", action="extend", default=[], metavar="NAME", help=usual)
     shared.add_argument("--seed", nargs="+", type=int, default=[0], metavar="N", help="seeds of motions and engines")
-    own = f"rows of your own: tables [engine.name] of `preset` to begin from and settings, as in {own_settings.EXAMPLE}"
+    own = f"rows of your own: tables [engine.name] of `preset` to begin from and settings, as in {EXAMPLE}"
     shared.add_argument("--settings", type=path_option, metavar="FILE.toml", help=own)
     cpus = os.cpu_count() or 1
     shared.add_argument("--jobs", type=int, default=cpus, metavar="N", help="runs side by side; 0: all in this process")
     shared.add_argument("--full", action="store_true", help="full lengths, every sub-step judged")
     shared.add_argument("--out", type=path_option, default=OUT, metavar="DIR", help="folder for runs (default: reports/out)")
-    goes_on = "go on with the run in this folder, of which all is asked for, or more; its recordings are kept"
-    shared.add_argument("--resume", type=path_option, metavar="RUN", help=goes_on)
-    shared.add_argument("--verbose", action="store_true", help="a row per scene and engine after the run, instead of the summary")
+    resumed = "resume the run in this folder, of which all is asked for, or more; its recordings are kept"
+    shared.add_argument("--resume", type=path_option, metavar="RUN", help=resumed)
+    shared.add_argument("--verbose", action="store_true", help="a row per scene and engine instead of the summary")
     shared.add_argument("--json", action="store_true", help="rows as JSON instead of the table")
     # for tests: a scene cut short proves nothing about the scene
     shared.add_argument("--frames", type=int, default=None, help=argparse.SUPPRESS)
-    listing = chosen.add_parser("list", help="the scenes", parents=[shared])
-    listing.add_argument("--effects", action="store_true", help="what each scene calls for")
-    chosen.add_parser("metrics", help="what each figure means", parents=[shared])
+    listed = chosen.add_parser("list", help="the scenes", parents=[shared])
+    listed.add_argument("--effects", action="store_true", help="effects that each scene calls for")
+    chosen.add_parser("metrics", help="definitions of all figures", parents=[shared])
     run = chosen.add_parser("run", help="one scene, quickly, and its table", parents=[shared])
     run.add_argument("scene", nargs="?", help="name of the scene")
-    compare = chosen.add_parser("compare", help="every scene in every engine, accuracy and time, with a report", parents=[shared])
+    compare = chosen.add_parser("compare", help="all scenes in all engines, accuracy and time, with a report", parents=[shared])
     brought = compare.add_argument_group("a scene of your own, instead of the catalogue")
     brought.add_argument("--scene", nargs="+", metavar="FILE", help="MJCF, URDF, or a mesh as a room; one scene each")
     brought.add_argument("--avatar", metavar="FILE", help="avatar in these scenes, MJCF or URDF, if they hold none")
     brought.add_argument("--room", metavar="FILE", help="room about them: MJCF, URDF, a mesh, or the word floor")
     brought.add_argument("--motion", metavar="FILE", help="motion of the avatar; without one it holds its first posture")
     for file in comparison.SCALES:
-        brought.add_argument(f"--{file}-scale", type=float, metavar="M", help=f"metres a unit of length of --{file} (default 1)")
+        brought.add_argument(f"--{file}-scale", type=float, metavar="M", help=f"metres a unit of length of --{file} (1)")
     brought.add_argument("--seconds", type=float, default=5.0, help="how long (default 5; with a motion, of it at most)")
     chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
     chosen.add_parser("bench", help="frame times only", parents=[shared])
     study = chosen.add_parser("study", help="a study at length, added to the last comparison", parents=[shared])
-    study.add_argument("name", nargs="+", metavar="NAME", help=f"{', '.join(studies.STUDIES)}")
+    study.add_argument("name", nargs="+", metavar="NAME", help=", ".join(studies.STUDIES))
     study.add_argument("--run", type=path_option, metavar="RUN", help="run to add it to (default: the last comparison)")
-    scheduler = "Dask scheduler of a cluster, tcp://HOST:8786, that runs what is not timed, in place of processes here"
-    for many in (compare, study):
-        many.add_argument("--scheduler", metavar="ADDRESS", help=scheduler)
+    scheduler = "run all that is not timed on the Dask cluster of this scheduler, as tcp://HOST:8786, instead of here"
+    for one in (compare, study):
+        one.add_argument("--scheduler", metavar="ADDRESS", help=scheduler)
     return top
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run one command and return its exit code; whatever was wrong with the input is said in one line."""
+    """Run one command and return its exit code; an error of the input is one line."""
     words = list(sys.argv[1:] if argv is None else argv)
     try:
-        asked = parser().parse_args(words)
+        options = parser().parse_args(words)
     except SystemExit as end:
         return int(end.code or 0)
     try:
         with stoppable():
-            code = COMMANDS[asked.command](asked, words)
-            # here, where it can still be answered, and not at the interpreter's end
+            code = COMMANDS[options.command](options, words)
+            # here, where an error can still be answered, and not at the interpreter's end
             sys.stdout.flush()
         return code
     except AvatarsimError as error:
-        code, said = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {error}"
+        code, line = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {error}"
     except MemoryError as error:
-        code, said = INCOMPLETE, described(error)
+        code, line = INCOMPLETE, described(error)
     except KeyboardInterrupt:
-        code, said = STOPPED, "stopped"
+        code, line = STOPPED, "stopped"
     except OSError as error:
         if isinstance(error, BrokenPipeError) or isinstance(lost_output(), BrokenPipeError):
-            # the reader of what is printed has read enough
+            # the reader of the output has read enough
             return INCOMPLETE
         # every file that this harness writes is named: without a name it was a stream
-        where = f"a file at {error.filename}" if error.filename else "what was printed, or a file"
-        code, said = INCOMPLETE, f"the system refused {where}: {error.strerror or error}"
+        where = f"a file at {error.filename}" if error.filename else "the output, or a file"
+        code, line = INCOMPLETE, f"the system refused {where}: {error.strerror or error}"
     with suppress(OSError):
-        # where a stream takes nothing, the code says so alone
-        print(said, file=sys.stderr)
-        commands.say_last(asked, code, None)
+        # where a stream takes nothing, the code is all there is
+        print(line, file=sys.stderr)
+        commands.print_end(options, code, None)
         sys.stdout.flush()
     return code
 

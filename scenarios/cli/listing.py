@@ -1,52 +1,76 @@
-"""What can be run, in words: the scenes, what each calls for, what every figure means."""
+"""The commands `list` and `metrics`: scenes, the effects that each calls for, definitions of figures."""
 
 import argparse
 import json
 from collections.abc import Sequence
+from dataclasses import fields
+from textwrap import fill
 from typing import Any
 
+from avatarsim.scene.effects import CALLS, KEPT
+from avatarsim.scene.scene import Scene
 from runfiles.metrics import FAMILIES, METRICS
-from scenarios.cli.commands import nothing, scenes
-from scenarios.run.effects_said import effects_of, lines_of, table_of_calls
-from scenarios.scenario import Scenario
+from scenarios.cli.commands import nothing_matched
+from scenarios.cli.plan import scenes
+
+LISTED = 3
+"""Parts of a scene that are named; more are counted."""
 
 
-def listing(asked: argparse.Namespace, words: Sequence[str]) -> int:
-    """Names, lengths and titles; with `--effects` what each scene calls for and by which part, and what its author took away."""
-    found = scenes(asked)
+def listing(options: argparse.Namespace, words: Sequence[str]) -> int:
+    """Print names, lengths and titles; with `--effects` the effects of each scene, and the parts that call for them."""
+    found = scenes(options)
     if not found:
-        return nothing(asked)
-    entries = [entry_of(scenario, asked.effects) for scenario in found.values()]
-    if asked.json:
+        return nothing_matched(options)
+    entries: list[dict[str, Any]] = []
+    for scenario in found.values():
+        names = ("name", "frames", "short", "dt", "everyday", "title", "judged")
+        effects = effects_of(scenario.build()) if options.effects else {}
+        entries.append({name: getattr(scenario, name) for name in names} | effects)
+    if options.json:
         print(json.dumps(entries, indent=1))
         return 0
-    if asked.effects:
+    if options.effects:
         print(table_of_calls())
     for entry in entries:
         length = f"{entry['frames']}" if entry["short"] is None else f"{entry['frames']}/{entry['short']}"
         print(f"{entry['name']:24} {length:>10} frames  {entry['title']}")
-        if asked.effects:
-            for line in lines_of(found[entry["name"]].build()):
-                print(f"{'':24} {line}")
+        for effect in entry.get("effects", ()):
+            parts = entry["called_by"].get(effect, ["forced: nothing calls for it"])
+            more = f" and {len(parts) - LISTED} more" if len(parts) > LISTED else ""
+            print(f"{'':24} {effect:16} {', '.join(parts[:LISTED])}{more}")
+        for effect, promise in entry.get("lapsed", {}).items():
+            print(f"{'':24} {effect:16} left out by its author: promise {promise} lapses")
     return 0
 
 
-def entry_of(scenario: Scenario, effects: bool) -> dict[str, Any]:
-    """What `list` says of one scene."""
-    told = ("name", "frames", "short", "dt", "everyday", "title", "judged")
-    entry: dict[str, Any] = {key: getattr(scenario, key) for key in told}
-    if effects:
-        entry |= effects_of(scenario.build())
-    return entry
+def effects_of(scene: Scene) -> dict[str, object]:
+    """Return the effects of a scene, the parts that call for them, and those that its author left out."""
+    on = scene.effects
+    return {
+        "effects": [effect.name for effect in fields(on) if getattr(on, effect.name)],
+        "called_by": {effect: list(parts) for effect, parts in scene.calls.items() if parts},
+        "switched_off": list(on.missing_from(scene.derived_effects)), "lapsed": dict(scene.lapsed),
+    }
 
 
-def metrics(asked: argparse.Namespace, words: Sequence[str]) -> int:
-    """The definitions."""
-    known_metrics = (*METRICS.values(), *FAMILIES)
-    if asked.json:
-        rows = [{"metric": one.name, "unit": one.unit, "label": one.label, "meaning": one.definition} for one in known_metrics]
+def table_of_calls() -> str:
+    """Return a paragraph per effect: the part of a scene that calls for it, and the promise that lapses without it."""
+    rows = ["An effect runs in a scene if a part of it calls for it:", ""]
+    for call in CALLS:
+        without = "Cannot be left out." if call.effect in KEPT else f"Left out, promise {call.lapses} lapses."
+        text = f"{call.part}: {call.why}. {without}"
+        rows.append(fill(text, 120, initial_indent=f"{call.effect:16} ", subsequent_indent=" " * 17))
+    return "\n".join([*rows, ""])
+
+
+def metrics(options: argparse.Namespace, words: Sequence[str]) -> int:
+    """Print the definitions of all figures."""
+    entries = (*METRICS.values(), *FAMILIES)
+    if options.json:
+        rows = [{"metric": one.name, "unit": one.unit, "label": one.label, "meaning": one.definition} for one in entries]
         print(json.dumps(rows, indent=1))
         return 0
-    for one in known_metrics:
+    for one in entries:
         print(f"{one.name:26} {f'[{one.unit}]' if one.unit else '':9} {one.definition}")
     return 0

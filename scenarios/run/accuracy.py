@@ -84,7 +84,7 @@ _last: dict[Key, tuple[Scenario, Prepared]] = {}
 
 
 def prepare(job: Job) -> Prepared:
-    """Return scenario, scene and motion of a job; those of the last job where it has the same. Raises errors of the catalogue."""
+    """Return scenario, scene and motion of a job; those of the last job if equal. Raises errors of the catalogue."""
     key = job.catalogue, job.scenario, job.seed, job.full, job.frames, job.narrow, job.force
     offered: Scenario = import_module(job.catalogue).get(job.scenario)
     if key not in _last or _last[key][0] is not offered:
@@ -200,7 +200,7 @@ def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
 
 
 def kept(path: Path, identity: Mapping[str, object]) -> Recording | None:
-    """Return the recording that an earlier run left: whole, without error, of the same scene, code and measures; None if not."""
+    """Return the recording of an earlier run: whole, without error, of the same scene, code and measures; None if not."""
     if not overlapping.path(path.parent.parent, path.stem).exists():
         return None
     try:

@@ -1,4 +1,4 @@
-"""One run of the harness: plan the jobs, run both passes, and every few seconds write down all that is known so far."""
+"""One run of the harness: both passes over its jobs, and files that are kept up to date."""
 
 import sys
 import time
@@ -19,7 +19,6 @@ from scenarios.measure.overlap import SEEN
 from scenarios.measure.timing import frame_times, time_notes
 from scenarios.run import results
 from scenarios.run.accuracy import accuracy
-from scenarios.run.effects_said import lapse_said
 from scenarios.run.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.run.machine import Meter, load_average
 from scenarios.run.processes import side_by_side
@@ -39,28 +38,28 @@ from scenarios.run.timing import (
 )
 from scenarios.scenario import Scenario
 
-OFTEN = 3.0
-"""Least time [s] between two writings of what is known while runs go on. Each holds everything so far, so writing after every one
-of hundreds of runs takes longer than the runs; what a kill loses is in the recordings."""
-SELDOM = 50.0
-"""The same in multiples of what the last writing took: at most a fiftieth of a run is spent on writing."""
+SAVE_INTERVAL = 3.0
+"""Least time [s] between two writings of the results so far. Writing them after each of hundreds of jobs takes longer than the
+jobs; a kill loses nothing that is not in the recordings."""
+SAVE_SHARE = 0.02
+"""Largest share of a run that is spent on writing."""
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What one engine offers: its presets, the default first; or why it cannot be opened, with the presets known all the same."""
+    """Presets of an engine, the default first, and the reason where it does not open."""
 
     presets: tuple[str, ...] = ()
     trouble: str = ""
     crashed: bool = False
 
-    def chosen(self, asked: Collection[str]) -> tuple[str, ...]:
-        """The presets to run where `asked` names some; all where it names none."""
-        return tuple(preset for preset in self.presets if preset in asked) if asked else self.presets
+    def chosen(self, names: Collection[str]) -> tuple[str, ...]:
+        """Return its presets among `names`; all where there are no names."""
+        return tuple(preset for preset in self.presets if preset in names) if names else self.presets
 
 
 def offer(name: str) -> Offer:
-    """Open engine `name` only to ask for its presets."""
+    """Open an engine to ask for its presets."""
     try:
         return Offer(tuple(opened(name).presets))
     except MissingPackage as error:
@@ -75,7 +74,7 @@ def offer(name: str) -> Offer:
 
 
 def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
-    """What each engine offers, asked in processes of their own: importing an engine may print, leak or crash."""
+    """Return the offers of engines, each opened in a process of its own: importing an engine may print, leak or crash."""
     for name in names:
         # a malformed file of facts ends a command before anything has run
         about(name)
@@ -86,10 +85,13 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
 
 
 def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
-    """Return the runs that `option` names as ENGINE/PRESET. Raises InvalidInput for an engine that does not open, UnknownName for
-    a preset that there is not."""
+    """Return engine and preset of each ENGINE/PRESET.
+
+    Raises:
+        InvalidInput: for an engine that does not open.
+        UnknownName: for a preset that it does not have.
+    """
     runs = [(engine, preset) for engine, _, preset in (word.partition("/") for word in words)]
-    # in processes of their own: what another engine prints or leaves on import stays there
     found = offers(list(dict.fromkeys(engine for engine, _ in runs)), 1)
     for (engine, preset), word in zip(runs, words, strict=True):
         offered = (*found[engine].presets, *about(engine).variants)
@@ -101,26 +103,31 @@ def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
 
 
 def outcomes(jobs: Sequence[Job], folder: Path, workers: Workers) -> Iterator[Outcome]:
-    """The accuracy pass over `jobs`: each in a process of its own, but for engines that are tidy; with 0 workers here, one after
-    the other."""
+    """Yield the outcome of each job, run in a process of its own or of an engine that reuses it; with 0 workers here."""
     for job, answer in side_by_side(partial(accuracy, folder=folder), jobs, workers, reuses_process):
         yield Outcome(job, "crashed", str(answer)) if isinstance(answer, Died) else answer
 
 
-def lapsed(outcome: Outcome) -> str:
-    """What the author of the scene gave up, in a sentence; empty if nothing."""
-    found = outcome.about.get("lapsed")
-    return lapse_said(outcome.job.scenario, found) if isinstance(found, Mapping) else ""
+def lapse_note(outcome: Outcome) -> str:
+    """Return a sentence on the promises that a scene's author gave up by leaving effects out, "" without any."""
+    lapsed = outcome.about.get("lapsed")
+    if not lapsed or not isinstance(lapsed, Mapping):
+        return ""
+    without = ", ".join(f"{effect} (promise {promise})" for effect, promise in lapsed.items())
+    return f"{outcome.job.scenario} is not gated, since its author left out {without}"
 
 
 class Run:
-    """Collects outcomes and times, turns them into rows, and keeps the run folder's files up to date."""
+    """Outcomes and times of one run; turns them into rows, and keeps the files in its folder up to date.
+
+    Args:
+        stays: results in the folder are of a run that has ended, and stay until this one has.
+    """
 
     def __init__(
         self, folder: Path, scenarios: Mapping[str, Scenario], jobs: Iterable[Job], gated: frozenset[tuple[str, str]],
         limits: Ceilings, provenance: Mapping[str, object], stays: bool = False,
     ) -> None:
-        """`stays`: results that lie in the folder are those of a whole run, and stay until this one has ended."""
         self.folder, self.scenarios, self.jobs, self.gated = folder, scenarios, list(jobs), gated
         self.limits, self.provenance, self.begun = limits, dict(provenance), time.monotonic()
         self.outcomes: dict[str, Outcome] = {}
@@ -129,7 +136,7 @@ class Run:
         self.note, self.written, self.writing, self.stays = "", self.begun, 0.0, stays
 
     def measure(self, ready: Sequence[Outcome], workers: Workers) -> None:
-        """The accuracy pass; `ready` are outcomes of engines that could not even be opened."""
+        """Run the accuracy pass; `ready` are outcomes of engines that did not open."""
         for outcome in ready:
             self.outcomes[outcome.job.stem] = outcome
         runnable = [job for job in self.jobs if job.stem not in self.outcomes]
@@ -139,68 +146,63 @@ class Run:
             for outcome in outcomes(runnable, self.folder, workers):
                 self.outcomes[outcome.job.stem] = outcome
                 progress.step(f"{outcome.job.scenario} {outcome.job.run} {outcome.state}")
-                self.write_now_and_then()
+                self._save()
 
     def clock(self, full: bool, at_length: bool = False) -> None:
-        """The timing pass over everything that ran through, scene by scene, many of them at a glance unless `at_length`. The raw
-        tracker is left out: it computes nothing."""
-        ran = [job for job in self.jobs if job.stem in self.outcomes and self.outcomes[job.stem].state == "measured"]
-        sound = [job for job in ran if job.engine != BASELINE]
-        seeds = {job.seed for job in sound}
+        """Run the timing pass over measured jobs, scene by scene; many scenes are timed quickly unless `at_length`.
+
+        The raw tracker is left out: it computes nothing.
+        """
+        timed = [job for job, outcome in self._known() if outcome.state == "measured" and job.engine != BASELINE]
+        names, seeds = list(dict.fromkeys(job.scenario for job in timed)), sorted({job.seed for job in timed})
+        at_length = full or at_length or len(names) < QUICK_FROM
         meter, begun, before = Meter(), time.monotonic(), load_average()
-        with Progress("timing", len(sound), sys.stderr) as progress, TimedWorkers(QUICK_TIMEOUT) as workers:
-            names = list(dict.fromkeys(job.scenario for job in sound))
-            few = full or at_length or len(names) < QUICK_FROM
-            for scene in names:
-                for seed in sorted(seeds):
-                    chosen = [job for job in sound if (job.scenario, job.seed) == (scene, seed)]
-                    for clocked in compared(self._timed(chosen, workers, full, few, meter)):
-                        self.clocked[clocked.job.stem] = clocked
-                        progress.step(f"{scene} {clocked.job.run}")
-                    spent = round(time.monotonic() - begun, 1)
-                    self.provenance["timing"] = {"seconds": spent, "load_before": before, **timing_facts(meter)}
-                    self.write_now_and_then()
+        with Progress("timing", len(timed), sys.stderr) as progress, TimedWorkers(QUICK_TIMEOUT) as workers:
+            for scene, seed in ((scene, seed) for scene in names for seed in seeds):
+                chosen = [job for job in timed if (job.scenario, job.seed) == (scene, seed)]
+                found = timed_pass(chosen, full, meter=meter) if at_length else self._quickly(chosen, workers, meter)
+                for clocked in compared(found):
+                    self.clocked[clocked.job.stem] = clocked
+                    progress.step(f"{scene} {clocked.job.run}")
+                spent = round(time.monotonic() - begun, 1)
+                self.provenance["timing"] = {"seconds": spent, "load_before": before, **timing_facts(meter)}
+                self._save()
 
-    def _timed(self, jobs: Sequence[Job], workers: TimedWorkers, full: bool, few: bool, meter: Meter) -> list[Clocked]:
-        """The timing pass over one scene: at length where there are few of them, otherwise a glance."""
-        if few or not jobs:
-            return timed_pass(jobs, full, meter=meter)
-        ran = [self.outcomes[job.stem] for job in jobs]
-        costs, length = [outcome.frame_seconds for outcome in ran], max((outcome.frames for outcome in ran), default=0)
-        at_length = any(self.scenarios[job.scenario].everyday for job in jobs)
-        swept = any(short_errors_of(job.scenario, self.scenarios[job.scenario]) for job in jobs)
-        often = repeats_of(min(length, MOST_FRAMES)) if swept else 0
-        depths = self._depths(jobs[0])
+    def _quickly(self, jobs: Sequence[Job], workers: TimedWorkers, meter: Meter) -> list[Clocked]:
+        """Time the jobs of one scene quickly, by what the accuracy pass knows of it."""
+        if not jobs:
+            return []
+        name, ran = jobs[0].scenario, [self.outcomes[job.stem] for job in jobs]
+        scenario, length = self.scenarios[name], max(outcome.frames for outcome in ran)
+        swept = repeats_of(min(length, MOST_FRAMES)) if short_errors_of(name, scenario) else 0
+        # overlap of the user, by the raw tracker
+        raw = self.outcomes.get(replace(jobs[0], engine=BASELINE, preset="default").stem)
+        depths = raw.overlap_m if raw else ()
         meets = next((k for k, depth in enumerate(depths) if depth > SEEN), 0)
-        deep = depths if jobs[0].scenario.startswith(UNSEEN_PREFIX) else ()
-        return quick_timing(jobs, costs, length, workers, at_length, meter, meets, often, deep)
-
-    def _depths(self, job: Job) -> Sequence[float]:
-        """How deep [m] the user of a scene is in something in each state, by the raw tracker's own overlaps; empty without."""
-        raw = self.outcomes.get(replace(job, engine=BASELINE, preset="default").stem)
-        return raw.overlap_m if raw else ()
+        costs = [outcome.frame_seconds for outcome in ran]
+        deep = depths if name.startswith(UNSEEN_PREFIX) else ()
+        return quick_timing(jobs, costs, length, workers, scenario.everyday, meter, meets, swept, deep)
 
     def _known(self) -> list[tuple[Job, Outcome]]:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
 
     def rows(self) -> list[Row]:
-        """All rows known so far, in the order of the plan."""
+        """Return all rows so far, in the order of the plan."""
         found: list[Row] = []
         for job, outcome in self._known():
-            clocked = self.clocked.get(job.stem)
+            clocked, scenario = self.clocked.get(job.stem), self.scenarios[job.scenario]
             if clocked and clocked.timed:
                 times = frame_times(clocked.timed, outcome.hashes, outcome.resting)
                 notes = {**outcome.notes, **time_notes(clocked.timed, times, outcome.resting)}
                 if clocked.note != clocked.timed.protocol.said:
-                    # it went on for a while, and then not
+                    # it ended after a while
                     notes["frame_time_p50"] += f"; {clocked.note}"
                 outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
-            limits = self.limits.get(job.scenario, {})
             gated = (job.engine, job.preset) in self.gated
-            if gated and (said := lapsed(outcome)):
-                gated, bounded = False, bounds_of(self.scenarios[job.scenario])
-                outcome = replace(outcome, notes={**outcome.notes, **dict.fromkeys(bounded, said)})
-            rows = rows_of(outcome, self.scenarios[job.scenario], limits, gated)
+            if gated and (note := lapse_note(outcome)):
+                gated, notes = False, dict.fromkeys(bounds_of(scenario), note)
+                outcome = replace(outcome, notes={**outcome.notes, **notes})
+            rows = rows_of(outcome, scenario, self.limits.get(job.scenario, {}), gated)
             if clocked and not clocked.timed:
                 rows.append(replace(rows[0], metric="frame_time_p50", value=None, unit="us", bound=None, ceiling=None,
                                     status="crashed", note=clocked.note))
@@ -208,54 +210,46 @@ class Run:
         return found
 
     def series(self) -> dict[str, dict[str, dict[str, Sequence[float | None]]]]:
-        """Numbers per frame for the pages: overlap [m] of every state shown, frame time [us] of every frame that all engines of
-        the scene were timed over."""
+        """Return numbers per frame: overlap [m] of every state, time [us] of every frame that all engines of the scene had."""
         found: dict[str, dict[str, dict[str, Sequence[float | None]]]] = {}
-        for job in self.jobs:
-            outcome, clocked = self.outcomes.get(job.stem), self.clocked.get(job.stem)
-            if outcome is None or outcome.state != "measured" or job.run in found.get(job.scenario, {}):
+        for job, outcome in self._known():
+            if outcome.state != "measured" or job.run in found.get(job.scenario, {}):
                 # with several seeds the pages show the first
                 continue
+            clocked = self.clocked.get(job.stem)
             times: list[float | None] = []
             if clocked and clocked.timed:
                 times = [None] * clocked.timed.compared.first + clocked.timed.compared_us.tolist()
             found.setdefault(job.scenario, {})[job.run] = {"overlap_m": outcome.overlap_m, "frame_time_us": times}
         return found
 
-    def write_now_and_then(self) -> None:
-        """Write what is known, unless that was done a moment ago."""
-        if time.monotonic() - self.written > max(OFTEN, SELDOM * self.writing):
+    def _save(self) -> None:
+        """Write the results so far, unless that was done a moment ago."""
+        if time.monotonic() - self.written > max(SAVE_INTERVAL, self.writing / SAVE_SHARE):
             self.write(None)
 
-    def write(self, code: int | None) -> Results:
-        """Write what is known; `code` is None while the run goes on, so that a killed run says that it was not finished."""
+    def write(self, code: int | None) -> None:
+        """Write the results; `code` is None while the run goes on, so that a killed run is known as unfinished."""
         begun = time.monotonic()
-        known = Results(
-            rows=self.rows(), series=self.series(),
-            outcomes=[self.outcomes[job.stem] for job in self.jobs if job.stem in self.outcomes],
-            scenes={
-                name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name, "dt": s.dt,
-                       "scale": s.scale, "frames": s.frames}
-                for name, s in self.scenarios.items()
-            },
-            provenance={**self.provenance, "seconds": round(time.monotonic() - self.begun, 1)}, exit_code=code,
-            notes=[note for note in (self.note, *self.remarks()) if note],
-        )
+        scenes: dict[str, Mapping[str, str | bool | float]] = {
+            name: {"title": s.title, "judged": s.judged, "everyday": s.everyday, "family": s.family or name, "dt": s.dt,
+                   "scale": s.scale, "frames": s.frames}
+            for name, s in self.scenarios.items()
+        }
         if code is not None or not self.stays:
-            results.write(known, self.folder)
+            results.write(Results(
+                rows=self.rows(), outcomes=[outcome for _, outcome in self._known()], series=self.series(), scenes=scenes,
+                provenance={**self.provenance, "seconds": round(begun - self.begun, 1)}, exit_code=code,
+                notes=[note for note in (self.note, *self.notes()) if note],
+            ), self.folder)
         self.written = time.monotonic()
         self.writing = self.written - begun
-        return known
 
-    def lapses(self) -> list[str]:
-        """What the authors of gated scenes gave up, a sentence each."""
-        gated = [outcome for job, outcome in self._known() if (job.engine, job.preset) in self.gated]
-        return list(dict.fromkeys(said for outcome in gated if (said := lapsed(outcome))))
-
-    def remarks(self) -> list[str]:
-        """Sentences that a run ends with: what authors gave up, and workers of a cluster that were lost."""
-        return [*self.lapses(), *map(lost_said, self.lost)]
+    def notes(self) -> list[str]:
+        """Return sentences that a run ends with: promises that authors gave up, and workers of a cluster that were lost."""
+        gated = [lapse_note(outcome) for job, outcome in self._known() if (job.engine, job.preset) in self.gated]
+        return [*dict.fromkeys(filter(None, gated)), *map(lost_said, self.lost)]
 
     def code(self) -> int:
-        """The exit code that all rows so far call for."""
+        """Return the exit code of all rows so far."""
         return exit_code(self.rows())

@@ -17,16 +17,16 @@ from scenarios.run.processes import side_by_side
 EXAMPLE = "scenarios/settings_example.toml"
 """A file that every engine takes as it is, from the folder of the checkout."""
 LONGEST = 80
-"""Characters of a row's name. File systems take 255 in the name of a recording, which holds the scene and the engine too."""
+"""Characters of a row's name. File systems take 255 in the name of a recording, which has the scene and the engine too."""
 NAME = re.compile(rf"[A-Za-z0-9_.=-]{{1,{LONGEST}}}")
-"""What a row may be called: its name becomes part of file names, addresses and tables."""
+"""Names of rows: they become parts of file names, addresses and tables."""
 MOST_BYTES = 2**16
-"""Bytes of a file of settings, a thousand rows; the time to read a name of many parts grows with its square."""
+"""Bytes of a file, a thousand rows; the time to read a name of many parts grows with its square."""
 
 
 @dataclass(frozen=True)
 class OwnSettings:
-    """`name` of the row, the engine's preset `base` to begin from, and the `options` that override it."""
+    """A row by its `name`: the engine's preset `base`, and the `options` that override it."""
 
     engine: str
     name: str
@@ -37,8 +37,11 @@ class OwnSettings:
 def read(path: Path, engines: Iterable[str], asked: Sequence[str] | None = None) -> tuple[OwnSettings, ...]:
     """Read a TOML file with a table [engine.name] per row: `preset` is the base ("default"), all else are options.
 
-    Raises InvalidFile, UnknownName for an engine that is none of `engines`, InvalidInput for one that is not among those `asked`
-    for (None: all are): its rows would be left out."""
+    Raises:
+        InvalidFile: for a malformed file.
+        UnknownName: for an engine that is none of `engines`.
+        InvalidInput: for an engine that is not among `asked` (None: all are).
+    """
     known = list(engines)
     content = read_toml(path, str(path), "a readable TOML file", MOST_BYTES)
     rows = []
@@ -46,7 +49,7 @@ def read(path: Path, engines: Iterable[str], asked: Sequence[str] | None = None)
         if engine not in known:
             raise UnknownName(f"engine in {path}", engine, known)
         if asked is not None and engine not in asked:
-            valid = f"one of the engines that this command asks: {', '.join(asked)} (--engine names others)"
+            valid = f"one of the engines of this command: {', '.join(asked)} (--engine names others)"
             raise InvalidInput(f"engine of a table in {path}", engine, valid)
         if not isinstance(tables, dict) or not tables or not all(isinstance(entry, dict) for entry in tables.values()):
             raise InvalidFile(f"[{engine}] in {path}", tables, f"tables [{engine}.name] with settings in them")
@@ -61,14 +64,8 @@ def read(path: Path, engines: Iterable[str], asked: Sequence[str] | None = None)
     return tuple(rows)
 
 
-Fault = tuple[str, object, str]
-"""What is wrong, the value it has, what would be valid."""
-
-
-def fault(job: Job) -> Fault | None:
-    """What the engine of `job` says against its settings when it loads the scene. Only what it calls invalid: whatever else goes
-    wrong is a result, and the run has it."""
-    # a name of no engine, a scene that overlaps, an engine that falls over: the run says so
+def _invalid(job: Job) -> tuple[str, object, str] | None:
+    """Load the scene of a job; return thing, value and valid values of an InvalidInput. Any other error is left to the run."""
     with suppress(Exception), closing(opened(job.engine)) as engine:
         prepared = prepare(job)
         try:
@@ -78,11 +75,11 @@ def fault(job: Job) -> Fault | None:
     return None
 
 
-def tried(rows: Iterable[OwnSettings], scene: str, path: Path, workers: int) -> None:
-    """Load `scene` once with each of `rows`, which came from `path`. Raises InvalidInput with what an engine does not take."""
+def check_settings(rows: Iterable[OwnSettings], scene: str, path: Path, workers: int) -> None:
+    """Load a scene once with each row of the file at `path`. Raises InvalidInput for the first row that an engine refuses."""
     jobs = [Job(scene, row.engine, row.name, base=row.base, options=row.options, frames=1) for row in rows]
     # in the order of the file, whichever answers first
-    for job, found in sorted(side_by_side(fault, jobs, workers), key=lambda answer: jobs.index(answer[0])):
+    for job, found in sorted(side_by_side(_invalid, jobs, workers), key=lambda answer: jobs.index(answer[0])):
         if found is not None and not isinstance(found, Died):
             thing, value, valid = found
             raise InvalidInput(f"in [{job.engine}.{job.preset}] of {path}: {thing}", value, valid)

@@ -1,4 +1,4 @@
-"""Where jobs of the harness run: in processes here that have it loaded, or on a cluster. Frames are never timed on a cluster."""
+"""Places where jobs run: processes here that have the harness loaded, or a cluster, on which nothing is timed."""
 
 import argparse
 import multiprocessing
@@ -10,8 +10,7 @@ from avatarsim.running import processes
 from avatarsim.running.cluster import Cluster
 from avatarsim.running.processes import PATIENCE as TIMEOUT
 from avatarsim.running.processes import Answer, Died, Forking, Task, Workers, alone
-from scenarios.run.provenance import code_hash, provenance
-from scenarios.run.resume import PLAN
+from scenarios.run.provenance import PLAN, code_hash, provenance
 
 PRELOADED = (*processes.PRELOADED, "scenarios.run.preloaded")
 """Modules that the fork server of the harness imports once."""

@@ -1,11 +1,16 @@
-"""Provenance of figures: versions, machine, command, and hashes of the scenes they are about."""
+"""Provenance of a run and its plan: code, versions and machine behind its figures, and the jobs that a later command resumes.
+
+The plan is written before anything is measured. A command that resumes a run has to ask for all of its plan, and may ask for
+more: other rows would be lost with the results.json that it writes.
+"""
 
 import hashlib
 import os
 import platform
+import shlex
 import subprocess
-from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, fields, is_dataclass
 from datetime import UTC, datetime
 from enum import Enum
 from functools import cache
@@ -13,70 +18,70 @@ from pathlib import Path
 
 import numpy as np
 
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.files import read_json
 from avatarsim.running.sources import cpu, digest_of, version
 from avatarsim.scene.scene import Scene
 from avatarsim.version import VERSION
 from runfiles.engines import engines
+from runfiles.files import plain, write_json
+from runfiles.published import MOST_BYTES, SCHEMA_VERSION
+from scenarios.job import Job
 from scenarios.run.machine import clock, usable_cpus
 
 PACKAGES = tuple(dict.fromkeys([
     "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl",
 ]))
-"""Distributions beside our own, which runs uninstalled too, whose versions can change a figure."""
-
+"""Distributions beside avatarsim whose versions can change a figure."""
 ROOT = Path(__file__).resolve().parents[2]
 CODE = ("avatarsim", "runfiles", "reference", "scenarios")
-"""Folders whose files decide what an engine shows in a scene. Recordings made by other code are not kept by `--resume`."""
+"""Folders whose files can change a recording; `--resume` keeps no recording of other code."""
+PLAN, PLAN_VERSION = "plan.json", 1
+"""File of a run's plan, and its layout."""
+VALID_PLAN = "one that this version wrote; run again"
 
 
-def provenance(command: list[str]) -> dict[str, object]:
-    """What is known before a run begins; `seconds` is added at its end."""
+def provenance(command: Sequence[str]) -> dict[str, object]:
+    """Return what is known before a run begins; `seconds` is added at its end."""
     return {
-        "command": " ".join(["python -m scenarios", *command]),
-        "started": datetime.now(UTC).isoformat(timespec="seconds"),
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "cpu": cpu(),
-        "cpus": os.cpu_count() or 1,
-        "cpus_usable": usable_cpus(),
-        **clock(),
-        "code": code_hash(),
-        "commit": commit_of(ROOT),
+        "command": " ".join(["python -m scenarios", *command]), "started": datetime.now(UTC).isoformat(timespec="seconds"),
+        "python": platform.python_version(), "platform": platform.platform(), "cpu": cpu(), "cpus": os.cpu_count() or 1,
+        "cpus_usable": usable_cpus(), **clock(), "code": code_hash(), "commit": commit_of(ROOT),
         "versions": {"avatarsim": VERSION, **{name: version(name) for name in PACKAGES}},
     }
 
 
 @cache
 def code_hash() -> str:
-    """`hash_of_sources` of this project, as it was when first asked for: what runs is what was read then."""
+    """Return the hash of this project's sources at the first call: of the code that runs."""
     return hash_of_sources(ROOT)
 
 
-def commit_of(root: Path) -> str | None:
-    """Hash of the commit that is checked out at `root`; None where that is no repository, or git is missing."""
-    if not (root / ".git").exists():
-        return None
-    try:
-        said = subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, capture_output=True, text=True, check=True, timeout=20.0)
-    except (OSError, subprocess.SubprocessError):
-        return None
-    return said.stdout.strip() or None
-
-
 def hash_of_sources(root: Path) -> str:
-    """Sixteen hexadecimal digits of every source file below `root` that can change what is recorded."""
+    """Return sixteen hexadecimal digits of every source file below `root` that can change a recording."""
     return digest_of(root, CODE)
 
 
+def commit_of(root: Path) -> str | None:
+    """Return the hash of the commit that is checked out at `root`; None without a repository or git."""
+    if not (root / ".git").exists():
+        return None
+    try:
+        ran = subprocess.run(["git", "rev-parse", "HEAD"], cwd=root, capture_output=True, text=True, check=True, timeout=20.0)
+    except (OSError, subprocess.SubprocessError):
+        return None
+    return ran.stdout.strip() or None
+
+
 def scene_hash(scene: Scene) -> str:
-    """Sixteen hexadecimal digits of everything in the scene's description; equal scenes give equal hashes everywhere."""
+    """Return sixteen hexadecimal digits of the scene's description; equal scenes have equal hashes everywhere."""
     digest = hashlib.blake2b(digest_size=8)
     _feed(digest, scene)
     return digest.hexdigest()
 
 
 def _feed(digest: "hashlib.blake2b", value: object) -> None:
-    """Feed the kind of every part as well as its content, so that no two different scenes look alike."""
+    """Feed the type of every part as well as its content, so that no two different scenes look alike."""
     digest.update(f"<{type(value).__name__}>".encode())
     if isinstance(value, np.ndarray):
         digest.update(repr(value.shape).encode() + np.ascontiguousarray(value).tobytes())
@@ -96,3 +101,79 @@ def _feed(digest: "hashlib.blake2b", value: object) -> None:
             _feed(digest, item)
     else:
         digest.update(repr(value).encode())
+
+
+def earlier_run(folder: Path, command: str) -> Path:
+    """Return `folder`, resolved, if it is a run of `command`. Raises InvalidInput or InvalidFile: files are written there."""
+    # os.path, since pathlib raises for names that are too long for the system
+    if not os.path.isdir(folder):
+        raise InvalidInput("--resume", str(folder), "the folder of an earlier run")
+    path = folder / "results.json"
+    try:
+        found = _results(folder)
+    except InvalidFile as error:
+        valid = f"the folder of an earlier run, with its results.json ({error.value})"
+        raise InvalidInput("--resume", str(folder), valid) from error
+    if found.get("schema_version") != SCHEMA_VERSION:
+        raise InvalidFile(f"schema_version of {path}", found.get("schema_version"), f"{SCHEMA_VERSION}; run again")
+    origin = found.get("provenance")
+    words = str(origin.get("command", "")).split() if isinstance(origin, dict) else []
+    # python -m scenarios COMMAND ...
+    wrote = words[3] if words[:3] == ["python", "-m", "scenarios"] and len(words) > 3 else None
+    if wrote != command:
+        raise InvalidInput("--resume", str(folder), f"a run of the same command, {command}; this one was written by {wrote}")
+    return folder.resolve()
+
+
+def has_ended(folder: Path) -> bool:
+    """Return whether a run has come to its end."""
+    return _results(folder).get("exit_code") is not None
+
+
+def _results(folder: Path) -> Mapping[str, object]:
+    found = read_json(folder / "results.json", f"results of {folder}", "the whole file of a run", MOST_BYTES)
+    return found if isinstance(found, dict) else {}
+
+
+def _described(job: Job) -> Mapping[str, object]:
+    """Return all that decides the frames of a job, as JSON holds it."""
+    return {str(name): plain(value) for name, value in asdict(job).items()}
+
+
+def write_plan(folder: Path, words: Sequence[str], jobs: Sequence[Job]) -> None:
+    """Write the plan of a run into its folder: the words of its command line, and its jobs."""
+    runs = [_described(job) for job in jobs]
+    write_json(folder / PLAN, {"schema_version": PLAN_VERSION, "words": list(words), "runs": runs})
+
+
+def check_plan(folder: Path, jobs: Sequence[Job]) -> None:
+    """Raise InvalidInput where the plan of the run in `folder` has a job that is not among `jobs`: its rows would be lost."""
+    path = folder / PLAN
+    found = read_json(path, f"plan {path}", VALID_PLAN, MOST_BYTES)
+    if not isinstance(found, dict) or found.get("schema_version") != PLAN_VERSION or not isinstance(found.get("words"), list):
+        raise InvalidFile(f"plan {path}", "of another layout", VALID_PLAN)
+    runs = found.get("runs")
+    if not isinstance(runs, list) or not all(isinstance(run, dict) for run in runs):
+        raise InvalidFile(f"runs of plan {path}", "no list of objects", VALID_PLAN)
+    asked = [_described(job) for job in jobs]
+    left = [run for run in runs if run not in asked]
+    if not left:
+        return
+    names = ("scenario", "engine", "preset", "seed")
+    first = ", ".join(f"{name} {left[0].get(name)}" for name in names)
+    same = next((one for one in asked if all(one[name] == left[0].get(name) for name in names)), {})
+    first += "".join(f", {name} {left[0].get(name)}" for name in same if same[name] != left[0].get(name))
+    again = resume_command(folder, [str(word) for word in found["words"]])
+    valid = (f"a run whose jobs this command asks for; {len(left)} of it are not, first {first}. `{again}` resumes it; without "
+             "--resume a new run begins")
+    raise InvalidInput("--resume", str(folder), valid)
+
+
+def resume_command(folder: Path, words: Sequence[str]) -> str:
+    """Return the command line that resumes the run in `folder`, begun with `words`, quoted for a shell."""
+    kept, skip = list[str](), False
+    for word in words:
+        if not skip and word != "--resume" and not word.startswith("--resume="):
+            kept.append(word)
+        skip = not skip and word == "--resume"
+    return shlex.join(["python", "-m", "scenarios", *kept, "--resume", str(folder)])

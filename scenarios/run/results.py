@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 
@@ -17,12 +17,12 @@ from scenarios.job import Outcome
 FIELDS = (*RESULTS, "ceiling", "note")
 """Fields of a row in results.json."""
 MORE = ("waiver", "comparable", "why")
-"""Columns of results.csv behind its first ones: limit up to which a figure is waived, whether it compares engines, why not."""
+"""Last columns of results.csv: limit up to which a figure is waived, whether it compares engines, the reason if not."""
 
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """Everything a run has found so far. `series`: scenario -> engine/preset -> name -> numbers per frame."""
+    """All that a run has found so far. `series`: scenario -> engine/preset -> name -> numbers per frame."""
 
     rows: Sequence[Row]
     outcomes: Sequence[Outcome]
@@ -33,8 +33,7 @@ class Results:
     notes: Sequence[str] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class _Said:
+class _Note(NamedTuple):
     """Unsupported features and settings of one run."""
 
     scenario: str
@@ -43,51 +42,42 @@ class _Said:
     settings: Mapping[str, tuple[str, str]]
 
 
-def _whys(results: Results) -> list[str]:
+def _reasons(results: Results) -> list[str]:
     """Return for each row why it does not compare engines, "" where it does."""
     if not results.rows:
         return []
-    table = pd.DataFrame([{**vars(row), "run": row.run} for row in results.rows])
-    said = []
+    notes = []
     for one in results.outcomes:
         about: Mapping[str, Any] = one.about
-        said.append(_Said(one.job.scenario, one.job.run, about.get("cannot_say", {}), about.get("settings", {})))
-    return [str(why) for why in reasons(table, said)]
+        notes.append(_Note(one.job.scenario, one.job.run, about.get("cannot_say", {}), about.get("settings", {})))
+    return [str(why) for why in reasons(pd.DataFrame([{**vars(row), "run": row.run} for row in results.rows]), notes)]
 
 
 def write(results: Results, folder: Path) -> None:
-    """Write results.csv, results.json and, once something was timed, bench.csv, in which each time says how it was taken; each
-    whole or not at all.
+    """Write results.csv, results.json and, once something was timed, bench.csv, each whole or not at all.
 
-    The results of a run that has ended are checked against their published layout, once they are safe in their file; raises
-    InvalidFile if they break it.
+    Raises:
+        InvalidFile: if the results of a run that has ended, by then safe in their file, break their published layout.
     """
-    why = _whys(results)
     more = [
-        {"waiver": row.ceiling, "comparable": "no" if one else "yes", "why": one}
-        for row, one in zip(results.rows, why, strict=True)
+        {"waiver": row.ceiling, "comparable": "no" if why else "yes", "why": why}
+        for row, why in zip(results.rows, _reasons(results), strict=True)
     ]
     write_text(folder / "results.csv", csv_text(results.rows, (*RESULTS, *MORE), more))
-    times = [row for row in results.rows if is_time(row.metric)]
-    if times:
+    if times := [row for row in results.rows if is_time(row.metric)]:
         write_text(folder / "bench.csv", csv_text(times, (*RESULTS, "note")))
     whole = {
-        "schema_version": SCHEMA_VERSION,
-        "provenance": results.provenance,
-        "exit_code": results.exit_code,
-        "scenes": results.scenes,
-        "rows": [{name: getattr(row, name) for name in FIELDS} for row in results.rows],
+        "schema_version": SCHEMA_VERSION, "provenance": results.provenance, "exit_code": results.exit_code,
+        "scenes": results.scenes, "rows": [{name: getattr(row, name) for name in FIELDS} for row in results.rows],
         "engines": [
             {
-                "name": outcome.job.engine, "preset": outcome.job.preset, "scenario": outcome.job.scenario,
-                "seed": outcome.job.seed, "recording": outcome.recording.name if outcome.recording else None,
-                "version": outcome.about.get("version", ""), "cannot_say": outcome.about.get("cannot_say", {}),
-                "settings": outcome.about.get("settings", {}),
+                "name": one.job.engine, "preset": one.job.preset, "scenario": one.job.scenario, "seed": one.job.seed,
+                "recording": one.recording.name if one.recording else None, "version": one.about.get("version", ""),
+                "cannot_say": one.about.get("cannot_say", {}), "settings": one.about.get("settings", {}),
             }
-            for outcome in results.outcomes
+            for one in results.outcomes
         ],
-        "series": results.series,
-        "notes": list(results.notes),
+        "series": results.series, "notes": list(results.notes),
     }
     write_json(folder / "results.json", whole)
     if results.exit_code is not None and results.rows and find_spec("jsonschema"):
@@ -96,5 +86,5 @@ def write(results: Results, folder: Path) -> None:
 
 
 def is_time(metric: str) -> bool:
-    """Whether a metric comes from the timing pass."""
+    """Return whether a metric comes from the timing pass."""
     return metric.startswith(("frame_time", "stage_share")) or metric in ("warmup", "deterministic")

@@ -1,4 +1,4 @@
-"""Files that a job leaves in the folder of its run: its scene, its recording with figures, its scene as the simulator has it."""
+"""Files of a job in the folder of its run: its scene, its recording with figures, its scene as the simulator has it."""
 
 import gzip
 import io
@@ -82,7 +82,7 @@ def _piece(piece: Piece) -> dict[str, object]:
 
 def figures_meta(values: Mapping[str, Value], notes: Mapping[str, str]) -> dict[str, object]:
     """Return figures and notes for the meta of a recording."""
-    found = {name: [value.reason, value.fault] if isinstance(value, Missing) else float(value) for name, value in values.items()}
+    found = {name: [one.reason, one.fault] if isinstance(one, Missing) else float(one) for name, one in values.items()}
     return {FIGURES: found, NOTES: dict(notes)}
 
 

@@ -20,8 +20,8 @@ from scenarios.run.machine import Meter, clock, load_average, reading_ns
 from scenarios.run.timed_worker import Repeat, TimedWorker, TimedWorkers
 
 MOST_FRAMES = 900
-"""Timed frames: all of every everyday scene at its short length, and a quarter of a minute of a longer one. Fewer: the hand over
-the table, which comes down slowly, would be timed in the air."""
+"""Timed frames: all of every everyday scene at its short length, and a quarter of a minute of a longer one. Fewer: the hand
+over the table, which comes down slowly, would be timed in the air."""
 ENGINE_TIME = 6.0
 """Time [s] after which an engine gets no further repeat in a quick comparison; its row has their number."""
 QUICK_FROM = 12
@@ -32,8 +32,8 @@ QUICK_TIMEOUT = 60.0
 ROUND_TIME = 0.3
 """Time [s] of one round of all engines through the same frames of a scene; it decides the number of these."""
 LEAST_FRAMES = TAIL_FRAMES // 5
-"""Least window. Fewer: falling bodies would be timed in the air, and the 95th percentile of these frames could lie above the 99th
-of all TAIL_FRAMES of a fast engine."""
+"""Least window. Fewer: falling bodies would be timed in the air, and the 95th percentile of these frames could lie above the
+99th of all TAIL_FRAMES of a fast engine."""
 CHEAP_TIME = 0.015
 """Time [s] of one repeat up to which an engine is run REPEATS times, or over TAIL_FRAMES frames, or over the whole scene. Twice
 as much: the pass takes a tenth longer; half: a fifth of avatarsim's rows lose their tail."""
@@ -100,7 +100,7 @@ class TimedJob:
 
 
 def load(table: Sequence[TimedJob], counts: Sequence[int], warm: bool = False) -> list[TimedJob]:
-    """Load jobs side by side, each with so many frames from its first on, from the scene's to get `warm`; return those ready."""
+    """Load jobs side by side, each with frames from its first on, from the scene's to get `warm`; return those ready."""
     waiting = [(each, count) for each, count in zip(table, counts, strict=True) if not each.note]
     for each, count in waiting:
         each.worker.prepare(each.job, count, 0 if warm else each.first)
@@ -188,9 +188,9 @@ def rounds(
 ) -> list[Round]:
     """Plan the timed frames of each engine of a scene; arguments as of `quick_timing`.
 
-    All share one window, by which they are compared: as many frames as fit into ROUND_TIME, with the first contact in it, or with
-    `depths` the deepest of the windows before which frames take no more than LEAD_TIME. Fast engines have TAIL_FRAMES, or the
-    whole scene, or REPEATS besides. The `gated` engine has REPEATS of the whole scene, so that its slowest frame is that of all.
+    All share one window, by which they are compared: as many frames as fit into ROUND_TIME, with the first contact in it, or
+    with `depths` the deepest of the windows before which frames take no more than LEAD_TIME. Fast engines have TAIL_FRAMES, or
+    the whole scene, or REPEATS besides. The `gated` engine has REPEATS of the whole scene, so that its slowest frame is known.
     """
     tail, whole = min(length, TAIL_FRAMES), min(length, MOST_FRAMES)
     cost = sum(costs)

@@ -33,7 +33,7 @@ from scenarios.building.avatars.stl import hull_of
 from scenarios.job import Job
 from scenarios.motion.mocap import retimed
 from scenarios.run.own_settings import read as read_settings
-from scenarios.run.resume import check_plan, earlier_run, has_ended, write_plan
+from scenarios.run.provenance import check_plan, earlier_run, has_ended, write_plan
 from scenarios.studies.checkpoint import Checkpoint
 from tests.assets.motions.robots import robot
 from tests.hostile import valid_files as valid

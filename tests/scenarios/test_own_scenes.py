@@ -14,7 +14,7 @@ from avatarsim.live.recording import Recorder
 from avatarsim.scene.scene import Scene
 from scenarios import catalog, own_scenes
 from scenarios.__main__ import main
-from scenarios.cli import offered
+from scenarios.cli import plan as offered
 from tests.live.small import plan, pushed
 
 HOUSE = Path(__file__).resolve().parents[2]

@@ -6,8 +6,7 @@ from avatarsim.errors import UnknownName
 from runfiles.engines import about, engines
 from scenarios import catalog
 from scenarios.__main__ import main, parser
-from scenarios.cli.commands import plan
-from scenarios.cli.offered import scenarios
+from scenarios.cli.plan import plan, scenarios
 from scenarios.engines import opened, variants_of
 from scenarios.job import Job
 from scenarios.run.accuracy import prepare

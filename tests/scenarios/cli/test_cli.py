@@ -133,13 +133,6 @@ def test_json_stands_alone(site: Path, tmp_path: Path, capsys: pytest.CaptureFix
     assert said.err.strip().splitlines()[-1].startswith("avatarsim: exit code 1")
 
 
-def test_every_line_of_the_table_fits(site: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    called(tmp_path, "check", "--engine", "frozen", "tunnels", "absent", "--filter", "*", "--verbose", frames=4)
-    lines = capsys.readouterr().out.splitlines()[:-1]
-    assert max(map(len, lines)) <= 140
-    assert sum("frozen/default" in line for line in lines) >= 5
-
-
 def test_list_and_metrics(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["list", "--effects", "--filter", "ball_drop"]) == 0
     out = capsys.readouterr().out

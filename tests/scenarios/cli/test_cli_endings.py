@@ -57,7 +57,7 @@ def test_a_command_that_asks_for_less_than_the_run_it_resumes_is_refused(
         assert called(tmp_path, *words, "--resume", str(folder)) == 2, words
         assert f"python -m scenarios {' '.join(both)} --seed 0 1" in capsys.readouterr().err
     assert called(tmp_path, *both, "--seed", "0", "1", "--resume", str(folder), frames=5) == 2
-    assert "with frames 6" in capsys.readouterr().err
+    assert "frames 6" in capsys.readouterr().err
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert called(tmp_path, *both, "--seed", "0", "1", "2", "--resume", str(folder)) == 0
     assert {row["seed"] for row in latest(tmp_path)["rows"]} == {0, 1, 2}

@@ -38,7 +38,7 @@ def test_settings(site: Path, tmp_path: Path, lay: Lay, capsys: pytest.CaptureFi
 
 
 @pytest.mark.parametrize(("text", "said"), [
-    (f"[tunnels.{'a' * 300}]\n", "1 to 80"), ("[mujoco.mine]\n", "one of the engines that this command asks: tunnels"),
+    (f"[tunnels.{'a' * 300}]\n", "1 to 80"), ("[mujoco.mine]\n", "tunnels"),
     ("[tunnels.a]\n[mujoco.b]\n", "'mujoco'"),
     ("[tunnels.a]\nx = 1" + "0" * 5000 + "\n", "TOML"), ("[tunnels]\nx = 1\n", "tables"),
     ("[tunnels.a]\n[[tunnels.a.b]]\n[tunnels.a]\n", "TOML"),

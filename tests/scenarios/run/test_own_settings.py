@@ -8,7 +8,7 @@ import pytest
 
 from scenarios.__main__ import parser
 from scenarios.engines import known
-from scenarios.run.own_settings import EXAMPLE, read, tried
+from scenarios.run.own_settings import EXAMPLE, check_settings, read
 from tests.agreement.rivals import needs_pybullet
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -25,7 +25,7 @@ def test_the_example_has_a_row_for_each_engine_that_has_settings() -> None:
 
 @needs_pybullet
 def test_every_engine_takes_the_example_as_it_is() -> None:
-    tried(read(FILE, known()), "ball_drop", FILE, 0)
+    check_settings(read(FILE, known()), "ball_drop", FILE, 0)
 
 
 def test_the_page_of_commands_shows_a_part_of_the_example() -> None:

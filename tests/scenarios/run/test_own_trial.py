@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidInput
-from scenarios.run.own_settings import OwnSettings, tried
+from scenarios.run.own_settings import OwnSettings, check_settings
 from tests.agreement.rivals import needs_pybullet
 from tests.scenarios.bad_engines import joined
 
@@ -20,20 +20,20 @@ def row(engine: str, **options: object) -> OwnSettings:
 def test_the_first_in_the_file_is_named_with_value_and_what_is_valid(workers: int) -> None:
     rows = [row("avatarsim"), row("mujoco", itterations=5), row("avatarsim", tolerence=1e-3)]
     with pytest.raises(InvalidInput, match=r"in \[mujoco.mine\] of mine.toml: .*'itterations'; valid: .*iterations"):
-        tried(rows, "ball_drop", FILE, workers)
+        check_settings(rows, "ball_drop", FILE, workers)
     with pytest.raises(InvalidInput, match=r"in \[avatarsim.mine\] of mine.toml: .*'tolerence'; valid: "):
-        tried(rows[::2], "ball_drop", FILE, workers)
-    tried([row("avatarsim"), row("mujoco", iterations=5)], "ball_drop", FILE, workers)
+        check_settings(rows[::2], "ball_drop", FILE, workers)
+    check_settings([row("avatarsim"), row("mujoco", iterations=5)], "ball_drop", FILE, workers)
 
 
 @needs_pybullet
 def test_a_word_where_a_number_belongs_is_refused() -> None:
     with pytest.raises(InvalidInput, match="solver_iterations of pybullet is 'many'; valid: numbers"):
-        tried([row("pybullet", solver_iterations="many")], "ball_drop", FILE, 1)
+        check_settings([row("pybullet", solver_iterations="many")], "ball_drop", FILE, 1)
 
 
 def test_an_engine_that_falls_over_is_a_result_and_no_fault_of_the_settings(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(joined(tmp_path))
-    tried([row("raises"), row("dies"), row("absent")], "ball_drop", FILE, 2)
+    check_settings([row("raises"), row("dies"), row("absent")], "ball_drop", FILE, 2)

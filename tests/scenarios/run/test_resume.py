@@ -12,7 +12,7 @@ import pytest
 
 from avatarsim.errors import InvalidInput
 from scenarios.__main__ import main
-from scenarios.run.resume import command_to_go_on, earlier_run
+from scenarios.run.provenance import earlier_run, resume_command
 from tests.scenarios.bad_engines import joined
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -71,7 +71,7 @@ def test_a_run_whose_plan_is_damaged_cannot_go_on(tmp_path: Path, plan: str, cap
 
 def test_what_goes_on_names_the_whole_command_once_and_quoted() -> None:
     words = ["check", "--filter", "a*,b", "--resume", "/old", "--resume=/older", "--out", "my runs"]
-    said = command_to_go_on(Path("/new"), words)
+    said = resume_command(Path("/new"), words)
     assert said == "python -m scenarios check --filter 'a*,b' --out 'my runs' --resume /new"
 
 

@@ -9,8 +9,8 @@ import pytest
 from avatarsim.errors import UnknownName
 from scenarios import catalog, drawn_crowds, unseen
 from scenarios.__main__ import main, parser
-from scenarios.cli import offered
-from scenarios.cli.commands import plan
+from scenarios.cli import plan as offered
+from scenarios.cli.plan import plan
 from scenarios.job import CATALOGUE
 from scenarios.run.accuracy import prepare
 from scenarios.unseen import seeds
