@@ -1,4 +1,4 @@
-"""Where an installed package keeps its data files, found without importing the package."""
+"""Data files of installed packages, found without importing the package."""
 
 from importlib.util import find_spec
 from pathlib import Path
@@ -6,25 +6,27 @@ from pathlib import Path
 from avatarsim.errors import InvalidFile, MissingPackage
 
 
-def pybullet_data() -> Path:
-    """Folder of the package pybullet_data: humanoid, motion clips, meshes. MissingPackage when it is not there."""
-    found = find_spec("pybullet_data")
+def _folder(package: str, distribution: str, extra: str, use: str) -> Path:
+    """Return the folder of a package. Raises MissingPackage."""
+    found = find_spec(package)
     if found is None or not found.submodule_search_locations:
-        raise MissingPackage("pybullet_data", "compare", "reading the humanoid, its motions and the gallery's meshes")
+        raise MissingPackage(distribution, extra, use)
     return Path(next(iter(found.submodule_search_locations)))
 
 
+def pybullet_data() -> Path:
+    """Return the folder of humanoid, motion clips and meshes. Raises MissingPackage."""
+    return _folder("pybullet_data", "pybullet_data", "compare", "reading the humanoid, its motions and the gallery's meshes")
+
+
 def data_file(name: str) -> Path:
-    """A file of that folder, by its path in it; InvalidFile when it is not there."""
+    """Return a file of that folder by its path in it. Raises InvalidFile."""
     path = pybullet_data() / name
     if not path.is_file():
-        raise InvalidFile("file of pybullet_data", name, f"a file below {path.parents[len(Path(name).parts) - 1]}")
+        raise InvalidFile("file of pybullet_data", name, f"a file below {pybullet_data()}")
     return path
 
 
 def robotics_assets() -> Path:
-    """Folder of gymnasium-robotics' models; MissingPackage when the package is not there."""
-    found = find_spec("gymnasium_robotics")
-    if found is None or not found.submodule_search_locations:
-        raise MissingPackage("gymnasium-robotics", "hand", "reading the articulated hand")
-    return Path(next(iter(found.submodule_search_locations))) / "envs" / "assets"
+    """Return the folder of gymnasium-robotics' models. Raises MissingPackage."""
+    return _folder("gymnasium_robotics", "gymnasium-robotics", "hand", "reading the articulated hand") / "envs" / "assets"

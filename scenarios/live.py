@@ -1,7 +1,6 @@
-"""`python -m scenarios.live`: built-in stages and scenes of the catalogue driven in the browser, other engines beside ours.
+"""`python -m scenarios.live`: built-in stages and scenes of the catalogue driven in the browser, other engines beside avatarsim.
 
-The page, the loops and the ports are those of `avatarsim live`; what is added is what alone the harness knows: its
-scenes, its engines, and the independent judge, which measures them. A scene's own motion is a clip to play and to take over from.
+Page, loops and ports are those of `avatarsim live`; added are scenes, with their motions as clips, engines and the judge.
 """
 
 import argparse
@@ -15,7 +14,7 @@ from avatarsim.cli.live import drive, require_page
 from avatarsim.console import ended
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
-from avatarsim.live.messages import Array, Plan
+from avatarsim.live.messages import Plan
 from avatarsim.live.stages import NAMES, Stage, stage, staged
 from avatarsim.live.view.depth import Depth
 from avatarsim.scene.motion import Motion
@@ -28,43 +27,44 @@ from scenarios.engines import known
 from scenarios.run.gate import USAGE
 from scenarios.scenario import RENDERED, Scenario
 
-SCENE = "gallery"
-"""The scene that is shown where none is asked for, as built in."""
-
 
 def parser() -> argparse.ArgumentParser:
-    """All options."""
+    """Return the parser of all options."""
     others = " ".join(f"{one.name}/{one.presets[0]}" for one in engines().values() if not one.baseline and one.name != GATED[0])
     top = argparse.ArgumentParser(
-        prog="python -m scenarios.live", description="Scenes of the catalogue driven in the browser, other engines beside ours.",
+        prog="python -m scenarios.live", description="Drive scenes of the catalogue in the browser, other engines beside.",
         epilog=f"examples: python -m scenarios.live; python -m scenarios.live --scene hand --engine {others}",
     )
     live_options(top)
     scene = f"{', '.join(NAMES)} as in `avatarsim live`, or a scene of the catalogue"
-    top.add_argument("--scene", default=SCENE, metavar="NAME", help=scene)
-    beside = "engines beside ours, led by the same targets"
-    top.add_argument("--engine", nargs="+", default=[], metavar="ENGINE/PRESET", help=beside)
+    top.add_argument("--scene", default="gallery", metavar="NAME", help=scene)
+    other = "engines beside avatarsim, led by the same targets"
+    top.add_argument("--engine", nargs="+", default=[], metavar="ENGINE/PRESET", help=other)
     return top
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """The exit code: 0 ended by the user, 1 the engine's process ended by itself, 2 wrong usage."""
-    asked = parser().parse_args(arguments)
+    """Return the exit code: 0 ended by the user, 1 the engine's process ended by itself, 2 wrong usage."""
+    options = parser().parse_args(arguments)
     try:
         require_page()
-        if asked.motion:
-            raise InvalidInput("--motion", str(asked.motion[0]), "an option of `avatarsim live --avatar FILE`")
-        found, clips = staged_of(asked.scene)
-        rivals = [plan_of(words, found.scene, asked.rate) for words in asked.engine]
-        return drive(asked, found, clips, rivals, judged(found.scene))
+        if options.motion:
+            raise InvalidInput("--motion", str(options.motion[0]), "an option of `avatarsim live --avatar FILE`")
+        found, clips = staged_of(options.scene)
+        others = [plan_of(words, found.scene, options.rate) for words in options.engine]
+        return drive(options, found, clips, others, judged(found.scene))
     except AvatarsimError as error:
         print(f"scenarios.live: {error}", file=sys.stderr)
         return USAGE
 
 
 def staged_of(name: str) -> tuple[Stage, Mapping[str, Motion]]:
-    """A built-in stage, or a scene of the catalogue with its motion as a clip. Raises UnknownName for neither, InvalidInput for
-    one without an avatar."""
+    """Return a built-in stage, or a scene of the catalogue with its motion as a clip.
+
+    Raises:
+        UnknownName: for neither.
+        InvalidInput: for a scene without an avatar.
+    """
     if name in NAMES:
         return stage(name), {}
     scenario = get(name)
@@ -75,17 +75,16 @@ def staged_of(name: str) -> tuple[Stage, Mapping[str, Motion]]:
 
 
 def plan_of(words: str, scene: Scene, rate: float) -> Plan:
-    """Return the loop of another engine, named as ENGINE/PRESET. Raises UnknownName for what there is not."""
+    """Return the loop of another engine, named as ENGINE/PRESET. Raises UnknownName."""
     name, _, preset = words.partition("/")
-    paths = known()
-    if name not in paths:
-        raise UnknownName("engine", name, paths)
+    if name not in known():
+        raise UnknownName("engine", name, known())
     preset = preset or about(name).presets[0]
-    return Plan(paths[name], scene, Settings(preset=preset), rate, name=f"{name}/{preset}")
+    return Plan(about(name).adapter, scene, Settings(preset=preset), rate, name=f"{name}/{preset}")
 
 
 def clip(scenario: Scenario, scene: Scene) -> Motion:
-    """The scenario's own motion, as one that can be played."""
+    """Return the scenario's own motion as a clip."""
     motion = scenario.motion(scene, 0)
     samples = [scene.first_sample, *(motion(frame) for frame in range(scenario.frames))]
     return Motion(
@@ -95,13 +94,9 @@ def clip(scenario: Scenario, scene: Scene) -> Motion:
 
 
 def judged(scene: Scene) -> Depth:
-    """Penetration by the independent judge, of all pairs that may not overlap."""
+    """Return a function for the deepest overlap [m] of all pairs that may not overlap, by the independent judge."""
     judge = Judge(scene)
-
-    def depth(scene: Scene, positions: Array, orientations: Array, angles: Array) -> float:
-        return judge.overlaps(positions, orientations).deepest
-
-    return depth
+    return lambda scene, positions, orientations, angles: judge.overlaps(positions, orientations).deepest
 
 
 if __name__ == "__main__":

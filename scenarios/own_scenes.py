@@ -1,7 +1,6 @@
-"""Scenes from a user's files in the catalogue: MJCF, URDF and meshes, driven by a recorded motion or left to gravity; recordings
-of `avatarsim live`, with what was driven.
+"""Scenes from a user's files in the place of the catalogue: MJCF, URDF, meshes, and recordings of `avatarsim live`.
 
-Each process of a run reads the files again, so what is asked for travels in the environment, which every process inherits.
+Each process of a run reads the files again, so their names travel in the environment, which every process inherits.
 """
 
 import json
@@ -28,17 +27,17 @@ from scenarios.motion.track import Track
 from scenarios.scenario import RENDERED, Motion, Scenario
 
 VARIABLE = "AVATARSIM_OWN_SCENES"
-"""Environment variable that holds what was asked for, as JSON; empty or absent without own scenes."""
+"""Environment variable with the scenes as JSON; empty or absent without any."""
 QUICK = 600
-"""Frames of a quick comparison at most, ten seconds: three engines with some thirty settings take a minute for them."""
+"""Most frames of a quick comparison, ten seconds: three engines with some thirty settings take a minute for them."""
 LONGEST = 3600.0
-"""[s] of a scene at most, an hour; longer ones are not kept in memory."""
+"""Longest scene [s]; longer ones do not fit into memory."""
 MODELS = (".xml", ".mjcf", ".urdf")
-"""Endings of files that may hold joints."""
+"""Endings of files that may have joints."""
 DRIVEN = ".live"
 """Ending of recordings of `avatarsim live`: scene and samples in one file."""
 MARGIN = 1e-3
-"""[m] the first posture is looked for with so much room about it, as in cleaning."""
+"""Free space [m] about the first posture, as in cleaning."""
 
 
 if TYPE_CHECKING:
@@ -47,9 +46,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class OwnScene:
-    """A scene as its user asks for it: `file` with whatever is in it, an `avatar` beside it, a `room`, a `motion`; empty words
-    for what is not there. `seconds` how long it runs without a motion, at most how long with one; `scene_scale`, `avatar_scale`
-    and `room_scale` are metres a unit of length of the file, the avatar's and the room's."""
+    """Files of one scene; "" for one that is not given.
+
+    seconds  length without a motion, and longest length with one
+    *_scale  metres a unit of length of a file
+    """
 
     name: str
     file: str
@@ -63,19 +64,14 @@ class OwnScene:
 
     @cached_property
     def recorded(self) -> "MotionFile | None":
-        """The motion file; None without one. Raises InvalidFile for what cannot be read."""
+        """Motion file, None without one. Raises InvalidFile."""
         from avatarsim.assets.motions.load import load_motion
 
         return load_motion(self.motion) if self.motion else None
 
-    @property
-    def is_recording(self) -> bool:
-        """Whether the file is a recording of `avatarsim live`."""
-        return Path(self.file).suffix.lower() == DRIVEN
-
     @cached_property
     def models(self) -> tuple[Model, ...]:
-        """What has the avatar, if anything has, then what stands about it. Raises InvalidFile for what cannot be read."""
+        """Model with the avatar, if any has one, and those about it. Raises InvalidFile."""
         from avatarsim.assets.models.load import load_avatar, load_room
 
         rooms = [load_room(self.room, scale=self.room_scale)] if self.room else []
@@ -86,36 +82,40 @@ class OwnScene:
         found = load_avatar(self.file, scale=self.scene_scale) if has_joints else as_room()
         if found.avatar is not None and len(found.avatar.links) > 1:
             return found, *rooms
-        brought = None if self.recorded is None else self.recorded.model()
-        if brought is not None:
-            # a recording on its own skeleton
-            return brought, as_room(), *rooms
+        if self.recorded is not None and (skeleton := self.recorded.model()) is not None:
+            return skeleton, as_room(), *rooms
         # a loose body is an avatar only where a motion drives it
         return (found if self.motion else as_room()), *rooms
 
+    @cached_property
+    def is_driven(self) -> bool:
+        """Whether the file is a recording of `avatarsim live`."""
+        return Path(self.file).suffix.lower() == DRIVEN
+
     @property
-    def said(self) -> tuple[str, ...]:
-        """What readers say: units guessed, bodies raised, pairs left out of contact since they overlap in the file."""
-        if self.is_recording:
+    def notes(self) -> tuple[str, ...]:
+        """Remarks of readers: units guessed, bodies raised, pairs left out of contact since they overlap in the file."""
+        if self.is_driven:
             return ()
-        heard = [*(() if self.recorded is None else self.recorded.said), *(said for model in self.models for said in model.said)]
-        return tuple(dict.fromkeys(heard))
+        motion = () if self.recorded is None else self.recorded.said
+        return tuple(dict.fromkeys([*motion, *(note for model in self.models for note in model.said)]))
 
     def replayed(self) -> tuple[Scene, Track]:
-        """Scene and samples of a recording of `avatarsim live`; what was ordered in between, switches among it, is left out.
+        """Return scene and samples of a recording of `avatarsim live`, without commands in between.
 
-        Raises InvalidFile for what is no recording, or beside which an avatar, a room, a motion or a scale is named."""
+        Raises InvalidFile for any other file, and for an avatar, room, motion or scale beside it.
+        """
         from avatarsim.live.recording import Frame, read
 
         scale = "" if self.scene_scale == 1.0 else f"{self.scene_scale:g}"
-        beside = (("--avatar", self.avatar), ("--room", self.room), ("--motion", self.motion), ("--scene-scale", scale))
-        for name, other in beside:
+        file = Path(self.file).name
+        for option, other in (("avatar", self.avatar), ("room", self.room), ("motion", self.motion), ("scene-scale", scale)):
             if other:
-                raise InvalidFile(f"{name} beside {Path(self.file).name}", other, "nothing: a recording has all of it")
+                raise InvalidFile(f"--{option} beside {file}", other, "nothing: a recording has all of it")
         found = read(Path(self.file))
         samples = [row.sample for row in found.rows if isinstance(row, Frame)]
         if not samples or not found.plan.scene.avatars:
-            raise InvalidFile(f"frames of {Path(self.file).name}", len(samples), "1 at least, of a scene with an avatar")
+            raise InvalidFile(f"frames of {file}", len(samples), "1 at least, of a scene with an avatar")
         times = np.arange(len(samples), dtype=np.float64) / found.plan.rate
         driven = Recording(
             times, np.array([one.positions for one in samples]), np.array([one.rotations for one in samples]),
@@ -124,8 +124,8 @@ class OwnScene:
         return replace(found.plan.scene, name=self.name), Track(driven.positions, driven.rotations, driven.angles)
 
     def parts(self) -> tuple[Scene, Track | None]:
-        """The scene with a first posture that is free, and the motion from there; None without one."""
-        if self.is_recording:
+        """Return the scene with a free first posture, and the motion from there, None without one."""
+        if self.is_driven:
             return self.replayed()
         # here and not above: to list the catalogue needs no compiler
         from avatarsim.cleaning.chords import Chords
@@ -147,29 +147,25 @@ class OwnScene:
         return replace(scene, start=start), track
 
     def scenario(self) -> Scenario:
-        """The question that is put to every engine: nothing overlaps, limits hold, all is finite; the rest is measured."""
+        """Return the scenario: overlap, finite poses and limits are bounded, all else is measured."""
         frames = max(1, round(self.seconds / RENDERED))
-        if self.motion or self.is_recording:
-            track = _parts(self)[1]
-            frames = min(frames, len(track)) if track is not None else frames
+        if (self.motion or self.is_driven) and (track := _parts(self)[1]) is not None:
+            frames = min(frames, len(track))
 
         def motion(scene: Scene, seed: int) -> Motion:
             track = _parts(self)[1]
-            return held(scene) if track is None else track.motion()
+            if track is not None:
+                return track.motion()
+            return lambda frame: replace(scene.first_sample, time=(frame + 1) * RENDERED)
 
-        kept = (NO_OVERLAP, FINITE, WITHIN_LIMITS) if _parts(self)[0].derived_effects.limits else (NO_OVERLAP, FINITE)
-        what = " with ".join(filter(None, (Path(self.file).name, Path(self.motion).name if self.motion else "")))
+        limits = (WITHIN_LIMITS,) if _parts(self)[0].derived_effects.limits else ()
+        files = " with ".join(Path(file).name for file in (self.file, self.motion) if file)
         return Scenario(
-            name=self.name, title=f"A user's own scene: {what}.",
+            name=self.name, title=f"A user's own scene: {files}.",
             judged="Overlap, numbers and limits, as promised; all else is measured without a bound.",
-            build=lambda: _parts(self)[0], motion=motion, frames=frames, short=min(frames, QUICK), bounds=kept,
-            everyday=True, family=self.name,
+            build=lambda: _parts(self)[0], motion=motion, frames=frames, short=min(frames, QUICK),
+            bounds=(NO_OVERLAP, FINITE, *limits), everyday=True, family=self.name,
         )
-
-
-def held(scene: Scene) -> Motion:
-    """A user that stays as the scene begins."""
-    return lambda frame: replace(scene.first_sample, time=(frame + 1) * RENDERED)
 
 
 @lru_cache(maxsize=8)
@@ -178,47 +174,53 @@ def _parts(own: OwnScene) -> tuple[Scene, Track | None]:
 
 
 def named(file: str, taken: Sequence[str]) -> str:
-    """A scene's name from its file's: letters, digits and underscores, one that is not `taken`."""
+    """Return a scene's name from its file's: letters, digits and underscores, and a number where it is taken."""
     plain = OWN_PREFIX + (re.sub(r"[^a-z0-9]+", "_", Path(file).stem.lower()).strip("_")[:40] or "scene")
-    number = next(k for k in range(1, len(taken) + 2) if (plain if k == 1 else f"{plain}_{k}") not in taken)
-    return plain if number == 1 else f"{plain}_{number}"
+    names = (plain if k == 1 else f"{plain}_{k}" for k in range(1, len(taken) + 2))
+    return next(name for name in names if name not in taken)
 
 
-def ask(
+def take_files(
     files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float, *,
     scene_scale: float = 1.0, avatar_scale: float = 1.0, room_scale: float = 1.0,
 ) -> list[str]:
-    """Take these files as the scenes of this process and of those that it starts, once each is read and its start is free. Scales
-    are metres a unit of length of the files of scenes, avatar and room.
+    """Put scenes of files in the place of the catalogue, in this process and those that it starts. Return remarks of readers.
 
-    Returns what readers say of each: units guessed, bodies raised and pairs left out of contact since they overlap in the file.
+    Args:
+        files: a scene each.
+        avatar, room, motion: files that all of them share.
+        seconds: length.
+        scene_scale, avatar_scale, room_scale: metres a unit of length of the files.
 
-    Raises InvalidFile for what cannot be read, InvalidInput for a duration without sense, StartOverlaps where bodies overlap."""
+    Raises:
+        InvalidFile: for a file that cannot be read.
+        InvalidInput: for an invalid length.
+        StartOverlaps: where bodies overlap.
+    """
     within("--seconds [s]", seconds, RENDERED, LONGEST, InvalidInput)
     found: list[OwnScene] = []
     for file in files:
         own = OwnScene(
-            named(file, [one.name for one in found]), whole(file), whole(avatar), room if room == "floor" else whole(room),
-            whole(motion), seconds, scene_scale, avatar_scale, room_scale,
+            named(file, [one.name for one in found]), _whole(file), _whole(avatar), room if room == "floor" else _whole(room),
+            _whole(motion), seconds, scene_scale, avatar_scale, room_scale,
         )
-        scene, _ = _parts(own)
         engine = opened(GATED[0])
         try:
-            engine.load(scene, Settings(), RENDERED)
+            engine.load(_parts(own)[0], Settings(), RENDERED)
         finally:
             engine.close()
         found.append(own)
     os.environ[VARIABLE] = json.dumps([asdict(own) for own in found])
-    return [f"{own.name}: {said}" for own in found for said in own.said]
+    return [f"{own.name}: {note}" for own in found for note in own.notes]
 
 
-def whole(path: str | None) -> str:
-    """A path that holds in other processes too; empty for none."""
+def _whole(path: str | None) -> str:
+    """Return a path that is valid in other processes too, "" for none."""
     return str(Path(path).absolute()) if path else ""
 
 
 def scenarios() -> dict[str, Scenario]:
-    """Own scenes by name; none where none was asked for."""
+    """Return own scenes by name."""
     return dict(_of(os.environ.get(VARIABLE, "")))
 
 

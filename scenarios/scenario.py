@@ -1,4 +1,4 @@
-"""What a scenario is: a scene, a motion, how long, and what must hold, each bound with its reason."""
+"""Scenarios: a scene, a motion, a length, and bounds, each with its reason."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -15,15 +15,12 @@ RENDERED: float = 1.0 / 60.0
 """Length [s] of one rendered frame, and of one step of every stored motion."""
 
 Motion = Callable[[int], TrackerSample]
-"""What the user did by the END of frame k, k = 0 being the first frame advanced. Deterministic."""
+"""The user's posture at the end of frame k; frame 0 is the first that is advanced. Deterministic."""
 
 
 @dataclass(frozen=True)
 class Bound:
-    """A promise about one metric: its value may be at most `limit`, in the metric's own unit.
-
-    A metric that was not measured, or is not a number, has broken the promise.
-    """
+    """Largest value of a metric, in its unit, and the reason. A metric that is missing or not a number breaks its bound."""
 
     metric: str
     limit: float
@@ -36,15 +33,15 @@ class Bound:
             raise InvalidInput(f"reason for the bound on {self.metric}", self.reason, "a sentence")
 
     def holds(self, value: float) -> bool:
-        """Whether `value` keeps the promise; not-a-number never does."""
+        """Return whether a value is within the bound; NaN never is."""
         return value <= self.limit
 
 
 @dataclass(frozen=True)
 class Region:
-    """Where the frame origins of some bodies may be: a box from `low` to `high` [m], sides may be infinite.
+    """Box from `low` to `high` [m] that frame origins of some bodies may not leave; sides may be infinite.
 
-    `bodies` are names in canonical order or patterns with `*`, such as "human/*".
+    `bodies` are names in canonical order or patterns such as "human/*".
     """
 
     bodies: tuple[str, ...]
@@ -55,22 +52,22 @@ class Region:
     def __post_init__(self) -> None:
         for axis, low, high in zip("xyz", self.low, self.high, strict=True):
             if not low < high:
-                thing = f"region of {', '.join(self.bodies)} along {axis}"
-                raise InvalidInput(thing, (low, high), "low below high")
+                raise InvalidInput(f"region of {', '.join(self.bodies)} along {axis}", (low, high), "low below high")
 
     def indices(self, names: tuple[str, ...]) -> tuple[int, ...]:
-        """Places in `names` that match, rising; UnknownName for a pattern that matches nothing."""
+        """Return the indices of its bodies among `names`, rising. Raises UnknownName for a pattern without a match."""
         for pattern in self.bodies:
             if not any(fnmatchcase(name, pattern) for name in names):
                 raise UnknownName("body of a region", pattern, names)
-        return tuple(k for k, name in enumerate(names) if any(fnmatchcase(name, p) for p in self.bodies))
+        return tuple(k for k, name in enumerate(names) if any(fnmatchcase(name, one) for one in self.bodies))
 
 
 @dataclass(frozen=True)
 class Drop:
-    """A ball that falls straight onto a fixed slab: the closed form of a bounce.
+    """A ball that falls straight onto a fixed slab.
 
-    `height` [m] from surface to surface at the start; `restitution` of the pair, so apex n is e^(2n) h.
+    height       from surface to surface at the start [m]
+    restitution  e of the pair: apex n is e^(2n) height
     """
 
     ball: str
@@ -106,22 +103,23 @@ EXPECTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "nothing_touches": ("True: no engine can be caught here by contacts", ()),
     REFUSAL: ("True: the first pose overlaps, and should be refused", ()),
 }
-"""Key of a scenario's `expects` -> what stands there, and the metrics that are measured by it and in no other scene. The types
-beside `Drop` are those of `scenarios/building/expected.py`."""
+"""Key of a scenario's `expects` -> its value, and the metrics that are measured by it and in no other scene. Types beside `Drop`
+are those of `scenarios/building/expected.py`."""
 
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """One question put to every engine.
+    """One question to every engine.
 
-    `title` and `judged` are one sentence each. `build` makes the scene, `motion(scene, seed)` the tracker's.
-    `frames` is the full length, `short` the length of a quick comparison (None: the same), `short_motion` the
-    motion for it where the full one does not simply end early. `metrics` names what is measured beyond the
-    standard list, `expects` holds what is known of the motion beforehand, under the keys of `EXPECTS`. The `everyday` scenes are
-    those of the short tables and of what is timed without filter and full lengths. `family` names the scene that this one is a
-    variant of, so that counts of scenes are not counts of variants; in the catalogue it is the file that the scene stands in,
-    unless that says otherwise. `scale` is the size of its world where it is another world made larger or smaller
-    (`scenarios.studies.hard_cases.elsewhere`).
+    title, judged        a sentence each
+    build, motion        make the scene, and the tracker's motion in a scene by seed
+    frames, short        full length, and that of a quick comparison (None: the full one)
+    short_motion         motion of the short length, where it is not the beginning of the full one
+    metrics              figures beyond the standard list
+    expects              known facts of the motion, by the keys of `EXPECTS`
+    everyday             flag: it is in short tables, and timed without a filter
+    family               scene that this is a variant of; in the catalogue the file of the scene, by default
+    scale                size of its world, where it is a larger or smaller copy
     """
 
     name: str
@@ -148,11 +146,10 @@ class Scenario:
             raise InvalidInput(f"short length of {self.name}", self.short, f"1 to {self.frames} frames")
         for key in self.expects:
             if key not in EXPECTS:
-                raise UnknownName(f"key in what {self.name} expects", key, EXPECTS)
+                raise UnknownName(f"key in `expects` of {self.name}", key, EXPECTS)
 
     def as_run(self, full: bool) -> "Scenario":
-        """The scenario as it is run: `frames` and `motion` are those in force, nothing short is left."""
+        """Return the scenario with the frames and the motion of one length."""
         if full or self.short is None:
             return replace(self, short=None, short_motion=None)
-        motion = self.short_motion or self.motion
-        return replace(self, frames=self.short, motion=motion, short=None, short_motion=None)
+        return replace(self, frames=self.short, motion=self.short_motion or self.motion, short=None, short_motion=None)

@@ -53,7 +53,7 @@ def take_own_scenes(options: argparse.Namespace) -> None:
             scales[option] = positive(_word(option), value, InvalidInput)
             if getattr(options, file) is None:
                 raise InvalidInput(_word(option), value, f"an option beside --{file}")
-    notes = own_scenes.ask(options.scene, options.avatar, options.room, options.motion, options.seconds, **scales)
+    notes = own_scenes.take_files(options.scene, options.avatar, options.room, options.motion, options.seconds, **scales)
     for note in notes:
         print(note, file=sys.stderr)
     options.scene = None

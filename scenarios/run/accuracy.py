@@ -1,17 +1,18 @@
 """Accuracy pass: run one engine through one scenario, measure its recording and save it."""
 
 from collections.abc import Mapping
-from contextlib import closing, suppress
+from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.engine import FrameRecord, Snapshot
+from avatarsim.engine import Engine, FrameRecord, Snapshot
 from avatarsim.errors import AvatarsimError, InvalidFile, MissingPackage, StartOverlaps, UnsupportedScene, described
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses_each
@@ -120,44 +121,42 @@ def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None 
         folder: of the run, for the scene and the steps as the engine has them; None: not written.
     """
     scene, dt, frames, about = prepared.scene, prepared.scenario.dt, list[FrameRecord](), dict[str, object]()
-    try:
-        engine = opened(job.engine)
-        unsupported = dict(engine.cannot_say(scene))
-        about |= {"version": engine.version, "cannot_say": unsupported, "settings": {}}
-        if "scene" in unsupported:
-            return Shown("cannot-say", [], about, unsupported["scene"])
-        settings = job.settings(engine, inside=inside)
-    except MissingPackage as error:
-        return Shown("not-measured", [], about, str(error))
-    except Exception as error:
-        # an engine may raise anything: that is its result, not the end of the comparison
-        return Shown("crashed", [], about, f"before loading: {described(error)}")
-    try:
-        frames.append(engine.load(scene, settings, dt))
-        about |= {"settings": dict(engine.settings_as_run()), "cannot_say": dict(engine.cannot_say(scene))}
-        keeps_steps = folder is not None and write_native(engine, folder, job, prepared.scenario.everyday)
-        spent = []
-        for sample in prepared.samples:
-            begun = perf_counter()
-            frames.append(engine.advance(sample, dt))
-            spent.append(perf_counter() - begun)
-        about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
-        if folder is not None and keeps_steps:
-            write_steps(engine, folder, job)
-    except MissingPackage as error:
-        return Shown("not-measured", frames, about, str(error))
-    except UnsupportedScene as error:
-        return Shown("cannot-say", frames, about, str(error))
-    except StartOverlaps as error:
-        return Shown("refused" if prepared.scenario.expects.get(REFUSAL) else "crashed", frames, about, described(error))
-    except Exception as error:
-        note = f"in frame {len(frames)}: {described(error)}" if frames else f"while loading: {described(error)}"
-        return Shown("crashed", frames, about, note)
-    finally:
-        with suppress(Exception):
-            # its frames are all there: a close that fails changes no figure
-            engine.close()
+    with ExitStack() as stack:
+        try:
+            engine = opened(job.engine)
+            stack.callback(_close, engine)
+            unsupported = dict(engine.cannot_say(scene))
+            about |= {"version": engine.version, "cannot_say": unsupported, "settings": {}}
+            if "scene" in unsupported:
+                return Shown("cannot-say", [], about, unsupported["scene"])
+            frames.append(engine.load(scene, job.settings(engine, inside=inside), dt))
+            about |= {"settings": dict(engine.settings_as_run()), "cannot_say": dict(engine.cannot_say(scene))}
+            keeps_steps = folder is not None and write_native(engine, folder, job, prepared.scenario.everyday)
+            spent = []
+            for sample in prepared.samples:
+                begun = perf_counter()
+                frames.append(engine.advance(sample, dt))
+                spent.append(perf_counter() - begun)
+            about[FRAME_SECONDS] = float(np.median(spent)) if spent else 0.0
+            if folder is not None and keeps_steps:
+                write_steps(engine, folder, job)
+        except MissingPackage as error:
+            return Shown("not-measured", frames, about, str(error))
+        except UnsupportedScene as error:
+            return Shown("cannot-say", frames, about, str(error))
+        except StartOverlaps as error:
+            return Shown("refused" if prepared.scenario.expects.get(REFUSAL) else "crashed", frames, about, described(error))
+        except Exception as error:
+            # an engine may raise anything: that is its result, not the end of the comparison
+            when = f"in frame {len(frames)}" if frames else "while loading"
+            return Shown("crashed", frames, about, f"{when}: {described(error)}")
     return Shown("measured", frames, about)
+
+
+def _close(engine: Engine) -> None:
+    """Close an engine; a failure changes no figure."""
+    with suppress(Exception):
+        engine.close()
 
 
 def accuracy(job: Job, folder: Path, judged: int = INSIDE_JUDGED) -> Outcome:
@@ -243,7 +242,6 @@ def gathered(
         about: further entries of its meta.
         raw: link poses of `states`, where they are known.
     """
-    shown = [frame.shown for frame in frames]
     inside = [(k, snapshot) for k, frame in enumerate(frames) for snapshot in frame.inside if k > 0]
     within = [snapshot for _, snapshot in inside]
     raw_positions, raw_orientations = raw or link_poses_each(scene.avatars, states[: len(frames)])
@@ -257,32 +255,27 @@ def gathered(
             "names": scene.names, **about,
         },
         times=np.arange(len(frames), dtype=np.float64) * scenario.dt,
-        positions=_stack(shown, "positions", n, 3), orientations=_continuous(shown, n),
-        velocities=_stack(shown, "velocities", n, 3), angular_velocities=_stack(shown, "angular_velocities", n, 3),
+        **_stacked([frame.shown for frame in frames], n), **_stacked(within, n, "inside_"),
         angles=np.array(angles, dtype=np.float64).reshape(len(frames), -1),
         raw_positions=raw_positions, raw_orientations=rotation.continuous(raw_orientations),
         raw_angles=np.array([sample.angles for sample in states[: len(frames)]], dtype=np.float64).reshape(len(frames), -1),
         inside_time=np.array([snapshot.time for snapshot in within], dtype=np.float64),
         inside_frame=np.array([k for k, _ in inside], dtype=np.int64),
         inside_event=np.array([EVENTS.index(snapshot.event) for snapshot in within], dtype=np.int64),
-        inside_positions=_stack(within, "positions", n, 3), inside_orientations=_continuous(within, n),
-        inside_velocities=_stack(within, "velocities", n, 3),
-        inside_angular_velocities=_stack(within, "angular_velocities", n, 3),
         state_hashes=np.array([frame.state_hash() for frame in frames]),
         counts=_by_name([frame.counts for frame in frames]), statuses=_by_name([frame.statuses for frame in frames]),
     )
 
 
-def _stack(snapshots: list[Snapshot], name: str, n: int, width: int) -> Array:
-    """Return one field of all snapshots: (S, n, width)."""
-    return np.array([getattr(snapshot, name) for snapshot in snapshots], dtype=np.float64).reshape(len(snapshots), n, width)
-
-
-def _continuous(snapshots: list[Snapshot], n: int) -> Array:
-    """Return the orientations of all snapshots, (S, n, 4), without changes of sign from row to row."""
+def _stacked(snapshots: list[Snapshot], n: int, prefix: str = "") -> dict[str, Any]:
+    """Return poses and velocities of S snapshots, (S, n, 3) or (S, n, 4); signs of orientations do not change along rows."""
+    found = {
+        prefix + name: np.array([getattr(one, name) for one in snapshots], dtype=np.float64).reshape(len(snapshots), n, width)
+        for name, width in (("positions", 3), ("orientations", 4), ("velocities", 3), ("angular_velocities", 3))
+    }
     # an engine may show poses that are not finite
     with np.errstate(over="ignore", invalid="ignore"):
-        return rotation.continuous(_stack(snapshots, "orientations", n, 4))
+        return found | {prefix + "orientations": rotation.continuous(found[prefix + "orientations"])}
 
 
 def _by_name(per_frame: list[Mapping[str, int]]) -> dict[str, NDArray[np.int64]]:

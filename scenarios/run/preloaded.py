@@ -6,8 +6,11 @@ A part that fails is skipped; the worker process that needs it fails where it is
 from contextlib import suppress
 from importlib import import_module
 
-NEEDED = ("scenarios.run.accuracy", "scenarios.run.timing", "reference.judging.judge")
-"""The harness and the judge: half a second for each of hundreds of processes."""
+
+def harness() -> None:
+    """Import the harness and the judge: half a second for each of hundreds of processes."""
+    for name in ("scenarios.run.accuracy", "scenarios.run.timing", "reference.judging.judge"):
+        import_module(name)
 
 
 def catalogue() -> None:
@@ -29,11 +32,8 @@ def source_hash() -> None:
 
 
 def preload() -> None:
-    """Load all parts, each as far as it goes."""
-    for name in NEEDED:
-        with suppress(Exception):
-            import_module(name)
-    for part in (catalogue, target_kernels, source_hash):
+    """Load all parts."""
+    for part in (harness, catalogue, target_kernels, source_hash):
         with suppress(Exception):
             part()
 

@@ -2,7 +2,9 @@
 
 import time
 from types import TracebackType
-from typing import Any, Self, TextIO
+from typing import Self, TextIO
+
+from tqdm import tqdm
 
 INTERVAL = 300.0
 """Longest time [s] without a line where there is no terminal: logs of CI stay short, and hosts do not take a run for dead."""
@@ -14,25 +16,18 @@ class Progress:
     def __init__(self, name: str, total: int, stream: TextIO) -> None:
         self.name, self.total, self.stream = name, total, stream
         self.done, self.begun = 0, time.monotonic()
-        self.printed = self.begun
-        self.bar: Any = None
+        self.printed, self.quiet = self.begun, not stream.isatty()
+        self.bar = tqdm(total=total, desc=name, file=stream, unit="run", dynamic_ncols=True, disable=self.quiet)
 
     def __enter__(self) -> Self:
-        if self.stream.isatty():
-            try:
-                from tqdm import tqdm
-            except ImportError:
-                return self
-            self.bar = tqdm(total=self.total, desc=self.name, file=self.stream, unit="run", dynamic_ncols=True)
         return self
 
     def step(self, label: str) -> None:
         """Count one more, of that label."""
         self.done += 1
-        if self.bar is not None:
-            self.bar.set_postfix_str(label)
-            self.bar.update()
-        elif time.monotonic() - self.printed > INTERVAL:
+        self.bar.set_postfix_str(label)
+        self.bar.update()
+        if self.quiet and time.monotonic() - self.printed > INTERVAL:
             self._print()
 
     def _print(self) -> None:
@@ -41,7 +36,6 @@ class Progress:
         print(f"{self.name:<12} {self.done}/{self.total}  {minutes}:{seconds:02d}", file=self.stream, flush=True)
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
-        if self.bar is not None:
-            self.bar.close()
-        else:
+        self.bar.close()
+        if self.quiet:
             self._print()

@@ -48,7 +48,7 @@ def arm(tmp_path: Path) -> tuple[str, str]:
 
 
 def test_own_scenes_stand_in_the_place_of_the_catalogue(boxes: str) -> None:
-    own_scenes.ask([boxes, boxes], None, None, None, 2.0)
+    own_scenes.take_files([boxes, boxes], None, None, None, 2.0)
     assert set(catalog.scenarios()) == {"own_two_boxes", "own_two_boxes_2"} == set(offered.scenarios("compare"))
     scenario = catalog.get("own_two_boxes")
     assert scenario.frames == 120 and scenario.everyday and "Two boxes.xml" in scenario.title
@@ -57,7 +57,7 @@ def test_own_scenes_stand_in_the_place_of_the_catalogue(boxes: str) -> None:
 
 
 def test_a_motion_drives_the_avatar_from_a_free_start(arm: tuple[str, str]) -> None:
-    own_scenes.ask([arm[0]], None, "floor", arm[1], 60.0)
+    own_scenes.take_files([arm[0]], None, "floor", arm[1], 60.0)
     (scenario,) = catalog.scenarios().values()
     scene = scenario.build()
     assert len(scene.avatars[0].links) >= 2 and scenario.frames == 40 + 30
@@ -67,7 +67,7 @@ def test_a_motion_drives_the_avatar_from_a_free_start(arm: tuple[str, str]) -> N
 
 
 def test_without_a_motion_the_avatar_holds_its_first_posture(arm: tuple[str, str]) -> None:
-    own_scenes.ask([arm[0]], None, None, None, 1.0)
+    own_scenes.take_files([arm[0]], None, None, None, 1.0)
     (scenario,) = catalog.scenarios().values()
     scene = scenario.build()
     held = scenario.motion(scene, 0)(30)
@@ -75,7 +75,7 @@ def test_without_a_motion_the_avatar_holds_its_first_posture(arm: tuple[str, str
 
 
 def test_an_avatar_goes_into_a_room_of_another_file(boxes: str, arm: tuple[str, str]) -> None:
-    own_scenes.ask([boxes], arm[0], None, arm[1], 1.0)
+    own_scenes.take_files([boxes], arm[0], None, arm[1], 1.0)
     (scenario,) = catalog.scenarios().values()
     scene = scenario.build()
     assert scene.avatars and {"a", "ball"} <= {body.name.removeprefix("room_") for body in scene.bodies}
@@ -86,7 +86,7 @@ def test_scales_are_metres_a_unit_of_each_file(tmp_path: Path, boxes: str, arm: 
         '<mujoco><worldbody><body name="board" pos="4 0 1"><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>')
 
     def made(**scales: float) -> Scene:
-        own_scenes.ask([boxes], arm[0], str(tmp_path / "shelf.xml"), None, 1.0, **scales)
+        own_scenes.take_files([boxes], arm[0], str(tmp_path / "shelf.xml"), None, 1.0, **scales)
         (scenario,) = catalog.scenarios().values()
         return scenario.build()
 
@@ -97,7 +97,7 @@ def test_scales_are_metres_a_unit_of_each_file(tmp_path: Path, boxes: str, arm: 
     spans = [scene.avatars[0].span for scene in (plain, scaled)]
     assert spans[1] == pytest.approx(0.2 * spans[0])
     # and a file that has the avatar itself
-    own_scenes.ask([arm[0]], None, None, arm[1], 1.0, scene_scale=0.5)
+    own_scenes.take_files([arm[0]], None, None, arm[1], 1.0, scene_scale=0.5)
     (scenario,) = catalog.scenarios().values()
     assert scenario.build().avatars[0].span == pytest.approx(0.5 * spans[0])
 
@@ -105,19 +105,19 @@ def test_scales_are_metres_a_unit_of_each_file(tmp_path: Path, boxes: str, arm: 
 def test_what_cannot_be_run_is_refused_at_the_door(tmp_path: Path, boxes: str, arm: tuple[str, str]) -> None:
     (tmp_path / "arm_in_ball.xml").write_text(ARM.replace("0 1 1", "0 0 1"))
     with pytest.raises(StartOverlaps, match="ball"):
-        own_scenes.ask([boxes], str(tmp_path / "arm_in_ball.xml"), None, None, 1.0)
+        own_scenes.take_files([boxes], str(tmp_path / "arm_in_ball.xml"), None, None, 1.0)
     with pytest.raises(InvalidFile):
-        own_scenes.ask([str(tmp_path / "absent.xml")], None, None, None, 1.0)
+        own_scenes.take_files([str(tmp_path / "absent.xml")], None, None, None, 1.0)
     with pytest.raises(InvalidInput, match="seconds"):
-        own_scenes.ask([boxes], None, None, None, float("nan"))
+        own_scenes.take_files([boxes], None, None, None, float("nan"))
     with pytest.raises(InvalidInput):
-        own_scenes.ask([boxes], None, None, arm[1], 1.0)
+        own_scenes.take_files([boxes], None, None, arm[1], 1.0)
     assert own_scenes.scenarios() == {}
 
 
 def test_what_was_changed_for_a_free_start_is_said(tmp_path: Path) -> None:
     (tmp_path / "sunk.xml").write_text(BOXES.format(height=0.05))
-    said = own_scenes.ask([str(tmp_path / "sunk.xml")], None, None, None, 1.0)
+    said = own_scenes.take_files([str(tmp_path / "sunk.xml")], None, None, None, 1.0)
     assert any(one.startswith("own_sunk: ") and "raised" in one for one in said)
 
 
@@ -164,7 +164,7 @@ def test_a_recording_brings_its_own_skeleton(boxes: str, tmp_path: Path) -> None
         "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation\n"
         "JOINT Spine\n{\nOFFSET 0 20 0\nCHANNELS 3 Zrotation Xrotation Yrotation\nEnd Site\n{\nOFFSET 0 30 0\n}\n}\n}\n"
         f"MOTION\nFrames: 20\nFrame Time: 0.033333\n{frames}\n")
-    own_scenes.ask([boxes], None, None, str(walk), 5.0)
+    own_scenes.take_files([boxes], None, None, str(walk), 5.0)
     (scenario,) = catalog.scenarios().values()
     scene = scenario.build()
     assert len(scene.avatars[0].links) == 2 and {"a", "ball"} <= set(scene.names)
@@ -173,7 +173,7 @@ def test_a_recording_brings_its_own_skeleton(boxes: str, tmp_path: Path) -> None
 def test_pairs_that_a_room_keeps_apart_stay_apart_under_new_names(boxes: str, arm: tuple[str, str], tmp_path: Path) -> None:
     stuck = tmp_path / "stuck.xml"
     stuck.write_text(BOXES.format(height=0.15).replace('pos="0 0 1"', 'pos="0 0 0.3"').replace('pos="0', 'pos="3'))
-    own_scenes.ask([boxes], arm[0], str(stuck), None, 1.0)
+    own_scenes.take_files([boxes], arm[0], str(stuck), None, 1.0)
     (scenario,) = catalog.scenarios().values()
     assert ("room_a", "room_ball") in {tuple(sorted(pair)) for pair in scenario.build().exclude}
 
@@ -184,20 +184,20 @@ def test_a_recording_of_a_live_session_is_a_scene_with_its_motion(tmp_path: Path
     for frame in range(1, 91):
         recorder.frame(pushed(frame), world.advance(pushed(frame)).state_hash())
     recorder.close()
-    own_scenes.ask([str(tmp_path / "mine.live")], None, None, None, 5.0)
+    own_scenes.take_files([str(tmp_path / "mine.live")], None, None, None, 5.0)
     (scenario,) = own_scenes.scenarios().values()
     scene = scenario.build()
     assert scenario.frames == 90 and scene.name == scenario.name and scene.names == plan().scene.names
     motion = scenario.motion(scene, 0)
     np.testing.assert_array_equal(motion(41).positions, pushed(42).positions)
     with pytest.raises(InvalidFile, match="--room beside mine.live"):
-        own_scenes.ask([str(tmp_path / "mine.live")], None, "floor", None, 5.0)
+        own_scenes.take_files([str(tmp_path / "mine.live")], None, "floor", None, 5.0)
     with pytest.raises(InvalidFile, match="--scene-scale beside mine.live"):
-        own_scenes.ask([str(tmp_path / "mine.live")], None, None, None, 5.0, scene_scale=0.5)
+        own_scenes.take_files([str(tmp_path / "mine.live")], None, None, None, 5.0, scene_scale=0.5)
 
 
 def test_a_recording_without_frames_is_refused(tmp_path: Path) -> None:
     world = World(plan())
     Recorder(tmp_path / "none.live", world.plan, world.shown.state_hash()).close()
     with pytest.raises(InvalidFile, match="frames of none.live"):
-        own_scenes.ask([str(tmp_path / "none.live")], None, None, None, 5.0)
+        own_scenes.take_files([str(tmp_path / "none.live")], None, None, None, 5.0)

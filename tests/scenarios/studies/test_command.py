@@ -50,7 +50,7 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> Counted:
     return Counted(monkeypatch)
 
 
-def rows(out: Path, folder: str = command.KEPT) -> list[dict[str, str]]:
+def rows(out: Path, folder: str = command.CHECKPOINTS) -> list[dict[str, str]]:
     with (out / folder / "settings.csv").open(newline="") as file:
         return list(csv.DictReader(file))
 
