@@ -103,8 +103,8 @@ EXPECTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "nothing_touches": ("True: no engine can be caught here by contacts", ()),
     REFUSAL: ("True: the first pose overlaps, and should be refused", ()),
 }
-"""Key of a scenario's `expects` -> its value, and the metrics that are measured by it and in no other scene. Types beside `Drop`
-are those of `scenarios/building/expected.py`."""
+"""Key of a scenario's `expects` -> its value, of a type in `scenarios/building/expected.py`, and the metrics that only scenes
+with this key have."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from importlib import import_module
 from typing import TypeVar
 
 from avatarsim.errors import InvalidInput, UnknownName
@@ -73,21 +74,18 @@ def scenarios(command: str, patterns: str | None = None) -> dict[str, Scenario]:
     return found
 
 
-def get(name: str) -> Scenario:
-    """Return a scene of any kind, also a drawn crowd of any seed. Raises UnknownName."""
-    if name.startswith(drawn_crowds.PREFIX):
-        return drawn_crowds.get(name)
-    found = scenarios("list")
-    if name not in found:
-        raise UnknownName("scenario", name, found)
-    return found[name]
-
-
 def catalogue_of(name: str) -> str:
     """Return the module whose `get` gives a scene."""
-    if name.startswith(drawn_crowds.PREFIX):
-        return drawn_crowds.NAME
-    return unseen.NAME if name in unseen.scenarios() else CATALOGUE
+    return next((room.NAME for room in (unseen, drawn_crowds) if name.startswith(room.PREFIX)), CATALOGUE)
+
+
+def get(name: str) -> Scenario:
+    """Return a scene of any kind, also a drawn crowd of any seed. Raises UnknownName."""
+    known_names = scenarios("list")
+    if name not in known_names and not name.startswith(drawn_crowds.PREFIX):
+        raise UnknownName("scenario", name, known_names)
+    found: Scenario = import_module(catalogue_of(name)).get(name)
+    return found
 
 
 def seed_of(name: str, seed: int) -> int:
@@ -164,7 +162,7 @@ def _presets(
     """Return the presets to run of each engine, and the user's rows with their settings."""
     presets: dict[str, list[tuple[str, OwnSettings | None]]] = {}
     for name, offer in offered.items():
-        listed = list(offer.chosen(options.preset))
+        listed = [preset for preset in offer.presets if not options.preset or preset in options.preset]
         listed = listed[:1] if first_only and not options.preset else listed
         rows = [row for row in own if row.engine == name]
         for row in rows:

@@ -1,13 +1,13 @@
 """The gate: status of each check, and the exit code that follows. Missing data is never a pass."""
 
 import math
-import tomllib
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from avatarsim.console import FAULT
 from avatarsim.errors import InvalidFile
+from avatarsim.files import read_toml
 from runfiles.metrics import unit
 from runfiles.table import Row, Status
 from scenarios.job import Outcome
@@ -16,6 +16,8 @@ from scenarios.scenario import Bound, Scenario
 
 CEILINGS = Path(__file__).parents[1] / "ceilings.toml"
 """Limits, per scene and metric, up to which a broken bound is waived. They may only shrink."""
+MOST_BYTES = 2**20
+"""Bytes of that file."""
 
 EVERYWHERE = (
     Bound("residual_overlap_max", 1e-6, "nothing shown may overlap"),
@@ -42,17 +44,13 @@ def ceilings(path: Path = CEILINGS) -> Ceilings:
     """Return scene -> metric -> limit of the waiver; none without the file. Raises InvalidFile."""
     if not path.exists():
         return {}
-    try:
-        found = tomllib.loads(path.read_text(encoding="utf-8"))
-    except tomllib.TOMLDecodeError as error:
-        raise InvalidFile(str(path), str(error), "TOML: a table per scene, metric = number") from error
-    for scene, entries in found.items():
-        if not isinstance(entries, dict):
-            raise InvalidFile(f"[{scene}] in {path}", entries, "a table of metric = number")
-        for metric, limit in entries.items():
+    found: dict[str, dict[str, float]] = {}
+    for scene, entries in read_toml(path, str(path), "TOML: a table per scene, metric = number", MOST_BYTES).items():
+        for metric, limit in entries.items() if isinstance(entries, dict) else [(scene, entries)]:
+            if not isinstance(entries, dict) or not isinstance(limit, int | float) or not math.isfinite(limit):
+                raise InvalidFile(f"[{scene}] {metric} in {path}", limit, "a table of metric = finite number")
             unit(metric)
-            if not isinstance(limit, int | float) or not math.isfinite(limit):
-                raise InvalidFile(f"[{scene}] {metric} in {path}", limit, "a finite number")
+            found.setdefault(scene, {})[metric] = limit
     return found
 
 

@@ -2,7 +2,7 @@
 
 import sys
 import time
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,7 @@ from scenarios.engines import opened
 from scenarios.job import Job, Outcome, reuses_process
 from scenarios.measure.overlap import SEEN
 from scenarios.measure.timing import frame_times, time_notes
-from scenarios.run import results
+from scenarios.run import results, timing
 from scenarios.run.accuracy import accuracy
 from scenarios.run.gate import Ceilings, bounds_of, exit_code, rows_of
 from scenarios.run.machine import Meter, load_average
@@ -26,16 +26,7 @@ from scenarios.run.progress import Progress
 from scenarios.run.results import Results
 from scenarios.run.sweep_scenes import repeats_of, short_errors_of
 from scenarios.run.timed_worker import TimedWorkers
-from scenarios.run.timing import (
-    MOST_FRAMES,
-    QUICK_FROM,
-    QUICK_TIMEOUT,
-    Clocked,
-    compared,
-    quick_timing,
-    timed_pass,
-    timing_facts,
-)
+from scenarios.run.timing import QUICK_FROM, QUICK_TIMEOUT, Clocked, compared, quick_timing, timed_pass, timing_facts
 from scenarios.scenario import Scenario
 
 SAVE_INTERVAL = 3.0
@@ -52,10 +43,6 @@ class Offer:
     presets: tuple[str, ...] = ()
     trouble: str = ""
     crashed: bool = False
-
-    def chosen(self, names: Collection[str]) -> tuple[str, ...]:
-        """Return its presets among `names`; all where there are no names."""
-        return tuple(preset for preset in self.presets if preset in names) if names else self.presets
 
 
 def offer(name: str) -> Offer:
@@ -74,7 +61,7 @@ def offer(name: str) -> Offer:
 
 
 def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
-    """Return the offers of engines, each opened in a process of its own: importing an engine may print, leak or crash."""
+    """Open engines, each in a process of its own: importing one may print, leak or crash. Raises InvalidFile."""
     for name in names:
         # a malformed file of facts ends a command before anything has run
         about(name)
@@ -85,19 +72,13 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
 
 
 def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
-    """Return engine and preset of each ENGINE/PRESET.
-
-    Raises:
-        InvalidInput: for an engine that does not open.
-        UnknownName: for a preset that it does not have.
-    """
+    """Return engine and preset of each ENGINE/PRESET. Raises InvalidInput for an engine that does not open, UnknownName."""
     runs = [(engine, preset) for engine, _, preset in (word.partition("/") for word in words)]
     found = offers(list(dict.fromkeys(engine for engine, _ in runs)), 1)
     for (engine, preset), word in zip(runs, words, strict=True):
-        offered = (*found[engine].presets, *about(engine).variants)
         if found[engine].trouble:
             raise InvalidInput(option, word, f"an engine that can be opened ({found[engine].trouble})")
-        if preset not in offered:
+        if preset not in (offered := (*found[engine].presets, *about(engine).variants)):
             raise UnknownName(f"preset of engine {engine}", preset, offered)
     return runs
 
@@ -174,7 +155,7 @@ class Run:
             return []
         name, ran = jobs[0].scenario, [self.outcomes[job.stem] for job in jobs]
         scenario, length = self.scenarios[name], max(outcome.frames for outcome in ran)
-        swept = repeats_of(min(length, MOST_FRAMES)) if short_errors_of(name, scenario) else 0
+        swept = repeats_of(min(length, timing.MOST_FRAMES)) if short_errors_of(name, scenario) else 0
         # overlap of the user, by the raw tracker
         raw = self.outcomes.get(replace(jobs[0], engine=BASELINE, preset="default").stem)
         depths = raw.overlap_m if raw else ()

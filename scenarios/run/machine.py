@@ -1,5 +1,6 @@
 """Disturbances of timing by the machine: clock, processors that may be used, load, and time of other work."""
 
+import math
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -47,25 +48,20 @@ def reading_ns(readings: int = 2001) -> int:
     return sorted(found)[readings // 2]
 
 
-def busy_seconds(stat: Path = STAT) -> float | None:
-    """Return the busy time [s] of all processors since the system began, that of a host included; None where it is unknown."""
+def busy_seconds(stat: Path = STAT) -> float:
+    """Return the busy time [s] of all processors since the system began, that of a host included; NaN where it is unknown."""
     with suppress(OSError, ValueError, IndexError, AttributeError):
         counts = [int(word) for word in stat.read_text(encoding="utf-8").split("\n", 1)[0].split()[1:]]
         return (sum(counts[:FIRST_GUEST]) - counts[IDLE] - counts[WAITING]) / os.sysconf("SC_CLK_TCK")
-    return None
+    return math.nan
 
 
 class Meter:
-    """Measure how many processors other work keeps busy while one thread is timed.
+    """Measure how many processors other work keeps busy while one thread is timed; `busy` and `now` are clocks [s]."""
 
-    Args:
-        busy: returns the busy time [s] of all processors.
-        now: returns the time [s].
-    """
-
-    def __init__(self, busy: Callable[[], float | None] = busy_seconds, now: Callable[[], float] = time.monotonic) -> None:
+    def __init__(self, busy: Callable[[], float] = busy_seconds, now: Callable[[], float] = time.monotonic) -> None:
         self._busy, self._now = busy, now
-        self.seconds, self._all, self._known = 0.0, 0.0, True
+        self.seconds, self._all = 0.0, 0.0
 
     @contextmanager
     def running(self) -> Iterator[None]:
@@ -74,16 +70,11 @@ class Meter:
         try:
             yield
         finally:
-            spent, after = self._now() - begun, self._busy()
-            self.seconds += spent
-            if before is None or after is None:
-                self._known = False
-            else:
-                self._all += after - before
+            self.seconds += self._now() - begun
+            self._all += self._busy() - before
 
     @property
     def others(self) -> float | None:
         """Mean number of processors that other work kept busy; None where it is unknown."""
-        if not self._known or not self.seconds > 0.0:
-            return None
-        return max(0.0, self._all / self.seconds - 1.0)
+        mean = self._all / self.seconds - 1.0 if self.seconds > 0.0 else math.nan
+        return None if math.isnan(mean) else max(0.0, mean)

@@ -29,9 +29,7 @@ from runfiles.published import MOST_BYTES, SCHEMA_VERSION
 from scenarios.job import Job
 from scenarios.run.machine import clock, usable_cpus
 
-PACKAGES = tuple(dict.fromkeys([
-    "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl",
-]))
+PACKAGES = "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl"
 """Distributions beside avatarsim whose versions can change a figure."""
 ROOT = Path(__file__).resolve().parents[2]
 CODE = ("avatarsim", "runfiles", "reference", "scenarios")
@@ -108,14 +106,9 @@ def earlier_run(folder: Path, command: str) -> Path:
     # os.path, since pathlib raises for names that are too long for the system
     if not os.path.isdir(folder):
         raise InvalidInput("--resume", str(folder), "the folder of an earlier run")
-    path = folder / "results.json"
-    try:
-        found = _results(folder)
-    except InvalidFile as error:
-        valid = f"the folder of an earlier run, with its results.json ({error.value})"
-        raise InvalidInput("--resume", str(folder), valid) from error
+    found = _results(folder)
     if found.get("schema_version") != SCHEMA_VERSION:
-        raise InvalidFile(f"schema_version of {path}", found.get("schema_version"), f"{SCHEMA_VERSION}; run again")
+        raise InvalidFile(f"schema_version of {folder}", found.get("schema_version"), f"{SCHEMA_VERSION}; run again")
     origin = found.get("provenance")
     words = str(origin.get("command", "")).split() if isinstance(origin, dict) else []
     # python -m scenarios COMMAND ...
@@ -131,7 +124,7 @@ def has_ended(folder: Path) -> bool:
 
 
 def _results(folder: Path) -> Mapping[str, object]:
-    found = read_json(folder / "results.json", f"results of {folder}", "the whole file of a run", MOST_BYTES)
+    found = read_json(folder / "results.json", f"results.json of {folder}", "the whole file of a run", MOST_BYTES)
     return found if isinstance(found, dict) else {}
 
 
@@ -156,17 +149,11 @@ def check_plan(folder: Path, jobs: Sequence[Job]) -> None:
     if not isinstance(runs, list) or not all(isinstance(run, dict) for run in runs):
         raise InvalidFile(f"runs of plan {path}", "no list of objects", VALID_PLAN)
     asked = [_described(job) for job in jobs]
-    left = [run for run in runs if run not in asked]
-    if not left:
-        return
-    names = ("scenario", "engine", "preset", "seed")
-    first = ", ".join(f"{name} {left[0].get(name)}" for name in names)
-    same = next((one for one in asked if all(one[name] == left[0].get(name) for name in names)), {})
-    first += "".join(f", {name} {left[0].get(name)}" for name in same if same[name] != left[0].get(name))
-    again = resume_command(folder, [str(word) for word in found["words"]])
-    valid = (f"a run whose jobs this command asks for; {len(left)} of it are not, first {first}. `{again}` resumes it; without "
-             "--resume a new run begins")
-    raise InvalidInput("--resume", str(folder), valid)
+    if left := [run for run in runs if run not in asked]:
+        first = ", ".join(f"{name} {value}" for name, value in left[0].items() if value)
+        again = resume_command(folder, [str(word) for word in found["words"]])
+        valid = f"a run whose jobs this command has; {len(left)} are missing, first {first}. `{again}` resumes it"
+        raise InvalidInput("--resume", str(folder), valid)
 
 
 def resume_command(folder: Path, words: Sequence[str]) -> str:

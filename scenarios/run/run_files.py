@@ -6,11 +6,11 @@ import math
 from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Protocol, runtime_checkable
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from avatarsim.engine import Engine
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere
@@ -25,7 +25,6 @@ from scenarios.measure.side import outside
 from scenarios.measure.value import Missing, Value
 from scenarios.scenario import Scenario
 
-Array = NDArray[np.float64]
 SCENES, SCENE_VERSION = "scenes", 1
 """Folder of the files of scenes in that of a run, and their layout."""
 DIGITS = 7
@@ -121,44 +120,26 @@ def thinned(recording: Recording, scenario: Scenario, scene: Scene) -> Recording
     return replace(few, **bodies)
 
 
-@runtime_checkable
-class HasNative(Protocol):
-    """An engine that can write its scene in the language of its simulator."""
+def write_native(engine: Engine, folder: Path, job: Job, everyday: bool) -> bool:
+    """Write the loaded scene in the language of the simulator, if the engine has a method `native() -> (ending, text)`.
 
-    def native(self) -> tuple[str, str]:
-        """After `load`: return the ending of such a file, and the text."""
-
-
-@runtime_checkable
-class KeepsSteps(Protocol):
-    """An engine that can store the commands of every step, so that a scene can be played without this project."""
-
-    def keep_steps(self) -> None:
-        """After `load`: store them from now on."""
-
-    def steps_told(self) -> tuple[Mapping[str, Array], str]:
-        """Return the commands by name, empty without any, and a Python program that plays them."""
-
-
-def write_native(engine: object, folder: Path, job: Job, everyday: bool) -> bool:
-    """Write the loaded scene as the simulator has it, and let the engine store its steps in everyday scenes with preset tuned.
-
-    All scenes with an avatar would take 150 MB. Returns whether steps are stored.
+    An engine with `keep_steps` stores its commands from now on, in everyday scenes with preset tuned: of all scenes they would
+    take 150 MB. Returns whether it does.
     """
-    if isinstance(engine, HasNative):
-        ending, text = engine.native()
+    if native := getattr(engine, "native", None):
+        ending, text = native()
         # without a time in it, so that equal texts are equal files
         data = gzip.compress(text.encode("utf-8"), mtime=0)
         write_whole(folder / FOLDER / f"{job.stem}.{ending}.gz", lambda file: file.write(data))
-    if not (everyday and job.preset == TUNED and isinstance(engine, KeepsSteps)):
-        return False
-    engine.keep_steps()
-    return True
+    keep_steps = getattr(engine, "keep_steps", None) if everyday and job.preset == TUNED else None
+    if keep_steps:
+        keep_steps()
+    return keep_steps is not None
 
 
-def write_steps(engine: object, folder: Path, job: Job) -> None:
-    """Write the commands of every step, and the program that plays them; nothing where there are none."""
-    steps, program = engine.steps_told() if isinstance(engine, KeepsSteps) else ({}, "")
+def write_steps(engine: Any, folder: Path, job: Job) -> None:
+    """Write the commands of every step, and the program that plays them, so that a scene can be played without this project."""
+    steps, program = engine.steps_told()
     if steps:
         packed = io.BytesIO()
         np.savez_compressed(packed, allow_pickle=False, **steps)

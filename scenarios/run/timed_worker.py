@@ -1,7 +1,6 @@
-"""Timed workers: processes that load and run jobs when told to, one at a time, and stay.
+"""Timed workers: processes that stay, and load and run jobs by orders through a pipe.
 
-Orders go through a pipe, so that the parent sleeps while frames are timed. Pebble, which runs all other jobs, has threads that
-wake ten times a second: for ten engines a hundredth of a processor.
+So the parent sleeps while frames are timed; the threads of Pebble, which runs all other jobs, would wake ten times a second.
 """
 
 import multiprocessing
@@ -31,7 +30,7 @@ Repeat = tuple[list[int], dict[str, list[int]], str]
 
 
 class LoadedFrames:
-    """Frames of a job, loaded and ready to be timed: so many from frame `first` on; those before it have run."""
+    """So many frames of a job from frame `first` on, ready to be timed; those before have run."""
 
     def __init__(self, job: Job, frames: int, first: int = 0) -> None:
         prepared = prepare(job)
@@ -97,16 +96,14 @@ class TimedWorker:
 
     def prepare(self, job: Job, frames: int, first: int = 0) -> None:
         """Order it to load a job and run up to frame `first`, ready for so many frames from there on."""
-        self._send((job, frames, first))
+        # `answer` reports a process that has died meanwhile
+        with suppress(ConnectionError):
+            self.end.send((job, frames, first))
 
     def start(self) -> None:
         """Order it to run the loaded frames."""
-        self._send(START)
-
-    def _send(self, order: object) -> None:
         with suppress(ConnectionError):
-            # `answer` reports a process that has died meanwhile
-            self.end.send(order)
+            self.end.send(START)
 
     def answer(self) -> tuple[float, Repeat | None] | str:
         """Return the time [s] of the last order, and a repeat once frames have run; or the reason that it will never answer."""
@@ -130,12 +127,10 @@ class TimedWorker:
         """End the process, in the middle of its work if `at_once`."""
         with suppress(ConnectionError):
             self.end.send(None)
-        if at_once:
-            self.child.kill()
-        self.child.join(timeout=10.0)
-        if self.child.is_alive():
-            self.child.kill()
-            self.child.join()
+        if not at_once:
+            self.child.join(timeout=10.0)
+        self.child.kill()
+        self.child.join()
         self.end.close()
 
 

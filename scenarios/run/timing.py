@@ -118,11 +118,8 @@ def timed_pass(
 
     Args:
         full: repeat slow engines as often as others.
-        frames: timed frames of each job; MOST_FRAMES without.
-        workers: process of each job, which stays; a fresh one for each without.
-        repeats: of all jobs, or of each.
-        meter: runs during every turn.
-        firsts: frame of each job at which timing begins.
+        frames, repeats, firsts: timed frames of each job (MOST_FRAMES), and how often, from which frame of the scene on.
+        workers: process of each job, which stays; fresh ones without.
     """
     counts = [MOST_FRAMES] * len(jobs) if frames is None else frames
     often = [repeats] * len(jobs) if isinstance(repeats, int) else repeats
@@ -161,13 +158,12 @@ def quick_timing(
     jobs: Sequence[Job], costs: Sequence[float], length: int, workers: TimedWorkers, at_length: bool = False,
     meter: Meter | None = None, meets: int = 0, swept: int = 0, depths: Sequence[float] = (),
 ) -> list[Clocked]:
-    """Time all jobs of one scene of `length` frames, as `rounds` plans.
+    """Time all jobs of one scene of `length` frames, all of them `at_length`, else as `rounds` plans.
 
     Args:
         costs: rough time of a frame [s] of each job.
-        at_length: time all frames, as of an everyday scene.
         meets: frame of the first contact of the user.
-        swept: repeats by which a sweep times the scene, 0 without one; both get one time.
+        swept: repeats by which a sweep times all frames, 0 without one; so both have one time.
         depths: overlap of the user [m] by state, where the window is that of the deepest.
     """
     gated = [(job.engine, job.preset) == GATED for job in jobs]
