@@ -74,7 +74,8 @@ def test_a_preset_that_no_engine_has_is_still_an_error() -> None:
 
 @pytest.mark.parametrize(("words", "runs"), [
     (("compare", "--filter", "mocap_run"), {("mocap_run", "servos"), ("mocap_run", "hinges")}),
-    (("compare", "--filter", "stack_ten,zeno,two_arms"), {("stack_ten", "sleeping"), ("zeno", "sleeping"), ("two_arms", "hinges")}),
+    (("compare", "--filter", "stack_ten,zeno,two_arms"),
+     {("stack_ten", "sleeping"), ("zeno", "sleeping"), ("two_arms", "hinges")}),
     (("compare", "--filter", "stack_ten", "--preset", "tuned"), set()),
     (("run", "stack_ten"), set()),
     (("run", "stack_ten", "--preset", "sleeping"), {("stack_ten", "sleeping")}),
