@@ -143,7 +143,8 @@ def by_scene(settings: pd.DataFrame, avatars: Collection[str]) -> dict[str, list
     """Return the settings of each scene for the page's script; an error of null does not follow its user."""
     found: dict[str, list[dict[str, Any]]] = {}
     for row in settings.itertuples():
-        numbers = {name: value if math.isfinite(value := getattr(row, name)) else None for name in ("error", "median", "p95")}
+        named = {name: getattr(row, name) for name in ("error", "median", "p95", "slowest")}
+        numbers = {name: value if math.isfinite(value) else None for name, value in named.items()}
         flags = {name: bool(getattr(row, name)) for name in ("preset", "asleep", "measured", "alone")}
         found.setdefault(row.scenario, []).append({
             "engine": row.engine, "label": about(row.engine).label, "setting": row.setting, "base": row.base,

@@ -62,13 +62,13 @@ function chooseLevel() {
     const planned = all.filter((one) => one.engine === engine).length, tried = measured.filter((one) => one.engine === engine).length;
     const label = all.find((one) => one.engine === engine).label;
     if (!able.length) {
-      rows.push(row([`${dot(engine)}${escaped(label)}`, `none of ${tried} measured; ${planned - tried} not run`, "–", "–", "–", ""]));
+      rows.push(row([`${dot(engine)}${escaped(label)}`, `none of ${tried} measured; ${planned - tried} not run`, "–", "–", "–", "–", ""]));
       continue;
     }
     // of times within 3 % a preset is the simpler answer
     const best = able.filter((one) => one.median <= 1.03 * able[0].median).sort((a, b) => rank(b) - rank(a))[0];
     if (!first || engine !== page.gated) first = first && first.engine !== page.gated ? first : best;
-    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${fair(best, time(best.median))}${best.asleep ? " asleep" : ""}</td><td class="n">${best.p95 === null ? "–" : fair(best, time(best.p95))}</td><td class="n">${length(best.error)}</td><td>${escaped(best.worst)}</td></tr>`);
+    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${fair(best, time(best.median))}${best.asleep ? " asleep" : ""}</td>${[best.p95, best.slowest].map((one) => `<td class="n">${one === null ? "–" : fair(best, time(one))}</td>`).join("")}<td class="n">${length(best.error)}</td><td>${escaped(best.worst)}</td></tr>`);
   }
   find("cheapest-rows").innerHTML = rows.join("");
   find("cheapest-rows").querySelectorAll("[data-copy]").forEach((one) => one.addEventListener("click", () => copyable(all[one.dataset.copy])));
