@@ -9,7 +9,7 @@ import numpy as np
 from avatarsim.errors import InvalidInput, UnknownName
 from runfiles.naming import CROWD_PREFIX as PREFIX
 from scenarios.building import stage
-from scenarios.building.promises import FINITE, GAINS_NOTHING, KEEPS_TIME, NO_OVERLAP, RIGHT_SIDE
+from scenarios.building.promises import GAINS_NOTHING, KEEPS_TIME, SOUND
 from scenarios.drawn_crowds.bodies import LOW
 from scenarios.drawn_crowds.kinds import FRAMES, SHORT, Crowd, Drawn, gripped, kicked, poured, struck, swept
 from scenarios.drawn_crowds.moved import moved
@@ -23,7 +23,7 @@ NAME = __name__
 KINDS: tuple[Callable[[Drawn], Crowd], ...] = (poured, struck, swept, gripped, kicked, moved)
 """Successive seeds go through these in turn."""
 PROMISES = (
-    NO_OVERLAP, RIGHT_SIDE, FINITE, KEEPS_TIME,
+    *SOUND, KEEPS_TIME,
     Bound("substep_overlap_max", 1e-6, "nothing overlaps inside a frame either"),
     Bound("travel_missing", 0.0, "all bodies begin in the air, and fall"),
 )
@@ -43,12 +43,9 @@ def draw(seed: int) -> Scenario:
     scenery = {avatar.name for avatar in crowd.scene.avatars if avatar.moves}
     users = tuple(name for name in crowd.scene.names[len(crowd.scene.bodies) :] if name not in scenery)
     return Scenario(
-        name=name,
-        title=f"{len(moving)} random bodies are {kind.__name__}.",
-        judged="Overlap, time kept and, without a hand, energy; nothing was tuned for it.",
-        build=lambda: crowd.scene, motion=crowd.motion, frames=FRAMES, short=SHORT,
-        bounds=(*PROMISES, *((GAINS_NOTHING,) if free else ())),
-        regions=(stage.above_floor(*moving, *users),),
+        name, f"{len(moving)} random bodies are {kind.__name__}.",
+        "Overlap, time kept and, without a hand, energy; nothing was tuned for it.", lambda: crowd.scene, crowd.motion, FRAMES,
+        SHORT, bounds=(*PROMISES, *((GAINS_NOTHING,) if free else ())), regions=(stage.above_floor(*moving, *users),),
         metrics=("stalled_bodies",),
         expects={"travel": dict.fromkeys(crowd.falling, 0.5 * LOW), **({"alone": (moving,)} if free else {})},
     )

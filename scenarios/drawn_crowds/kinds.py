@@ -24,23 +24,17 @@ from scenarios.motion.track import to_and_fro
 from scenarios.motion.untracked import untracked
 from scenarios.scenario import RENDERED, Motion
 
-FEWEST, MOST = 5, 100
-"""Bodies in a crowd."""
-FRAMES, SHORT = 120, 60
-"""Two seconds, and one."""
+FEWEST, MOST, FRAMES, SHORT = 5, 100, 120, 60
+"""Bodies in a crowd; frames of two seconds, and of one."""
 LASTS = FRAMES * RENDERED
-SPAN = 60.0
-"""Width of the floor [m]: nothing comes to its end."""
-WALLS, THICK = 0.2, 0.04
-"""Height and thickness of a tray's walls [m]."""
+SPAN, WALLS, THICK = 60.0, 0.2, 0.04
+"""Width of the floor, to whose end nothing comes, height and thickness of a tray's walls [m]."""
 DRIFT, SPIN = 0.3, 3.0
-"""Largest first velocity [m/s], never upwards, and spin [rad/s] along each axis of what is poured."""
+"""Largest first velocity [m/s], never upwards, and spin [rad/s] along each axis of poured bodies."""
 STEEL, THROWN, SPEEDS, FLIES = 7800.0, (0.08, 0.16), (2.0, 6.0), (0.1, 0.3)
-"""Density [kg/m^3], sizes [m] and speeds [m/s] of what is thrown, and its way to the crowd [m]."""
-HAND_MASS = 0.5
-"""Mass of a hand or a pad [kg]."""
-LEGS, ABOVE = (2, 4), 0.005
-"""Fewest and most straight parts of a sweep, and the height of a hand or pad above the floor [m]."""
+"""Density [kg/m^3], sizes [m] and speeds [m/s] of thrown bodies, and their way to the crowd [m]."""
+HAND_MASS, LEGS, ABOVE = 0.5, (2, 4), 0.005
+"""Mass of a hand or a pad [kg]; fewest and most straight parts of a sweep; height of a hand or pad above the floor [m]."""
 PAD: Vector = (0.02, 0.05, 0.05)
 """Edges of a pad [m]."""
 BESIDE, INTO, RISES = (0.01, 0.03), (0.005, 0.03), (0.1, 0.3)

@@ -16,8 +16,7 @@ from scenarios.building.cases import driven
 from scenarios.building.things import disc
 from scenarios.drawn_crowds.bodies import FLOOR, HAND, drawn_table, lattice, spacing
 from scenarios.drawn_crowds.kinds import ABOVE, HAND_MASS, LASTS, Crowd, Drawn
-from scenarios.motion.moving_bodies import about_z, given
-from scenarios.motion.rigid_hands import eased
+from scenarios.motion.rigid_hands import about_z, eased, given
 
 Poses = Callable[[float], dict[str, Pose]]
 FIST = 0.05

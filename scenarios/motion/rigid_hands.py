@@ -1,10 +1,12 @@
-"""Users of rigid hands that are led without turning, and motions given by time."""
+"""Motions given by time: users of rigid hands, and bodies that move by themselves."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from avatarsim.scene.checks import Vector
+from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.scene.moving import Pose, with_moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
@@ -35,6 +37,16 @@ def led(places: Places) -> Callable[[Scene, int], Motion]:
     return by_time(lambda time: hands_at(places(time), time))
 
 
+def given(poses: Callable[[float], Mapping[str, Pose]]) -> Callable[[Scene, int], Motion]:
+    """Return the motion of moving bodies that follow `poses` by time [s], while hands stay where they begin."""
+
+    def motion(scene: Scene, seed: int) -> Motion:
+        start = scene.first_sample
+        return by_time(lambda time: with_moving(scene.avatars, replace(start, time=time), poses(time), start))(scene, seed)
+
+    return motion
+
+
 def keyed(keys: Sequence[tuple[float, TrackerSample]], frames: int) -> Callable[[Scene, int], Motion]:
     """Return the motion from the scene's start through `keys`, each a time [s] and the sample reached by then."""
     return lambda scene, seed: through(scene.first_sample, keys, frames).motion()
@@ -43,6 +55,11 @@ def keyed(keys: Sequence[tuple[float, TrackerSample]], frames: int) -> Callable[
 def led_through(keys: Sequence[tuple[float, Vector]], frames: int) -> Callable[[Scene, int], Motion]:
     """Return the motion of one hand through `keys`, each a time [s] and the place [m] reached by then."""
     return keyed([(time, hands_at((place,))) for time, place in keys], frames)
+
+
+def about_z(angle: float) -> Quaternion:
+    """Return the rotation by an angle [rad] about the vertical."""
+    return float(np.cos(0.5 * angle)), 0.0, 0.0, float(np.sin(0.5 * angle))
 
 
 def eased(time: float, begin: float, end: float) -> float:

@@ -33,14 +33,10 @@ SHOULDER, UPPER_ARM, FOREARM, HAND = (-0.02405, 0.18311, 0.479651), 0.274788, 0.
 
 @dataclass(frozen=True)
 class Lift:
-    """A box and how a person takes it.
+    """A box of edges [m] and mass [kg], friction of all pairs, and how a person takes the box.
 
-    box, mass    edges [m] and mass [kg]
-    friction     of all pairs
-    ahead        distance of the box from the root of the person [m]
-    grip         height of the hands above the middle of the box [m]
-    into         how far the user's hands go into it [m]
-    outward      how far the elbows are turned out from below [rad], so that the hands alone touch the box
+    It is `ahead` of the root [m]; the hands `grip` above its middle and go `into` it [m]; elbows are turned `outward` from below
+    [rad], so that the hands alone touch the box.
     """
 
     box: Vector = (0.2, 0.3, 0.2)

@@ -1,20 +1,23 @@
-"""A driven ball is led into a wall, a hand presses a box against one, and a hand is thrown through one of two millimetres."""
+"""Rigid hands and balls are led into walls: ten centimetres deep, a box between, as fast as 20 m/s, and round in a bowl."""
 
 from collections.abc import Callable
+from math import cos, pi, sin
 
 import numpy as np
 
+from avatarsim.scene.body import Body
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Sphere
+from avatarsim.scene.shape import Box, ConvexHull, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
 from scenarios.building.avatars.hand import rigid_hand
 from scenarios.building.cases import driven, fixture, loose
 from scenarios.building.promises import HAND
 from scenarios.building.scenes import before
 from scenarios.building.stage import HIGH, SPAN, THICK, floor, wall_ahead
-from scenarios.motion.rigid_hands import hands_at, led_through, turned_hand
-from scenarios.scenario import RENDERED, Bound, Motion, Region, Scenario
+from scenarios.motion.keyframes import Key
+from scenarios.motion.rigid_hands import hands_at, keyed, led_through, turned_hand
+from scenarios.scenario import INFINITE, RENDERED, Bound, Motion, Region, Scenario
 
 RADIUS, FACE, DEEP = 0.05, 0.3, 0.1
 """Radius of the ball, where its wall begins along x, and how far it is led into the wall [m]."""
@@ -24,6 +27,11 @@ PALM, FIRST = (0.04, 0.12, 0.12), 0.1
 """Edges of the flat palm that presses it, and where it begins [m]."""
 FRAMES, CYCLE = 300, 50
 """Frames of the thrown hand; of a thrust: there, a while behind the wall, back, a while before it."""
+SIDES, FOOT, RIM, SHELL, DEPTH = 12, 0.22, 0.30, 0.03, 0.25
+"""Straight pieces of the bowl's side, inner radius at the bottom and at the rim, thickness, depth to the bottom at z = 0 [m]."""
+MIDDLE, ROUND = 0.047, 0.176
+"""How far behind the middle between wrist and fingertips a hand's origin lies, and how far that middle goes round from the bowl's
+[m]: fingertips ahead, 4 cm into the side, which is less thick."""
 THIN, START, BEHIND = 2e-3, -0.35, 0.4
 """Thickness of its wall, where the hand rests before it, and how far it is driven behind it [m]."""
 
@@ -72,6 +80,32 @@ def thrusts(scene: Scene, seed: int) -> Motion:
     return sample
 
 
+def bowl() -> Body:
+    """The bottom, and twelve flat segments that lean outwards."""
+    around = [2.0 * pi * k / SIDES for k in range(SIDES + 1)]
+    bottom = [[(FOOT + SHELL) * cos(a), (FOOT + SHELL) * sin(a), z] for a in around[:-1] for z in (-SHELL, 0.0)]
+    pieces = [Piece(ConvexHull(np.array(bottom)))]
+    for a, b in zip(around[:-1], around[1:], strict=True):
+        ends = [(FOOT, 0.0), (FOOT + SHELL, 0.0), (RIM, DEPTH), (RIM + SHELL, DEPTH)]
+        pieces.append(Piece(ConvexHull(np.array([[r * cos(t), r * sin(t), z] for t in (a, b) for r, z in ends]))))
+    return fixture("bowl", tuple(pieces), "wood")
+
+
+def in_bowl(x: float, y: float, z: float, turn: float) -> TrackerSample:
+    """The hand with its middle over (x, y), its fingers at the angle `turn` [rad]."""
+    return turned_hand((x - MIDDLE * cos(turn), y - MIDDLE * sin(turn), z), turn)
+
+
+def stirring() -> list[Key]:
+    """Down into the bottom, round along the side, up and out."""
+    turns = [2.0 * pi * k / 6 for k in range(7)]
+    return [
+        (0.7, in_bowl(0.0, 0.0, -0.014, 0.0)), (1.0, in_bowl(0.02, 0.01, -0.014, 0.3)),
+        *((1.4 + 0.3 * k, in_bowl(ROUND * cos(turn), ROUND * sin(turn), 0.05, turn)) for k, turn in enumerate(turns)),
+        (3.5, in_bowl(0.0, 0.0, 0.12, 2.0 * pi)), (4.0, in_bowl(0.1, 0.0, DEPTH + 0.15, 2.0 * pi)),
+    ]
+
+
 def scenario(
     name: str, title: str, judged: str, build: Callable[[], Scene], motion: Callable[[Scene, int], Motion], frames: int,
     short: int | None, regions: tuple[Region, ...], bounds: tuple[Bound, ...] = (), expects: dict[str, object] | None = None,
@@ -116,5 +150,12 @@ SCENARIOS = (
             (rigid_hand(),), start=turned_hand((START, 0.0, 0.5 * HIGH), 0.0),
         ),
         thrusts, FRAMES, None, (before(0.5 * THIN, "hand", reason="the wall is endless: there is no way behind it"),),
+    ),
+    scenario(
+        "hand_in_bowl", "A rigid hand stirs in a bowl, pressed into its bottom and its side.",
+        "Overlap; that the hand stays on the inside; that it follows.",
+        lambda: Scene("hand_in_bowl", (bowl(),), (rigid_hand(),), start=in_bowl(0.0, 0.0, DEPTH + 0.15, 0.0)),
+        keyed(stirring(), 240), 240, None,
+        (Region(("hand",), (-RIM, -RIM, 0.0), (RIM, RIM, INFINITE), "the hand goes neither through side nor bottom"),),
     ),
 )

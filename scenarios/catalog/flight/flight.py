@@ -1,8 +1,8 @@
 """Bodies fly and turn with nothing or one point to touch: thrown bodies, free rotation, a rod that falls over, and a top.
 
-Closed forms: z = h + v t - g t^2 / 2. A box that turns about its middle axis turns over again and again (Dzhanibekov), by Jacobi's
-elliptic functions. A rod on a smooth floor turns at w^2 = 12 g (cos a0 - cos a) / (L (1 + 3 sin^2 a)), a the angle from upright;
-round ends change nothing. A smooth table pushes a top at its tip alone and straight up, so its spin stays;
+Closed forms: z = h + v t - g t^2 / 2. A box that turns about its middle axis turns over again and again (Dzhanibekov), by
+Jacobi's elliptic functions. A rod on a smooth floor turns at w^2 = 12 g (cos a0 - cos a) / (L (1 + 3 sin^2 a)), a the angle from
+upright; round ends change nothing. A smooth table pushes a top at its tip alone and straight up, so its spin stays;
 `reference.closed_form.top_precession` is the mean rate of its axis.
 """
 

@@ -20,8 +20,7 @@ from scenarios.building.cases import LAID, NOWHERE, driven, fixture, laws, loose
 from scenarios.building.expected import Carried, Course, Rest, Sag
 from scenarios.building.promises import KEEPS_MOVING, KEEPS_TIME, NO_SHAKING, SOUND
 from scenarios.building.things import disc
-from scenarios.motion.moving_bodies import about_z, given
-from scenarios.motion.rigid_hands import eased
+from scenarios.motion.rigid_hands import about_z, eased, given
 from scenarios.scenario import Bound, Region, Scenario
 
 BELT_SPEED, FRICTION = 1.0, 0.5

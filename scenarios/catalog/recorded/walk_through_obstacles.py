@@ -1,7 +1,6 @@
 """A walk through the gallery past its furniture: "a comfortable posture even if walking through a path with obstacles".
 
-Real motion along a path of ours: the clip "walk", stride after stride, bent along a curve that leads round the table,
-through the doorway and between sculpture, bench and screen, everywhere a little too near.
+The recorded clip "walk" is bent along a curve that leads everywhere a little too near.
 """
 
 import numpy as np
@@ -10,18 +9,14 @@ from numpy.typing import NDArray
 from avatarsim.assets.motions.deepmimic import Clip
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
-from scenarios.building.avatars.humanoid import humanoid
-from scenarios.building.avatars.standing import standing
 from scenarios.building.gallery import gallery, inside
-from scenarios.building.promises import AVATAR
+from scenarios.building.stage import with_human
 from scenarios.motion.mocap import load_clip, repeated, retimed
-from scenarios.motion.track import LEAD_IN, track_of
-from scenarios.scenario import Motion, Scenario
+from scenarios.motion.track import track_of
+from scenarios.scenario import Motion
 
 Array = NDArray[np.float64]
 
-STRIDES = 13
-"""Rounds of the clip: enough for all frames."""
 CORNERS = (
     (-3.55, -1.2), (-3.58, 0.3), (-3.3, 0.83), (-2.3, 0.86), (-1.2, 0.5), (0.0, 0.12), (1.2, 0.55), (2.2, 0.75),
     (3.6, 0.47), (4.75, 0.5), (4.75, -0.6), (3.8, -0.44), (2.75, -1.0), (2.35, -1.7), (2.6, -2.4), (4.0, -2.0),
@@ -60,23 +55,14 @@ def bent(clip: Clip) -> Clip:
     return Clip(clip.name, False, clip.times, np.stack([x, y, clip.root_positions[:, 2]], axis=1), turned, clip.angles)
 
 
-def build() -> Scene:
-    """The gallery, the humanoid in room one where the path begins."""
-    points, headings = path()
-    human = humanoid()
-    x, y = (float(value) for value in points[0])
-    return Scene("walk_through_obstacles", gallery(), (human,), start=standing(human, x, y, float(headings[0])))
-
-
 def motion(scene: Scene, seed: int) -> Motion:
-    """Half a second into the stride, then along the path."""
-    clip = bent(retimed(repeated(load_clip("walk"), STRIDES)))
-    return track_of(clip, scene.avatars[0]).led_in(scene.first_sample, LEAD_IN).motion()
+    """Half a second into the stride, then along the path; enough rounds of the clip for all frames."""
+    return track_of(bent(retimed(repeated(load_clip("walk"), 13))), scene.avatars[0]).led_in(scene.first_sample).motion()
 
 
-SCENARIO = Scenario(
+SCENARIO = with_human(
     "walk_through_obstacles",
     "A recorded walk leads through the gallery, round its table, through the doorway and past the exhibits, too near.",
-    "Overlap; limits; how far the avatar is from its user, who sees no furniture; jumps.", build, motion, 900, 420,
-    bounds=AVATAR, regions=(inside("human/*"),),
+    "Overlap; limits; how far the avatar is from its user, who sees no furniture; jumps.", motion, gallery,
+    (*path()[0][0].tolist(), float(path()[1][0])), frames=900, short=420, region=inside("human/*"),
 )
