@@ -9,8 +9,8 @@ from avatarsim.spatial import rotation
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
     """The posture at `share` (0 to 1) of the way from one sample to the next, as engines with own steps get it.
 
-    `scene.tracker.between` but for the last bits of rotations: it makes their length 1 once more, and figures of chaotic scenes
-    would no longer be those of earlier runs."""
+    `scene.tracker.between` differs in the last bits of rotations, and so in the figures of chaotic scenes.
+    """
     links = len(before.positions)
     turned = rotation.slerp(before.rotations, after.rotations, np.full(links, share)) if links else before.rotations
     return TrackerSample(

@@ -19,14 +19,10 @@ NAME = __name__
 """The module that a job names as its catalogue."""
 
 
-FASTER = len(ROOMS) - 1
-"""From this room on, the last one, the same motion is asked at the rate of a headset too."""
-
-
 @cache
 def _found() -> MappingProxyType[str, Scenario]:
     found = [room.scenario() for room in ROOMS]
-    return MappingProxyType({scenario.name: scenario for scenario in (*found, *map(at_rate, found[FASTER:]))})
+    return MappingProxyType({scenario.name: scenario for scenario in (*found, at_rate(found[-1]))})
 
 
 def scenarios() -> dict[str, Scenario]:

@@ -6,6 +6,7 @@ a wall from a centimetre. In other units lengths, speeds and gravity grow with `
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 from avatarsim.scene.body import Body
 from avatarsim.scene.checks import Vector
@@ -106,7 +107,7 @@ def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scena
         ),
         regions=(before(lost, "shot", reason="the ball does not go through the wall"),),
         expects={
-            "courses": tuple(Course(body, lambda time, at=at: at(place, time)) for body, at in courses.items()),
+            "courses": tuple(Course(body, partial(at, place)) for body, at in courses.items()),
             "rests": (Rest(STACK, 0.0),), "alone": alone,
         },
     )

@@ -94,15 +94,15 @@ def slivers() -> Iterator[Body]:
     """A sheet across x at 0, a lane per sliver before it; pairs that fly at each other off centre far from it."""
     yield fixture("sheet", Box((SHEET, LANE * 7.0, LANE * 4.0)), "sheet")
     for k, (ratio, way, speed) in enumerate(CASES):
-        turn, ahead = turned(ratio, way)
+        tilt, ahead = turned(ratio, way)
         start = (-0.5 * SHEET - NEAR - ahead, *lane(k))
-        yield loose(SLIVERS[k], sliver(ratio), "box", MASS, start, turn, velocity=(speed, 0.0, 0.0))
+        yield loose(SLIVERS[k], sliver(ratio), "box", MASS, start, tilt, velocity=(speed, 0.0, 0.0))
     for row, (ratio, names) in enumerate(zip(RATIOS, PAIRS, strict=True)):
         random = np.random.default_rng(ratio)
         for name, side in zip(names, (-1.0, 1.0), strict=True):
             (x, y, z), (sx, sy, sz) = random.normal(size=3).tolist(), random.uniform(-3.0, 3.0, 3).tolist()
-            at, turn = (-8.0 + 0.5 * side, 2.0 * row + 0.03 * side, 0.05 * side), float(random.uniform(0.0, np.pi))
-            yield loose(name, sliver(ratio), "box", MASS, at, turned_by((x, y, z), turn), (-1.5 * side, 0.0, 0.0), (sx, sy, sz))
+            at, turn = (-8.0 + 0.5 * side, 2.0 * row + 0.03 * side, 0.05 * side), turned_by((x, y, z), random.uniform(0.0, np.pi))
+            yield loose(name, sliver(ratio), "box", MASS, at, turn, (-1.5 * side, 0.0, 0.0), (sx, sy, sz))
 
 
 def sliver_courses() -> Iterator[Course]:

@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Sphere
 from avatarsim.scene.tracker import TrackerSample
 from scenarios.building.avatars.humanoid import humanoid
 from scenarios.building.avatars.standing import standing
+from scenarios.building.cases import driven
 from scenarios.motion.keyframes import again_and_again, minimum_jerk, posed, through
+from scenarios.motion.rigid_hands import eased, led
 from scenarios.scenario import RENDERED
 
 HUMAN = humanoid()
@@ -50,3 +54,17 @@ def test_wrong_keys_and_joints_are_refused() -> None:
         through(START, [(0.5, START), (0.5, START)], 10)
     with pytest.raises(UnknownName, match="left_shoulder"):
         posed(HUMAN, START, {"left_sholder": (0.0, 0.0, 0.0)})
+
+
+def test_a_led_hand_is_where_it_should_be_at_the_end_of_a_frame() -> None:
+    scene = Scene("led", (), (driven("hand", Sphere(0.1), 1.0), driven("other", Sphere(0.1), 1.0)))
+    sample = led(lambda time: ((time, 2.0 * time, 0.5), (0.0, -time, 0.0)))(scene, 0)(5)
+    assert sample.time == pytest.approx(6 * RENDERED)
+    assert sample.positions.tolist() == [[sample.time, 2.0 * sample.time, 0.5], [0.0, -sample.time, 0.0]]
+
+
+def test_a_way_is_eased_from_rest_to_rest() -> None:
+    shares = np.array([eased(time, 1.0, 3.0) for time in np.linspace(0.0, 4.0, 401)])
+    assert shares[0] == shares[100] == 0.0 and shares[200] == pytest.approx(0.5) and shares[300] == shares[-1] == 1.0
+    steps = np.diff(shares)
+    assert (steps >= 0.0).all() and steps[101] < 0.01 * steps.max() and steps[298] < 0.01 * steps.max()

@@ -7,10 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from avatarsim.assets.motions.deepmimic import COLUMNS, read_clip
-from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
+from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.spatial import rotation
-from scenarios import data_folder
-from scenarios.motion.mocap import clip_names, load_clip, placed, repeated, retimed
+from scenarios.motion.mocap import UPPER, clip_names, load_clip, placed, repeated, retimed, upper_body_of
 from tests.assets.motions.clips import upright, written
 
 Array = NDArray[np.float64]
@@ -21,9 +20,7 @@ def angle_between(a: Array, b: Array) -> Array:
 
 
 def test_the_fifteen_human_clips_are_there() -> None:
-    assert len(clip_names()) == 15
-    assert {"walk", "punch", "getup_facedown"} <= set(clip_names())
-    assert COLUMNS == 44
+    assert len(clip_names()) == 15 and {"walk", "punch", "getup_facedown"} <= set(clip_names()) and COLUMNS == 44
 
 
 @pytest.mark.parametrize("name", ["backflip", "crawl", "kick", "punch", "walk", "getup_facedown", "spin"])
@@ -77,20 +74,24 @@ def test_a_repeated_walk_goes_on_where_it_ended() -> None:
     assert np.linalg.norm(np.diff(thrice.root_positions, axis=0), axis=1).max() <= 1.5 * largest
 
 
-def test_a_clip_that_does_not_wrap_is_not_repeated() -> None:
-    with pytest.raises(InvalidInput, match="punch.*wrap"):
+def test_clips_that_do_not_exist_wrap_or_last_are_refused() -> None:
+    with pytest.raises(InvalidInput, match="punch"):
         repeated(load_clip("punch"), 2)
-
-
-def test_an_unknown_clip_is_refused_with_the_names_that_exist() -> None:
     with pytest.raises(UnknownName, match="walk"):
         load_clip("swim")
+    with pytest.raises(InvalidInput, match=r"spin.*3\.1"):
+        upper_body_of(retimed(load_clip("spin")), 4.0, retimed(load_clip("walk")))
 
 
-def test_without_the_data_package_the_error_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(data_folder, "find_spec", lambda name: None)
-    with pytest.raises(MissingPackage, match="pybullet_data"):
-        load_clip("walk")
+def test_each_link_of_two_layers_moves_as_in_its_own_clip() -> None:
+    walk, spin = retimed(load_clip("walk")), retimed(load_clip("spin"))
+    both = upper_body_of(spin, 10.0 / 60.0, walk)
+    np.testing.assert_array_equal(both.times, walk.times)
+    np.testing.assert_array_equal(both.root_positions, walk.root_positions)
+    for link, values in {**both.rotations, **both.angles}.items():
+        own, first = (spin, 10) if link in UPPER else (walk, 0)
+        whole = {**own.rotations, **own.angles}[link]
+        np.testing.assert_array_equal(values, whole[first : first + len(walk.times)])
 
 
 def test_a_placed_clip_begins_where_it_is_put_and_is_otherwise_the_same() -> None:
