@@ -19,6 +19,7 @@ RAW = {
     "hand_in_bowl": {"bowl": (163, 0.0297)},
     "hand_in_corner": {"walls": (192, 0.0771)},
     "hand_in_corner_rigid": {"walls": (192, 0.0621)},
+    "hand_over_table": {"table": (273, 0.02), "ball": (44, 0.0552)},
     "limit_torture": {"self": (234, 0.145)},
     "limit_torture_hinges": {"self": (240, 0.1525)},
     "mocap_backflip": {"floor": (79, 0.0298), "self": (4, 0.0306)},

@@ -1,4 +1,4 @@
-"""The little world in other numbers, and its closed forms against a fall integrated by hand."""
+"""The little world in other numbers, and starts that overlap."""
 
 import numpy as np
 import pytest
@@ -29,15 +29,6 @@ def test_the_ball_that_is_shot_turns_at_the_wall() -> None:
     assert shot(Place(), due)[0] == pytest.approx(FACE - SHOT, abs=1e-12)
     assert shot(Place(), 2.0 * due)[0] == pytest.approx(FACE - SHOT - NEAR, abs=1e-12)
     assert shot(Place(), 1.0)[2] == pytest.approx(2.0 - 0.5 * GRAVITY)
-
-
-def test_the_ball_that_falls_follows_a_fall_in_small_steps() -> None:
-    h, height, speed = 1e-6, 0.5, 0.0
-    for _ in range(700_000):
-        height, speed = height + speed * h - 0.5 * GRAVITY * h * h, speed - GRAVITY * h
-        if height <= 0.0 and speed < 0.0:
-            height, speed = 0.0, -0.5 * speed
-    assert dropped(Place(), 0.7)[2] - 0.1 == pytest.approx(height, abs=1e-5)
 
 
 def test_lengths_speeds_and_gravity_grow_together() -> None:

@@ -1,5 +1,8 @@
 """The same motion at another rate: even motions are the same, whole samples stay to the bit, bounds are equal."""
 
+from collections.abc import Callable
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,8 +11,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios import catalog, unseen
 from scenarios.motion.resampled import HEADSET, at_rate, resampled
-from scenarios.scenario import RENDERED, Motion
-from tests.scenarios.examples import drop
+from scenarios.scenario import RENDERED, Motion, Scenario
 
 FASTER = 1.0 / HEADSET
 SPIN, SPEED = 2.0, 0.6
@@ -57,19 +59,12 @@ def test_scenes_at_90_hz_take_as_long_and_promise_the_same() -> None:
 
 
 def test_the_short_motion_is_resampled_too() -> None:
-    def constant(x: float) -> Motion:
-        return lambda frame: TrackerSample((frame + 1) * RENDERED, np.full((1, 3), x), np.array([[1.0, 0, 0, 0]]), np.zeros(0))
+    def constant(x: float) -> Callable[[Scene, int], Motion]:
+        return lambda scene, seed: lambda frame: replace(at((frame + 1) * RENDERED), positions=np.full((1, 3), x))
 
-    def long_one(scene: Scene, seed: int) -> Motion:
-        return constant(1.0)
-
-    def short_one(scene: Scene, seed: int) -> Motion:
-        return constant(2.0)
-
-    plain = drop(12)
-    scenario = at_rate(type(plain)(
-        "x", "X.", "Y.", lambda: catalog.get("hand_over_table").build(), long_one, 60, short=30, short_motion=short_one))
+    scenario = at_rate(Scenario("x", "X.", "Y.", lambda: catalog.get("hand_over_table").build(), constant(1.0), 60, short=30,
+                                short_motion=constant(2.0)))
     scene = scenario.build()
     assert scene.name == scenario.name == "x_90hz" and (scenario.frames, scenario.short) == (90, 45)
-    assert scenario.as_run(True).motion(scene, 0)(5).positions[0, 0] == 1.0
-    assert scenario.as_run(False).motion(scene, 0)(5).positions[0, 0] == 2.0
+    for full, x in ((True, 1.0), (False, 2.0)):
+        assert scenario.as_run(full).motion(scene, 0)(5).positions[0, 0] == x

@@ -1,6 +1,7 @@
-"""Drawn crowds: the same by seed, of all kinds and shapes, free of overlap at the start."""
+"""Drawn crowds: the same by seed, of all kinds and shapes, free of overlap at the start; and their command."""
 
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +9,12 @@ import pytest
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Sphere
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Shape, Sphere
 from avatarsim.scene.tracker import link_poses
 from reference.judging.judge import Judge
 from scenarios import drawn_crowds
 from scenarios.drawn_crowds import KINDS
+from scenarios.drawn_crowds.__main__ import main
 from scenarios.drawn_crowds.bodies import FRICTIONS, RESTITUTIONS
 from scenarios.run.provenance import scene_hash
 from scenarios.unseen import seeds
@@ -58,19 +60,21 @@ def test_two_hundred_crowds_have_every_kind_shape_and_law_that_they_should() -> 
             assert FRICTIONS[0] <= law.friction <= FRICTIONS[1] and RESTITUTIONS[0] <= law.restitution <= RESTITUTIONS[1]
 
 
+def size(shape: Shape) -> tuple[float, ...]:
+    """Edges, thickness and length, or twice the reach of a hull [m]."""
+    if isinstance(shape, Box):
+        return shape.size
+    if isinstance(shape, Capsule):
+        return 2.0 * shape.radius, shape.length + 2.0 * shape.radius
+    return (2.0 * shape.radius,) if isinstance(shape, Sphere) else ()
+
+
 def test_sizes_are_two_to_twelve_centimetres() -> None:
-    for scene in scenes(40):
-        for body in scene.bodies:
-            if body.name.startswith("thing_"):
-                shape = body.pieces[0].shape
-                if isinstance(shape, ConvexHull):
-                    assert 0.0 < float(np.linalg.norm(shape.vertices, axis=1).max()) < 0.12
-                    continue
-                sizes = (
-                    shape.size if isinstance(shape, Box) else (2.0 * shape.radius, shape.length + 2.0 * shape.radius)
-                    if isinstance(shape, Capsule) else (2.0 * shape.radius,) if isinstance(shape, Sphere) else ()
-                )
-                assert sizes and all(0.02 <= size <= 0.12 + 1e-12 for size in sizes)
+    for shape in (body.pieces[0].shape for scene in scenes(40) for body in scene.bodies if body.name.startswith("thing_")):
+        if isinstance(shape, ConvexHull):
+            assert 0.0 < float(np.linalg.norm(shape.vertices, axis=1).max()) < 0.12
+        else:
+            assert size(shape) and all(0.02 <= edge <= 0.12 + 1e-12 for edge in size(shape))
 
 
 def test_a_crowd_is_found_by_its_name_of_any_seed() -> None:
@@ -87,3 +91,32 @@ def test_the_commits_own_crowds_are_one_of_each_kind() -> None:
     assert [name.split("_")[1:] for name in drawn_crowds.scenarios()] == [
         [drawn_crowds.draw(seed).name.split("_")[1], str(seed)] for seed in range(first, first + len(KINDS))
     ]
+
+
+FALLS = ["--seed", "42", "--frames", "3", "--jobs", "2"]
+"""In three frames all fall and hardly anything touches yet."""
+
+
+def test_bodies_that_fall_are_within_the_bounds_and_bodies_that_freeze_are_not(
+    site: Path, capsys: pytest.CaptureFixture[str],
+) -> None:
+    assert main([*FALLS, "--scenes", "5"]) == 0
+    said = capsys.readouterr().out
+    kinds = "poured_42", "struck_43", "swept_44", "gripped_45", "kicked_46"
+    assert "--seed 42" in said and all(f"crowd_{kind}" in said for kind in kinds)
+    assert main([*FALLS, "--scenes", "2", "--engines", "frozen/default"]) == 1
+    (poured, *_) = [row for row in capsys.readouterr().out.splitlines() if row.startswith("crowd_poured_42")]
+    assert "lost time" in poured and "unfallen m" in poured
+
+
+def test_an_engine_beside_the_first_breaks_nothing(site: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([*FALLS, "--scenes", "1", "--engines", "avatarsim/default", "frozen/other"]) == 0
+    summary = [row.split() for row in capsys.readouterr().out.splitlines() if " any " in row]
+    assert [(row[0], row[-2:]) for row in summary] == [("avatarsim/default", ["0", "1"]), ("frozen/other", ["1", "1"])]
+
+
+def test_what_does_not_run_and_what_is_asked_wrongly(site: Path) -> None:
+    one = ["--seed", "41", "--frames", "4", "--jobs", "1", "--scenes", "1"]
+    assert main([*one, "--engines", "avatarsim/default", "raises/default"]) == 3
+    for words in (["--scenes", "0"], ["--seed", "-1"], ["--engines", "nobody/default"], ["--engines", "frozen/no"]):
+        assert main(words) == 2
