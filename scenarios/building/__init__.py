@@ -1,1 +1,1 @@
-"""What scenes are made of: materials, floors, rooms, avatars, closed forms that are expected, promises that are shared."""
+"""Parts of scenes: materials, floors, rooms, avatars, closed forms that are expected, promises that are shared."""

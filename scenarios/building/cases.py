@@ -21,9 +21,7 @@ NOWHERE = (0.0, 0.0, 0.0)
 
 def pieces_of(shape: Solid) -> tuple[Piece, ...]:
     """Return a shape, a piece or a tuple of pieces as a tuple of pieces."""
-    if isinstance(shape, tuple):
-        return shape
-    return (shape if isinstance(shape, Piece) else Piece(shape),)
+    return shape if isinstance(shape, tuple) else (shape if isinstance(shape, Piece) else Piece(shape),)
 
 
 def fixture(name: str, shape: Solid, material: str, position: Vector = NOWHERE, turn: Quaternion = rotation.IDENTITY) -> Body:
@@ -54,11 +52,8 @@ def driven(name: str, shape: Solid, mass: float, material: str = "human") -> Ava
 
 def pair_table(names: Iterable[str], stated: Mapping[tuple[str, str], ContactLaw]) -> PairTable:
     """Coefficients of made-up materials: the pairs `stated`, and neither bounce nor friction for pairs that never meet."""
-    silent: dict[tuple[str, str], ContactLaw] = {
-        pair: ContactLaw(0.0, 0.0) for pair in combinations_with_replacement(sorted(names), 2)
-    }
-    known = {frozenset(pair) for pair in stated}
-    return PairTable({**{pair: c for pair, c in silent.items() if frozenset(pair) not in known}, **stated})
+    known, pairs = {frozenset(pair) for pair in stated}, combinations_with_replacement(sorted(names), 2)
+    return PairTable({**{pair: ContactLaw(0.0, 0.0) for pair in pairs if frozenset(pair) not in known}, **stated})
 
 
 def laws(stated: Mapping[tuple[str, str], tuple[float, float]], *others: str) -> PairTable:

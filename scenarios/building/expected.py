@@ -1,4 +1,4 @@
-"""What a scene's `expects` may hold beyond drops: closed forms and invariants as data, each read by one measure."""
+"""Closed forms and invariants that a scene expects beyond drops, as data, each read by one measure."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -75,8 +75,7 @@ class Pivot:
 
 @dataclass(frozen=True, eq=False)
 class Top:
-    """Key "tops": a body turns about its own z axis at `spin` [rad/s] for ever, and that axis about gravity at `precession`
-    [rad/s] on the mean."""
+    """Key "tops": a body turns about its own z axis at `spin` [rad/s], and that axis about gravity at `precession` on the mean."""
 
     body: str
     spin: float
@@ -85,8 +84,7 @@ class Top:
 
 @dataclass(frozen=True)
 class Wave:
-    """Key "waves": `bodies` in a row, `pitch` [m] apart, topple one another; from place `first` to place `last` of them the front
-    runs at `speed` [m/s]."""
+    """Key "waves": `bodies` in a row, `pitch` [m] apart, topple one another; from `first` to `last` at `speed` [m/s]."""
 
     bodies: tuple[str, ...]
     pitch: float

@@ -1,4 +1,4 @@
-"""How far an avatar's shapes reach in a direction, for putting obstacles in its way. Plain and slow."""
+"""Reach of an avatar's shapes in a direction, for putting obstacles in its way. Plain and slow."""
 
 from collections.abc import Iterable
 

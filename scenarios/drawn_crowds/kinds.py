@@ -38,7 +38,7 @@ HAND_MASS, LEGS, ABOVE = 0.5, (2, 4), 0.005
 PAD: Vector = (0.02, 0.05, 0.05)
 """Edges of a pad [m]."""
 BESIDE, INTO, RISES = (0.01, 0.03), (0.005, 0.03), (0.1, 0.3)
-"""How far the pads begin from the gripped body, how far their user goes into it, and how far they rise [m]."""
+"""Distance of the pads from the gripped body at the start, depth of their user in it, and height to which they rise [m]."""
 CLIPS, ROOM = ("kick", "spinkick", "punch", "dance_a", "crawl", "roll", "getup_facedown"), 0.35
 """Clips of a person, and radius without bodies around its first position [m]."""
 CLOSED, UP = (0.1, 0.4), (0.5, 1.3)

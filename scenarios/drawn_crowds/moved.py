@@ -24,7 +24,7 @@ FIST = 0.05
 TOP, THICK, CORNERS = 0.15, 0.04, 24
 """Height of a platform at the start, its thickness [m], and corners of one that turns."""
 RISES, TURNS, FORCES = (-0.1, 0.4), (-4.0, 4.0), (50.0, 2000.0)
-"""How far a lift goes [m], how fast a table turns in the end [rad/s], and largest forces [N]."""
+"""Way of a lift [m], angular velocity of a table in the end [rad/s], and largest forces [N]."""
 BAR, WIDE = 0.03, 1.4
 """Thickness of a bar [m], and the angle on either side of the middle through which it swings [rad]."""
 

@@ -1,1 +1,1 @@
-"""What the tracker shows: recorded clips, scripted postures, retimed, layered and resampled."""
+"""Motions of the tracker: recorded clips, scripted postures, retimed, layered and resampled."""

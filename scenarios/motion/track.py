@@ -34,7 +34,7 @@ class Track:
         return len(self.positions)
 
     def posture(self, frame: int) -> TrackerSample:
-        """What the user has done by the end of `frame`; past the last frame the user stands still."""
+        """Posture of the user at the end of `frame`; past the last frame the user stands still."""
         if frame < 0:
             raise InvalidInput("frame of a track", frame, "0 and up")
         k = min(frame, len(self) - 1)

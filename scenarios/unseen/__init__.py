@@ -1,5 +1,4 @@
-"""Motions nothing was tuned for: recorded clips recombined by seed, in five rooms, in the last also at 90 Hz, as scenes beside
-the catalogue.
+"""Motions nothing was tuned for: recorded clips recombined by seed, in five rooms, in the last also at 90 Hz.
 
 Their seeds change with every commit, so they have no place in the committed baseline, in ceilings, or in the catalogue.
 """

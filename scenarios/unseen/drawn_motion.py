@@ -35,7 +35,7 @@ TRIES, BESIDE = 4, 0.5
 SINKS = (-0.05, 0.03)
 """Height [m] of the lowest points (their 5th percentile) over the floor: users are taller or smaller than their avatars."""
 OFF_START, OFF_HEADING = 0.3, 1.0
-"""How far [m] from the start, and turned by how much [rad], the first piece begins."""
+"""Distance [m] of the first piece from the start, and its turn [rad]."""
 LED_IN = 2.0
 """Largest speed [m/s] of a link origin on the way from the start posture into the motion, were that way straight."""
 EVERY = 10

@@ -17,7 +17,7 @@ MASS = 0.46
 PALM: Vector = (0.052, 0.044, 0.016)
 """Semi-axes of the palm [m], its centre at the origin of the hand."""
 OVERREACH = 1.15
-"""How much longer than its bone a part is drawn, so that neighbours run into each other and no gap stays between."""
+"""Length of a part over that of its bone, so that neighbours run into each other and no gap stays between."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""How far a human's joints turn: one table of ranges of motion, and the limits constructed from it.
+"""Limits of a human's joints: one table of ranges of motion, and the limits constructed from it.
 
 The numbers in RANGES are goniometer values in degrees from range-of-motion tables (AAOS, AMA, Kurz); the limits are our own.
 Tables state ends of motion in four directions, ball joints have a circular cone and a twist: the cone's axis is tilted half-way

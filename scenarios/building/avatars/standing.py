@@ -11,7 +11,7 @@ from avatarsim.spatial import rotation
 from scenarios.building.reach import reach
 
 ARMS_OUT = float(np.radians(20.0))
-"""How far the upper arms are lifted sideways [rad]; at 0 the wrists come within 3 mm of the hips."""
+"""Angle by which the upper arms are lifted sideways [rad]; at 0 the wrists come within 3 mm of the hips."""
 KNEES_BENT = float(np.radians(10.0))
 """Bend of knees and elbows [rad]: a straight limb cannot say which way to fold."""
 CLEARANCE = 0.01

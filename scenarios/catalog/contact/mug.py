@@ -42,7 +42,7 @@ CLOSES, RISES, ASIDE, TILTS, UPRIGHT, SINKS, OPENS = (
 )
 """When the fingers' user does what [s]."""
 RISE, CARRY, TILT = 0.15, 0.3, 0.5
-"""How far up and aside [m], and how far the user tilts the mug [rad]."""
+"""Ways up and aside [m], and tilt of the mug [rad]."""
 
 FIST, BESIDE = 0.045, 0.082
 """Radius of the fist, and its distance from the axis of the mug [m]."""

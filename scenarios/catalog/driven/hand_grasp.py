@@ -34,7 +34,7 @@ MUG_AT, TOP = 0.6, 1.0
 REACH = (-0.365, -0.075)
 """Where the elbow is against an object that is grasped [m]: the fingers' roots just before it, the palm beside it."""
 CLOSED, WRAP = 75.0, 25.0
-"""How far the fingers' joints are bent when closed, and the thumb's [degrees]; around a mug 45 would do."""
+"""Bend of the fingers' joints when closed, and of the thumb's [degrees]; around a mug 45 would do."""
 
 
 @cache

@@ -30,7 +30,7 @@ FRAMES, CYCLE = 300, 50
 SIDES, FOOT, RIM, SHELL, DEPTH = 12, 0.22, 0.30, 0.03, 0.25
 """Straight pieces of the bowl's side, inner radius at the bottom and at the rim, thickness, depth to the bottom at z = 0 [m]."""
 MIDDLE, ROUND = 0.047, 0.176
-"""How far behind the middle between wrist and fingertips a hand's origin lies, and how far that middle goes round from the bowl's
+"""Distance of a hand's origin behind the middle between wrist and fingertips, and of that middle from the bowl's as it goes round
 [m]: fingertips ahead, 4 cm into the side, which is less thick."""
 THIN, START, BEHIND = 2e-3, -0.35, 0.4
 """Thickness of its wall, where the hand rests before it, and how far it is driven behind it [m]."""

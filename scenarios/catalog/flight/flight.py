@@ -71,7 +71,7 @@ def reach() -> float:
 
 
 def precession() -> float:
-    """How fast the axis of the top goes round [rad/s]."""
+    """Mean rate at which the axis of the top goes round [rad/s]."""
     across, _, along = moments(piece(), MASS)
     return top_precession(across, along, MASS, reach(), TOP_SPIN, LEAN, 9.81)
 

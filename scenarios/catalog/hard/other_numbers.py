@@ -36,7 +36,7 @@ THICK = 20.0
 
 @dataclass(frozen=True)
 class Place:
-    """How large the world is, and where its origin lies [m]."""
+    """Size of the world, and place of its origin [m]."""
 
     scale: float = 1.0
     origin: Vector = NOWHERE

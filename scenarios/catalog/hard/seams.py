@@ -41,7 +41,7 @@ WIDE, LANE = 2.0, 2.4
 STONES = {"rows": (12, 1), "leaning": (12, 1), "chequered": (12, 4), "fine": (64, 1)}
 """Stones along and across each floor. The last has a seam every eight centimetres: up to six under a box at once."""
 LEAN = 0.12
-"""How far a leaning seam is off at the sides of its floor [m], to and fro from seam to seam."""
+"""Offset of a leaning seam at the sides of its floor [m], to and fro from seam to seam."""
 THREE = tuple(Piece(Box((0.1, 0.3, 0.1)), (x, 0.0, 0.0)) for x in (-0.1, 0.0, 0.1))
 """A box like the others in three pieces: seams above and below."""
 PILE = ("bottom", "middle", "top")

@@ -72,7 +72,7 @@ def sliver(ratio: int) -> Box:
 
 
 def turned(ratio: int, way: str) -> tuple[Quaternion, float]:
-    """How a sliver is turned, and how far it reaches ahead of its centre [m]."""
+    """Turn of a sliver, and its reach ahead of its centre [m]."""
     if way == "flat":
         return rotation.IDENTITY, 0.5 * (EDGE / ratio)
     if way == "edge":

@@ -33,7 +33,7 @@ RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.75, 0.9, 1.0)
 ROD, THIN, LEAN, EDGE = 0.6, 0.02, radians(35.0), 0.2
 """Length of the rod's segment and its radius [m], its angle from upright: or its other end follows; edge of the cube [m]."""
 CUBE_TURN: Quaternion = turned_by((0.790, 0.576, 0.210), 0.8656)
-"""How the cube is turned: one corner lowest, beside its centre, and the others well above it."""
+"""Turn of the cube: one corner lowest, beside its centre, and the others well above it."""
 MASS, DOWN = 1.5, (0.0, 0.0, -2.0)
 """Mass [kg] and velocity [m/s] of rods and cubes."""
 

@@ -17,7 +17,7 @@ from scenarios.motion.rigid_hands import hands_at, led_through
 from scenarios.scenario import Bound, Motion, Scenario
 
 DIP = 0.01
-"""How far the user dips the hand into the table [m]."""
+"""Depth to which the user dips the hand into the table [m]."""
 RADIUS, HALF_WIDTH, DEEP = 0.1, 0.09, 0.15
 """Radius of the ball, half the width of the slot, and how far below the rims the ball's centre is driven [m]."""
 

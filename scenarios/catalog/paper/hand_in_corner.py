@@ -28,9 +28,9 @@ Array = NDArray[np.float64]
 SLIDE, ROUND = 1.0, 120
 """Length [m] and frames of one slide, there or back, with letting go in between."""
 INTO, BACK = 0.06, 0.10
-"""How far into the corner the hand is pressed, and how far from it the fingertips are when the user lets go [m]."""
+"""Depth of the hand in the corner, and distance of the fingertips from it when the user lets go [m]."""
 SWAY = 0.25
-"""How far the hand turns towards one wall and the other [rad]."""
+"""Largest turn of the hand towards either wall [rad]."""
 ALONG_X = rotation.from_axis_angle((0.0, 0.0, 1.0), np.pi / 4.0)
 """Turns fingers that point along x into the corner, towards +x and +y, the palm down."""
 HALF = float(np.sqrt(0.5))

@@ -24,7 +24,7 @@ from scenarios.scenario import RENDERED, Bound, Motion, Scenario
 FRAMES, SHORT = 3653, 900
 """The paper's run, and one with the same phases at four times the pace."""
 PRESSED = 0.02
-"""How deep the user presses into the table [m]."""
+"""Depth to which the user presses into the table [m]."""
 BALL_RADIUS, BALL_AT = 0.04, (TABLE_AT[0] - 0.1, TABLE_AT[1] + 0.1)
 """Radius of the ball, and where it lies on the table at first [m]."""
 SLIDE_Y = TABLE_AT[1] - 0.25

@@ -23,7 +23,7 @@ from scenarios.scenario import RENDERED, Motion, Scenario
 WIDEST, BEND = 2.6, 3.5
 """Largest rotation asked of a ball joint, short of the antipode, and largest angle of a hinge, either way [rad]."""
 BEYOND = 2.0
-"""How far beyond both its limits each hinge of the hinged humanoid is asked to turn [rad]."""
+"""Angle beyond both limits that is asked of each hinge of the hinged humanoid [rad]."""
 FLIP = 31
 """Frames after which one joint, another each time, is asked for the opposite at once."""
 PLACES, HELD = ((-5.5, -3.5, 0.7), (0.2, 3.5, 1.3)), 30
