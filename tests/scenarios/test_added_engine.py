@@ -48,9 +48,15 @@ def test_its_files_say_what_the_harness_asks_of_an_engine(site: Path) -> None:
     assert unsupported("toy/tuned", ["dynamics"]).keys() == {"apex_error_max"}
     assert about("toy").in_own_words({"dt": 0.5}) == ["toy.step(1/2)"]
     stack, walk = catalog.get("stack_ten"), catalog.get("mocap_run")
-    assert (list(variants_of("toy", stack, ())), list(variants_of("toy", walk, ()))) == (["asleep"], [])
+    assert (variants_of("toy", stack, ()), variants_of("toy", walk, ())) == (["asleep"], [])
     assert takes_part("toy", "tuned", walk) and not takes_part("toy", "asleep", walk)
     assert Job("stack_ten", "toy", "asleep").settings(opened("toy")).preset == "asleep"
+
+
+def test_its_variant_is_a_preset_where_its_condition_is_met(site: Path, tmp_path: Path) -> None:
+    laid(site)
+    called(tmp_path, "check", "--engine", "toy", "--preset", "asleep", "--filter", "stack_ten,mocap_run")
+    assert {(row["scenario"], row["preset"]) for row in latest(tmp_path)["rows"]} == {("stack_ten", "asleep")}
 
 
 def test_its_sweep_is_of_its_folder(site: Path) -> None:

@@ -14,7 +14,7 @@ from avatarsim.live.recording import Recorder
 from avatarsim.scene.scene import Scene
 from scenarios import catalog, own_scenes
 from scenarios.__main__ import main
-from scenarios.cli import plan as offered
+from scenarios.cli.plan import scenarios as offered
 from tests.live.small import plan, pushed
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -49,7 +49,7 @@ def arm(tmp_path: Path) -> tuple[str, str]:
 
 def test_own_scenes_stand_in_the_place_of_the_catalogue(boxes: str) -> None:
     own_scenes.take_files([boxes, boxes], None, None, None, 2.0)
-    assert set(catalog.scenarios()) == {"own_two_boxes", "own_two_boxes_2"} == set(offered.scenarios("compare"))
+    assert set(catalog.scenarios()) == {"own_two_boxes", "own_two_boxes_2"} == set(offered("compare"))
     scenario = catalog.get("own_two_boxes")
     assert scenario.frames == 120 and scenario.everyday and "Two boxes.xml" in scenario.title
     scene = scenario.build()
@@ -133,23 +133,21 @@ def test_the_command_runs_them_and_says_what_is_wrong(tmp_path: Path, boxes: str
     assert good.returncode == 0 and "own_two_boxes" in good.stdout
     absent = compared(tmp_path / "out", "--scene", str(tmp_path / "none.xml"))
     assert absent.returncode == 2 and "none.xml" in absent.stderr
-    mixed = compared(tmp_path / "out", "--scene", boxes, "--filter", "ball*")
-    assert mixed.returncode == 2 and "--filter with --scene" in mixed.stderr
-    lone = compared(tmp_path / "out", "--motion", boxes)
-    assert lone.returncode == 2 and "--motion" in lone.stderr
 
 
-@pytest.mark.parametrize(("words", "said"), [
-    (["--room-scale", "2"], "--room-scale is '2.0'; valid: with --scene"),
-    (["--scene", "x", "--scene-scale", "nan"], "--scene-scale is nan"), (["--scene", "x", "--scene-scale", "0"], "above 0"),
-    (["--scene", "x", "--avatar-scale", "-1", "--avatar", "x"], "--avatar-scale is -1.0"),
-    (["--scene", "x", "--avatar-scale", "2"], "an option beside --avatar"),
-    (["--scene", "x", "--room-scale", "2"], "an option beside --room"),
-    (["--scene", "x.xml", "--scene-scale", "1e9"], "metres a unit of length of x.xml"),
+@pytest.mark.parametrize(("words", "named"), [
+    (["--room-scale", "2"], ["--room-scale", "2.0", "--scene"]), (["--scene", "x", "--room-scale", "2"], ["--room"]),
+    (["--scene", "x", "--scene-scale", "nan"], ["nan"]), (["--scene", "x", "--scene-scale", "0"], ["--scene-scale", "0"]),
+    (["--scene", "x", "--avatar-scale", "-1", "--avatar", "x"], ["--avatar-scale", "-1.0"]),
+    (["--scene", "x", "--avatar-scale", "2"], ["--avatar"]), (["--scene", "x.xml", "--scene-scale", "1e9"], ["x.xml"]),
+    (["--scene", "x.xml", "--filter", "ball*"], ["--filter", "--scene"]), (["--motion", "x"], ["--motion"]),
 ])
-def test_a_scale_without_sense_is_refused(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_that_do_not_go_together_are_refused(
+    words: list[str], named: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
     assert main(["compare", *words]) == 2
-    assert said in capsys.readouterr().err
+    err = capsys.readouterr().err
+    assert all(name in err for name in named)
 
 
 def test_an_avatar_that_meets_nothing_is_whole(arm: tuple[str, str], tmp_path: Path) -> None:

@@ -158,8 +158,8 @@ def test_a_cluster_that_has_lost_its_workers_says_so_and_goes_on_with_a_new_one(
     assert [line for line in said.splitlines() if "was lost" in line and first in line] and where.lost == [first]
 
 
-class Workers:
-    """A client whose workers are those of a list, look by look, and at the end those of the last one."""
+class Client:
+    """Workers that are those of a list, look by look, and at the end those of the last one; None: no scheduler."""
 
     def __init__(self, *looks: set[str] | None) -> None:
         self.looks, self.seen_all = list(looks), threading.Event()
@@ -182,11 +182,11 @@ def test_lines_come_while_there_is_no_worker_and_lost_ones_are_known(
 ) -> None:
     monkeypatch.setattr(generic, "LOOK_EVERY", 0.001)
     monkeypatch.setattr(generic, "SAY_EVERY", 0.0)
-    client = Workers(*looks)
+    client = Client(*looks)
     with generic.Watch(client, "tcp://here:1", ["a", "b"]) as watch:
         if len(looks) > 1:
             client.seen_all.wait()
-    assert capsys.readouterr().err.count("tcp://here:1 has no worker") == lines and watch.lost() == lost
+    assert capsys.readouterr().err.count("tcp://here:1") == lines and watch.lost() == lost
 
 
 def test_a_run_names_the_workers_that_its_cluster_has_lost(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

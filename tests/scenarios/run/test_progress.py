@@ -12,23 +12,16 @@ class Terminal(io.StringIO):
         return True
 
 
-def test_lines_where_nobody_watches() -> None:
-    stream = io.StringIO()
-    with Progress("accuracy", 2, stream) as progress:
-        progress.step("one")
-        progress.step("two")
-    lines = stream.getvalue().splitlines()
-    assert [line.split()[:2] for line in lines] == [["accuracy", "2/2"]] and "\r" not in stream.getvalue()
-
-
-def test_a_long_pass_says_in_between_that_it_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("pause", "counts"), [(0.0, ["3/3"]), (0.7 * INTERVAL, ["2/3", "3/3"])])
+def test_a_line_at_the_end_and_few_before(pause: float, counts: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     stream, now = io.StringIO(), [0.0]
     monkeypatch.setattr("scenarios.run.progress.time.monotonic", lambda: now[0])
     with Progress("accuracy", 3, stream) as progress:
         for _ in range(3):
-            now[0] += 0.7 * INTERVAL
+            now[0] += pause
             progress.step("one")
-    assert [line.split()[1] for line in stream.getvalue().splitlines()] == ["2/3", "3/3"]
+    assert [line.split()[:2] for line in stream.getvalue().splitlines()] == [["accuracy", count] for count in counts]
+    assert "\r" not in stream.getvalue()
 
 
 def test_a_bar_on_a_terminal() -> None:
