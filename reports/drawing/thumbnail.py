@@ -1,15 +1,21 @@
 """A small picture of a scene at one instant: its convex pieces in orthographic projection, shaded, as an SVG of a few kilobytes.
 
+Fixed pieces are drawn first, the largest before all, and then moving ones from far to near, so that nothing hides what moves.
 Colours are classes of the page's style sheet, so that one picture serves light and dark pages.
 """
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
-from reports.drawing.convex_picture import Piece, flat_hull, order, placed
-from reports.drawing.mesh import Array
+from avatarsim.spatial import rotation
+from reports.drawing import mesh
+from reports.drawing.mesh import Array, Indices
 from reports.reading.kept import Drawn, Shown
 
 WIDTH, HEIGHT = 320, 200
@@ -31,46 +37,65 @@ SHADES = (0.75, 0.35)
 
 View = tuple[Array, float]
 """Lower left corner [m] of a picture, and units of the picture per metre."""
-Parts = list[tuple[Piece, str]]
-"""Pieces, and the roles of their bodies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A convex piece of a body in the world.
+
+    role     of its body, "ghost" where the tracker has a link elsewhere
+    corners  (v, 3) [m]
+    faces    corners of each flat face, none of a round piece
+    normals  of the faces (f, 3), outward
+    """
+
+    role: str
+    corners: Array
+    faces: list[Indices]
+    normals: Array
+
+    def outline(self, axes: Array) -> Array:
+        """Return the corners (k, 2) of its outline along ``axes`` (2, 3), in order."""
+        return flat_hull(self.corners @ axes.T)
+
+
+def placed(role: str, piece: Mapping[str, Any], position: Array, orientation: Array) -> Piece:
+    """Return a piece of a scene's file on a body at ``position`` (3,) with ``orientation`` (4,)."""
+    own, faces, normals = mesh.corners(piece), list[Indices](), np.zeros((0, 3))
+    if not mesh.is_round(piece):
+        triangles, equations = mesh.hull(own)
+        # triangles of one plane are one face
+        planes, which = np.unique(np.round(equations, 5) + 0.0, axis=0, return_inverse=True)
+        faces = [np.unique(triangles[which == k]) for k in range(len(planes))]
+        normals = rotation.rotate(orientation, planes[:, :3])
+    return Piece(role, position + rotation.rotate(orientation, own), faces, normals)
+
+
+def flat_hull(points: Array) -> Array:
+    """Return the corners (k, 2) of the hull of points (n, 2), counter-clockwise; the points where they span no area."""
+    try:
+        return np.asarray(points[ConvexHull(points).vertices])
+    except QhullError:
+        return points
 
 
 def thumbnail(scene: Drawn, main: Shown, state: int, turn: float, label: str, view: View | None = None) -> str:
     """Return the picture of what ``main`` shows in a state, "" where nothing moving can be drawn.
 
-    Args:
-        scene: of the picture.
-        main: recording.
-        state: number of the state.
-        turn: azimuth [rad] of the eye.
-        label: description of the picture.
-        view: of another picture, to show the same part.
+    ``turn`` is the azimuth [rad] of the eye, ``label`` describes the picture, ``view`` is that of a picture of the same part.
     """
     axes, towards = _eye(turn)
-    parts, ghosts = _parts(scene, main, state)
-    view = view or framed(scene, main, state, turn)
-    if view is None or not ghosts and all(role == "fixed" for _, role in parts):
+    pieces, view = _pieces(scene, main, state), view or framed(scene, main, state, turn)
+    if view is None or all(piece.role == "fixed" for piece in pieces):
         return ""
-    parts = _largest(parts, axes, view)
-    pieces, outlines = [piece for piece, _ in parts], [piece.outline(axes) for piece, _ in parts]
-    marks, moving = list[str](), list[Array]()
-    for k in order(pieces, outlines, towards, HEIGHT / view[1]):
-        role = parts[k][1]
-        if role != "fixed":
-            moving.append(outlines[k])
-        elif any(_meet(one, outlines[k]) for one in moving):
-            # before something that moves it is a veil
-            role = "veil"
-        marks += _marks(pieces[k], outlines[k], role[0], axes, towards, view)
-    marks += [_path("g", ghost.outline(axes), view) for ghost in ghosts]
     head = f'<svg class="still" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escape(label, quote=True)}">'
+    marks = [mark for piece in _order(pieces, axes, towards, view) for mark in _marks(piece, axes, towards, view)]
     return f"{head}{''.join(marks)}</svg>"
 
 
 def framed(scene: Drawn, main: Shown, state: int, turn: float) -> View | None:
     """Return the view that holds what moves in a state in its middle; None where nothing can be drawn."""
-    parts, ghosts = _parts(scene, main, state)
-    seen = [piece.outline(_eye(turn)[0]) for piece in [*(piece for piece, role in parts if role != "fixed"), *ghosts]]
+    seen = [piece.outline(_eye(turn)[0]) for piece in _pieces(scene, main, state) if piece.role != "fixed"]
     if not seen:
         return None
     points = np.concatenate(seen)
@@ -79,24 +104,19 @@ def framed(scene: Drawn, main: Shown, state: int, turn: float) -> View | None:
     return 0.5 * (low + high) - 0.5 * np.array([WIDTH, HEIGHT]) / scale, scale
 
 
-def _meet(one: Array, other: Array) -> bool:
-    """Return whether the boxes round two outlines share an area."""
-    return bool((one.min(axis=0) < other.max(axis=0)).all() and (other.min(axis=0) < one.max(axis=0)).all())
-
-
-def _parts(scene: Drawn, main: Shown, state: int) -> tuple[Parts, list[Piece]]:
-    """Return the pieces of all bodies with a pose, and those of links that the tracker has elsewhere."""
-    parts, ghosts = Parts(), list[Piece]()
+def _pieces(scene: Drawn, main: Shown, state: int) -> list[Piece]:
+    """Return the pieces of all bodies with a pose, and then those of links that the tracker has elsewhere."""
+    pieces, ghosts = list[Piece](), list[Piece]()
     first_link = len(scene.bodies) - main.raw_positions.shape[1]
     for k, body in enumerate(scene.bodies):
         position, turn = main.positions[state, k], main.orientations[state, k]
         if np.isfinite(position).all() and np.isfinite(turn).all():
-            parts += [(placed(piece, position, turn), str(body["role"])) for piece in body["pieces"]]
+            pieces += [placed(str(body["role"]), piece, position, turn) for piece in body["pieces"]]
         if k >= first_link:
             target, turn = main.raw_positions[state, k - first_link], main.raw_orientations[state, k - first_link]
             if LEAST_OFFSET < np.linalg.norm(target - position) < math.inf and np.isfinite(turn).all():
-                ghosts += [placed(piece, target, turn) for piece in body["pieces"]]
-    return parts, ghosts
+                ghosts += [placed("ghost", piece, target, turn) for piece in body["pieces"]]
+    return pieces + ghosts
 
 
 def _eye(turn: float) -> tuple[Array, Array]:
@@ -107,22 +127,26 @@ def _eye(turn: float) -> tuple[Array, Array]:
     return np.stack([right, np.cross(towards, right)]), towards
 
 
-def _largest(parts: Parts, axes: Array, view: View) -> Parts:
-    """Return all parts that move, and the largest of the fixed ones in the picture before them."""
-    areas = []
-    for part in parts:
-        spots = (part[0].outline(axes) - view[0]) * view[1]
+def _order(pieces: list[Piece], axes: Array, towards: Array, view: View) -> list[Piece]:
+    """Return the pieces to draw, one after the other: the largest fixed ones in the picture, moving ones, ghosts."""
+
+    def area(piece: Piece) -> float:
+        spots = (piece.outline(axes) - view[0]) * view[1]
         span = np.minimum(spots.max(axis=0), (WIDTH, HEIGHT)) - np.maximum(spots.min(axis=0), 0.0)
-        if part[1] == "fixed" and (span > 0.0).all():
-            areas.append((float(span.prod()), part))
-    areas.sort(key=lambda one: one[0], reverse=True)
-    return [part for _, part in areas[:MOST_FIXED]] + [part for part in parts if part[1] != "fixed"]
+        return float(np.maximum(span, 0.0).prod())
+
+    areas = [(area(piece), piece) for piece in pieces if piece.role == "fixed"]
+    fixed = sorted((one for one in areas if one[0] > 0.0), key=lambda one: -one[0])[:MOST_FIXED]
+    moving = [piece for piece in pieces if piece.role not in ("fixed", "ghost")]
+    moving.sort(key=lambda piece: float(piece.corners.mean(axis=0) @ towards))
+    return [piece for _, piece in fixed] + moving + [piece for piece in pieces if piece.role == "ghost"]
 
 
-def _marks(piece: Piece, outline: Array, letter: str, axes: Array, towards: Array, view: View) -> list[str]:
+def _marks(piece: Piece, axes: Array, towards: Array, view: View) -> list[str]:
     """Return the paths of one piece: the faces that look towards the eye, or its outline where it is round or has many."""
-    if not 0 < len(piece.faces) <= MOST_FACES:
-        return [_path(f"{letter}2", outline, view)]
+    letter = piece.role[0]
+    if letter == "g" or not 0 < len(piece.faces) <= MOST_FACES:
+        return [_path("g" if letter == "g" else f"{letter}2", piece.outline(axes), view)]
     marks = []
     for face, normal in zip(piece.faces, piece.normals, strict=True):
         if normal @ towards > 1e-9:

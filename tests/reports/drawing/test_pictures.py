@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 from reports.drawing.stills import instant, sides, stills
-from reports.drawing.thumbnail import HEIGHT, WIDTH, thumbnail
+from reports.drawing.thumbnail import HEIGHT, WIDTH, placed, thumbnail
 from reports.reading.kept import Drawn, Shown, drawn, shown
-from tests.reports.recorded import STATES, recording, scene
+from tests.reports.recorded import BODIES, STATES, recording, scene
 from tests.reports.small_runs import MUJOCO, OURS
 
 Recorded = tuple[Drawn, Shown, Shown]
@@ -43,10 +43,25 @@ def test_every_body_is_drawn_in_its_role_inside_the_frame(found: Recorded) -> No
     svg = thumbnail(*found[:2], 9, -1.0, 'A "scene" <of> three.')
     assert styles(svg)["s2"] == styles(svg)["d2"] == 1
     # three sides of the slab look towards an eye above
-    assert sum(number for style, number in styles(svg).items() if style[0] in "fv") == 3
+    assert sum(number for style, number in styles(svg).items() if style[0] == "f") == 3
     assert len(svg) < 2000 and ElementTree.fromstring(svg).attrib["aria-label"] == 'A "scene" <of> three.'
     numbers = [float(text) for text in re.findall(r'(?<=[ML,"])-?\d+(?=[,LZ"])', paths(svg))]
     assert numbers and min(numbers) >= -9 and max(numbers) <= max(WIDTH, HEIGHT) + 9
+
+
+def test_moving_bodies_are_drawn_after_fixed_ones_and_from_far_to_near(found: Recorded) -> None:
+    made, main, _ = found
+    for ball_first, turn in ((True, 0.0), (False, np.pi)):
+        main.positions[9, 1:, 0] = -1.0, 1.0
+        _, *order = re.findall(r'class="(\w)', thumbnail(made, main, 9, turn, "x"))
+        assert "".join(dict.fromkeys(order)) == ("fsdg" if ball_first else "fdsg")
+
+
+def test_faces_of_one_plane_are_one() -> None:
+    upright = np.array([1.0, 0.0, 0.0, 0.0])
+    box, ball = (placed("fixed", body["pieces"][0], np.zeros(3), upright) for body in BODIES[:2])
+    assert [len(face) for face in box.faces] == [4] * 6 and not ball.faces
+    assert all((box.corners[face] @ normal).min() > 0.0 for face, normal in zip(box.faces, box.normals, strict=True))
 
 
 def test_a_link_away_from_its_target_has_a_ghost(found: Recorded) -> None:
