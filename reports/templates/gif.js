@@ -2,8 +2,8 @@
 const animatedGif = (width, height) => {
   const STAYS = 255, BINS = 32768, CLEAR = 256, END = 257, MOST_CODES = 4096, LONGEST_BLOCK = 255;
   const out = [];
-  const word = (value) => out.push(value & 255, value >> 8);
-  const text = (letters) => { for (const letter of letters) out.push(letter.charCodeAt(0)); };
+  const words = (...values) => values.forEach((value) => out.push(value & 255, value >> 8));
+  const text = (letters) => out.push(...new TextEncoder().encode(letters));
   const bin = (rgba, at) => ((rgba[at] >> 3) << 10) | ((rgba[at + 1] >> 3) << 5) | (rgba[at + 2] >> 3);
   let palette = [], nearest = new Int16Array(BINS).fill(-1), before = null;
 
@@ -14,17 +14,14 @@ const animatedGif = (width, height) => {
       for (let at = 0; at < rgba.length; at += 4) {
         const k = bin(rgba, at);
         counts[k] += 1;
-        sums[3 * k] += rgba[at];
-        sums[3 * k + 1] += rgba[at + 1];
-        sums[3 * k + 2] += rgba[at + 2];
+        for (let channel = 0; channel < 3; channel += 1) sums[3 * k + channel] += rgba[at + channel];
       }
     }
     const found = [...counts.keys()].filter((k) => counts[k]).sort((a, b) => counts[b] - counts[a]).slice(0, STAYS);
     palette = found.map((k) => [0, 1, 2].map((channel) => Math.round(sums[3 * k + channel] / counts[k])));
     found.forEach((k, index) => { nearest[k] = index; });
     text("GIF89a");
-    word(width);
-    word(height);
+    words(width, height);
     out.push(0xf7, 0, 0);
     for (let k = 0; k < 256; k += 1) out.push(...(palette[k] || [0, 0, 0]));
     out.push(0x21, 0xff, 11);
@@ -59,12 +56,10 @@ const animatedGif = (width, height) => {
       if (next === MOST_CODES) {
         emit(CLEAR);
         table.clear();
-        next = END + 1;
-        size = 9;
+        [next, size] = [END + 1, 9];
       } else {
         if (next === 1 << size) size += 1;
-        table.set(key, next);
-        next += 1;
+        table.set(key, next++);
       }
       prefix = indices[k];
     }
@@ -76,22 +71,18 @@ const animatedGif = (width, height) => {
   // one picture, shown for `delay` hundredths of a second
   function add(rgba, delay) {
     const indices = new Uint8Array(width * height), drawn = new Uint8Array(width * height);
-    for (let k = 0; k < indices.length; k += 1) {
+    indices.forEach((_, k) => {
       indices[k] = indexOf(rgba, 4 * k);
-      drawn[k] = before && before[k] === indices[k] ? STAYS : indices[k];
-    }
+      drawn[k] = before?.[k] === indices[k] ? STAYS : indices[k];
+    });
     before = indices;
     out.push(0x21, 0xf9, 4, 0x05);
-    word(delay);
+    words(delay);
     out.push(STAYS, 0, 0x2c, 0, 0, 0, 0);
-    word(width);
-    word(height);
+    words(width, height);
     out.push(0, 8);
     const bytes = packed(drawn);
-    for (let at = 0; at < bytes.length; at += LONGEST_BLOCK) {
-      const block = bytes.slice(at, at + LONGEST_BLOCK);
-      out.push(block.length, ...block);
-    }
+    for (let at = 0; at < bytes.length; at += LONGEST_BLOCK) out.push(Math.min(LONGEST_BLOCK, bytes.length - at), ...bytes.slice(at, at + LONGEST_BLOCK));
     out.push(0);
   }
   return { choose, add, bytes: () => new Uint8Array([...out, 0x3b]) };

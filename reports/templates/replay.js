@@ -24,8 +24,7 @@ function startReplay(data) {
     dark: new THREE.LineBasicMaterial({ color: 0x4a3a12, transparent: true, opacity: 0.7 }),
     ring: new THREE.MeshBasicMaterial({ color: 0xe02020, depthTest: false, transparent: true, opacity: 0.85 }),
   };
-  const edges = geometries.map(() => null);
-  const edgesOf = (k) => edges[k] || (edges[k] = new THREE.EdgesGeometry(geometries[k], 25));
+  const edges = [], edgesOf = (k) => edges[k] ||= new THREE.EdgesGeometry(geometries[k], 25);
   // a plate seen from its edge is all but invisible: its outline is not
   const THIN = 0.03;
   const isThin = (k) => {
@@ -41,11 +40,11 @@ function startReplay(data) {
   });
   const span = data.high.map((high, k) => (high - data.low[k]) / 65534);
   const put = (mesh, from, frame, slot) => {
-    const at = 3 * (Math.min(frame, from.frames - 1) * from.count + slot);
-    const turn = 4 * (Math.min(frame, from.frames - 1) * from.count + slot);
-    mesh.visible = from.places[at] > 0 && from.places[at + 1] > 0 && from.places[at + 2] > 0;
-    mesh.position.set(...[0, 1, 2].map((k) => data.low[k] + (from.places[at + k] - 1) * span[k]));
-    mesh.quaternion.set(from.turns[turn + 1], from.turns[turn + 2], from.turns[turn + 3], from.turns[turn]).normalize();
+    const row = Math.min(frame, from.frames - 1) * from.count + slot, at = 3 * row, turn = 4 * row;
+    const place = [...from.places.subarray(at, at + 3)], [w, ...xyz] = from.turns.subarray(turn, turn + 4);
+    mesh.visible = place.every((code) => code > 0);
+    mesh.position.set(...place.map((code, k) => data.low[k] + (code - 1) * span[k]));
+    mesh.quaternion.set(...xyz, w).normalize();
   };
   const ghost = data.ghost && poses(data.ghost, data.links);
 
@@ -54,29 +53,22 @@ function startReplay(data) {
     world.add(new THREE.HemisphereLight(0xffffff, 0x8a8f99, 0.75));
     const lamp = new THREE.DirectionalLight(0xffffff, 0.55);
     world.add(lamp, lamp.target);
-    const meshes = new Array(data.bodies.length);
-    data.bodies.forEach((body, k) => {
-      const mesh = new THREE.Mesh(geometries[body.mesh], ink[body.role]);
-      mesh.userData.role = body.role;
-      world.add(mesh);
-      meshes[k] = mesh;
-    });
+    const meshes = data.bodies.map((body) => new THREE.Mesh(geometries[body.mesh], ink[body.role]));
+    world.add(...meshes);
     // boxes in a stack are told apart by their edges; round bodies have none
     data.moving.forEach((k) => {
       const sharp = data.bodies[k].role === "simulated" && edgesOf(data.bodies[k].mesh);
       if (sharp && sharp.attributes.position.count) meshes[k].add(new THREE.LineSegments(sharp, ink.dark));
     });
     for (const still of data.still) {
-      const mesh = meshes[still.body];
+      const mesh = meshes[still.body], shape = data.bodies[still.body].mesh;
       mesh.position.set(...still.place);
-      mesh.quaternion.set(still.turn[1], still.turn[2], still.turn[3], still.turn[0]);
-      const shape = data.bodies[still.body].mesh;
+      mesh.quaternion.set(...still.turn.slice(1), still.turn[0]);
       mesh.add(new THREE.LineSegments(edgesOf(shape), isThin(shape) ? ink.outline : ink.edge));
     }
-    const ghosts = ghost ? data.links.map((k) => new THREE.Mesh(geometries[data.bodies[k].mesh], ink.ghost)) : [];
-    ghosts.forEach((mesh) => { mesh.renderOrder = 2; world.add(mesh); });
-    const rings = [0, 1, 2].map(() => new THREE.Mesh(ringShape, ink.ring));
-    rings.forEach((ring) => { ring.renderOrder = 3; world.add(ring); });
+    const above = (mesh, order) => { mesh.renderOrder = order; world.add(mesh); return mesh; };
+    const ghosts = ghost ? data.links.map((k) => above(new THREE.Mesh(geometries[data.bodies[k].mesh], ink.ghost), 2)) : [];
+    const rings = [0, 1, 2].map(() => above(new THREE.Mesh(ringShape, ink.ring), 3));
     const cell = stage.querySelectorAll(".view")[number];
     return { run, world, lamp, meshes, ghosts, rings, moves: poses(run, data.moving), cell, picture: cell.querySelector(".picture"),
       said: cell.querySelector(".said"), remarks: new Map(run.remarks) };
@@ -86,42 +78,40 @@ function startReplay(data) {
   // where two bodies overlap, nearly: the middle of what their boxes share
   const boxOf = (mesh) => { mesh.updateMatrixWorld(); return mesh.geometry.boundingBox.clone().applyMatrix4(mesh.matrixWorld); };
   function mark(view, frame) {
-    view.meshes.forEach((mesh) => { mesh.material = ink[mesh.userData.role]; });
-    const ended = frame >= view.moves.frames;
-    const pairs = ended ? [] : view.run.pairs[frame] || [];
+    view.meshes.forEach((mesh, k) => { mesh.material = ink[data.bodies[k].role]; });
+    // of a run that has ended there are none
+    const pairs = view.run.pairs[frame] || [];
     view.rings.forEach((ring, k) => {
       const pair = pairs[k];
       ring.visible = Boolean(pair);
       if (!pair) return;
       const shared = boxOf(view.meshes[pair[0]]).intersect(boxOf(view.meshes[pair[1]]));
-      if (shared.isEmpty()) { ring.visible = false; return; }
+      ring.visible = !shared.isEmpty();
+      if (!ring.visible) return;
       shared.getCenter(ring.position);
       ring.scale.setScalar(Math.max(0.035 * eye.distance, 0.4 * Math.min(shared.getSize(new THREE.Vector3()).length(), 0.2 * eye.distance)));
     });
     // fixed bodies keep their colour: a whole floor in red would hide where it happens
     for (const k of pairs.flatMap((pair) => pair.slice(0, 2))) {
-      if (view.meshes[k].userData.role !== "fixed") view.meshes[k].material = ink.bad;
+      if (data.bodies[k].role !== "fixed") view.meshes[k].material = ink.bad;
     }
   }
   function caption(view, frame) {
-    const ended = frame >= view.moves.frames;
-    const deepest = ended ? undefined : (view.run.pairs[frame] || [])[0];
+    const deepest = view.run.pairs[frame]?.[0], broken = view.run.broken.includes(frame);
     const [one, other] = !deepest ? [] : data.bodies[deepest[0]].role === "fixed" ? [deepest[1], deepest[0]] : deepest;
-    const broken = !ended && view.run.broken.includes(frame);
+    const remark = broken ? undefined : view.remarks.get(frame);
     view.cell.classList.toggle("overlaps", Boolean(deepest) || broken);
-    const remark = ended || broken ? undefined : view.remarks.get(frame);
     view.cell.classList.toggle("moves", Boolean(remark) && !deepest);
-    view.said.textContent = ended ? "ended here" : broken ? "a pose here is no number"
+    view.said.textContent = frame >= view.moves.frames ? "ended here" : broken ? "a pose here is no number"
       : !deepest ? (remark ? `no overlap; ${remark}` : "no overlap")
       : `${quantity(deepest[2] / 1000, "m")}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
   }
 
   // one eye for all views
   const home = { azimuth: data.azimuth, height: 0.4, distance: 2.7 * data.radius, focus: new THREE.Vector3(...data.focus) };
-  const near = { ...home, distance: 2.6 * data.near };
   const follow = say("follow");
-  const start = () => (follow.checked ? near : home);
-  const eye = { ...start(), focus: home.focus.clone() };
+  const start = () => ({ ...home, distance: follow.checked ? 2.6 * data.near : home.distance, focus: home.focus.clone() });
+  const eye = start();
   // the middle of what is followed, in our engine's view, so that all views look at the same place
   const leader = views[data.leader];
   // with the user's, which may be elsewhere
@@ -204,8 +194,8 @@ function startReplay(data) {
     root.dataset.frame = frame;
   }
 
-  let asked = false;
-  const redraw = () => { if (!asked) { asked = true; requestAnimationFrame(() => { asked = false; draw(); }); } };
+  let asked = 0;
+  const redraw = () => { asked ||= requestAnimationFrame(() => { asked = 0; draw(); }); };
   const bar = say("bar"), time = say("time"), button = say("play");
   function show(wanted) {
     frame = Math.max(0, Math.min(last, Math.round(wanted)));
@@ -244,7 +234,7 @@ function startReplay(data) {
   const speeds = say("speed");
   speeds.addEventListener("change", () => { speed = Number(speeds.value); });
   if (last * data.dt < 1.6) { speeds.value = "0.25"; speed = 0.25; }
-  const reset = () => { Object.assign(eye, start(), { focus: home.focus.clone() }); lead.copy(home.focus); redraw(); };
+  const reset = () => { Object.assign(eye, start()); lead.copy(home.focus); redraw(); };
   say("home").addEventListener("click", reset);
   follow.addEventListener("change", reset);
   root.querySelectorAll("[data-view]").forEach((box) => box.addEventListener("change", () => {
@@ -259,12 +249,11 @@ function startReplay(data) {
     const tag = event.target.tagName;
     if (tag === "SELECT" || (tag === "INPUT" && event.target !== bar) || (tag === "BUTTON" && event.key === " ") || tag === "SUMMARY") return;
     const far = event.shiftKey ? 10 : 1;
+    const turn = (part, change) => () => { eye[part] += change; redraw(); }, zoom = (factor) => () => { eye.distance *= factor; redraw(); };
     const acts = {
       " ": () => play(!playing), ArrowRight: () => show(frame + far), ArrowLeft: () => show(frame - far),
       Home: () => show(0), End: () => show(last), r: reset, f: () => follow.click(),
-      a: () => { eye.azimuth -= 0.1; redraw(); }, d: () => { eye.azimuth += 0.1; redraw(); },
-      w: () => { eye.height += 0.08; redraw(); }, s: () => { eye.height -= 0.08; redraw(); },
-      "+": () => { eye.distance /= 1.12; redraw(); }, "-": () => { eye.distance *= 1.12; redraw(); },
+      a: turn("azimuth", -0.1), d: turn("azimuth", 0.1), w: turn("height", 0.08), s: turn("height", -0.08), "+": zoom(1 / 1.12), "-": zoom(1.12),
     };
     const act = acts[event.key];
     if (act) { event.preventDefault(); act(); }
@@ -301,27 +290,15 @@ function startReplay(data) {
 
   // of what is shown above, at the chosen speed; nothing leaves the page but the file that is saved
   const film = say("film"), filmed = film.textContent;
-  const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12, MOST_LINES = 3;
+  const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12;
   let filming = false;
-  // words of a caption in few lines that fit, the rest left out; a word that is wider than a line has one of its own
-  function wrapped(pen, text, wide) {
-    const lines = [""];
-    for (const word of text.split(" ")) {
-      const longer = lines.at(-1) ? `${lines.at(-1)} ${word}` : word;
-      if (lines.at(-1) && pen.measureText(longer).width > wide) lines.push(word); else lines[lines.length - 1] = longer;
-    }
-    if (lines.length <= MOST_LINES) return lines;
-    const words = lines.slice(0, MOST_LINES).at(-1).split(" ");
-    while (words.length > 1 && pen.measureText(`${words.join(" ")} …`).width > wide) words.pop();
-    return [...lines.slice(0, MOST_LINES - 1), `${words.join(" ")} …`];
-  }
   function shot(pen, ratio) {
     draw(true);
     const all = stage.getBoundingClientRect(), style = getComputedStyle(document.body);
     pen.fillStyle = style.backgroundColor;
     pen.fillRect(0, 0, pen.canvas.width, pen.canvas.height);
     pen.drawImage(canvas, 0, 0, pen.canvas.width, pen.canvas.height);
-    const size = Math.max(10, Math.round(12.5 * ratio)), high = 1.3 * size;
+    const size = Math.max(10, Math.round(12.5 * ratio));
     pen.font = `${size}px sans-serif`;
     pen.textBaseline = "top";
     const place = (part) => {
@@ -337,10 +314,8 @@ function startReplay(data) {
       pen.fillStyle = style.color;
       pen.fillText(view.cell.querySelector(".called").textContent.trim(), x + 7, y + 6);
       pen.fillStyle = getComputedStyle(view.said).color;
-      const lines = wrapped(pen, view.said.textContent, wide - 14);
-      // below the picture where the page has them there, else at its lower edge
-      const begins = getComputedStyle(view.said).position === "static" ? top : top + deep - high * lines.length;
-      lines.forEach((line, k) => pen.fillText(line, x + 7, begins + k * high, wide - 14));
+      // below the picture where the page has them there, else at its lower edge; long ones are squeezed into a line
+      pen.fillText(view.said.textContent, x + 7, getComputedStyle(view.said).position === "static" ? top : top + deep - 1.3 * size, wide - 14);
     }
     return pen.getImageData(0, 0, pen.canvas.width, pen.canvas.height).data;
   }
@@ -383,8 +358,7 @@ function startReplay(data) {
   // drag turns, with the right button or shift it moves; the wheel brings nearer only where the canvas has been touched
   let held = null;
   stage.addEventListener("pointerdown", (event) => { held = [event.clientX, event.clientY]; stage.setPointerCapture(event.pointerId); stage.focus({ preventScroll: true }); });
-  stage.addEventListener("pointerup", () => { held = null; });
-  stage.addEventListener("pointercancel", () => { held = null; });
+  for (const end of ["pointerup", "pointercancel"]) stage.addEventListener(end, () => { held = null; });
   stage.addEventListener("pointermove", (event) => {
     if (!held) return;
     const [x, y] = [event.clientX - held[0], event.clientY - held[1]];
@@ -403,8 +377,7 @@ function startReplay(data) {
     eye.distance *= Math.exp(0.0012 * event.deltaY);
     redraw();
   }, { passive: false });
-  window.addEventListener("resize", redraw);
-  window.addEventListener("scroll", redraw, { passive: true });
+  for (const change of ["resize", "scroll"]) window.addEventListener(change, redraw, { passive: true });
   root.dataset.state = "paused";
   // open on the moment that the address names, else where ours looks worst, else on the deepest overlap of the others
   if (!seek()) {

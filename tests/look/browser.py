@@ -21,8 +21,7 @@ NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable"
 FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
     "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage", "--hide-scrollbars",
-    "--use-angle=swiftshader-webgl",
-    "--enable-unsafe-swiftshader", "--remote-debugging-pipe",
+    "--use-angle=swiftshader-webgl", "--enable-unsafe-swiftshader", "--remote-debugging-pipe",
 )
 NUMBERS = {"Tab": 9, " ": 32, "Home": 36, "ArrowUp": 38}
 """Numbers of keys that are no letters."""
@@ -87,16 +86,14 @@ class Browser:
 
     def _send(self, method: str, about: Mapping[str, object]) -> int:
         self._number += 1
-        said: dict[str, object] = {"id": self._number, "method": method, "params": about}
-        if self._session and not method.startswith(("Target.", "Browser.")):
-            said["sessionId"] = self._session
-        os.write(self._orders, json.dumps(said).encode() + b"\0")
+        session = {"sessionId": self._session} if self._session and not method.startswith(("Target.", "Browser.")) else {}
+        order = {"id": self._number, "method": method, "params": about, **session}
+        os.write(self._orders, json.dumps(order).encode() + b"\0")
         return self._number
 
     def tell(self, method: str, **about: object) -> Answer:
         """Give one order and wait for its answer. RuntimeError when it is refused or none comes."""
-        number = self._send(method, about)
-        until = time.monotonic() + PATIENCE
+        number, until = self._send(method, about), time.monotonic() + PATIENCE
         for message in self._heard(until):
             if message.get("id") == number:
                 if "error" in message:
@@ -109,7 +106,7 @@ class Browser:
             while b"\0" in self._rest:
                 text, self._rest = self._rest.split(b"\0", 1)
                 message = json.loads(text)
-                self._note(message)
+                self._note(message.get("method", ""), message.get("params", {}))
                 yield message
             if select.select([self._answers], [], [], min(left, 1.0))[0]:
                 more = os.read(self._answers, 1 << 20)
@@ -117,9 +114,7 @@ class Browser:
                     raise RuntimeError("the browser has gone")
                 self._rest += more
 
-    def _note(self, message: Mapping[str, Any]) -> None:
-        about = message.get("params", {})
-        kind = message.get("method", "")
+    def _note(self, kind: str, about: Mapping[str, Any]) -> None:
         if kind == "Runtime.exceptionThrown":
             thrown = about["exceptionDetails"]
             self.errors.append(str(thrown.get("exception", {}).get("description") or thrown["text"]))
@@ -133,16 +128,14 @@ class Browser:
             self.loaded = True
 
     def open(self, page: Path, hash_: str = "") -> None:
-        """Load a page from disk, at "#..." where that is said, and wait until it is there."""
+        """Load a page from disk, at "#..." if given, and wait until it is there."""
         self.loaded = False
-        self.errors.clear()
-        self.requests.clear()
-        self.tell("Page.navigate", url=page.resolve().as_uri() + hash_)
+        self.visit(page.resolve().as_uri() + hash_)
         until = time.monotonic() + PATIENCE
         while not self.loaded:
             if time.monotonic() > until:
                 raise RuntimeError(f"{page} was not loaded within {PATIENCE:g} s")
-            # hears what the page has said; an order to the page itself is refused in the instant in which it is exchanged
+            # an order to the page itself is refused in the instant in which it is exchanged
             self.tell("Browser.getVersion")
             time.sleep(0.05)
 
@@ -168,9 +161,13 @@ class Browser:
         }})()""")
         if place is None:
             raise RuntimeError(f"nothing says {words!r}")
-        self.mouse("Moved", *place, is_down=False)
-        self.mouse("Pressed", *place)
-        self.mouse("Released", *place)
+        self.click_at(*place)
+
+    def click_at(self, x: float, y: float) -> None:
+        """Move to a place in the window [px] and click there."""
+        self.mouse("Moved", x, y, is_down=False)
+        self.mouse("Pressed", x, y)
+        self.mouse("Released", x, y)
 
     def key(self, key: str, seconds: float = 0.0) -> None:
         """Press a key, for some time, and let go of it."""

@@ -17,26 +17,9 @@ from PIL import Image, ImageSequence
 
 from reports import write_report
 from reports.tables.figures import quantity
+from tests.look import shown_pages as pages
 from tests.look.browser import Browser
 from tests.look.conftest import SCREENSHOTS
-from tests.look.shown_pages import (
-    BLANK,
-    COLOURS,
-    CONTROLS,
-    DIMMED,
-    DOT,
-    MARKUP,
-    SHOWN,
-    by_hand,
-    choose,
-    click,
-    narrow_enough,
-    quiet,
-    replayed,
-    scenes,
-    shortest,
-    show,
-)
 
 OUT = Path(__file__).resolve().parents[2] / "reports" / "out"
 TALLEST = 6_000
@@ -51,7 +34,7 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     """A folder with a report: made here, and the last run's where there is one with recordings."""
     last = OUT / "latest"
     if request.param == "by hand" or not (last / "scenes").exists():
-        return by_hand(tmp_path_factory.mktemp("look") / "run")
+        return pages.by_hand(tmp_path_factory.mktemp("look") / "run")
     write_report(last)
     return last
 
@@ -59,28 +42,26 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 def test_the_index_draws_all_its_charts(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
     page = run / "index.html"
-    show(one, page)
+    pages.show(one, page)
     assert set(one.value("Object.keys(views)")) >= {*STRIPS, "settings", "hard", "effects", "losses"}
-    assert one.value(BLANK) == []
-    narrow_enough(one)
+    assert one.value(pages.BLANK) == []
     if name.startswith("wide"):
         assert one.value("document.documentElement.scrollHeight") < TALLEST
     one.picture(SCREENSHOTS / f"index-{run.name}-{name}.png")
-    quiet(one, page)
+    pages.quiet(one, page)
 
 
 def test_pages_beside_it_are_quiet_and_every_link_leads_somewhere(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    for page in [*sorted(run.glob("*.html")), scenes(run)[0]]:
+    for page in [*sorted(run.glob("*.html")), pages.scenes(run)[0]]:
         one.open(page)
         time.sleep(0.5)
-        narrow_enough(one)
         links = one.value("[...document.querySelectorAll('a[href]')].map((one) => one.getAttribute('href'))")
         assert links
         for path, _, place in (link.partition("#") for link in links if not link.startswith("https:")):
             assert not path or (page.parent / path).exists(), path
             assert path or not place or one.value(f"Boolean(document.getElementById({place!r}))"), place
-        quiet(one, page)
+        pages.quiet(one, page)
 
 
 def answer(settings: Sequence[Mapping[str, Any]], engine: str, level: float) -> Mapping[str, Any] | None:
@@ -93,10 +74,10 @@ def answer(settings: Sequence[Mapping[str, Any]], engine: str, level: float) -> 
 
 def test_scene_and_accuracy_change_the_answers(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    show(one, run / "index.html")
+    pages.show(one, run / "index.html")
     settings, told = one.value("page.settings"), set()
     for name in list(settings)[:4]:
-        choose(one, "scene", name)
+        pages.choose(one, "scene", name)
         engines = list(dict.fromkeys(each["engine"] for each in settings[name]))
         for number, level in enumerate((1e-2, 1e-3, 1e-4, 1e-6)):
             one.value(f"document.querySelectorAll('[data-level]')[{number}].click()")
@@ -125,29 +106,28 @@ def test_scene_and_accuracy_change_the_answers(run: Path, opened: tuple[Browser,
 
 def test_the_shown_setting_is_copied(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    show(one, run / "index.html")
+    pages.show(one, run / "index.html")
     one.tell("Browser.grantPermissions", permissions=["clipboardReadWrite", "clipboardSanitizedWrite"])
     one.tell("Emulation.setFocusEmulationEnabled", enabled=True)
     for button in one.value("[...document.querySelectorAll('[data-copy]')].map((one) => one.dataset.copy)"):
-        one.value(f"document.querySelector('[data-copy=\"{button}\"]').click()")
+        one.value(f"document.querySelector('[data-copy=\"{button}\"]').click(); document.getElementById('copy').click()")
         shown = one.value("document.getElementById('setting').textContent")
-        one.value("document.getElementById('copy').click()")
         one.until(f"navigator.clipboard.readText().then((text) => text === {json.dumps(shown)})")
-        chosen = one.value(f"[chosen()[{button}].label, chosen()[{button}].setting, chosen()[{button}].native]")
-        assert one.value("document.getElementById('copied-of').textContent") == " ".join(chosen[:2])
-        assert shown.startswith(f"# {chosen[0]}") and chosen[2] in shown
+        label, setting, native = one.value(f"(({{ label, setting, native }}) => [label, setting, native])(chosen()[{button}])")
+        assert one.value("document.getElementById('copied-of').textContent") == f"{label} {setting}"
+        assert shown.startswith(f"# {label}") and native in shown
     assert one.errors == []
 
 
 def test_a_dot_dims_other_scenes_and_opens_the_player(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
-    show(one, run / "index.html")
-    x, y, picked = one.value(DOT)
-    dimmed = DIMMED.replace("NEAR", json.dumps(picked))
+    pages.show(one, run / "index.html")
+    x, y, picked = one.value(pages.DOT)
+    dimmed = pages.DIMMED.replace("NEAR", json.dumps(picked))
     assert not one.value(dimmed)
     one.mouse("Moved", x, y, is_down=False)
     one.until(dimmed)
-    click(one, x, y)
+    one.click_at(x, y)
     one.until("document.getElementById('player').open")
     one.until("window.frames.length === 1")
     for part in ("player-frame').src", "player-page').href"):
@@ -163,11 +143,11 @@ def test_a_dot_dims_other_scenes_and_opens_the_player(run: Path, opened: tuple[B
 
 def test_stills_follow_the_chooser(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    show(one, run / "index.html")
+    pages.show(one, run / "index.html")
     stills = one.value("page.stills")
     assert stills and len(stills) > 1
     for name, pictures in stills.items():
-        choose(one, "replay-scene", name)
+        pages.choose(one, "replay-scene", name)
         captions = one.value("[...document.querySelectorAll('#replays figcaption')].map((one) => one.textContent)")
         assert captions == [f"{label} {words}" for label, _, words in pictures]
         assert one.value("[...document.querySelectorAll('#replays svg')].every((one) => one.getBoundingClientRect().height > 50)")
@@ -178,10 +158,9 @@ def test_stills_follow_the_chooser(run: Path, opened: tuple[Browser, str]) -> No
 def test_the_table_of_all_figures_is_filtered(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
     page = run / "index.html"
-    show(one, page)
+    pages.show(one, page)
     one.value("document.getElementById('load').click()")
     one.until("document.querySelectorAll('#grid tbody tr').length > 1")
-    narrow_enough(one)
     one.value("document.getElementById('figures').scrollIntoView({behavior: 'instant'})")
     one.picture(SCREENSHOTS / f"table-{run.name}-{name}.png")
     total = int(one.value("document.querySelector('#figures h2').textContent").split()[1].replace(",", ""))
@@ -201,17 +180,17 @@ def test_the_table_of_all_figures_is_filtered(run: Path, opened: tuple[Browser, 
     assert left("no figure has these words") == 0
     if run.name == "run":
         assert left("odd") == 1
-        assert MARKUP in one.value("[...document.querySelectorAll('#grid tbody td')].map((cell) => cell.textContent)")
+        assert pages.MARKUP in one.value("[...document.querySelectorAll('#grid tbody td')].map((cell) => cell.textContent)")
         assert one.value("document.querySelectorAll('#grid b, #grid img').length") == 0
-    quiet(one, page)
+    pages.quiet(one, page)
 
 
 def test_charts_follow_the_theme(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
     before = name.partition("-")[2]
     other = {"light": "dark", "dark": "light"}[before]
-    for page in (run / "index.html", scenes(run)[0]):
-        show(one, page)
+    for page in (run / "index.html", pages.scenes(run)[0]):
+        pages.show(one, page)
         for theme in (other, before):
             assert one.value("document.getElementById('theme').textContent") == theme
             one.value("document.getElementById('theme').click()")
@@ -221,12 +200,12 @@ def test_charts_follow_the_theme(run: Path, opened: tuple[Browser, str]) -> None
             assert one.value("document.documentElement.dataset.theme") == theme
             ink = one.value("getComputedStyle(document.body).color")
             assert (sum(map(int, re.findall(r"\d+", ink)[:3])) > 384) == (theme == "dark")
-        assert one.value(BLANK) == [] and one.errors == []
+        assert one.value(pages.BLANK) == [] and one.errors == []
 
 
 def test_figures_of_the_scripts_are_those_of_the_tables(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    show(one, run / "index.html")
+    pages.show(one, run / "index.html")
     settings = [each for found in one.value("page.settings").values() for each in found if each["measured"]]
     drawn = {"m": {each["error"] for each in settings}, "us": {each["median"] for each in settings}}
     for unit, values in drawn.items():
@@ -241,10 +220,10 @@ def _is_focusable(node: Mapping[str, Any]) -> bool:
 
 def test_every_control_is_reached_by_tab_and_has_a_name(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    for page in (run / "index.html", scenes(run)[0]):
-        show(one, page)
+    for page in (run / "index.html", pages.scenes(run)[0]):
+        pages.show(one, page)
         one.tell("Emulation.setFocusEmulationEnabled", enabled=True)
-        one.value(f"window.left = new Set({CONTROLS}); window.before = window.left.size")
+        one.value(f"window.left = new Set({pages.CONTROLS}); window.before = window.left.size")
         for _ in range(one.value("window.before") + 40):
             one.key("Tab")
             one.value("window.left.delete(document.activeElement)")
@@ -257,75 +236,68 @@ def test_every_control_is_reached_by_tab_and_has_a_name(run: Path, opened: tuple
 
 def test_a_scene_plays(run: Path, opened: tuple[Browser, str]) -> None:
     one, name = opened
-    for page in scenes(run):
-        replayed(one, page)
-        assert one.value(BLANK) == []
-        assert one.value(COLOURS) > 20
-        narrow_enough(one)
+    for page in pages.scenes(run):
+        pages.replayed(one, page)
+        assert one.value(pages.BLANK) == []
+        assert one.value(pages.COLOURS) > 20
         one.picture(SCREENSHOTS / f"{page.stem}-{run.name}-{name}.png")
         one.value("document.dispatchEvent(new CustomEvent('seek-time', {detail: 0}))")
-        one.until(f"{SHOWN} === 0")
+        one.until(f"{pages.SHOWN} === 0")
         one.value("document.querySelector('[data-part=play]').click()")
         assert one.value("document.getElementById('replay').dataset.state") == "playing"
-        one.until(f"{SHOWN} >= 3")
+        one.until(f"{pages.SHOWN} >= 3")
         # a short scene may have come to its end by now, which pauses it too: a click would play it again
         playing = "document.getElementById('replay').dataset.state === 'playing'"
         one.value(f"{playing} && document.querySelector('[data-part=play]').click()")
         assert one.value("document.getElementById('replay').dataset.state") == "paused"
-        one.until(f"Object.values(views).every((view) => Math.abs(view.signal('now') - {SHOWN} * page.replay.dt) < 1e-9)")
-        quiet(one, page)
+        one.until(f"Object.values(views).every((view) => Math.abs(view.signal('now') - {pages.SHOWN} * page.replay.dt) < 1e-9)")
+        pages.quiet(one, page)
 
 
 def test_a_click_on_a_chart_leads_to_its_time(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    replayed(one, scenes(run)[0])
+    pages.replayed(one, pages.scenes(run)[0])
     one.value("document.querySelector('[data-chart=overlap]').scrollIntoView({block: 'center', behavior: 'instant'})")
     wanted = float(one.value("views.overlap.scale('x').domain()[1]")) / 2
     place = f"""(() => {{ const view = views.overlap, box = view.container().getBoundingClientRect(), [left, top] = view.origin();
         return [box.left + left + view.scale('x')({wanted}), box.top + top + 60]; }})()"""
     x, y = one.value(place)
-    click(one, x, y)
+    one.click_at(x, y)
     step, pixel = float(one.value("page.replay.dt")), 2 * wanted / float(one.value("views.overlap.width()"))
-    one.until(f"Math.abs({SHOWN} * {step} - {wanted}) <= {step + 2 * pixel}")
-    one.until(f"Math.abs(views.overlap.signal('now') - {SHOWN} * {step}) < 1e-9")
+    one.until(f"Math.abs({pages.SHOWN} * {step} - {wanted}) <= {step + 2 * pixel}")
+    one.until(f"Math.abs(views.overlap.signal('now') - {pages.SHOWN} * {step}) < 1e-9")
 
 
-def test_keys_lead_the_replay(run: Path, opened: tuple[Browser, str]) -> None:
+def test_keys_and_links_lead_the_replay(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    replayed(one, scenes(run)[0])
+    page = pages.scenes(run)[0]
+    pages.replayed(one, page)
     for key, state in (("Home", "0"), ("ArrowRight", "1"), ("End", "Number(document.querySelector('[data-part=bar]').max)")):
         one.press([key])
-        one.until(f"{SHOWN} === {state}")
+        one.until(f"{pages.SHOWN} === {state}")
     for state in ("playing", "paused"):
         one.press(" ")
         assert one.value("document.getElementById('replay').dataset.state") == state
-    assert one.errors == []
-
-
-def test_a_link_leads_to_a_moment(run: Path, opened: tuple[Browser, str]) -> None:
-    one, _ = opened
-    page = scenes(run)[0]
-    replayed(one, page)
     step = float(one.value("page.replay.dt"))
     one.value(f"location.hash = 't={7 * step:.6g}'")
-    one.until(f"{SHOWN} === 7")
+    one.until(f"{pages.SHOWN} === 7")
     one.value(f"document.dispatchEvent(new CustomEvent('seek-time', {{detail: {3 * step}}}))")
-    one.until(f"{SHOWN} === 3")
+    one.until(f"{pages.SHOWN} === 3")
     one.value("document.querySelector('[data-part=link]').click()")
     linked = str(one.value("location.hash"))
     assert float(linked.removeprefix("#t=")) == pytest.approx(3 * step, rel=1e-5)
     # and at load, as from the index
-    show(one, run / "index.html")
-    replayed(one, page, linked)
-    one.until(f"{SHOWN} === 3")
+    pages.show(one, run / "index.html")
+    pages.replayed(one, page, linked)
+    one.until(f"{pages.SHOWN} === 3")
     one.value("location.hash = 't=nonsense'")
-    assert one.value(SHOWN) == 3 and one.errors == []
+    assert one.value(pages.SHOWN) == 3 and one.errors == []
 
 
 def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
-    for page in scenes(run)[:2]:
-        replayed(one, page)
+    for page in pages.scenes(run)[:2]:
+        pages.replayed(one, page)
         data = one.value("({step: page.replay.dt, worst: page.replay.runs.map((run) => run.worst)})")
         wanted = [(number, moment) for number, moments in enumerate(data["worst"]) for moment in moments]
         assert one.value("[...document.querySelectorAll('[data-worst]')].map((one) => Number(one.dataset.worst))") == [
@@ -334,7 +306,7 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
         one.value("document.querySelectorAll('.worst details').forEach((one) => { one.open = true; })")
         for k, (number, moment) in list(enumerate(wanted))[:12]:
             one.value(f"document.querySelectorAll('[data-worst]')[{k}].click()")
-            one.until(f"{SHOWN} === {moment['state']}")
+            one.until(f"{pages.SHOWN} === {moment['state']}")
             linked = float(one.value("location.hash").removeprefix("#t="))
             assert linked == pytest.approx(moment["state"] * data["step"], rel=1e-5)
             # the view of the engine that the button is about is on the screen
@@ -348,9 +320,9 @@ def test_buttons_lead_to_the_worst_moments(run: Path, opened: tuple[Browser, str
 
 def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, str], tmp_path: Path) -> None:
     one, _ = opened
-    page = shortest(run)
+    page = pages.shortest(run)
     one.downloads(tmp_path)
-    replayed(one, page)
+    pages.replayed(one, page)
     one.value("document.querySelector('[data-part=film]').click()")
     one.until("document.getElementById('replay').dataset.filmed !== undefined", patience=300.0)
     saved, until = tmp_path / f"{page.stem}.gif", time.monotonic() + 10.0
@@ -363,4 +335,4 @@ def test_a_scene_is_saved_as_a_moving_picture(run: Path, opened: tuple[Browser, 
     # many colours, and something moves
     assert len(numpy.unique(pictures[0].reshape(-1, 3), axis=0)) > 10
     assert any((later != pictures[0]).any() for later in pictures[1:])
-    quiet(one, page)
+    pages.quiet(one, page)

@@ -6,20 +6,20 @@ moving.gif is the same scene as its page saves it. about.json names them, and th
 """
 
 import argparse
-import base64
-import html
 import json
-import os
 import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from PIL import Image
+
 from avatarsim.errors import AvatarsimError
 from reports import write_report
 from reports.summaries import readme
 from reports.tables.run import read
+from runfiles.files import write_whole
 from tests.look.browser import Browser, browser
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -42,16 +42,21 @@ SMALLER = ((240, 1.0), (200, 1.0), (200, 2.0), (170, 2.0), (140, 2.0))
 """(width of a view [px], speed) of the moving picture, tried in this order until it is small enough."""
 
 
-def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
-    """A picture of each engine's view at each instant: a row per engine."""
+def chosen(one: Browser, page: Path) -> list[int]:
+    """Open a page, hide all views but those of RUNS, and return their numbers."""
     one.open(page)
     one.until("document.getElementById('replay').dataset.frame !== undefined")
     names = one.value("page.replay.runs.map((run) => run.run)")
-    wanted = [names.index(run) for run in RUNS if run in names]
-    one.value(f"document.querySelector('.stage').style.gridTemplateColumns = 'repeat(3, {CELL[0]}px)'")
-    for number in range(len(names)):
-        if number not in wanted:
+    for number, name in enumerate(names):
+        if name not in RUNS:
             one.value(f"document.querySelector('[data-view=\"{number}\"]').click()")
+    return [names.index(run) for run in RUNS if run in names]
+
+
+def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
+    """A picture of each engine's view at each instant: a row per engine."""
+    wanted = chosen(one, page)
+    one.value(f"document.querySelector('.stage').style.gridTemplateColumns = 'repeat(3, {CELL[0]}px)'")
     # from where a fist in the wall is seen from the side
     one.press(TURNS)
     last = int(one.value("document.querySelector('[data-part=bar]').max"))
@@ -65,44 +70,30 @@ def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
         one.until(f"document.getElementById('replay').dataset.frame === '{frame}'")
         one.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
         for row, number in enumerate(wanted):
-            box = one.value(
-                f"(() => {{ const box = document.querySelectorAll('.view')[{number}].getBoundingClientRect(); "
-                "return [box.x + scrollX, box.y + scrollY, box.width, box.height]; })()"
-            )
+            box = one.value(f"document.querySelectorAll('.view')[{number}].getBoundingClientRect().toJSON()")
+            x, y = (box[axis] + one.value(f"scroll{axis.upper()}") for axis in "xy")
             place = folder / f"{row}-{frame}.png"
-            one.picture(place, {"x": box[0], "y": box[1], "width": box[2], "height": box[3], "scale": NARROW / box[2]})
+            one.picture(place, {"x": x, "y": y, "width": box["width"], "height": box["height"], "scale": NARROW / box["width"]})
             rows[row].append(place)
     return rows
 
 
-def strip(one: Browser, rows: Sequence[Sequence[Path]], folder: Path, to: Path) -> None:
+def strip(rows: Sequence[Sequence[Path]], to: Path) -> None:
     """All pictures as one, rows under each other."""
-
-    def line(row: Sequence[Path]) -> str:
-        return "".join(f'<img src="data:image/png;base64,{base64.b64encode(path.read_bytes()).decode()}">' for path in row)
-
-    page = folder / "strip.html"
-    style = "body{margin:0;background:#fff;display:inline-block}div{display:flex;gap:4px;margin-bottom:4px}img{display:block}"
-    page.write_text(
-        f"<!doctype html><title>{html.escape(to.name)}</title><style>{style}</style>"
-        + "".join(f"<div>{line(row)}</div>" for row in rows)
-    )
-    one.open(page)
-    box = one.value("[document.body.getBoundingClientRect().width, document.body.getBoundingClientRect().height]")
-    one.picture(to, {"x": 0, "y": 0, "width": box[0], "height": box[1] - 4, "scale": 1})
+    pictures = [[Image.open(path).convert("RGB") for path in row] for row in rows]
+    wide, high = (max(picture.size[axis] for row in pictures for picture in row) + 4 for axis in (0, 1))
+    whole = Image.new("RGB", (wide * len(pictures[0]), high * len(pictures) - 4), "white")
+    for line, row in enumerate(pictures):
+        for column, picture in enumerate(row):
+            whole.paste(picture, (wide * column, high * line))
+    whole.save(to, optimize=True)
 
 
 def moving(one: Browser, page: Path, folder: Path) -> Path:
     """The scene as its page saves it, a view per engine of RUNS side by side. RuntimeError when it stays too large."""
     one.downloads(folder)
     for width, speed in SMALLER:
-        one.open(page)
-        one.until("document.getElementById('replay').dataset.frame !== undefined")
-        names = one.value("page.replay.runs.map((run) => run.run)")
-        for number, name in enumerate(names):
-            if name not in RUNS:
-                one.value(f"document.querySelector('[data-view=\"{number}\"]').click()")
-        columns = sum(name in RUNS for name in names)
+        columns = len(chosen(one, page))
         one.value(
             f"document.querySelector('.stage').style.cssText += ';width:{columns * width + 8 * (columns - 1)}px;"
             f"grid-template-columns:repeat({columns}, {width}px)'"
@@ -124,50 +115,38 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
     raise RuntimeError(f"the moving picture of {page.stem} has {size:,} bytes at its smallest; at most {LARGEST:,} may be kept")
 
 
-def about(run: Path) -> str:
-    """What about.json holds."""
-    told = readme.origin(read(run.resolve())) | {"scene": SCENE, "pictures": [REPORT_TOP, STRIP, MOVING]}
-    return json.dumps(told, indent=1) + "\n"
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Write all pictures, or none. 0: done; 2: no browser, no run, or a run without that scene."""
     parser = argparse.ArgumentParser(prog="python -m tests.look.pictures", description="The pictures of the README.")
     parser.add_argument("run", type=Path, nargs="?", default=ROOT / "reports" / "out" / "latest", help="folder of a run")
-    chosen = parser.parse_args(arguments)
-    page = chosen.run / "scenes" / f"{SCENE}.html"
+    options = parser.parse_args(arguments)
+    page = options.run / "scenes" / f"{SCENE}.html"
     try:
-        write_report(chosen.run)
+        write_report(options.run)
         if not page.exists():
-            raise RuntimeError(f"no page of {SCENE} in {chosen.run}")
+            raise RuntimeError(f"no page of {SCENE} in {options.run}")
         with tempfile.TemporaryDirectory() as name:
             folder, made = Path(name), Path(name) / "made"
             made.mkdir()
             with browser(*REPORT) as one:
-                strip(one, views(one, page, folder), folder, made / STRIP)
-                one.open(chosen.run / "index.html")
+                strip(views(one, page, folder), made / STRIP)
+                one.open(options.run / "index.html")
                 one.until("Object.keys(page.specs).every((name) => views[name])")
                 one.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
                 one.picture(made / REPORT_TOP)
                 (made / MOVING).write_bytes(moving(one, page, folder).read_bytes())
             if (size := (made / REPORT_TOP).stat().st_size) > LARGEST_TOP:
                 raise RuntimeError(f"{REPORT_TOP} has {size:,} bytes; at most {LARGEST_TOP:,} may be kept")
-            (made / ABOUT).write_text(about(chosen.run), encoding="utf-8")
-            _replace(made)
+            of = readme.origin(read(options.run.resolve())) | {"scene": SCENE, "pictures": [REPORT_TOP, STRIP, MOVING]}
+            (made / ABOUT).write_text(json.dumps(of, indent=1) + "\n")
+            # about.json last
+            for name in (STRIP, REPORT_TOP, MOVING, ABOUT):
+                write_whole(FOLDER / name, lambda file, name=name: file.write((made / name).read_bytes()))  # type: ignore[misc]
     except (AvatarsimError, RuntimeError) as error:
         print(f"pictures: {error}", file=sys.stderr)
         return 2
     print("\n".join(str(path) for path in sorted(FOLDER.iterdir())))
     return 0
-
-
-def _replace(made: Path) -> None:
-    """Put the new pictures in the place of the old ones, about.json last."""
-    FOLDER.mkdir(exist_ok=True)
-    for name in (STRIP, REPORT_TOP, MOVING, ABOUT):
-        half = FOLDER / f".{name}.part"
-        half.write_bytes((made / name).read_bytes())
-        os.replace(half, FOLDER / name)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What tests of report pages share: a small run made by hand, what to ask a page for, and when a page is ready."""
+"""Shared by tests of report pages: a small run made by hand, expressions, and conditions of a page that is ready."""
 
 import json
 import re
@@ -24,15 +24,13 @@ new Promise((done) => {
   window.dispatchEvent(new Event("resize"));
   // after the replay's own drawing, within the same frame, while the picture still is there
   requestAnimationFrame(() => {
-    const from = document.querySelector(".stage canvas"), to = document.createElement("canvas");
-    to.width = from.width; to.height = from.height;
-    const pen = to.getContext("2d");
+    const from = document.querySelector(".stage canvas"), pen = new OffscreenCanvas(from.width, from.height).getContext("2d");
     pen.drawImage(from, 0, 0);
-    done(new Set(new Uint32Array(pen.getImageData(0, 0, to.width, to.height).data.buffer)).size);
+    done(new Set(new Uint32Array(pen.getImageData(0, 0, from.width, from.height).data.buffer)).size);
   });
 })
 """
-"""How many different colours the replay's canvas has."""
+"""Number of different colours of the replay's canvas."""
 BLANK = """
 [...document.querySelectorAll("[data-chart]")].filter((place) => {
   const svg = place.querySelector("svg"), box = svg && svg.getBoundingClientRect();
@@ -64,7 +62,7 @@ STRIPS.map((name) => {
   return dots.every((dot) => (dot.__data__.opacity < 0.2) === (dot.__data__.datum.scene !== NEAR));
 }).every(Boolean)
 """
-"""Whether in every strip the dots of scenes other than NEAR are dimmed, and only those."""
+"""True if in every strip the dots of scenes other than NEAR are dimmed, and only those."""
 CONTROLS = """
 [...document.querySelectorAll("a[href], button, select, input, summary, [tabindex='0']")].filter((one) => {
   return one.checkVisibility({ visibilityProperty: true }) && one.getBoundingClientRect().height && !one.disabled;
@@ -127,14 +125,10 @@ def replayed(one: Browser, page: Path, hash_: str = "") -> None:
 
 
 def quiet(one: Browser, page: Path) -> None:
-    """Nothing on the console, and no address asked for but the page's own."""
+    """Nothing on the console, no address asked for but the page's own, and nothing wider than the window."""
     assert one.errors == []
     own = page.resolve().as_uri()
     assert [asked for asked in one.requests if asked.partition("#")[0] != own and not asked.startswith(("data:", "blob:"))] == []
-
-
-def narrow_enough(one: Browser) -> None:
-    """Nothing is wider than the window."""
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
 
 
@@ -147,22 +141,13 @@ def scenes(run: Path) -> list[Path]:
 
 def shortest(run: Path) -> Path:
     """The page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
-    lengths = {}
-    for page in (run / "scenes").glob("*.html"):
-        bar = re.search(r'data-part="bar" min="0" max="(\d+)"', page.read_text(encoding="utf-8"))
-        if bar and int(bar[1]) > 20:
-            lengths[page] = int(bar[1])
-    return min(sorted(lengths), key=lambda page: lengths[page])
+    found = sorted(run.glob("scenes/*.html"))
+    bars = {page: re.search(r'data-part="bar" min="0" max="(\d+)"', page.read_text()) for page in found}
+    lengths = {page: int(bar[1]) for page, bar in bars.items() if bar and int(bar[1]) > 20}
+    return min(lengths, key=lengths.__getitem__)
 
 
 def choose(one: Browser, control: str, value: str) -> None:
     """Choose a value of a select."""
     one.value(f"""(() => {{ const box = document.getElementById({control!r}); box.value = {json.dumps(value)};
         box.dispatchEvent(new Event('change')); }})()""")
-
-
-def click(one: Browser, x: float, y: float) -> None:
-    """Move to a place in the window [px] and click there."""
-    one.mouse("Moved", x, y, is_down=False)
-    one.mouse("Pressed", x, y)
-    one.mouse("Released", x, y)
