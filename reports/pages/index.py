@@ -76,7 +76,7 @@ def page(
         "first": None if settings is None else first_scene(settings),
     }
     info: Any = run.results.provenance
-    js, vega = "".join(map(scripts.source, ("theme.js", "quantity.js", "index.js"))), scripts.vega()
+    js, vega = "".join(map(scripts.source, ("theme.js", "index.js"))), scripts.vega()
     tables_js, tables_css = scripts.data_tables()
     versions = dict(info.get("versions") or {})
     return scripts.rendered(
@@ -145,11 +145,13 @@ def by_scene(settings: pd.DataFrame, avatars: Collection[str]) -> dict[str, list
     for row in settings.itertuples():
         named = {name: getattr(row, name) for name in ("error", "median", "p95", "slowest")}
         numbers = {name: value if math.isfinite(value) else None for name, value in named.items()}
+        shown = {"error": quantity(row.error, "m") if math.isfinite(row.error) else "does not follow"}
+        shown |= {name: quantity(numbers[name], "us") for name in ("median", "p95", "slowest")}
         flags = {name: bool(getattr(row, name)) for name in ("preset", "asleep", "measured", "alone")}
         found.setdefault(row.scenario, []).append({
             "engine": row.engine, "label": about(row.engine).label, "setting": row.setting, "base": row.base,
             "step": None if math.isnan(row.step) else round(row.step), "worst": label(row.worst) if row.worst else "",
-            "native": row.native, "options": row.options, "avatar": row.scenario in avatars, **numbers, **flags,
+            "native": row.native, "options": row.options, "avatar": row.scenario in avatars, **numbers, **flags, "shown": shown,
         })
     return found
 

@@ -116,7 +116,7 @@ def _page(
     runs = [one for one in dict.fromkeys([*run.runs, *rows.run]) if one in set(rows.run)]
     packed = _libraries()
     shown = played.replay if packed["three"] else None
-    sources = ["theme.js", "quantity.js", *(["gif.js", "replay.js"] if shown else []), "scene.js"]
+    sources = ["theme.js", *(["gif.js", "replay.js"] if shown else []), "scene.js"]
     palette = marks.palette({one.partition("/")[0] for one in runs})
     return scripts.rendered(
         "scene.html.j2", f"{name} · Contact benchmark", ["".join(map(scripts.source, sources))],

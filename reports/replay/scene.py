@@ -11,6 +11,7 @@ from reports.drawing.stills import sides
 from reports.reading.kept import Array, Drawn, Shown
 from reports.replay import packed
 from reports.replay.moments import Kind, Moment, moments, remarks
+from reports.tables.figures import quantity
 
 SEEN = 1e-6
 """Depth [m] from which a pair is marked, the bound on what may be shown."""
@@ -133,14 +134,15 @@ def _poses(positions: Array, orientations: Array, low: Array, high: Array) -> di
     return {"frames": len(positions), "places": places, "turns": packed.quaternions(orientations)}
 
 
-def _pairs(one: Shown, step: int) -> list[list[list[float]]]:
-    """Return per drawn state the pairs [body, body, depth in mm] of the worst of the states that it represents."""
-    groups: dict[int, dict[int, list[list[float]]]] = {}
+def _pairs(one: Shown, step: int) -> list[list[tuple[int, int, str]]]:
+    """Return per drawn state the pairs (body, body, depth) of the state that overlaps most of those that it represents."""
+    states = [list[tuple[int, int, float]]() for _ in one.times]
     for frame, first, second, depth in one.pairs:
         if depth > SEEN:
-            groups.setdefault(frame // step, {}).setdefault(frame, []).append([first, second, float(f"{1e3 * depth:.3g}")])
-    worst = {group: max(states.values(), key=lambda pairs: pairs[0][2]) for group, states in groups.items()}
-    return [worst.get(k, []) for k in range(-(-len(one.times) // step))]
+            states[frame].append((first, second, depth))
+    groups = [states[k : k + step] for k in range(0, len(states), step)]
+    worst = [max(group, key=lambda pairs: pairs[0][2] if pairs else 0.0) for group in groups]
+    return [[(first, second, quantity(depth, "m")) for first, second, depth in pairs] for pairs in worst]
 
 
 def opening(

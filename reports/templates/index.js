@@ -4,9 +4,9 @@ const STRIPS = ["overlap", "bounce", "limits", "time"];
 let level = 1e-3;
 
 function link(view) {
-  view.addEventListener("mouseover", (event, item) => near(item && item.datum ? item.datum.scene || "" : ""));
+  view.addEventListener("mouseover", (event, item) => near(item?.datum?.scene || ""));
   view.addEventListener("mouseout", () => near(""));
-  view.addEventListener("click", (event, item) => { if (item && item.datum && item.datum.scene) play(item.datum.scene); });
+  view.addEventListener("click", (event, item) => { if (item?.datum?.scene) play(item.datum.scene); });
 }
 function near(scene) {
   for (const name of STRIPS) if (views[name]) views[name].signal("near", scene).runAsync();
@@ -19,14 +19,12 @@ async function drawAll() {
   for (const name of Object.keys(page.specs)) {
     const view = await draw(name, page.specs[name]);
     if (view && (STRIPS.includes(name) || name === "losses")) link(view);
-    if (name === "settings") view.addEventListener("click", (event, item) => { if (item && item.datum && item.datum.at) copyable(item.datum.at); });
+    if (name === "settings") view.addEventListener("click", (event, item) => { if (item?.datum?.at) copyable(item.datum.at); });
   }
   if (page.settings) chooseScene();
 }
 
 // ---------------------------------------------------------------- settings of a scene
-const length = (value) => (value === null ? "does not follow" : quantity(value, "m"));
-const time = (value) => quantity(value, "us");
 function dot(engine, hollow) { return `<span class="dot${hollow ? " open" : ""}" style="background:${page.palette[theme()][engine] || "gray"}"></span>`; }
 function escaped(text) { const made = document.createElement("i"); made.textContent = text; return made.innerHTML.replaceAll('"', "&quot;"); }
 function row(cells) { return `<tr>${cells.map((cell, k) => `<td${k > 1 ? ' class="n"' : ""}>${cell}</td>`).join("")}</tr>`; }
@@ -36,7 +34,7 @@ function limit() { return [{ place: Math.max(level, 1e-7) }]; }
 function dots() {
   return chosen().filter((one) => one.measured).map((one) => ({
     engine: one.engine, name: `${one.label} ${one.setting}`, place: one.error === null ? 0.3 : Math.max(one.error, 1e-7), time: one.median,
-    text: length(one.error), which: one.worst, when: time(one.median), state: one.asleep ? "asleep" : "awake", asleep: one.asleep, preset: one.preset,
+    text: one.shown.error, which: one.worst, when: one.shown.median, state: one.asleep ? "asleep" : "awake", asleep: one.asleep, preset: one.preset,
     step: one.step || 0, ladder: `${one.engine} ${one.step ? one.base : one.setting}`, short: one.preset ? (["default", "tuned"].includes(one.setting) ? one.setting : "") : one.step ? `1/${one.step}` : "", at: one,
   }));
 }
@@ -49,7 +47,7 @@ function chooseScene() {
   find("step-rows").innerHTML = ladders.map((one, k) => {
     const before = ladders[k - 1];
     const factor = before && before.engine === one.engine ? `×${Number((one.median / before.median).toPrecision(2))}` : "";
-    return row([`${dot(one.engine)}${escaped(one.label)}`, `1/${one.step} s`, time(one.median), factor, length(one.error)]);
+    return row([`${dot(one.engine)}${escaped(one.label)}`, `1/${one.step} s`, one.shown.median, factor, one.shown.error]);
   }).join("");
 }
 function chooseLevel() {
@@ -68,7 +66,7 @@ function chooseLevel() {
     // of times within 3 % a preset is the simpler answer
     const best = able.filter((one) => one.median <= 1.03 * able[0].median).sort((a, b) => rank(b) - rank(a))[0];
     if (!first || engine !== page.gated) first = first && first.engine !== page.gated ? first : best;
-    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${fair(best, time(best.median))}${best.asleep ? " asleep" : ""}</td>${[best.p95, best.slowest].map((one) => `<td class="n">${one === null ? "–" : fair(best, time(one))}</td>`).join("")}<td class="n">${length(best.error)}</td><td>${escaped(best.worst)}</td></tr>`);
+    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${fair(best, best.shown.median)}${best.asleep ? " asleep" : ""}</td><td class="n">${fair(best, best.shown.p95)}</td><td class="n">${fair(best, best.shown.slowest)}</td><td class="n">${best.shown.error}</td><td>${escaped(best.worst)}</td></tr>`);
   }
   find("cheapest-rows").innerHTML = rows.join("");
   find("cheapest-rows").querySelectorAll("[data-copy]").forEach((one) => one.addEventListener("click", () => copyable(all[one.dataset.copy])));
@@ -78,7 +76,7 @@ function chooseLevel() {
   if (views.settings) views.settings.data("limit", limit()).runAsync();
 }
 // times that do not compare engines stand in brackets
-function fair(one, text) { return one.avatar ? `(${text})` : text; }
+function fair(one, text) { return one.avatar && text !== "–" ? `(${text})` : text; }
 // of equal settings: default and tuned, then one that its engine's own words make whole
 function rank(one) { return ["default", "tuned"].includes(one.setting) ? 2 : one.alone ? 1 : 0; }
 function copyable(one) {
@@ -102,8 +100,7 @@ function showStills() {
   }
 }
 function play(scene, hash = "") {
-  find("player-frame").src = `scenes/${scene}.html${hash}`;
-  find("player-page").href = `scenes/${scene}.html${hash}`;
+  find("player-frame").src = find("player-page").href = `scenes/${scene}.html${hash}`;
   find("player").showModal();
 }
 
@@ -115,9 +112,9 @@ async function loadTable() {
   style.textContent = await unpack("tables-css");
   document.head.append(style);
   const { default: DataTable } = await import(URL.createObjectURL(new Blob([await unpack("tables")], { type: "text/javascript" })));
-  const named = (name) => (k) => columns[name][0][columns[name][1][k]];
-  const texts = ["scenario", "run", "metric", "unit", "status", "comparable"].map(named);
-  const data = columns.value.map((value, k) => [texts[0](k), texts[1](k), texts[2](k), value, texts[3](k), columns.bound[k], texts[4](k), texts[5](k)]);
+  const cell = (name, k) => (["value", "bound"].includes(name) ? columns[name][k] : columns[name][0][columns[name][1][k]]);
+  const names = ["scenario", "run", "metric", "value", "unit", "bound", "status", "comparable"];
+  const data = columns.value.map((value, k) => names.map((name) => cell(name, k)));
   find("grid").innerHTML = "<table class='display compact'></table>";
   new DataTable("#grid table", {
     data, deferRender: true, pageLength: 25, order: [[0, "asc"]],

@@ -104,7 +104,7 @@ function startReplay(data) {
     view.cell.classList.toggle("moves", Boolean(remark) && !deepest);
     view.said.textContent = frame >= view.moves.frames ? "ended here" : broken ? "a pose here is no number"
       : !deepest ? (remark ? `no overlap; ${remark}` : "no overlap")
-      : `${quantity(deepest[2] / 1000, "m")}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
+      : `${deepest[2]}: ${data.bodies[one].name} in ${data.bodies[other].name}`;
   }
 
   // one eye for all views

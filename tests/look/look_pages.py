@@ -203,17 +203,6 @@ def test_charts_follow_the_theme(run: Path, opened: tuple[Browser, str]) -> None
         assert one.value(pages.BLANK) == [] and one.errors == []
 
 
-def test_figures_of_the_scripts_are_those_of_the_tables(run: Path, opened: tuple[Browser, str]) -> None:
-    one, _ = opened
-    pages.show(one, run / "index.html")
-    settings = [each for found in one.value("page.settings").values() for each in found if each["measured"]]
-    drawn = {"m": {each["error"] for each in settings}, "us": {each["median"] for each in settings}}
-    for unit, values in drawn.items():
-        known = [0.0, 3e-10, 3e-9, 1.68e-6, 1.68e-4, 9.996e-4, 0.02, 0.47351, 0.9996, 1.0, 12.3456, 900.0, 1234.5, 2.5e6, None]
-        asked = [*known, *sorted(value for value in values if value is not None)]
-        assert one.value(f"{json.dumps(asked)}.map((value) => quantity(value, '{unit}'))") == [quantity(v, unit) for v in asked]
-
-
 def _is_focusable(node: Mapping[str, Any]) -> bool:
     return any(one["name"] == "focusable" and one["value"]["value"] for one in node.get("properties", ()))
 

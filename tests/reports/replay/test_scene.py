@@ -56,7 +56,7 @@ def test_poses_and_pairs_come_back(folder: Path) -> None:
     heights = unpacked(ours["places"], (found["low"][2], found["high"][2])).reshape(STATES, 2, 3)[:, 0, 2]
     assert heights == pytest.approx(1.0 - 5.0 * (np.arange(STATES) / 60.0) ** 2, abs=1e-4)
     # depths below what counts as overlap are no pair
-    assert theirs["pairs"][10] == [[2, 0, 20.0]] and theirs["pairs"][9] == [[2, 0, 10.0]] and not any(ours["pairs"])
+    assert theirs["pairs"][10] == [(2, 0, "20 mm")] and theirs["pairs"][9] == [(2, 0, "10 mm")] and not any(ours["pairs"])
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])
