@@ -43,30 +43,36 @@ class Moment:
 
 
 @dataclass(frozen=True, eq=False)
-class Looks:
-    """Motion of the links of a run in each of F+1 states, (F+1, L).
+class Look:
+    """One quantity of the links of a run in each of F+1 states.
 
-    apart   distance from the user [m]
-    back    displacement taken back over two frames [m]
-    shakes  the same in states that shake
-    beyond  displacement [m] in one frame beyond the user's
-    turned  change of orientation [rad] in one frame beyond the user's
-    dt      of a frame [s]
+    figures  (F+1, L) [m] or [rad]
+    least    figure that is worth a button
+    seen     figure that is worth a remark
+    metric   of its largest figure, "" without one
+    remark   on a state, "" without one
     """
 
-    apart: Array
-    back: Array
-    shakes: Array
-    beyond: Array
-    turned: Array
-    dt: float
+    figures: Array
+    least: float
+    seen: float
+    metric: str
+    remark: str
+
+    def text(self, figure: float, kind: Kind) -> str:
+        """Return a figure with its unit."""
+        is_angle = kind is Kind.ORIENTATION
+        return quantity(float(np.degrees(figure)) if is_angle else float(figure), "deg" if is_angle else "m")
 
 
-def looks(one: Shown) -> Looks:
-    """Return finite differences of a recording's links against their targets'; 0 where one is no number."""
+def looks(one: Shown) -> Mapping[Kind, Look]:
+    """Return differences of a recording's links from their targets, 0 where one is no number; nothing without links."""
     count = one.raw_positions.shape[1]
+    if not count:
+        return {}
     links, turns = one.positions[:, -count:], one.orientations[:, -count:]
     dt = float(one.times[1] - one.times[0]) if len(one.times) > 1 else 1.0
+    visible = SHAKES * dt
 
     def states(per_frame: Array) -> Array:
         return np.concatenate([np.zeros((1, count)), np.nan_to_num(per_frame)])
@@ -74,14 +80,17 @@ def looks(one: Shown) -> Looks:
     with np.errstate(invalid="ignore", over="ignore"):
         back = np.nan_to_num(reversals(links, one.raw_positions))
         steps = [np.linalg.norm(np.diff(places, axis=0), axis=2) for places in (links, one.raw_positions)]
-        return Looks(
-            apart=np.nan_to_num(np.linalg.norm(links - one.raw_positions, axis=2)),
-            back=states(back),
-            shakes=states(np.where(shaking(back, dt)[:, None], back, 0.0)),
-            beyond=states(steps[0] - steps[1]),
-            turned=states(_angles(turns) - _angles(one.raw_orientations)),
-            dt=dt,
-        )
+        apart = np.nan_to_num(np.linalg.norm(links - one.raw_positions, axis=2))
+        shakes = np.where(shaking(back, dt)[:, None], back, 0.0)
+        turned = states(_angles(turns) - _angles(one.raw_orientations))
+    beyond = "beyond its user in a frame"
+    return {
+        Kind.BACK: Look(states(back), visible, visible, "reversal_max", "{} to and fro"),
+        Kind.JUMP: Look(states(steps[0] - steps[1]), visible, visible, "link_jump_max", f"{{}} {beyond}"),
+        Kind.APART: Look(apart, LEAST, FAR, "tracker_offset_max", "{} from its user"),
+        Kind.SHAKES: Look(states(shakes), LEAST, np.inf, "chatter_frames", ""),
+        Kind.ORIENTATION: Look(turned, visible / LEVER, visible / LEVER, "", "orientation {} beyond its user's in a frame"),
+    }
 
 
 def _angles(orientations: Array) -> Array:
@@ -104,25 +113,14 @@ def moments(one: Shown, depth: Array | None, names: Sequence[str] = ()) -> tuple
     depths = np.zeros(len(one.times)) if depth is None or depth.size != len(one.times) else np.nan_to_num(depth, nan=0.0)
     for frame, _, _, deep in one.pairs:
         depths[frame] = max(depths[frame], deep)
-    figures = [(depths[:, None], LEAST, "m", Kind.OVERLAP)]
-    if one.raw_positions.size:
-        seen = looks(one)
-        least = SHAKES * seen.dt
-        figures += [
-            (seen.apart, LEAST, "m", Kind.APART), (seen.shakes, LEAST, "m", Kind.SHAKES), (seen.back, least, "m", Kind.BACK),
-            (seen.beyond, least, "m", Kind.JUMP), (seen.turned, least / LEVER, "deg", Kind.ORIENTATION),
-        ]
-    found = []
-    for values, enough, unit, kind in figures:
-        state, link = np.unravel_index(int(np.argmax(values)), values.shape)
-        if values[state, link] > enough:
-            said = kind.value.format(name=called(int(link), names), figure=_figure(values[state, link], unit))
+    seen, found = {Kind.OVERLAP: Look(depths[:, None], LEAST, np.inf, "", ""), **looks(one)}, []
+    for kind in (one for one in Kind if one in seen):
+        look = seen[kind]
+        state, link = np.unravel_index(int(np.argmax(look.figures)), look.figures.shape)
+        if look.figures[state, link] > look.least:
+            said = kind.value.format(name=called(int(link), names), figure=look.text(look.figures[state, link], kind))
             found.append(Moment(int(state), said, kind))
     return tuple(found)
-
-
-def _figure(value: float, unit: str) -> str:
-    return quantity(float(np.degrees(value)) if unit == "deg" else float(value), unit)
 
 
 def called(link: int, names: Sequence[str]) -> str:
@@ -141,15 +139,13 @@ def roots(names: Sequence[str]) -> list[int]:
 
 def instants(one: Shown, scene: Drawn | None) -> Mapping[str, float]:
     """Return the time [s] of the largest figure of each metric of an avatar's looks, where it is above 0."""
-    count = one.raw_positions.shape[1]
-    if not count or len(one.times) < 2:
+    seen = looks(one)
+    if not seen or len(one.times) < 2:
         return {}
-    seen, names = looks(one), [] if scene is None else scene.names_of_links(count)
-    figures = {
-        "link_jump_max": seen.beyond, "root_jump_max": seen.beyond[:, roots(names)], "reversal_max": seen.back,
-        "chatter_frames": seen.shakes, "tracker_offset_max": seen.apart,
-        "pose_jump_max": _joints(one, () if scene is None else scene.parents),
-    }
+    names = [] if scene is None else scene.names_of_links(one.raw_positions.shape[1])
+    figures = {look.metric: look.figures for look in seen.values() if look.metric}
+    figures["root_jump_max"] = seen[Kind.JUMP].figures[:, roots(names)]
+    figures["pose_jump_max"] = _joints(one, () if scene is None else scene.parents)
     states = {metric: int(np.argmax(each.max(axis=1))) for metric, each in figures.items() if each.size and each.max() > 0.0}
     return {metric: float(one.times[state]) for metric, state in states.items()}
 
@@ -173,20 +169,12 @@ def _joints(one: Shown, parents: Sequence[int | None]) -> Array:
 
 
 def remarks(one: Shown, step: int) -> list[tuple[int, str]]:
-    """Return (drawn state, words) of visible reversals, jumps, turns and distances, the worst of each ``step`` states."""
-    if not one.raw_positions.shape[1]:
-        return []
-    seen, found = looks(one), dict[int, list[str]]()
-    least = SHAKES * seen.dt
-    for figures, enough, unit, words in (
-        (seen.back, least, "m", "{} to and fro"),
-        (seen.beyond, least, "m", "{} beyond its user in a frame"),
-        (seen.apart, FAR, "m", "{} from its user"),
-        (seen.turned, least / LEVER, "deg", "orientation {} beyond its user's in a frame"),
-    ):
-        worst = np.maximum.reduceat(figures.max(axis=1), np.arange(0, len(figures), step))
-        for state in np.flatnonzero(worst > enough).tolist():
-            found.setdefault(state, []).append(words.format(_figure(worst[state], unit)))
+    """Return (drawn state, words) of visible reversals, jumps, distances and turns, the worst of each ``step`` states."""
+    found: dict[int, list[str]] = {}
+    for kind, look in looks(one).items():
+        worst = np.maximum.reduceat(look.figures.max(axis=1), np.arange(0, len(look.figures), step))
+        for state in np.flatnonzero(worst > look.seen).tolist():
+            found.setdefault(state, []).append(look.remark.format(look.text(worst[state], kind)))
     return [(state, ", ".join(said)) for state, said in sorted(found.items())]
 
 
