@@ -32,12 +32,8 @@ def test_volume(piece: dict[str, object], expected: float, less: float) -> None:
     assert expected * (1.0 - less) - 1e-12 <= found <= expected * (1.0 + 1e-12)
 
 
-def test_pieces_of_a_body_stand_where_they_are_put() -> None:
+def test_pieces_of_a_body_are_where_they_are_put() -> None:
     cube, tower = {"kind": "box", "size": [2.0, 2.0, 2.0]}, {"kind": "box", "size": [1.0, 1.0, 4.0]}
     corners, faces = mesh.body([cube | PLACE, tower | PLACE])
     assert corners.min(axis=0) == pytest.approx([-0.7, -2.2, -0.9]) and corners.max(axis=0) == pytest.approx([1.3, 1.8, 1.1])
-    assert faces.max() == len(corners) - 1 and len(faces) == 24
-
-
-def test_a_link_without_pieces_has_no_triangles() -> None:
-    assert [len(part) for part in mesh.body([])] == [0, 0]
+    assert faces.max() == len(corners) - 1 and len(faces) == 24 and [len(part) for part in mesh.body([])] == [0, 0]

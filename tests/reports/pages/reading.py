@@ -13,27 +13,14 @@ ADDRESSES = ("href", "src", "xlink:href", "action", "srcset", "data")
 
 
 class Page(HTMLParser):
-    """Parts of a page.
-
-    ids      of its elements, in order
-    links    (tag, attribute, address)
-    cells    texts of table cells
-    text     all visible text
-    scripts  (type, text) of scripts
-    policy   of security
-    unclosed  tags left open, or closed out of order
-    """
+    """Parts of a page: ids, links (tag, attribute, address), texts of table cells, all visible text, scripts (type, text), the
+    policy of security, and tags left open or closed out of order."""
 
     def __init__(self, html: str) -> None:
         super().__init__()
-        self.ids: list[str] = []
-        self.links: list[tuple[str, str, str]] = []
-        self.cells: list[str] = []
-        self.text = ""
-        self.scripts: list[tuple[str, str]] = []
-        self.policy = ""
-        self.unclosed: list[str] = []
-        self._open: list[str] = []
+        self.ids, self.cells, self.unclosed, self._open = (list[str]() for _ in range(4))
+        self.links, self.scripts = list[tuple[str, str, str]](), list[tuple[str, str]]()
+        self.text = self.policy = ""
         self.feed(html)
         self.close()
         self.unclosed += self._open

@@ -83,11 +83,6 @@ def test_an_earlier_run_that_cannot_be_read_is_left_out(tmp_path: Path) -> None:
     (earlier / "results.json").write_text("{}", encoding="utf-8")
     write_report(folder, earlier)
     assert "changes" not in read(folder / "index.html").ids
-
-
-def test_two_reports_of_one_run_are_equal(tmp_path: Path, report: Path) -> None:
-    folder = filled(tmp_path / "run")
-    write_report(folder)
     first = {path: path.read_bytes() for path in folder.rglob("*.html")}
     write_report(folder)
     assert {path: path.read_bytes() for path in folder.rglob("*.html")} == first

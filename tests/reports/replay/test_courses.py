@@ -11,8 +11,6 @@ from reports.replay.courses import MEASURES, courses
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import MUJOCO, OURS, RAW
 
-NOTHING = np.zeros(0)
-
 
 def test_overlap_begins_with_the_start_and_times_with_the_first_frame() -> None:
     depths, costs = np.array([0.0, 1e-3, np.nan]), np.array([10.0, 20.0])
@@ -21,11 +19,10 @@ def test_overlap_begins_with_the_start_and_times_with_the_first_frame() -> None:
     assert times.tolist() == [0.0, 0.5, 1.0] and values is depths
     times, values = lines["time"][OURS]
     assert times.tolist() == [0.5, 1.0] and values is costs
+    nothing = Series(np.zeros(0), np.array([np.nan, np.nan]))
+    assert courses({}, [], None, 0.1) == courses({OURS: nothing}, [], None, 0.1) == {}
 
 
-def test_what_nobody_has_is_no_line() -> None:
-    assert courses({}, [], None, 0.1) == {}
-    assert courses({OURS: Series(NOTHING, np.array([np.nan, np.nan]))}, [], None, 0.1) == {}
 
 
 def test_a_falling_ball_keeps_its_energy_and_a_hand_its_user(tmp_path: Path) -> None:
@@ -35,18 +32,9 @@ def test_a_falling_ball_keeps_its_energy_and_a_hand_its_user(tmp_path: Path) -> 
     found = shown(tmp_path, "falls", [OURS, MUJOCO, RAW])
     found[1].positions[4, 2] += [0.03, 0.04, 0.0]
     lines = courses({}, found, drawn(tmp_path, "falls"), 1.0 / 60.0)
-    assert set(lines) == {"offset", "energy"} <= set(MEASURES)
+    assert set(lines) == {"offset", "energy"} <= set(MEASURES) and "energy" not in courses({}, found, None, 0.1)
     assert all(set(measure) == {OURS, MUJOCO} for measure in lines.values())
     times, energy = lines["energy"][OURS]
     assert len(times) == STATES and energy == pytest.approx(np.zeros(STATES), abs=1e-9)
     assert not lines["offset"][OURS][1].any()
     assert lines["offset"][MUJOCO][1][4] == pytest.approx(0.05) and np.count_nonzero(lines["offset"][MUJOCO][1]) == 1
-
-
-def test_energy_needs_a_body_with_mass(tmp_path: Path) -> None:
-    scene(tmp_path, "falls")
-    recording(tmp_path, "falls", OURS)
-    made = drawn(tmp_path, "falls")
-    assert made is not None
-    found = shown(tmp_path, "falls", [OURS])
-    assert "energy" in courses({}, found, made, 0.1) and "energy" not in courses({}, found, None, 0.1)

@@ -46,12 +46,6 @@ def test_no_text_has_more_than_three_digits_but_zeros(value: float, unit: str) -
     assert len(digits) <= 3
 
 
-@given(values, values)
-def test_order_is_kept(one: float, other: float) -> None:
-    low, high = sorted((one, other))
-    assert read(rounded(low))[0] <= read(rounded(high))[0]
-
-
 @pytest.mark.parametrize("unit", UNITS)
 def test_what_is_no_number_is_told_apart_from_what_is_missing(unit: str) -> None:
     texts = [quantity(value, unit) for value in (None, math.nan, math.inf)]

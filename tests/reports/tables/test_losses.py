@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from reports.reading.load import EngineNote, Row
 from reports.tables.losses import losses
-from reports.tables.run import Run
 from runfiles.metrics import RANKED
 from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, RAW, figure, run_of
 
@@ -88,6 +87,8 @@ def test_what_does_not_compare_is_not_counted() -> None:
     note = EngineNote(MUJOCO, "a", "1", {"reach cones": "ignored"}, {})
     assert compared(*rows) == {"reach_cone_excess_max": 1}
     assert losses(run_of(rows, notes=[note])).empty
+    one = run_of([figure("a", OURS, "run", None, "crashed")])
+    assert losses(one).empty and "lost" in losses(one).columns
 
 
 def test_a_world_of_another_size_is_compared_as_one_of_size_one() -> None:
@@ -96,8 +97,3 @@ def test_a_world_of_another_size_is_compared_as_one_of_size_one() -> None:
     large = run_of(rows)
     large = replace(large, results=replace(large.results, scales={"a": 1000.0}))
     assert losses(large).lost.tolist() == [0]
-
-
-def test_an_empty_run_has_an_empty_table() -> None:
-    one: Run = run_of([figure("a", OURS, "run", None, "crashed")])
-    assert losses(one).empty and "lost" in losses(one).columns
