@@ -72,11 +72,10 @@ def csv_text(rows: Sequence[Row], columns: Sequence[str], more: Iterable[Mapping
         more: further fields of each row, whose names are among the columns.
     """
     text = io.StringIO()
-    writer = csv.DictWriter(text, columns, extrasaction="ignore", lineterminator="\n")
+    writer = csv.DictWriter(text, columns, restval="", extrasaction="ignore", lineterminator="\n")
     writer.writeheader()
     further: Sequence[Mapping[str, object]] = list(more) or [{}] * len(rows)
-    for row, fields in zip(rows, further, strict=True):
-        writer.writerow({name: "" if value is None else value for name, value in (vars(row) | dict(fields)).items()})
+    writer.writerows(vars(row) | dict(fields) for row, fields in zip(rows, further, strict=True))
     return text.getvalue()
 
 

@@ -22,10 +22,10 @@ def instant(shown: Sequence[Shown], gated: str) -> int:
     """Return the state in which most engines but the gated one overlap clearly, and deepest; the middle where none does."""
     states = min(len(one.times) for one in shown)
     depths = np.zeros((len(shown), states))
-    for row, one in zip(depths, shown, strict=True):
-        for frame, _, _, depth in one.pairs:
-            if frame < states and one.run != gated:
-                row[frame] = max(row[frame], depth)
+    for k, one in enumerate(shown):
+        for frame, _, _, depth in one.pairs if one.run != gated else ():
+            if frame < states:
+                depths[k, frame] = max(depths[k, frame], depth)
     order = np.lexsort((np.arange(states)[::-1], depths.sum(axis=0), (depths > CLEAR).sum(axis=0)))
     return int(order[-1]) if depths.any() else states // 2
 

@@ -1,6 +1,6 @@
 """Pages beside the index: method, engines, glossary, and tables of benchmarks."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -36,13 +36,10 @@ MOST_ROWS = 60
 
 def articles(run: Run) -> dict[str, str]:
     """Return the pages by file name."""
-    made = {"method.html": _method(run), "engines.html": _engines(run), "glossary.html": _glossary()}
-    return made | ({"bench.html": _bench(run.folder)} if benches(run.folder) else {})
-
-
-def benches(folder: Path) -> list[str]:
-    """Return the files of benchmarks in a run folder."""
-    return [name for name in BENCHES if (folder / name).exists()]
+    glossary = _rendered("glossary.html.j2", "Glossary", metrics=METRICS.values(), quantity=quantity)
+    made = {"method.html": _method(run), "engines.html": _engines(run), "glossary.html": glossary}
+    benches = [name for name in BENCHES if (run.folder / name).exists()]
+    return made | ({"bench.html": _bench(run.folder, benches)} if benches else {})
 
 
 def _rendered(template: str, title: str, **values: Any) -> str:
@@ -88,13 +85,9 @@ def _engines(run: Run) -> str:
     return _rendered("engines.html.j2", "Engines and settings", engines=found, label=label)
 
 
-def _glossary() -> str:
-    return _rendered("glossary.html.j2", "Glossary", metrics=METRICS.values(), quantity=quantity)
-
-
-def _bench(folder: Path) -> str:
+def _bench(folder: Path, names: Sequence[str]) -> str:
     tables = []
-    for name in benches(folder):
+    for name in names:
         try:
             table = pd.read_csv(folder / name)
         except (ValueError, pd.errors.ParserError, UnicodeDecodeError):

@@ -2,7 +2,6 @@
 
 import zipfile
 from functools import cache
-from importlib.metadata import PackageNotFoundError
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -11,7 +10,7 @@ ARCHIVE = ("resources", "templates", "viewer.zip")
 BEGINS, ENDS = "<script>", "\n(function(){"
 """The library is the page's first script, up to the first of the add-ons that follow it."""
 MARK = "Three.js Authors"
-"""Stands in the library's licence, which stays with it."""
+"""Part of the library's licence, which stays with it."""
 WORDS = (
     "The 3D replay is not here: three.js draws it, which is read from the Python package trimesh, and that is not installed or "
     "holds no three.js. pip install '.[assets]', then make report."
@@ -20,17 +19,15 @@ WORDS = (
 
 @cache
 def library() -> str | None:
-    """The source text of three.js with its licence; None where there is none, or where it could end the script it stands in."""
-    try:
-        spec = find_spec("trimesh")
-        if spec is None or not spec.submodule_search_locations:
-            return None
-        path = Path(next(iter(spec.submodule_search_locations))).joinpath(*ARCHIVE)
-        with zipfile.ZipFile(path) as archive:
-            page = archive.read(archive.namelist()[0]).decode("utf-8")
-    except (ImportError, PackageNotFoundError, OSError, zipfile.BadZipFile, KeyError, IndexError, UnicodeDecodeError):
-        return None
-    _, begun, rest = page.partition(BEGINS)
-    source, ended, _ = rest.partition(ENDS)
-    sound = begun and ended and MARK in source and "</script" not in source.lower()
-    return source if sound else None
+    """Return the source of three.js with its licence; None where there is none, or where it could end its script."""
+    spec = find_spec("trimesh")
+    for place in (spec and spec.submodule_search_locations) or ():
+        try:
+            with zipfile.ZipFile(Path(place).joinpath(*ARCHIVE)) as archive:
+                page = archive.read(archive.namelist()[0]).decode("utf-8")
+        except (OSError, zipfile.BadZipFile, IndexError, UnicodeDecodeError):
+            continue
+        source, ended, _ = page.partition(BEGINS)[2].partition(ENDS)
+        if ended and MARK in source and "</script" not in source.lower():
+            return source
+    return None

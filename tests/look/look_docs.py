@@ -39,23 +39,16 @@ def test_every_page_is_quiet_and_fits_the_window(site: Path, opened: tuple[Brows
         one.picture(SCREENSHOTS / f"docs-{page.stem}-{size}.png")
 
 
-def test_formulas_are_drawn(site: Path, opened: tuple[Browser, str]) -> None:
+def test_formulas_are_drawn_and_words_are_found(site: Path, opened: tuple[Browser, str]) -> None:
     one, _ = opened
     one.open(site / "docs" / "equations.html")
     # a browser that does not draw MathML writes a fraction's two parts in one line
     tall = "[...document.querySelectorAll('div.math math')].map((one) => one.getBoundingClientRect().height)"
     heights = one.value(tall)
     assert len(heights) == 10 and max(heights) > 2.0 * min(heights) > 0.0
-
-
-def test_the_folder_itself_leads_to_the_first_page(site: Path, opened: tuple[Browser, str]) -> None:
-    one, _ = opened
+    # the folder itself leads to the first page
     one.open(site / "index.html")
     one.until("location.pathname.endsWith('/docs/index.html')")
-
-
-def test_a_word_is_found(site: Path, opened: tuple[Browser, str]) -> None:
-    one, _ = opened
-    one.open(site / "search.html", "")
+    one.open(site / "search.html")
     one.value("location.search = '?q=certificate'")
     one.until("document.querySelectorAll('#search-results li').length > 2")

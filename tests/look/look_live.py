@@ -127,10 +127,17 @@ def drag(one: Browser, running: Running, name: str, way: tuple[float, float], st
     time.sleep(0.5)
 
 
-def test_the_page_is_there_and_quiet(running: Running, seen: Browser) -> None:
-    assert seen.value("!!document.querySelector('canvas')")
+def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> None:
     time.sleep(2.0)
     seen.picture(SCREENSHOTS / "live-hand-light-1400.png")
+    seen.click("Effects and method")
+    for off in (("friction",), ()):
+        time.sleep(0.5)
+        frame = running.state.frame
+        seen.click("friction")
+        time.sleep(1.0)
+        assert running.page.panel.off == off and running.wait(30).frame > frame
+        seen.picture(SCREENSHOTS / "live-hand-effects.png")
     quiet(seen, running)
 
 
@@ -206,20 +213,6 @@ def test_home_brings_a_camera_back_that_flew_away(running: Running, seen: Browse
     assert viewed(running) == pytest.approx(np.array([*camera.position, *camera.look_at]), abs=1e-3)
 
 
-def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> None:
-    seen.click("Effects and method")
-    time.sleep(0.5)
-    frame = running.state.frame
-    seen.click("friction")
-    time.sleep(1.0)
-    assert running.page.panel.off == ("friction",)
-    assert running.wait(30).frame > frame
-    seen.picture(SCREENSHOTS / "live-hand-effects.png")
-    seen.click("friction")
-    time.sleep(1.0)
-    assert running.page.panel.off == ()
-
-
 def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
     with Running("house", folder) as one, browser(1400, 900) as window:
         window.visit(one.page.address)
@@ -257,4 +250,3 @@ def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) 
                 shade = "dark" if dark else "light"
                 window.picture(SCREENSHOTS / f"live-{name}-{shade}-{width}.png")
                 quiet(window, one)
-
