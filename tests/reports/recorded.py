@@ -39,23 +39,13 @@ def recording(folder: Path, name: str, run: str, states: int = STATES, sinks: bo
     (folder / "recordings").mkdir(exist_ok=True)
     stem = f"{name}.{run.replace('/', '.')}.0.npz"
     arrays = {
-        "meta": np.array(json.dumps({"schema_version": 2})),
-        "times": times,
-        "positions": positions,
-        "orientations": turns,
-        "velocities": velocities,
-        "angular_velocities": np.zeros((states, 3, 3)),
-        "raw_positions": positions[:, 2:],
+        "meta": np.array(json.dumps({"schema_version": 2})), "times": times, "positions": positions, "orientations": turns,
+        "velocities": velocities, "angular_velocities": np.zeros((states, 3, 3)), "raw_positions": positions[:, 2:],
         "raw_orientations": turns[:, 2:],
     }
     with (folder / "recordings" / stem).open("wb") as file:
         array_file.write(file, arrays)
     if sinks:
         (folder / "overlaps").mkdir(exist_ok=True)
-        np.savez(
-            folder / "overlaps" / stem,
-            frame=np.array([9, 10, 10]),
-            first=np.array([2, 2, 0]),
-            second=np.array([0, 0, 1]),
-            depth=np.array([0.01, 0.02, 5e-7]),
-        )
+        frame, first, second = np.array([[9, 10, 10], [2, 2, 0], [0, 0, 1]])
+        np.savez(folder / "overlaps" / stem, frame=frame, first=first, second=second, depth=np.array([0.01, 0.02, 5e-7]))

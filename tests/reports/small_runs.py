@@ -21,15 +21,8 @@ OURS, MUJOCO, BULLET, RAW = "avatarsim/default", "mujoco/tuned", "pybullet/tuned
 
 
 def figure(
-    scene: str,
-    run: str,
-    metric: str,
-    value: float | None,
-    status: str = "info",
-    bound: float | None = None,
-    ceiling: float | None = None,
-    seed: int = 0,
-    note: str = "",
+    scene: str, run: str, metric: str, value: float | None, status: str = "info", bound: float | None = None,
+    ceiling: float | None = None, seed: int = 0, note: str = "",
 ) -> Row:
     """Return one figure, with the unit of its metric."""
     engine, _, preset = run.partition("/")
@@ -37,12 +30,8 @@ def figure(
 
 
 def run_of(
-    rows: Iterable[Row],
-    series: Mapping[str, Mapping[str, Series]] | None = None,
-    exit_code: int | None = 0,
-    provenance: Mapping[str, object] = HOST,
-    notes: Sequence[EngineNote] = (),
-    name: str = "run",
+    rows: Iterable[Row], series: Mapping[str, Mapping[str, Series]] | None = None, exit_code: int | None = 0,
+    provenance: Mapping[str, object] = HOST, notes: Sequence[EngineNote] = (), name: str = "run",
 ) -> Run:
     """Return a run of these rows, without a folder."""
     return Run(Path(name), Results(tuple(rows), series or {}, tuple(notes), provenance, exit_code, {}, ()))

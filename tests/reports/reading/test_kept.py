@@ -40,20 +40,13 @@ def test_recordings_come_back_in_the_order_asked_for(folder: Path) -> None:
     assert shown(folder, "x" * 5000, [OURS]) == [] and shown(folder, NAME, [OURS], seed=1) == []
 
 
-@pytest.mark.parametrize(
-    ("kind", "name", "value"),
-    [
-        ("recordings", "positions", np.zeros((12, 2, 3))),
-        ("recordings", "velocities", np.zeros(3)),
-        ("recordings", "meta", np.array("[]")),
-        ("recordings", "meta", np.array(json.dumps({"schema_version": 1}))),
-        ("recordings", "raw_positions", None),
-        *(("overlaps", "frame", value) for value in (np.array([12, 0, 0]), np.zeros(3), None)),
-        *(("overlaps", "first", value) for value in (np.array([-1, 0, 0]), None)),
-        ("overlaps", "second", np.array([3, 0, 0])),
-        *(("overlaps", "depth", value) for value in (np.zeros(2), np.full(3, np.nan))),
-    ],
-)
+@pytest.mark.parametrize(("kind", "name", "value"), [
+    ("recordings", "positions", np.zeros((12, 2, 3))), ("recordings", "velocities", np.zeros(3)),
+    ("recordings", "meta", np.array("[]")), ("recordings", "meta", np.array(json.dumps({"schema_version": 1}))),
+    ("recordings", "raw_positions", None), *(("overlaps", "frame", value) for value in (np.array([12, 0, 0]), np.zeros(3), None)),
+    ("overlaps", "first", np.array([-1, 0, 0])), ("overlaps", "first", None), ("overlaps", "second", np.array([3, 0, 0])),
+    ("overlaps", "depth", np.zeros(2)), ("overlaps", "depth", np.full(3, np.nan)),
+])
 def test_a_file_that_contradicts_itself_is_named(folder: Path, kind: str, name: str, value: Any) -> None:
     replaced(folder / kind / FILE, name, value)
     with pytest.raises(InvalidFile, match=re.escape(FILE)):

@@ -32,9 +32,10 @@ def test_nan_is_read_as_nan_and_a_gap_as_nan(run_dir: Write, results: Json) -> N
     assert found.frame_time.size == 0
 
 
-@pytest.mark.parametrize(
-    "text", [None, "", "{", "[]", "{}", '{"rows": 3, "schema_version": 1}', "half a file", "a number too large"]
-)
+DAMAGED = (None, "", "{", "[]", "{}", '{"rows": 3, "schema_version": 1}', "half a file", "a number too large")
+
+
+@pytest.mark.parametrize("text", DAMAGED)
 def test_a_file_that_is_missing_or_damaged_is_refused(run_dir: Write, results: Json, text: str | None) -> None:
     folder = run_dir(results)
     path = folder / "results.json"
@@ -51,14 +52,11 @@ def test_another_schema_is_refused(run_dir: Write, results: Json, version: objec
         load(run_dir(results | {"schema_version": version}))
 
 
-@pytest.mark.parametrize(
-    ("change", "where"),
-    [
-        *(({"value": number}, "JSON") for number in (math.nan, math.inf, -math.inf)),
-        *(({"value": value}, "value") for value in ("high", True)),
-        *(({name: value}, name) for name, value in (("status", "passed"), ("scenario", None), ("seed", 0.5))),
-    ],
-)
+@pytest.mark.parametrize(("change", "where"), [
+    *(({"value": number}, "JSON") for number in (math.nan, math.inf, -math.inf)),
+    *(({"value": value}, "value") for value in ("high", True)),
+    *(({name: value}, name) for name, value in (("status", "passed"), ("scenario", None), ("seed", 0.5))),
+])
 def test_a_malformed_row_is_refused_and_its_place_named(run_dir: Write, results: Json, change: Json, where: str) -> None:
     rows = results["rows"]
     assert isinstance(rows, list)

@@ -15,16 +15,10 @@ def test_it_is_the_library_alone() -> None:
     assert "WebGLRenderer" in found and "TrackballControls=" not in found and "</script" not in found
 
 
-@pytest.mark.parametrize(
-    "page",
-    [
-        None,
-        "",
-        "<script>nothing of the kind</script>",
-        "<script>Three.js Authors</script>\n(function(){",
-        "<script>Three.js Authors",
-    ],
-)
+@pytest.mark.parametrize("page", [
+    None, "", "<script>nothing of the kind</script>", "<script>Three.js Authors</script>\n(function(){",
+    "<script>Three.js Authors",
+])
 def test_anything_else_is_nothing(page: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """No such package, no archive, another page, a library that could end its script, one without an end."""
     spec = ModuleSpec("trimesh", None, is_package=True)

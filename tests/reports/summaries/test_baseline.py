@@ -35,9 +35,8 @@ def test_a_run_is_equal_to_its_own_baseline(tmp_path_factory: pytest.TempPathFac
 
 
 def test_the_file_holds_watched_figures_of_the_gated_engine_and_nothing_else(tmp_path: Path) -> None:
-    rows = [
-        figure("a", run, name, 1.0) for run in (OURS, MUJOCO) for name in (*WATCHED, "frame_time_p50", "residual_overlap_mean")
-    ]
+    metrics = (*WATCHED, "frame_time_p50", "residual_overlap_mean")
+    rows = [figure("a", run, name, 1.0) for run in (OURS, MUJOCO) for name in metrics]
     table = baseline.load(kept(run_of([*rows, figure("unseen_a", OURS, OVERLAP, 1.0)]), tmp_path / "kept.csv"))
     assert set(table.run) == {OURS} and set(table.metric) == set(WATCHED) and set(table.scenario) == {"a"}
 

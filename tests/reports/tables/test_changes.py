@@ -87,15 +87,12 @@ def times_run(factors: Mapping[str, float], provenance: Mapping[str, object] = H
 
 
 EVEN = {OURS: 1.0, MUJOCO: 3.0, BULLET: 5.0}
-
-
 BELOW = 1.0 + 0.7 * (TIME_FACTOR - 1.0)
 
 
-@pytest.mark.parametrize(
-    ("machine", "own", "seed"),
-    [(0.2, 1.0, 2), (1.0, 1.0, 2), (4.0, 1.0, 2), (1.0, BELOW, 1), (3.0, BELOW, 1), (1.0, 2.0, 2), (3.0, 2.0, 2)],
-)
+@pytest.mark.parametrize(("machine", "own", "seed"), [
+    (0.2, 1.0, 2), (1.0, 1.0, 2), (4.0, 1.0, 2), (1.0, BELOW, 1), (3.0, BELOW, 1), (1.0, 2.0, 2), (3.0, 2.0, 2),
+])
 def test_an_engine_that_slows_by_more_than_the_machine_and_the_limit_is_listed(machine: float, own: float, seed: int) -> None:
     old = times_run(EVEN)
     new = times_run({run: machine * value * (own if run == OURS else 1.0) for run, value in EVEN.items()}, seed=seed)
@@ -110,9 +107,7 @@ def test_a_few_more_slow_frames_are_noise() -> None:
     def spiky(share: float) -> Run:
         times = np.full(400, 30.0)
         times[np.linspace(0, 399, round(400 * share)).astype(int)] = 300.0
-        rows = [
-            figure("a", OURS, f"frame_time_{name}", float(np.percentile(times, at))) for name, at in (("p50", 50), ("p95", 95))
-        ]
+        rows = [figure("a", OURS, f"frame_time_p{at}", float(np.percentile(times, at))) for at in (50, 95)]
         return run_of(rows, {"a": {OURS: timed(times)}})
 
     old, new = spiky(0.045), spiky(0.055)

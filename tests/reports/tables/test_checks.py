@@ -53,19 +53,16 @@ def sound(*more: Row, exit_code: int | None = 0) -> Checks:
     return checks(run_of([figure("a", OURS, OVERLAP, 0.0, "pass", 1.0), *more], exit_code=exit_code))
 
 
-@pytest.mark.parametrize(
-    ("more", "part"),
-    [
-        (figure("b", OURS, "run", None, "crashed", seed=1), "crashed"),
-        (figure("b", MUJOCO, "run", None, "crashed", seed=1), "crashed"),
-        (figure("b", OURS, "run", None, "not-measured", seed=1), "unmeasured"),
-        (figure("b", MUJOCO, "run", None, "not-measured", seed=1), "unmeasured"),
-        (figure("b", OURS, OVERLAP, None, "info", 1.0), "unmeasured"),
-        (figure("b", MUJOCO, OVERLAP, 0.0), "unmeasured"),
-        (figure("b", OURS, OVERLAP, None, "fail", 1.0), "failed"),
-        (figure("b", OURS, "run", None, "refused"), "refused"),
-    ],
-)
+@pytest.mark.parametrize(("more", "part"), [
+    (figure("b", OURS, "run", None, "crashed", seed=1), "crashed"),
+    (figure("b", MUJOCO, "run", None, "crashed", seed=1), "crashed"),
+    (figure("b", OURS, "run", None, "not-measured", seed=1), "unmeasured"),
+    (figure("b", MUJOCO, "run", None, "not-measured", seed=1), "unmeasured"),
+    (figure("b", OURS, OVERLAP, None, "info", 1.0), "unmeasured"),
+    (figure("b", MUJOCO, OVERLAP, 0.0), "unmeasured"),
+    (figure("b", OURS, OVERLAP, None, "fail", 1.0), "failed"),
+    (figure("b", OURS, "run", None, "refused"), "refused"),
+])
 def test_a_row_without_a_figure_has_its_part(more: Row, part: str) -> None:
     """A scene that the gated engine never saw is missing; what is refused as expected is no trouble."""
     found = sound(more)
