@@ -4,7 +4,6 @@ import math
 import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from types import MappingProxyType
 
@@ -51,16 +50,13 @@ class Metric:
         return math.isnan(other) or (one < other - self.level and one * (1.0 + self.share) < other)
 
 
-@cache
-def _loaded() -> Mapping[str, Metric]:
-    entries = tomllib.loads(Path(__file__).with_name("metrics.toml").read_text(encoding="utf-8"))
-    return MappingProxyType({name: Metric(name, **fields) for name, fields in entries.items()})
+_ENTRIES = tomllib.loads(Path(__file__).with_name("metrics.toml").read_text(encoding="utf-8"))
+_ALL = [Metric(name, **fields) for name, fields in _ENTRIES.items()]
 
-
-METRICS: Mapping[str, Metric] = MappingProxyType({name: one for name, one in _loaded().items() if not one.family})
+METRICS: Mapping[str, Metric] = MappingProxyType({one.name: one for one in _ALL if not one.family})
 """Metrics by name, in the order of the file."""
 
-FAMILIES: tuple[Metric, ...] = tuple(one for one in _loaded().values() if one.family)
+FAMILIES: tuple[Metric, ...] = tuple(one for one in _ALL if one.family)
 """Families of metrics."""
 
 RANKED: Mapping[str, Metric] = MappingProxyType({name: one for name, one in METRICS.items() if one.level is not None})
