@@ -21,7 +21,7 @@ from scenarios.job import Job
 from scenarios.measure.posture.tracker_offset import angle_offsets
 from scenarios.measure.timing import Timed
 from scenarios.run.accuracy import prepare
-from scenarios.run.run_files import check_recording
+from scenarios.run.run_files import checked_recording
 from scenarios.run.timed_worker import repeat
 
 FIGURE_7, FIGURE_8 = "hand_over_table", "two_arms"
@@ -114,8 +114,7 @@ def runs(folder: Path) -> list[Run]:
         # a comparison of many scenes may have timed only frames around contact; the table is of a scene from its start
         kept = folder / "recordings" / f"{scene}.{file}.0.npz"
         if times and not isnan(times[0]) and kept.exists():
-            recording = load(kept)
-            check_recording(recording, kept)
+            recording = checked_recording(load(kept), kept)
             found.append(Run(scene, name, recording, np.array(times), max(overlap, default=nan)))
     return found
 

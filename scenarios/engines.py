@@ -25,29 +25,20 @@ def known() -> dict[str, str]:
 
 @contextmanager
 def _muted() -> Iterator[None]:
-    """Drop all output to both streams, also from C: one engine prints a greeting on import."""
-    kept = [os.dup(1), os.dup(2)]
-    nowhere = os.open(os.devnull, os.O_WRONLY)
+    """Drop errors printed from C, where one engine greets on import; worker processes drop other output anyway."""
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 1)
         os.dup2(nowhere, 2)
         yield
     finally:
-        for stream, copy in enumerate(kept, 1):
-            os.dup2(copy, stream)
-            os.close(copy)
+        os.dup2(kept, 2)
+        os.close(kept)
         os.close(nowhere)
 
 
 def opened(name: str) -> Engine:
-    """Return a fresh engine.
-
-    Raises:
-        UnknownName: for a name without an engine.
-        MissingPackage: for a package that is not installed.
-        ImportError: for a missing module of the engine itself.
-        InvalidInput: for a class without all parts of an engine.
-    """
+    """Return a fresh engine. Raises UnknownName, MissingPackage, ImportError for a missing module of the engine itself, and
+    InvalidInput for a class without all parts of an engine."""
     one = about(name)
     if not one.adapter:
         raise UnknownName("engine", name, known())

@@ -7,8 +7,6 @@ import argparse
 import sys
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from avatarsim.cli.arguments import live_options
 from avatarsim.cli.live import drive, require_page
 from avatarsim.console import ended
@@ -24,8 +22,9 @@ from runfiles.engines import about, engines
 from runfiles.naming import GATED
 from scenarios.catalog import get
 from scenarios.engines import known
+from scenarios.own_scenes import motion_of
 from scenarios.run.gate import USAGE
-from scenarios.scenario import RENDERED, Scenario
+from scenarios.scenario import RENDERED
 
 
 def parser() -> argparse.ArgumentParser:
@@ -59,19 +58,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def staged_of(name: str) -> tuple[Stage, Mapping[str, Motion]]:
-    """Return a built-in stage, or a scene of the catalogue with its motion as a clip.
-
-    Raises:
-        UnknownName: for neither.
-        InvalidInput: for a scene without an avatar.
-    """
+    """Return a built-in stage, or a scene of the catalogue with its motion as a clip. Raises UnknownName, and InvalidInput for a
+    scene without an avatar."""
     if name in NAMES:
         return stage(name), {}
     scenario = get(name)
     scene = scenario.build()
     if not scene.avatars:
         raise InvalidInput("--scene", name, "a scene with an avatar")
-    return staged(scene, scenario.title), {f"{scene.name}, seed 0": clip(scenario, scene)}
+    motion = scenario.motion(scene, 0)
+    clip = motion_of([scene.first_sample, *(motion(frame) for frame in range(scenario.frames))], 1.0 / RENDERED)
+    return staged(scene, scenario.title), {f"{scene.name}, seed 0": clip}
 
 
 def plan_of(words: str, scene: Scene, rate: float) -> Plan:
@@ -81,16 +78,6 @@ def plan_of(words: str, scene: Scene, rate: float) -> Plan:
         raise UnknownName("engine", name, known())
     preset = preset or about(name).presets[0]
     return Plan(about(name).adapter, scene, Settings(preset=preset), rate, name=f"{name}/{preset}")
-
-
-def clip(scenario: Scenario, scene: Scene) -> Motion:
-    """Return the scenario's own motion as a clip."""
-    motion = scenario.motion(scene, 0)
-    samples = [scene.first_sample, *(motion(frame) for frame in range(scenario.frames))]
-    return Motion(
-        RENDERED * np.arange(len(samples), dtype=np.float64), np.array([one.positions for one in samples]),
-        np.array([one.rotations for one in samples]), np.array([one.angles for one in samples], dtype=np.float64),
-    )
 
 
 def judged(scene: Scene) -> Depth:

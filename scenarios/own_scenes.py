@@ -7,6 +7,7 @@ import json
 import os
 import re
 from collections.abc import Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, lru_cache, partial, reduce
 from pathlib import Path
@@ -20,6 +21,7 @@ from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion as Recording
 from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import TrackerSample
 from runfiles.naming import GATED, OWN_PREFIX
 from scenarios.building.promises import FINITE, NO_OVERLAP, WITHIN_LIMITS
 from scenarios.engines import opened
@@ -116,11 +118,7 @@ class OwnScene:
         samples = [row.sample for row in found.rows if isinstance(row, Frame)]
         if not samples or not found.plan.scene.avatars:
             raise InvalidFile(f"frames of {file}", len(samples), "1 at least, of a scene with an avatar")
-        times = np.arange(len(samples), dtype=np.float64) / found.plan.rate
-        driven = Recording(
-            times, np.array([one.positions for one in samples]), np.array([one.rotations for one in samples]),
-            np.array([one.angles for one in samples], dtype=np.float64),
-        ).resampled(1.0 / RENDERED)
+        driven = motion_of(samples, found.plan.rate).resampled(1.0 / RENDERED)
         return replace(found.plan.scene, name=self.name), Track(driven.positions, driven.rotations, driven.angles)
 
     def parts(self) -> tuple[Scene, Track | None]:
@@ -168,6 +166,14 @@ class OwnScene:
         )
 
 
+def motion_of(samples: Sequence[TrackerSample], rate: float) -> Recording:
+    """Return samples at a rate [Hz] as a motion that can be played."""
+    return Recording(
+        np.arange(len(samples), dtype=np.float64) / rate, np.array([one.positions for one in samples]),
+        np.array([one.rotations for one in samples]), np.array([one.angles for one in samples], dtype=np.float64),
+    )
+
+
 @lru_cache(maxsize=8)
 def _parts(own: OwnScene) -> tuple[Scene, Track | None]:
     return own.parts()
@@ -184,18 +190,9 @@ def take_files(
     files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float, *,
     scene_scale: float = 1.0, avatar_scale: float = 1.0, room_scale: float = 1.0,
 ) -> list[str]:
-    """Put scenes of files in the place of the catalogue, in this process and those that it starts. Return remarks of readers.
+    """Put scenes of files, which share avatar, room and motion, in the place of the catalogue, here and in child processes.
 
-    Args:
-        files: a scene each.
-        avatar, room, motion: files that all of them share.
-        seconds: length.
-        scene_scale, avatar_scale, room_scale: metres a unit of length of the files.
-
-    Raises:
-        InvalidFile: for a file that cannot be read.
-        InvalidInput: for an invalid length.
-        StartOverlaps: where bodies overlap.
+    Returns remarks of readers. Raises InvalidFile, InvalidInput for an invalid length, StartOverlaps where bodies overlap.
     """
     within("--seconds [s]", seconds, RENDERED, LONGEST, InvalidInput)
     found: list[OwnScene] = []
@@ -204,11 +201,8 @@ def take_files(
             named(file, [one.name for one in found]), _whole(file), _whole(avatar), room if room == "floor" else _whole(room),
             _whole(motion), seconds, scene_scale, avatar_scale, room_scale,
         )
-        engine = opened(GATED[0])
-        try:
+        with closing(opened(GATED[0])) as engine:
             engine.load(_parts(own)[0], Settings(), RENDERED)
-        finally:
-            engine.close()
         found.append(own)
     os.environ[VARIABLE] = json.dumps([asdict(own) for own in found])
     return [f"{own.name}: {note}" for own in found for note in own.notes]

@@ -2,7 +2,7 @@
 
 import argparse
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from importlib import import_module
@@ -49,10 +49,9 @@ def patterns_of(text: str) -> list[str]:
     return [pattern.strip() for pattern in text.split(",")]
 
 
-def unmatched(names: Iterable[str], text: str) -> list[str]:
+def unmatched(names: Collection[str], text: str) -> list[str]:
     """Return the patterns that match none of the names."""
-    known_names = list(names)
-    return [pattern for pattern in patterns_of(text) if not any(fnmatchcase(name, pattern) for name in known_names)]
+    return [pattern for pattern in patterns_of(text) if not any(fnmatchcase(name, pattern) for name in names)]
 
 
 def filtered(scenes: Mapping[str, Scene], text: str) -> dict[str, Scene]:

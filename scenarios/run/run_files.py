@@ -147,20 +147,22 @@ def write_steps(engine: Any, folder: Path, job: Job) -> None:
         write_whole(folder / replay(job.engine), lambda file: file.write(program.encode("utf-8")))
 
 
-def check_recording(recording: Recording, path: Path) -> None:
-    """Raise InvalidFile unless the recording at `path` fits the catalogue's scene and has a finite tracker and finite times."""
+def checked_recording(recording: Recording, path: Path) -> Recording:
+    """Return the recording at `path`, if it fits the catalogue's scene and its tracker and times are finite.
+
+    Raises InvalidFile.
+    """
     scene = catalog.get(path.name.split(".")[0]).build()
     bodies, links, hinges = len(scene.names), len(scene.links), scene.first_sample.angles.size
-    for name, valid in (
-        ("positions", (bodies,)), ("raw_positions", (links,)), ("raw_angles", (hinges,)), ("angles", (0, hinges)),
-    ):
-        if (width := getattr(recording, name).shape[1]) not in valid:
-            raise InvalidFile(f"width of {name} in recording {path}", width, f"{valid[-1]}, as scene {scene.name} has them")
-    if recording.frames < 1:
-        raise InvalidFile(f"frames of recording {path}", recording.frames, "1 at least")
-    dt = recording.meta.get("dt")
-    if not (isinstance(dt, int | float) and 0.0 < dt < math.inf):
-        raise InvalidFile(f"dt in recording {path}", dt, "the length of a frame [s], above 0")
-    for name in ("times", "raw_positions", "raw_orientations", "raw_angles"):
-        if not np.isfinite(getattr(recording, name)).all():
+    of_tracker = ("times", "raw_positions", "raw_orientations", "raw_angles")
+    valid = {"positions": (bodies,), "raw_positions": (links,), "raw_angles": (hinges,), "angles": (0, hinges)}
+    for name in (*valid, *of_tracker):
+        found = getattr(recording, name)
+        if name in valid and found.shape[1] not in valid[name]:
+            raise InvalidFile(f"width of {name} in recording {path}", found.shape[1], f"{valid[name][-1]}, as in the scene")
+        if name in of_tracker and not np.isfinite(found).all():
             raise InvalidFile(f"{name} in recording {path}", "not all finite", "finite numbers")
+    dt = recording.meta.get("dt")
+    if recording.frames < 1 or not isinstance(dt, int | float) or not 0.0 < dt < math.inf:
+        raise InvalidFile(f"frames and dt of recording {path}", (recording.frames, dt), "1 frame at least, of more than 0 s")
+    return recording
