@@ -75,7 +75,7 @@ class Pivot:
 
 @dataclass(frozen=True, eq=False)
 class Top:
-    """Key "tops": a body turns about its own z axis at `spin` [rad/s], and that axis about gravity at `precession` on the mean."""
+    """Key "tops": a body turns about its own z axis at `spin` [rad/s], that axis about gravity at `precession` on the mean."""
 
     body: str
     spin: float
