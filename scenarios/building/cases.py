@@ -13,7 +13,7 @@ from avatarsim.spatial import rotation
 Solid = Shape | Piece | tuple[Piece, ...]
 
 LAID = 2e-8
-"""Gap [m] at which a body is laid on another at the start: free of overlap beyond the judge's rounding, and below every bound."""
+"""Gap [m] at which a body is laid on another at the start: free of overlap beyond the judge's rounding, below every bound."""
 
 NOWHERE = (0.0, 0.0, 0.0)
 """The origin, and also no gravity and no velocity."""

@@ -66,7 +66,7 @@ class Flips:
 
 @dataclass(frozen=True, eq=False)
 class Pivot:
-    """Key "pivots": a body whose own z axis leans at an angle a from upright turns at `rate(a)` [rad/s], until `until` [rad]."""
+    """Key "pivots": a body whose z axis leans at an angle a from upright turns at `rate(a)` [rad/s], until `until` [rad]."""
 
     body: str
     rate: Callable[[float], float]
@@ -75,7 +75,7 @@ class Pivot:
 
 @dataclass(frozen=True, eq=False)
 class Top:
-    """Key "tops": a body turns about its own z axis at `spin` [rad/s], that axis about gravity at `precession` on the mean."""
+    """Key "tops": a body turns about its own z axis at `spin` [rad/s], and that axis about gravity at a mean `precession`."""
 
     body: str
     spin: float

@@ -10,8 +10,8 @@ WITHIN_CONES = Bound("reach_cone_excess_max", 1e-9, "cones hold exactly; 1e-9 de
 KEEPS_MOVING = Bound("still_frames", 1.0, "the avatar answers its user: an engine that freezes never overlaps, and is useless")
 FOLLOWS_WHEN_FREE = Bound("tracker_offset_rms_free", 1e-3, "with nothing in the way the avatar is where its user is")
 
-NO_LEAP = Bound("pose_jump_max", 15.0, "a limb that catches up is seen to turn: at 60 Hz 15 degrees are 16 rad/s beyond the user")
-NO_LEAP_OF_THE_ROOT = Bound("root_jump_max", 0.1, "a body that catches up is seen to go: at 60 Hz 0.1 m is 6 m/s beyond the user")
+NO_LEAP = Bound("pose_jump_max", 15.0, "a limb that catches up is seen to turn: at 60 Hz 15 degrees are 16 rad/s more")
+NO_LEAP_OF_THE_ROOT = Bound("root_jump_max", 0.1, "a body that catches up is seen to go: at 60 Hz 0.1 m is 6 m/s more")
 NO_SHAKING = Bound("chatter_frames", 1.0, "a link that goes to and fro before a wall while its user does not is seen first")
 SAYS_SO = Bound("silent_offset_frames", 0.0, "an avatar that is kept from a free user reports it, so that a program can tell")
 

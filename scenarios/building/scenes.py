@@ -10,12 +10,10 @@ from scenarios.motion.rigid_hands import Places, hands_at, led
 from scenarios.motion.untracked import untracked
 from scenarios.scenario import INFINITE, RENDERED, Bound, Region, Scenario
 
-ENDLESS = (INFINITE, INFINITE, INFINITE)
-
 
 def above(height: float, *bodies: str, reason: str = "nothing falls through the floor") -> Region:
     """Return the region above a `height` [m]."""
-    return Region(bodies, (-INFINITE, -INFINITE, height), ENDLESS, reason)
+    return Region(bodies, (-INFINITE, -INFINITE, height), (INFINITE, INFINITE, INFINITE), reason)
 
 
 def before(x: float, *bodies: str, reason: str = "nothing goes through the wall; it cannot be walked round") -> Region:

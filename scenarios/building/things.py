@@ -67,7 +67,7 @@ def mixed(random: np.random.Generator, count: int) -> list[Piece]:
 
 
 def open_box(width: float, height: float, thick: float, material: str) -> tuple[Body, ...]:
-    """Return a floor, with its origin in its top at z = 0, and four walls about a square of `width` [m], "wall_0" to "wall_3"."""
+    """Return a floor, with its origin in its top at z = 0, and four walls about a square of `width` [m], from "wall_0" on."""
     out = width + 2.0 * thick
     at = 0.5 * (width + thick)
     walls: tuple[tuple[Vector, Vector], ...] = (

@@ -30,8 +30,7 @@ def _found() -> MappingProxyType[str, Scenario]:
 
 
 def scenarios() -> dict[str, Scenario]:
-    """Every scenario by name, sorted; none is built, which may need data that is not installed. Where a user brings scenes, these
-    alone."""
+    """Every scenario by name, sorted, none of them built; where a user brings scenes, these alone."""
     return own_scenes.scenarios() or dict(_found())
 
 

@@ -20,16 +20,16 @@ Corner = tuple[float, float]
 """x and y [m]."""
 
 SHORTEST, LONGEST, FADE = 60, 150, 36
-"""Postures of a piece of a clip before its time is warped, one to two and a half seconds, and of a cross-fade: enough to lie down
-from standing at 1.5 m/s."""
+"""Postures of a piece of a clip before its time is warped, one to two and a half seconds, and of a cross-fade: enough to lie
+down from standing at 1.5 m/s."""
 STEER, GOES, SWAY = 1.6, 0.3, 0.5
 """Largest turn [rad] of one piece against the one before, as fast as a human turns about; way [m] from which a piece can be
 steered; largest turn of others [rad]."""
 MIRRORED, LAYERED = 0.5, 0.4
 """Shares of the pieces that are mirrored, and that get the upper body of another clip."""
 FASTEST, ROUNDS = 8.0, 8
-"""Speed [m/s] of a link origin above which time is stretched, and how often at most: between two postures a link moves on an arc,
-which only the postures in between show."""
+"""Speed [m/s] of a link origin above which time is stretched, and how often at most: between two postures a link moves on an
+arc, which only the postures in between show."""
 TRIES, BESIDE = 4, 0.5
 """Pieces that are drawn until one ends inside the room's rectangle, or at most BESIDE [m] from it: a run goes 3 m a second."""
 SINKS = (-0.05, 0.03)

@@ -65,8 +65,10 @@ def door() -> tuple[Body, ...]:
 
 @dataclass(frozen=True)
 class Room:
-    """A room called `name`, in it `bodies`; where the avatar starts (x, y [m], heading [rad]); the rectangle from `low` to `high`
-    [m] in which the user's ways end, which may go beyond what the avatar can reach; and where links may be."""
+    """A room called `name` of `bodies`, where the avatar starts (x, y [m], heading [rad]) and where links may be.
+
+    The user's ways end in the rectangle from `low` to `high` [m], which may go beyond the avatar's reach.
+    """
 
     name: str
     what: str

@@ -112,7 +112,7 @@ class Mjcf:
         return Mass(float(self.numbers(inertial, "mass", 1)[0]), inertia=np.diag(self.numbers(inertial, "diaginertia", 3)))
 
     def turn(self, element: Element) -> Array:
-        """Quaternion of an element's orientation, given as quat, axisangle or euler (turns about x, y, z of the moving frame)."""
+        """Orientation of an element, given as quat, axisangle or euler (turns about x, y, z of the moving frame)."""
         unit = np.pi / 180.0 if self.degrees else 1.0
         if element.get("axisangle") is not None:
             x, y, z, angle = self.numbers(element, "axisangle", 4)

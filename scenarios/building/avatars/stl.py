@@ -30,7 +30,7 @@ def corners(path: Path) -> Array:
 
 
 def hull_of(path: Path, scale: Array, directions: int) -> ConvexHull:
-    """Hull of the mesh's farthest points in `directions` even directions, `scale` (3,) metres per unit: at most as many vertices.
+    """Hull of the mesh's farthest points in `directions` even directions, `scale` (3,) metres per unit.
 
     It lies inside the whole hull, by a fraction of a millimetre for a finger, and costs a tenth.
     """

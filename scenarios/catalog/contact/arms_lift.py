@@ -35,8 +35,8 @@ SHOULDER, UPPER_ARM, FOREARM, HAND = (-0.02405, 0.18311, 0.479651), 0.274788, 0.
 class Lift:
     """A box of edges [m] and mass [kg], friction of all pairs, and how a person takes the box.
 
-    It is `ahead` of the root [m]; the hands `grip` above its middle and go `into` it [m]; elbows are turned `outward` from below
-    [rad], so that the hands alone touch the box.
+    It is `ahead` of the root [m]; the hands `grip` above its middle and go `into` it [m]; elbows are turned `outward` from
+    below [rad], so that the hands alone touch the box.
     """
 
     box: Vector = (0.2, 0.3, 0.2)

@@ -19,7 +19,7 @@ from scenarios.building.things import COIN, COIN_MASS, drawn_turn, mixed, open_b
 from scenarios.scenario import Bound, Region, Scenario
 
 TRAY, HIGH, LOW, PITCH, ASIDE = 0.12, 1.0, 0.03, 0.028, 0.035
-"""Width and height of the tray, height of the first coin, distance of one from the next, how far aside they begin at most [m]."""
+"""Width and height of the tray, height of the first coin, distance of one from the next, largest way aside [m]."""
 COINS = {f"coin_{k}": LOW + k * PITCH for k in range(30)}
 """First heights of the coins [m]."""
 

@@ -125,7 +125,7 @@ SCENARIOS = (
             Bound("towers_fallen", 0.0, "the topmost blocks stay where they settled, to a millimetre"),
         ),
         regions=(
-            Region(("block_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE, INFINITE, (LAYERS + 1) * HIGH), "no block is thrown up"),
+            Region(("block_*",), (-INFINITE, -INFINITE, 0.0), (INFINITE, INFINITE, (LAYERS + 1) * HIGH), "no block flies up"),
             Region(("stick",), (-0.2, -0.05, 0.0), (0.2, 0.05, LAYERS * HIGH), "the stick stays with its user"),
         ),
         expects={"travel": {f"block_{PUSHED}_1": 0.058}, "towers": tuple(top(place) for place in range(3))},
@@ -137,7 +137,7 @@ SCENARIOS = (
         one_law(0.1, 0.4, ("wood", "thing"), ("thing", "thing"), ("thing", "hand")), frames=300, short=140, family="sweep",
         bounds=(
             *CROWD, KEEPS_MOVING,
-            Bound("travel_missing", 0.0, "the hand comes to all of them and pushes each; one may slip past its end after 0.1 m"),
+            Bound("travel_missing", 0.0, "the hand comes to all of them and pushes each; one may slip past after 0.1 m"),
             Bound("tracker_offset_max", 0.03, "thirty things of 0.2 kg hold a hand back by their friction over K, 24 mm"),
         ),
         regions=(above(-FALL, *THINGS), above(0.0, "hand", reason="the hand stays above the table")),

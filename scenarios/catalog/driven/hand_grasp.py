@@ -1,7 +1,8 @@
 """An articulated hand of 24 hinges closes on a duck that is fixed, and then on a mug that is not.
 
-Both are non-convex: the duck comes in five convex pieces, the mug is a ring of boxes with a bottom and a handle. The user closes
-all fingers far beyond the surface, twice on each. The mug may be pushed and fall, but neither be passed through nor shot away.
+Both are non-convex: the duck comes in five convex pieces, the mug is a ring of boxes with a bottom and a handle. The user
+closes all fingers far beyond the surface, twice on each. The mug may be pushed and fall, but neither be passed through nor shot
+away.
 """
 
 from functools import cache

@@ -28,10 +28,10 @@ PALM, FIRST = (0.04, 0.12, 0.12), 0.1
 FRAMES, CYCLE = 300, 50
 """Frames of the thrown hand; of a thrust: there, a while behind the wall, back, a while before it."""
 SIDES, FOOT, RIM, SHELL, DEPTH = 12, 0.22, 0.30, 0.03, 0.25
-"""Straight pieces of the bowl's side, inner radius at the bottom and at the rim, thickness, depth to the bottom at z = 0 [m]."""
+"""Straight pieces of the bowl's side, inner radius at the bottom and at the rim, thickness, depth to z = 0, the bottom [m]."""
 MIDDLE, ROUND = 0.047, 0.176
-"""Distance of a hand's origin behind the middle between wrist and fingertips, and of that middle from the bowl's as it goes round
-[m]: fingertips ahead, 4 cm into the side, which is less thick."""
+"""Distance of a hand's origin behind the middle between wrist and fingertips, and of that middle from the bowl's on its way
+round [m]: fingertips ahead, 4 cm into the side, which is less thick."""
 THIN, START, BEHIND = 2e-3, -0.35, 0.4
 """Thickness of its wall, where the hand rests before it, and how far it is driven behind it [m]."""
 
@@ -139,7 +139,7 @@ SCENARIOS = (
                    "the box can be pushed to the wall, but neither through it, nor into the floor, nor thrown over the hand"),
             before(BOX_FACE + 0.5 * THICK, "hand"),
         ),
-        (Bound("travel_missing", 0.0, "the box is pushed to the wall, 15 cm; a hand that meets nothing leaves it where it is"),),
+        (Bound("travel_missing", 0.0, "the box is pushed to the wall, 15 cm; a hand that meets nothing leaves it there"),),
         {"travel": {"box": BOX_FACE - 0.5 * EDGE - BOX_AT - 0.01}},
     ),
     scenario(

@@ -1,8 +1,8 @@
 """Bodies fly and turn with nothing or one point to touch: thrown bodies, free rotation, a rod that falls over, and a top.
 
 Closed forms: z = h + v t - g t^2 / 2. A box that turns about its middle axis turns over again and again (Dzhanibekov), by
-Jacobi's elliptic functions. A rod on a smooth floor turns at w^2 = 12 g (cos a0 - cos a) / (L (1 + 3 sin^2 a)), a the angle from
-upright; round ends change nothing. A smooth table pushes a top at its tip alone and straight up, so its spin stays;
+Jacobi's elliptic functions. A rod on a smooth floor turns at w^2 = 12 g (cos a0 - cos a) / (L (1 + 3 sin^2 a)), a the angle
+from upright; round ends change nothing. A smooth table pushes a top at its tip alone and straight up, so its spin stays;
 `reference.closed_form.top_precession` is the mean rate of its axis.
 """
 
@@ -22,7 +22,7 @@ from scenarios.building.scenes import above, undriven
 from scenarios.scenario import INFINITE, Bound, Drop, Region
 
 BALL, BOX, HEIGHT = Sphere(0.05), Box((0.2, 0.2, 0.2)), 1.0
-"""The bodies that are thrown, and the way of a second ball down to a slab, which shows that an engine sees contact at all [m]."""
+"""The thrown bodies, and the way of a second ball down to a slab, which shows that an engine sees contact at all [m]."""
 THROWN: Vector = (2.0, 1.0, 6.0)
 """First velocity of ball and box [m/s]: up for 0.6 s, back at its height after 1.22 s."""
 SPIN: Vector = (3.0, -2.0, 5.0)
@@ -159,7 +159,7 @@ SCENARIOS = (
             Bound("precession_error_max", 0.1, "by the closed form, give or take the part of a nod in which the time ends"),
             Bound("energy_gain_max", 1e-6, "nothing gives it energy"),
         ),
-        regions=(Region(("top",), (-0.5, -0.5, 0.0), (0.5, 0.5, 0.1), "the top neither falls through the table nor flies away"),),
+        regions=(Region(("top",), (-0.5, -0.5, 0.0), (0.5, 0.5, 0.1), "the top neither falls through nor flies away"),),
         expects={"tops": (Top("top", TOP_SPIN, precession()),), "alone": (("top",),)},
     ),
 )

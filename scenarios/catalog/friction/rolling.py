@@ -1,7 +1,7 @@
 """Balls and logs slide over a table until friction has them rolling; one log rolls from the start.
 
-With k = I / (m r^2) about its axis a body slides with v0 - mu g t until v0 k / ((1 + k) mu g), and then rolls at v0 / (1 + k): a
-ball at 5/7 of its speed. The line on which a log touches stays below its axis however it turns.
+With k = I / (m r^2) about its axis a body slides with v0 - mu g t until v0 k / ((1 + k) mu g), and then rolls at v0 / (1 + k):
+a ball at 5/7 of its speed. The line on which a log touches stays below its axis however it turns.
 """
 
 from collections.abc import Iterator
@@ -89,7 +89,7 @@ SCENARIOS = (
         "Place, velocity and spin at every frame.", logs, laws({("table", "wood"): (0.0, FRICTION)}),
         frames=180, short=75, family="log_roll",
         bounds=(
-            *SOUND, Bound("velocity_error_max", 2e-6, "the closed form within 1e-6 of v0, at the time that Coulomb's law gives"),
+            *SOUND, Bound("velocity_error_max", 2e-6, "the closed form within 1e-6 of v0, at the time of Coulomb's law"),
             REACHED, SPINS, NO_ENERGY,
         ),
         regions=(above(0.0, *LOGS),), expects={"courses": tuple(map(log_course, LOGS)), "alone": each_alone(LOGS)},

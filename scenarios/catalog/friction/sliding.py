@@ -1,9 +1,9 @@
-"""Boxes slide until they stop, bodies on three balls brake, and leaning rods slide over ever rougher floors (Painleve's paradox).
+"""Boxes slide until they stop, bodies on three balls brake, and leaning rods slide over rough floors (Painleve's paradox).
 
-A box stops after v^2 / (2 mu g), straight on; a friction pyramid gets the diagonal wrong by up to 41 %. A body with one ball on a
-rough lane shows the load on it: with the centre of mass at height h, the rough foot at x_1 and two others at x_2 on ice, balance
-is three equations for three loads: N_1 = m g x_2 / (x_2 - x_1 + mu h). For a rod at arctan 2 from upright no finite force is
-consistent from mu = 4/3 on; impulses are, and only invariants are judged.
+A box stops after v^2 / (2 mu g), straight on; a friction pyramid gets the diagonal wrong by up to 41 %. A body with one ball on
+a rough lane shows the load on it: with the centre of mass at height h, the rough foot at x_1 and two others at x_2 on ice,
+balance is three equations for three loads: N_1 = m g x_2 / (x_2 - x_1 + mu h). For a rod at arctan 2 from upright no finite
+force is consistent from mu = 4/3 on; impulses are, and only invariants are judged.
 """
 
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ BOXES = {f"box_{angle:g}": radians(angle) for angle in (0.0, 22.5, 45.0)}
 """Directions from the x axis [rad]; a box is turned with its way."""
 
 RADIUS, MASS, ROUGH, WIDE, LANE = 0.1, 3.0, 0.2, 0.4, 1.4
-"""Radius of the balls [m], mass of a body on three [kg], friction of its rough lane; distance of outer feet and of lanes [m]."""
+"""Radius of the balls [m], mass of a body on three [kg], friction of its rough lane; distance of feet and of lanes [m]."""
 FEET = {"three_0": (0.3, -0.3), "three_1": (0.1, -0.5), "three_2": (-0.4, 0.2), "three_3": (-0.2, 0.4)}
 """Places along the way [m] of the rough foot and of the two smooth ones, from the centre of mass: it leads, or it trails."""
 

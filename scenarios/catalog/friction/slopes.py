@@ -33,7 +33,7 @@ STEEP, BASE = 20.0, 0.2
 STANDS, TIPS = BASE / tan(radians(STEEP + 1.0)), BASE / tan(radians(STEEP - 1.0))
 """Heights of the tall boxes [m]: one degree from tipping, before and beyond."""
 BOARD, START = (5.6, 0.6, 0.1), -1.6
-"""Edges of a sloping board [m], and where on it blocks start, from its middle: one slides 4.1 m and is still on it at the end."""
+"""Edges of a sloping board [m], and where on it blocks start, from its middle: one slides 4.1 m and stays on it."""
 
 
 def turn(slope: float) -> Quaternion:
@@ -77,7 +77,7 @@ SCENARIOS = (
         laws({**{(name, "board"): (0.0, mu) for name, (_, mu) in CASES.items()}, ("rough", "board"): (0.0, 2.0)}),
         frames=90, short=60, family="incline",
         bounds=(
-            *SOUND, Bound("course_error_max", 2e-6, "at 0.1 degrees a block slides 9 mm in a second or none; plus 1e-6 m of air"),
+            *SOUND, Bound("course_error_max", 2e-6, "at 0.1 degrees a block slides 9 mm or none; and 1e-6 m of air"),
             NO_ENERGY,
         ),
         regions=(above(-1.3, "sl*", "st*", reason="nothing falls through a board"),),

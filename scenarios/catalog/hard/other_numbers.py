@@ -1,7 +1,7 @@
-"""One little world at frame times of 1 us to 0.2 s, a hundred kilometres away, in mm and in km: motion depends on none of these.
+"""One little world at frame times of 1 us to 0.2 s, a hundred kilometres away, in mm and in km: no motion depends on these.
 
-A ball is dropped and bounces until it rests, a box slides until it stops, three boxes stand on one another, and a ball is shot at
-a wall from a centimetre. In other units lengths, speeds and gravity grow with `scale`; times and masses stay.
+A ball is dropped and bounces until it rests, a box slides until it stops, three boxes stand on one another, and a ball is shot
+at a wall from a centimetre. In other units lengths, speeds and gravity grow with `scale`; times and masses stay.
 """
 
 from collections.abc import Iterator
@@ -103,7 +103,7 @@ def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scena
         frames=FRAMES, dt=dt, gravity=(0.0, 0.0, -place.scale * GRAVITY), scale=place.scale,
         bounds=(
             *SOUND, Bound("course_error_max", 1e-7, "a body that turns at a gap of 2e-8 m is twice that off, and gravity adds"),
-            Bound("drift_max", 1e-6, "bodies at rest stay where they are"), Bound("energy_gain_max", 1e-9, "nothing adds energy"),
+            Bound("drift_max", 1e-6, "bodies at rest stay where they are"), Bound("energy_gain_max", 1e-9, "energy stays"),
         ),
         regions=(before(lost, "shot", reason="the ball does not go through the wall"),),
         expects={

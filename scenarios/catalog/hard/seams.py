@@ -1,8 +1,8 @@
 """Internal edges of floors: bodies that slide, roll and bounce over seams go as far as on one piece.
 
 `seams`: every stone is a body of its own, seams lean or cross, and sliding bodies are of pieces themselves or carry others.
-`split_invariance`: one floor is cut into pieces, straight across the way. `worn_floor`: each stone is a micrometre lower than the
-last, which adds three hundredths of a thousandth to the way. Closed forms: v^2 / (2 mu g), and 5/7 v for a ball that begins
+`split_invariance`: one floor is cut into pieces, straight across the way. `worn_floor`: each stone is a micrometre lower than
+the last, which adds three hundredths of a thousandth to the way. Closed forms: v^2 / (2 mu g), and 5/7 v for a ball that begins
 without spin.
 """
 
@@ -206,7 +206,7 @@ SCENARIOS = (
         laws({(name, "floor"): (e, FRICTION) for name, e in (("box", 0.0), ("ball", RESTITUTION), ("cloth", 0.0))}),
         frames=75, family="split_invariance",
         bounds=(
-            *SOUND, Bound("course_error_max", 2e-6, "the closed forms know of no seams; the rest is the gap of bodies laid down"),
+            *SOUND, Bound("course_error_max", 2e-6, "the closed forms know of no seams; the rest is the gap of laid bodies"),
             Bound("energy_gain_max", 1e-9, "a seam adds no energy"),
         ),
         regions=(above(0.0, "slides_*", "bounces_*", "rolls_*", reason="no floor has a gap"),),
@@ -218,7 +218,7 @@ SCENARIOS = (
         "How far, and how straight.", over_steps, laws({("stone", "box"): (0.0, FRICTION)}), frames=120, dt=1.0 / 240,
         family="worn_floor",
         bounds=(
-            *SOUND, Bound("stop_distance_error_max", 0.01, "v^2 / (2 mu g) to a ten-thousandth; the steps are a quarter of that"),
+            *SOUND, Bound("stop_distance_error_max", 0.01, "v^2 / (2 mu g) to a ten-thousandth; steps are a quarter of that"),
             Bound("stop_direction_error_max", 0.01, "no step is higher on one side than on the other"),
             Bound("energy_gain_max", 1e-9, "a step gives what the box was higher, and no more"),
         ),

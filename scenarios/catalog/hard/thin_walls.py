@@ -100,9 +100,9 @@ def slivers() -> Iterator[Body]:
     for row, (ratio, names) in enumerate(zip(RATIOS, PAIRS, strict=True)):
         random = np.random.default_rng(ratio)
         for name, side in zip(names, (-1.0, 1.0), strict=True):
-            (x, y, z), (sx, sy, sz) = random.normal(size=3).tolist(), random.uniform(-3.0, 3.0, 3).tolist()
-            at, turn = (-8.0 + 0.5 * side, 2.0 * row + 0.03 * side, 0.05 * side), turned_by((x, y, z), random.uniform(0.0, np.pi))
-            yield loose(name, sliver(ratio), "box", MASS, at, turn, (-1.5 * side, 0.0, 0.0), (sx, sy, sz))
+            (x, y, z), (a, b, c) = random.normal(size=3).tolist(), random.uniform(-3.0, 3.0, 3).tolist()
+            at, angle = (-8.0 + 0.5 * side, 2.0 * row + 0.03 * side, 0.05 * side), random.uniform(0.0, np.pi)
+            yield loose(name, sliver(ratio), "box", MASS, at, turned_by((x, y, z), angle), (-1.5 * side, 0.0, 0.0), (a, b, c))
 
 
 def sliver_courses() -> Iterator[Course]:

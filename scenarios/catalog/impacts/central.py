@@ -15,10 +15,8 @@ from scenarios.building.promises import FINITE, NO_OVERLAP, SOUND
 from scenarios.building.scenes import above, undriven
 from scenarios.scenario import Bound, Scenario
 
-AFTER = 0.2
-"""From then on [s] velocities are compared: twice the time until the first impact."""
-RADIUS = 0.05
-"""Radius of the spheres of pairs and rows [m]."""
+AFTER, RADIUS = 0.2, 0.05
+"""Time [s] from which velocities are compared, twice that of the first impact; radius of the spheres of pairs and rows [m]."""
 
 PAIRS = tuple((ratio, e) for e in (0.0, 0.5, 1.0) for ratio in (1.0, 10.0, 1e3, 1e6))
 """Mass of the sphere that comes over that of the one that waits, which is 1 kg, and restitution."""

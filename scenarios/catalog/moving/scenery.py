@@ -141,7 +141,8 @@ SCENARIOS = (
         "conveyor", "A box is laid on a running belt.", "How far the box is from where friction and the belt bring it.",
         conveyor, lambda time: {}, 240, 120,
         (KEEPS_TIME, Bound("course_error_max", 5e-3, "a substep of slip more or less is 4 mm of way at this speed")),
-        Region(("box",), (-2.1, -0.1, 0.0), (2.5, 0.1, 0.2), "the box stays on the belt"), {"courses": (Course("box", on_belt),)},
+        Region(("box",), (-2.1, -0.1, 0.0), (2.5, 0.1, 0.2), "the box stays on the belt"),
+        {"courses": (Course("box", on_belt),)},
     ),
     moved(
         "lift", "A lift brings up a box.",

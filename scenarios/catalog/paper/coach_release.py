@@ -1,8 +1,8 @@
 """Coach and trainee: an obstacle is taken away, and the posture returns to the user's.
 
-A slab as heavy as a house glides past, weightless and at a steady 0.5 m/s, and the avatar's arm is folded back; once the slab has
-passed nothing is in the way. The paper's attraction returns on an exponential; by the default method the slab is a load, and
-the lag returns by eq. 6, whose time constant is 2 m / R = 25 ms for a hand of half a kilogram.
+A slab as heavy as a house glides past, weightless and at a steady 0.5 m/s, and the avatar's arm is folded back; once the slab
+has passed nothing is in the way. The paper's attraction returns on an exponential; by the default method the slab is a load,
+and the lag returns by eq. 6, whose time constant is 2 m / R = 25 ms for a hand of half a kilogram.
 """
 
 import math

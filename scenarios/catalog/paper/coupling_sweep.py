@@ -1,8 +1,8 @@
 """Eq. 6 over masses and frame times: hands of 0.1 to 10 kg, on the spring of the virtual coupling, strike balls as they pass.
 
-Closed form, elastic and without friction: a hand led at V that strikes a ball at rest goes on with (m - M) / (m + M) V, the ball
-with 2 m / (m + M) V; the hand's offset from its user is then that of a damped spring, thrown back with 2 M / (m + M) V. Balls
-four times as heavy as their hand are caught up with again and again: the paper's worry about endless loops.
+Closed form, elastic and without friction: a hand led at V that strikes a ball at rest goes on with (m - M) / (m + M) V, the
+ball with 2 m / (m + M) V; the hand's offset from its user is then that of a damped spring, thrown back with 2 M / (m + M) V.
+Balls four times as heavy as their hand are caught up with again and again: the paper's worry about endless loops.
 """
 
 from collections.abc import Iterator

@@ -40,7 +40,7 @@ SCENARIOS = (
         lambda: Scene("shallow_overlap", (fixture("table", two_boxes((0.6, 0.8, 0.1), 0.0), "wood"),), (rigid_hand(),),
                       start=hands_at(((-0.1, 0.0, 0.05),))),
         dip, 60, family="shallow_overlap",
-        bounds=(*HAND, Bound("tracker_offset_rms", DIP, "the shortest way out is straight up, and as long as the hand is deep")),
+        bounds=(*HAND, Bound("tracker_offset_rms", DIP, "the shortest way out is straight up, as long as the hand is deep")),
         regions=(above(0.0, "hand", reason="no part of the hand is that deep"),),
     ),
     Scenario(

@@ -1,8 +1,8 @@
 """Figures 1 and 7 of the paper: a rigid hand wanders through the gallery, slides over a table and back, pushes a ball.
 
 The hand's motion is scripted, reach by reach, with the minimum-jerk profile of human movements. Its first half is idle: nothing
-touches. Then the user presses 2 cm deep into the table and slides along it, lifts the hand, slides back, and pushes a wooden ball
-over the table, in two goes, until it rolls off.
+touches. Then the user presses 2 cm deep into the table and slides along it, lifts the hand, slides back, and pushes a wooden
+ball over the table, in two goes, until it rolls off.
 """
 
 from collections.abc import Callable

@@ -1,8 +1,8 @@
 """An avatar moves into a wall: arm and leg extended (Figure 2 of the paper), sideways with an arm hanging flat, arms crossed.
 
 An arm that hangs almost parallel to a wall meets it with its whole length: a turn about the shoulder is no natural way out, the
-body gives way. Chains in contact at once are treated in an order that the paper draws at random; a method without an order shows
-equal frames for all seeds of `chain_order`, whose motion is one for all.
+body gives way. Chains in contact at once are treated in an order that the paper draws at random; a method without an order
+shows equal frames for all seeds of `chain_order`, whose motion is one for all.
 """
 
 from numpy.random import Generator

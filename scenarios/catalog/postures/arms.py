@@ -1,4 +1,4 @@
-"""Arms at the edge of what they can do: around and outside of reach cones, and stretched straight at a wall along their own axis.
+"""Arms at the edge of what they can do: around and outside of reach cones, and stretched at a wall along their own axis.
 
 Two upper arms hang on balls whose directions are limited by a spherical polygon each (Wilhelms and Van Gelder), one of them
 concave; the user circles outside the edge and points straight away. A straight arm of three hinges has to fold to give way, but
@@ -31,8 +31,8 @@ DOWN = (0.0, 0.0, -1.0)
 LIMITS = SwingTwist(DOWN, DOWN, float(np.radians(75.0)), (-0.5, 0.5))
 """The circular cone and the twist around both [rad]; every corner is inside it."""
 SMALL_TWIST = 0.45
-"""Twist [rad] asked of the second arm, within its limits. Where both arms wait in a corner of their cones with their twist at its
-end, the nearest posture does not move although the user does."""
+"""Twist [rad] asked of the second arm, within its limits: with both arms in a corner of their cones and their twist at its end
+the nearest posture does not move although the user does."""
 ASKED = float(np.radians(110.0))
 """Angle from the middle of the cone to which the user points [rad]."""
 

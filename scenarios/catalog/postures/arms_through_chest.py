@@ -13,12 +13,13 @@ from scenarios.scenario import Motion
 
 FRAMES, ROUND = 360, 1.2
 """Frames, and length of one swing there and back [s]."""
+ELBOWS = ("left_elbow", "right_elbow")
 # forward and across the chest; from behind through the back; both arms through each other; forearms through the neck
 WAYS: tuple[tuple[dict[str, Vector], dict[str, float]], ...] = (
     ({"left_shoulder": (-45.0, -45.0, -60.0)}, {"left_elbow": 30.0}),
     ({"right_shoulder": (35.0, 25.0, 0.0)}, {"right_elbow": 60.0}),
-    ({"left_shoulder": (-30.0, -60.0, -40.0), "right_shoulder": (30.0, -60.0, 40.0)}, {"left_elbow": 20.0, "right_elbow": 20.0}),
-    ({"left_shoulder": (0.0, -100.0, -50.0), "right_shoulder": (0.0, -100.0, 50.0)}, {"left_elbow": 110.0, "right_elbow": 110.0}),
+    ({"left_shoulder": (-30.0, -60.0, -40.0), "right_shoulder": (30.0, -60.0, 40.0)}, dict.fromkeys(ELBOWS, 20.0)),
+    ({"left_shoulder": (0.0, -100.0, -50.0), "right_shoulder": (0.0, -100.0, 50.0)}, dict.fromkeys(ELBOWS, 110.0)),
 )
 
 

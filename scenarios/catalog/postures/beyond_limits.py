@@ -1,8 +1,8 @@
 """A tracker asks for postures beyond every limit: without rest, or with jumps to any place and posture of a room.
 
-Every joint swings on its own rhythm, elbows and knees backwards, hips and shoulders out of their cones and round their own axis;
-twice a second some joint turns round at once. Or every half second the user is elsewhere in room one of the gallery, up to half a
-metre beyond its walls, every joint drawn anew. Limits hold exactly; limbs also run into each other.
+Every joint swings on its own rhythm, elbows and knees backwards, hips and shoulders out of their cones and round their own
+axis; twice a second some joint turns round at once. Or every half second the user is elsewhere in room one of the gallery, up
+to half a metre beyond its walls, every joint drawn anew. Limits hold exactly; limbs also run into each other.
 """
 
 import numpy as np

@@ -44,7 +44,7 @@ def test_pushes_repeat_by_seed_and_a_longer_track_begins_as_a_shorter_one() -> N
     def ready(random: np.random.Generator) -> TrackerSample:
         return START
 
-    short, long, other = (again_and_again(START, ready, lifted, frames, seed) for frames, seed in ((200, 0), (400, 0), (200, 1)))
+    short, long, other = (again_and_again(START, ready, lifted, *how) for how in ((200, 0), (400, 0), (200, 1)))
     assert np.array_equal(short.rotations, long.rotations[:200])
     assert not np.allclose(short.rotations, other.rotations)
 

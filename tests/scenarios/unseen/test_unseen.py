@@ -33,9 +33,9 @@ def poses(clip: Clip) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize("clip", [WALK, KICK], ids=lambda clip: clip.name)
 def test_a_mirrored_posture_is_the_posture_in_the_mirror(clip: Clip) -> None:
-    """By forward kinematics: each link origin lies where the mirror has that of the other side, each link is turned likewise."""
-    swapped = [NAMES.index({"left": "right", "right": "left"}.get(n.partition("_")[0], n.partition("_")[0]) + n.partition("_")[1]
-                           + n.partition("_")[2]) for n in NAMES]
+    """By forward kinematics: each link lies and is turned as the mirror has the one of the other side."""
+    sides = {"left": "right", "right": "left"}
+    swapped = [NAMES.index("_".join(sides.get(part, part) for part in name.split("_"))) for name in NAMES]
     (p, q), (mirror_p, mirror_q) = poses(clip), poses(mirrored(clip))
     flip = np.diag([1.0, -1.0, 1.0])
     np.testing.assert_allclose(mirror_p, (p @ flip)[:, swapped], atol=1e-12)
