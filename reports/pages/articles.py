@@ -12,8 +12,7 @@ from reports.pages import scripts
 from reports.tables.changes import TIME_FACTOR
 from reports.tables.figures import quantity, rounded
 from reports.tables.run import Run
-from runfiles.engines import about, run_label
-from runfiles.metrics import METRICS, label
+from runfiles.metrics import METRICS
 from runfiles.published import MOST_BYTES
 from runfiles.timing_protocol import REPEATS, TAIL_FRAMES, WARM_FRAMES
 
@@ -36,7 +35,7 @@ MOST_ROWS = 60
 
 def articles(run: Run) -> dict[str, str]:
     """Return the pages by file name."""
-    glossary = _rendered("glossary.html.j2", "Glossary", metrics=METRICS.values(), quantity=quantity)
+    glossary = _rendered("glossary.html.j2", "Glossary", metrics=METRICS.values())
     made = {"method.html": _method(run), "engines.html": _engines(run), "glossary.html": glossary}
     benches = [name for name in BENCHES if (run.folder / name).exists()]
     return made | ({"bench.html": _bench(run.folder, benches)} if benches else {})
@@ -75,14 +74,14 @@ def _engines(run: Run) -> str:
     found: dict[str, dict[str, Any]] = {}
     for note in run.results.engines:
         name = note.run.partition("/")[0]
-        entry = found.setdefault(name, {"about": about(name), "version": note.version, "features": {}, "presets": {}})
+        entry = found.setdefault(name, {"version": note.version, "features": {}, "presets": {}})
         for feature, said in note.cannot_say.items():
             entry["features"].setdefault(feature, said)
         # show the settings of a preset in an everyday scene, where it ran one
         kept, everyday = entry["presets"].get(note.run), run.results.everyday
         if note.settings and (kept is None or (note.scenario in everyday and kept["scene"] not in everyday)):
-            entry["presets"][note.run] = {"label": run_label(note.run), "scene": note.scenario, "settings": note.settings}
-    return _rendered("engines.html.j2", "Engines and settings", engines=found, label=label)
+            entry["presets"][note.run] = {"scene": note.scenario, "settings": note.settings}
+    return _rendered("engines.html.j2", "Engines and settings", engines=found)
 
 
 def _bench(folder: Path, names: Sequence[str]) -> str:

@@ -29,33 +29,6 @@ Instants = Mapping[str, Mapping[str, float]]
 """Times [s] of largest figures by scene and metric."""
 
 
-def linked(run: Run, rows: pd.DataFrame, instants: Instants) -> list[dict[str, str]]:
-    """Return rows of checks as text, each with the address of its moment."""
-    return [
-        {
-            "scene": row.scenario, "run": run_label(row.run), "label": label(row.metric),
-            "value": quantity(row.value, row.unit), "limit": quantity(row.bound, row.unit),
-            "waiver": quantity(row.waiver, row.unit), "href": _address(run, row, instants),
-        }
-        for row in rows.itertuples()
-    ]
-
-
-def _address(run: Run, row: Any, instants: Instants) -> str:
-    return f"scenes/{row.scenario}.html{moment(run.results, row.scenario, row.run, row.metric, instants)}"
-
-
-def missing(checks: Checks) -> list[dict[str, str]]:
-    """Return runs and figures that were not measured, as text."""
-    return [
-        {
-            "scene": row.scenario, "run": run_label(row.run), "label": "" if row.metric == "run" else label(row.metric),
-            "note": row.note,
-        }
-        for row in pd.concat([checks.crashed, checks.unmeasured]).itertuples()
-    ]
-
-
 def page(
     run: Run, checks: Checks, changes: Changes | None, tables: Mapping[str, pd.DataFrame | None], losses: pd.DataFrame,
     stills: Mapping[str, Stills], instants: Instants, damage: Sequence[str], files: Sequence[str],
@@ -76,6 +49,13 @@ def page(
         "first": None if settings is None else first_scene(settings),
     }
     info: Any = run.results.provenance
+
+    def rows(table: pd.DataFrame) -> list[Any]:
+        return list(table.itertuples())
+
+    def address(row: Any) -> str:
+        return f"scenes/{row.scenario}.html{moment(run.results, row.scenario, row.run, row.metric, instants)}"
+
     js, vega = "".join(map(scripts.source, ("theme.js", "index.js"))), scripts.vega()
     tables_js, tables_css = scripts.data_tables()
     versions = dict(info.get("versions") or {})
@@ -83,14 +63,14 @@ def page(
         "index.html.j2", f"Contact benchmark: {verdict(checks)}", [vega, js], payload, more=" blob:",
         rows=scripts.packed(figures(run).encode()), tables=tables_js, tables_css=tables_css,
         damage=damage, verdict=verdict(checks), sound=checks.is_sound, scenes=run.rows.scenario.nunique(),
-        failed=linked(run, checks.failed, instants), waived=linked(run, checks.waived, instants), missing=missing(checks),
+        failed=rows(checks.failed), waived=rows(checks.waived), missing=rows(pd.concat([checks.crashed, checks.unmeasured])),
         stills=list(stills), shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.STRIPS,
         has_settings=settings is not None, has_cases=cases is not None, has_effects=effects is not None, levels=LEVELS,
         laws=[] if law is None else list(dict.fromkeys(law.law)),
         figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit", ""))[:8],
         machine=f"{info.get('cpus', '')} × {info.get('cpu', '')}",
         versions=" · ".join(f"{about(name).label} {version}" for name, version in versions.items() if name in engines),
-        repeats=dict(info.get("timing") or {}).get("repeats", 3), **change_words(run, changes, instants),
+        repeats=dict(info.get("timing") or {}).get("repeats", 3), changes=changes and changes.of(run.gated), address=address,
     )
 
 
@@ -118,25 +98,6 @@ def verdict(checks: Checks) -> str:
     if checks.missing:
         return f"incomplete: {checks.missing} not measured"
     return f"{len(checks.passed)} of {checks.total} checks pass" if checks.finished else "incomplete: the run did not end"
-
-
-def change_words(run: Run, changes: Changes | None, instants: Instants) -> dict[str, Any]:
-    """Return the template's values for changes of the gated engine."""
-    if changes is None:
-        return {"changed": None, "worse": 0, "better": 0, "since": "", "no_times": ""}
-    own = changes.of(run.gated)
-    rows = [
-        {
-            "verdict": row.verdict, "scene": row.scenario, "label": label(row.metric),
-            "old": quantity(row.old, row.unit) if math.isfinite(row.old) else "NaN",
-            "new": quantity(row.new, row.unit) if math.isfinite(row.new) else "missing",
-            "factor": f"×{row.new / row.old:.3g}" if row.old > 0.0 and math.isfinite(row.new / row.old) else "",
-            "href": _address(run, row, instants),
-        }
-        for row in own.table.itertuples()
-    ]
-    counts = {verdict: own.count(verdict) for verdict in ("worse", "better")}
-    return {"changed": rows, **counts, "since": own.since, "no_times": own.no_times}
 
 
 def by_scene(settings: pd.DataFrame, avatars: Collection[str]) -> dict[str, list[dict[str, Any]]]:

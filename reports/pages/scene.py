@@ -19,7 +19,7 @@ from reports.replay.moments import instants
 from reports.replay.scene import replay
 from reports.tables.figures import quantity
 from reports.tables.run import Run
-from runfiles.engines import about, run_label
+from runfiles.engines import about
 from runfiles.metrics import METRICS, label
 from runfiles.native_files import steps_written, written
 
@@ -125,8 +125,7 @@ def _page(
         scene=name, sentence=run.results.titles.get(name, ""), before=around[0], after=around[1], damage=played.damage,
         cut=_cut(run, name, rows), replay=shown, states=max((one["frames"] for one in shown["runs"]), default=0) if shown else 0,
         no_replay="Nothing was recorded." if packed["three"] or not played.replay else three_js.WORDS,
-        charts={key: MEASURES[key][:2] for key in played.specs}, runs=runs, labels={one: run_label(one) for one in runs},
-        colours={one: about(one.partition("/")[0]).both for one in runs}, figures=_figures(run, rows, runs),
+        charts={key: MEASURES[key][:2] for key in played.specs}, runs=runs, figures=_figures(run, rows, runs),
         settings=_settings(run, name, seed),
     )
 

@@ -4,6 +4,7 @@ import base64
 import gzip
 import hashlib
 import json
+import math
 from collections.abc import Sequence
 from functools import cache
 from importlib.resources import files
@@ -13,6 +14,10 @@ from typing import Any
 import vl_convert
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from reports.tables.figures import quantity
+from runfiles.engines import about, run_label
+from runfiles.metrics import label
+
 FOLDER = Path(__file__).parents[1] / "templates"
 
 SNIPPET = "window.vegaEmbed = vegaEmbed;"
@@ -21,10 +26,12 @@ SNIPPET = "window.vegaEmbed = vegaEmbed;"
 
 @cache
 def _environment() -> Environment:
-    """Return the templates; text from outside stays text."""
-    return Environment(
+    """Return the templates, which know names and figures; text from outside stays text."""
+    found = Environment(
         loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    found.globals |= {"about": about, "run_label": run_label, "label": label, "quantity": quantity, "isfinite": math.isfinite}
+    return found
 
 
 def rendered(
