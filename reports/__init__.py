@@ -104,10 +104,10 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     tried = tables["settings"]
     shown = telling(found, [] if tried is None else list(dict.fromkeys(tried.scenario)))
     stills, instants = {}, {}
-    for made in scene_pages(run, frozenset(shown)):
-        stills[made.scene], instants[made.scene] = made.stills, made.instants
-        damage += made.damage
-        yield made.path, made.text
+    for name, text, played in scene_pages(run, frozenset(shown)):
+        stills[name], instants[name] = played.stills, played.instants
+        damage += [f"{name}: {said}" for said in played.damage]
+        yield f"scenes/{name}.html", text
     beside = articles(run)
     yield from beside.items()
     yield JUNIT, junit(found.checks)

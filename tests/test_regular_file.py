@@ -11,7 +11,7 @@ from avatarsim.assets.meshes import cache
 from avatarsim.errors import InvalidFile
 from avatarsim.files import DEEPEST, make_private, parsed_json, read_json, read_toml, write_entry
 from reports import write_report
-from runfiles import record
+from runfiles import array_file, record
 from scenarios.studies.checkpoint import Checkpoint
 from tests.hostile import valid_files
 
@@ -59,8 +59,10 @@ def test_results_of_deep_objects_are_refused(tmp_path: Path, levels: int) -> Non
 
 def test_recordings_and_finished_trials_end_there_too(tmp_path: Path) -> None:
     deep = nested(DEEPEST, '{"a":1}')
+    with (tmp_path / "some.npz").open("wb") as file:
+        array_file.write(file, {"meta": np.array(f'{{"schema_version": 1, "more": {deep}}}')})
     with pytest.raises(InvalidFile, match="nested too deeply"):
-        record.about(np.array(f'{{"schema_version": 1, "more": {deep}}}'), tmp_path / "some.npz")
+        record.load(tmp_path / "some.npz")
     kept = Checkpoint(tmp_path / "lines", "0")
     kept.put("k", {})
     kept.put("l", {})

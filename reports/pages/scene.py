@@ -17,33 +17,25 @@ from reports.replay import three_js
 from reports.replay.courses import MEASURES, courses
 from reports.replay.moments import instants
 from reports.replay.scene import replay
-from reports.tables.figures import quantity
 from reports.tables.run import Run
 from runfiles.engines import about
-from runfiles.metrics import METRICS, label
+from runfiles.metrics import METRICS
 from runfiles.native_files import steps_written, written
 
 UNDRAWABLE = (ArithmeticError, IndexError, KeyError, TypeError, ValueError)
 """Raised where a recording holds something that no picture shows."""
 
-FOLDER = "scenes"
-
-
-@dataclass(frozen=True, eq=False)
-class Made:
-    """A page: its path in the run folder and text; for the index stills of the scene, and times [s] of largest figures."""
-
-    path: str
-    text: str
-    scene: str
-    stills: Stills | None
-    instants: Mapping[str, float]
-    damage: tuple[str, ...]
-
 
 @dataclass(eq=False)
 class Played:
-    """Drawable parts of a scene, and a sentence for each file that cannot be read or drawn."""
+    """Drawable parts of a scene.
+
+    replay    data of the replay, None without one
+    specs     charts over time by name
+    stills    for the index, None without them
+    instants  times [s] of largest figures by metric
+    damage    a sentence for each file that cannot be read or drawn
+    """
 
     replay: Any = None
     specs: Mapping[str, marks.Spec] = field(default_factory=dict)
@@ -52,16 +44,14 @@ class Played:
     damage: list[str] = field(default_factory=list)
 
 
-def scene_pages(run: Run, with_stills: frozenset[str]) -> Iterator[Made]:
-    """Make the page of each scene, one after the other; ``with_stills`` names scenes whose stills the index shows."""
+def scene_pages(run: Run, with_stills: frozenset[str]) -> Iterator[tuple[str, str, Played]]:
+    """Make (name, page, parts) of each scene, one after the other; ``with_stills`` names scenes whose stills the index shows."""
     groups = dict(tuple(run.rows.groupby("scenario", sort=False)))
     names = list(groups)
     for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
         seed = int(groups[name].seed.iloc[0])
         played = _played(run, name, groups[name], seed, name in with_stills)
-        text = _page(run, name, groups[name], (before, after), played, seed)
-        damage = tuple(f"{name}: {said}" for said in played.damage)
-        yield Made(f"{FOLDER}/{name}.html", text, name, played.stills, played.instants, damage)
+        yield name, _page(run, name, groups[name], (before, after), played, seed), played
 
 
 def _played(run: Run, name: str, rows: pd.DataFrame, seed: int, with_stills: bool) -> Played:
@@ -125,7 +115,7 @@ def _page(
         scene=name, sentence=run.results.titles.get(name, ""), before=around[0], after=around[1], damage=played.damage,
         cut=_cut(run, name, rows), replay=shown, states=max((one["frames"] for one in shown["runs"]), default=0) if shown else 0,
         no_replay="Nothing was recorded." if packed["three"] or not played.replay else three_js.WORDS,
-        charts={key: MEASURES[key][:2] for key in played.specs}, runs=runs, figures=_figures(run, rows, runs),
+        charts={key: MEASURES[key][:2] for key in played.specs}, runs=runs, figures=_figures(rows), gated=run.gated,
         settings=_settings(run, name, seed),
     )
 
@@ -137,26 +127,15 @@ def _cut(run: Run, name: str, rows: pd.DataFrame) -> str:
     return f"Cut short: {ran * dt:.3g} s of {whole * dt:.3g} s." if whole and 0 < ran < whole else ""
 
 
-def _figures(run: Run, rows: pd.DataFrame, runs: Sequence[str]) -> list[dict[str, Any]]:
-    """Return a row per metric in the order of the registry: ranked ones first."""
+def _figures(rows: pd.DataFrame) -> dict[str, dict[str, Any]]:
+    """Return the worst row of each run by metric, in the order of the registry: ranked ones first."""
     order = {metric: k for k, metric in enumerate(METRICS)}
     worst = rows[rows.measured].sort_values("value", na_position="last").drop_duplicates(["run", "metric"], keep="last")
-    cells = {(row.run, row.metric): row for row in worst.itertuples()}
-    found = []
-    for metric in sorted(worst.metric.unique(), key=lambda one: (one not in METRICS, order.get(one, 0), one)):
-        row: dict[str, Any] = {"label": label(metric), "limit": "", "outcome": "", "cells": []}
-        for one in runs:
-            cell, own = cells.get((one, metric)), one == run.gated
-            if cell is None:
-                row["cells"].append({"text": "–", "why": "", "bad": False})
-                continue
-            broken = own and cell.bound == cell.bound and not cell.value <= cell.bound
-            row["cells"].append({"text": quantity(cell.value, cell.unit), "why": cell.why, "bad": broken})
-            if own and cell.bound == cell.bound:
-                waived = cell.waiver == cell.waiver and cell.value <= cell.waiver
-                outcome = "pass" if not broken else "waived" if waived else "fail"
-                row |= {"limit": quantity(cell.bound, cell.unit), "outcome": outcome}
-        found.append(row)
+    found: dict[str, dict[str, Any]] = {
+        metric: {} for metric in sorted(worst.metric.unique(), key=lambda one: (one not in METRICS, order.get(one, 0), one))
+    }
+    for row in worst.itertuples():
+        found[row.metric][row.run] = row
     return found
 
 

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
@@ -21,46 +20,30 @@ LOSSES = 5
 """Measures in which another engine is better that are listed."""
 
 
-@dataclass(frozen=True)
-class Column:
-    """One column of the table of engines.
-
-    metric  of it
-    how     "median", or "over": in how many scenes it is above a micrometre
-    loose   flag: only scenes without an avatar
-    """
-
-    metric: str
-    how: str = "median"
-    loose: bool = False
-
-
 COLUMNS = {
-    "overlap, median": Column("residual_overlap_max"),
-    "scenes > 1 µm": Column("residual_overlap_max", "over"),
-    "bounce error": Column("restitution_error_max"),
-    "beyond limit": Column("joint_limit_excess_max"),
-    "frame p95": Column("frame_time_p95", loose=True),
+    "overlap, median": "residual_overlap_max", "scenes > 1 µm": "residual_overlap_max", "bounce error": "restitution_error_max",
+    "beyond limit": "joint_limit_excess_max", "frame p95": "frame_time_p95",
 }
-"""Heads of the table of engines; the first column is the engine."""
+"""Heads of the table of engines and their metrics; the first column is the engine."""
+COUNTED, LOOSE = "scenes > 1 µm", "frame p95"
+"""Columns of numbers of scenes, and of scenes without an avatar; all others are medians."""
 
 BRACKETS = "In brackets: not like for like. Frame times: scenes without an avatar."
 
 
 def engines(run: Run) -> list[list[str]]:
     """Return a row per engine of short tables: its label and the figures of COLUMNS."""
-    return [[run_label(name), *(_cell(run, name, column) for column in COLUMNS.values())] for name in run.runs]
+    return [[run_label(name), *(_cell(run, name, head) for head in COLUMNS)] for name in run.runs]
 
 
-def _cell(run: Run, name: str, column: Column) -> str:
-    part = run.main_rows(column.metric)
-    part = part[part.run == name]
-    part = part[~(column.loose & part.scenario.isin(run.avatars))]
+def _cell(run: Run, name: str, head: str) -> str:
+    part = run.main_rows(COLUMNS[head])
+    part = part[(part.run == name) & ~(part.scenario.isin(run.avatars) & (head == LOOSE))]
     if part.empty:
         return "–"
     even = float(part.even.mean()) >= 0.5
     part = part[part.even] if even else part
-    if column.how == "over":
+    if head == COUNTED:
         text = f"{int((~(part.value <= 1e-6)).sum())} of {len(part)}"
     else:
         text = quantity(float(part.value.fillna(float("inf")).median()), str(part.unit.iloc[0]), 2)
