@@ -12,7 +12,7 @@ from avatarsim.errors import InvalidFile
 from reports.charts import curves, marks
 from reports.drawing.stills import Stills, stills
 from reports.pages import scripts
-from reports.reading.kept import Drawn, Shown, drawn, fitting, shown
+from reports.reading.kept import Drawn, Shown, drawn, shown
 from reports.replay import three_js
 from reports.replay.courses import MEASURES, courses
 from reports.replay.moments import instants
@@ -83,7 +83,7 @@ def _files(folder: Path, name: str, runs: Sequence[str], seed: int, damage: list
     for run in ("", *runs):
         try:
             if run:
-                recorded += [fitting(one, scene) for one in shown(folder, name, [run], seed)]
+                recorded += shown(folder, name, [run], seed, scene)
             else:
                 scene = drawn(folder, name)
         except InvalidFile as error:

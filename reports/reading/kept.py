@@ -73,25 +73,24 @@ def drawn(run_dir: Path, scene: str) -> Drawn | None:
     return Drawn(bodies, gravity, parents)
 
 
-def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0) -> list[Shown]:
-    """Read the recordings of ``runs`` (engine/preset) in a scene, where there are any. Raises InvalidFile for a damaged one."""
+def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0, drawn: Drawn | None = None) -> list[Shown]:
+    """Read the recordings of ``runs`` (engine/preset) in a scene, where there are any.
+
+    Raises InvalidFile for one that is damaged, has no state or a time that is no number, or other bodies than those ``drawn``.
+    """
     found = []
     for run in runs:
         stem = f"{scene}.{run.replace('/', '.', 1)}.{seed}"
         path = run_dir / "recordings" / f"{stem}.npz"
         # unlike Path.exists this has an answer for names that no file system takes
-        if os.path.exists(path):
-            stored = record.read(path, WANTED)
-            pairs = overlapping.read(run_dir, stem, *stored["positions"].shape[:2])
-            found.append(Shown(run, pairs=pairs, **{name: stored[name] for name in WANTED}))
+        if not os.path.exists(path):
+            continue
+        stored = record.read(path, WANTED)
+        states, bodies = stored["positions"].shape[:2]
+        if not states or not np.isfinite(stored["times"]).all():
+            raise InvalidFile(f"times in recording {path}", "none, or not all finite", WRITTEN)
+        if drawn is not None and bodies != len(drawn.bodies):
+            raise InvalidFile(f"bodies in recording {path}", bodies, f"{len(drawn.bodies)}, as the file of the scene has them")
+        pairs = overlapping.read(run_dir, stem, states, bodies)
+        found.append(Shown(run, pairs=pairs, **{name: stored[name] for name in WANTED}))
     return found
-
-
-def fitting(one: Shown, scene: Drawn | None) -> Shown:
-    """Return ``one`` if it has states at finite times, and as many bodies as the scene's file. Raises InvalidFile otherwise."""
-    if not len(one.times) or not np.isfinite(one.times).all():
-        raise InvalidFile(f"times in the recording of {one.run}", "none, or not all finite", WRITTEN)
-    if scene is not None and one.positions.shape[1] != len(scene.bodies):
-        valid = f"{len(scene.bodies)}, as the file of the scene has them"
-        raise InvalidFile(f"bodies in the recording of {one.run}", one.positions.shape[1], valid)
-    return one

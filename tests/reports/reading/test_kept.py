@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidFile
-from reports.reading.kept import drawn, fitting, shown
+from reports.reading.kept import drawn, shown
 from runfiles import array_file
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import OURS
@@ -66,14 +66,13 @@ def test_a_file_of_a_scene_that_is_none_is_named(folder: Path, change: dict[str,
 
 
 def test_a_recording_fits_its_scene_or_is_refused(folder: Path) -> None:
-    ours = shown(folder, NAME, [OURS])[0]
-    assert fitting(ours, drawn(folder, NAME)) is ours and fitting(ours, None) is ours
+    assert shown(folder, NAME, [THEIRS], 0, drawn(folder, NAME))
     scene(folder, NAME, bodies=[])
     with pytest.raises(InvalidFile, match="bodies"):
-        fitting(ours, drawn(folder, NAME))
-    ours.times[3] = np.nan
+        shown(folder, NAME, [THEIRS], 0, drawn(folder, NAME))
+    replaced(folder / "recordings" / FILE, "times", np.full(12, np.nan))
     with pytest.raises(InvalidFile, match="times"):
-        fitting(ours, None)
+        shown(folder, NAME, [THEIRS])
 
 
 def test_a_scene_without_a_file_is_none(folder: Path) -> None:
