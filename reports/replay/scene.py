@@ -73,7 +73,7 @@ def replay(
     near = max(_near(seen, [reach[k] for k in followed] * (2 if count else 1)), LEAST * radius)
     return {
         "dt": float(main.times[1] - main.times[0]) * step if len(main.times) > 1 else 1.0 / 60.0,
-        "stride": step, "low": box[0].tolist(), "high": box[1].tolist(), "focus": (0.5 * (low + high)).tolist(),
+        "low": box[0].tolist(), "high": box[1].tolist(), "focus": (0.5 * (low + high)).tolist(),
         "radius": radius, "followed": followed, "near": near, "least": LEAST * radius, "follow": near < FAR * radius,
         "leader": engines.index(main), "reach": [reach[k] for k in followed], "opens": opening(engines, worst, ours, step),
         "azimuth": azimuth(scene, [shapes[k][0] for k in which], main, 0.5 * (low + high), 2.0 * radius),

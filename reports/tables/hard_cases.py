@@ -17,7 +17,7 @@ def by_case(folder: Path) -> pd.DataFrame | None:
     Returns:
         Columns case, run, trials, not_finite, left: trials with a value that is no number, and trials that left their region;
         drift [m]: largest distance of the end from that of the unchanged trial, NaN where that one left its region;
-        overlap [m] and energy [J]: largest; unsupported: trials without figures.
+        overlap [m] and energy [J]: largest.
 
     Raises:
         InvalidFile: for a damaged file.
@@ -32,7 +32,7 @@ def by_case(folder: Path) -> pd.DataFrame | None:
         inside = part[(part.wrong_side_frames == 0.0) & (part.not_finite_frames == 0.0)]
         found.append({
             "case": case, "run": run, "trials": int(part.not_finite_frames.notna().sum()), "not_finite": int(broken.sum()),
-            "left": int((part.wrong_side_frames > 0.0).sum()), "unsupported": int(part.not_finite_frames.isna().sum()),
+            "left": int((part.wrong_side_frames > 0.0).sum()),
             "drift": _largest(inside.end_distance) if (inside.change == "").any() else math.nan,
             "overlap": _largest(inside.residual_overlap_max), "energy": _largest(inside.energy_added_max),
         })
