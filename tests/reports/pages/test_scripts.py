@@ -48,5 +48,4 @@ def test_a_policy_allows_its_scripts_and_nothing_from_elsewhere(sources: list[st
 
 
 def test_libraries_cannot_end_their_script() -> None:
-    assert "</script" not in scripts.vega() and "vegaEmbed" in scripts.vega()
-    assert all(gzip.decompress(base64.b64decode(text)) for text in scripts.data_tables())
+    assert "</script" not in scripts.vega() and "vegaEmbed" in scripts.vega() and all(scripts.data_tables())

@@ -48,20 +48,17 @@ def _everywhere(results: Json, text: str) -> Json:
     """A run with a text in each place that a run takes texts from."""
     rows, engines = results["rows"], results["engines"]
     assert isinstance(rows, list) and isinstance(engines, list)
+    name = text.replace("/", "|")
     strange = [
         row("arm_wall", "avatarsim/default", text, 1.0, text),
-        row("arm_wall", f"{text.replace('/', '|')}/{text.replace('/', '|')}", "residual_overlap_max", 1.0, "m"),
+        row("arm_wall", f"{name}/{name}", "residual_overlap_max", 1.0, "m"),
         row("ball_drop", "pybullet/default", "run", None, status="crashed", note=text),
         row("ball_drop", "avatarsim/default", "course_error_max", 3.0, "m", bound=1.0, status="fail", note=text),
     ]
     note = {**engines[0], "version": text, "cannot_say": {text: text}, "settings": {text: [text, f"a reason {text}"]}}
-    return {
-        "rows": [*rows, *strange],
-        "engines": [*engines, note],
-        "scenes": {"arm_wall": {"title": text}},
-        "notes": [text],
-        "provenance": {"commit": text, "cpu": text, "cpus": text, "versions": {"mujoco": text}, text: text},
-    }
+    provenance = {"commit": text, "cpu": text, "cpus": text, "versions": {"mujoco": text}, text: text}
+    scenes = {"arm_wall": {"title": text}}
+    return {"rows": [*rows, *strange], "engines": [*engines, note], "scenes": scenes, "notes": [text], "provenance": provenance}
 
 
 def test_texts_from_outside_are_never_markup(tmp_path: Path, report: Path, results: Json) -> None:

@@ -90,7 +90,7 @@ def test_the_view_holds_the_user_too(folder: Path) -> None:
     assert far["near"] >= 1.5 + max(far["reach"]) - 1e-9 > near["near"]
 
 
-def test_nothing_recorded_is_nothing_to_play(folder: Path) -> None:
+def test_without_a_recording_of_an_engine_there_is_no_replay(folder: Path) -> None:
     assert replay(bodies(folder), [], OURS) is None
     recording(folder, NAME, "tracker/default")
     assert replay(bodies(folder), shown(folder, NAME, ["tracker/default"]), OURS) is None

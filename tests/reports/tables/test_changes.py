@@ -70,9 +70,8 @@ def test_of_several_seeds_the_worst_counts() -> None:
 def test_runs_that_came_and_went_are_named() -> None:
     rows = table()
     fewer = [row for row in rows if (row.scenario, row.run) != ("b", MUJOCO)]
-    assert changes(run_of(rows), run_of(fewer)).gone == (f"b {MUJOCO}",)
-    assert changes(run_of(fewer), run_of(rows)).added == (f"b {MUJOCO}",)
-    assert listed(changes(run_of(rows), run_of(fewer))) == []
+    gone, added = changes(run_of(rows), run_of(fewer)), changes(run_of(fewer), run_of(rows))
+    assert gone.gone == added.added == (f"b {MUJOCO}",) and listed(gone) == listed(added) == []
 
 
 def times_run(factors: Mapping[str, float], provenance: Mapping[str, object] = HOST, seed: int = 1) -> Run:
