@@ -17,7 +17,7 @@ FAR = 0.1
 
 
 def reversals(shown: Array, target: Array) -> Array:
-    """Return the smaller [m] (F, L) of the displacements of link origins (F+1, L, 3) in this frame and the one before, where they
+    """Return the smaller [m] (F, L) of the displacements of link origins (F+1, L, 3) in this frame and the last one, where they
     point against each other and the target's do not; 0 elsewhere, nan where a place is no number."""
     found = np.zeros(shown[1:].shape[:-1])
     step, wanted = np.diff(shown, axis=0), np.diff(target, axis=0)

@@ -30,6 +30,7 @@ def error_against_time(names: Sequence[str]) -> Spec:
     scale = {"type": "log", "domain": [FLOOR, 0.3], "clamp": True}
     y = number("place", scale=scale, axis=marks.BARE | ticks | {"title": "largest error"})
     both = {"x": x, "y": y}
+    inked = both | {"color": colour}
     dots = {
         "tooltip": marks.tooltip(name="setting", text="largest error", which="of", when="frame time", state="bodies"),
         "stroke": colour, "fill": {"condition": {"test": "datum.asleep", "value": "transparent"}, **colour},
@@ -37,8 +38,8 @@ def error_against_time(names: Sequence[str]) -> Spec:
     }
     layers = [
         {"data": {"name": "limit"}} | layer("rule", {"y": number("place")}, strokeDash=[4, 3], color="@alarm"),
-        layer("line", both | {"color": colour, "detail": name("ladder"), "order": number("time")}, strokeWidth=1.4, opacity=0.55),
-        layer("text", both | {"color": colour, "text": name("short")}, align="left", dx=7, dy=-8, fontSize=10.5),
+        layer("line", inked | {"detail": name("ladder"), "order": number("time")}, strokeWidth=1.4, opacity=0.55),
+        layer("text", inked | {"text": name("short")}, align="left", dx=7, dy=-8, fontSize=10.5),
         layer("point", both | dots, opacity=0.9, cursor="pointer", strokeWidth=1.6),
     ]
     described = "Largest error against frame time, a dot per setting of each engine."

@@ -167,8 +167,8 @@ def _path(style: str, points: Array, view: View) -> str:
 
 
 def _cut(polygon: Array) -> Array:
-    """Return a convex polygon (k, 2) cut at a border a little outside of the picture (Sutherland and Hodgman 1974): a floor of a
-    kilometre has corners that no renderer draws exactly."""
+    """Return a convex polygon (k, 2) cut a little outside of the picture (Sutherland and Hodgman 1974): no renderer draws
+    the corners of a floor of a kilometre exactly."""
     for axis, limit, sign in ((0, -8.0, 1.0), (0, WIDTH + 8.0, -1.0), (1, -8.0, 1.0), (1, HEIGHT + 8.0, -1.0)):
         inside, kept = sign * (polygon[:, axis] - limit), list[Array]()
         for k in range(len(polygon)):

@@ -45,7 +45,7 @@ class Played:
 
 
 def scene_pages(run: Run, with_stills: frozenset[str]) -> Iterator[tuple[str, str, Played]]:
-    """Make (name, page, parts) of each scene, one after the other; ``with_stills`` names scenes whose stills the index shows."""
+    """Make (name, page, parts) of each scene, one by one; ``with_stills`` names scenes whose stills the index shows."""
     groups = dict(tuple(run.rows.groupby("scenario", sort=False)))
     names = list(groups)
     for before, name, after in zip([None, *names], names, [*names[1:], None], strict=False):
@@ -113,7 +113,7 @@ def _page(
         {"specs": played.specs, "palette": palette, "replay": shown}, css=["scene.css"], more=" blob:",
         libraries={key: packed[key] for key, used in (("three", shown), ("vega", played.specs)) if used},
         scene=name, sentence=run.results.titles.get(name, ""), before=around[0], after=around[1], damage=played.damage,
-        cut=_cut(run, name, rows), replay=shown, states=max((one["frames"] for one in shown["runs"]), default=0) if shown else 0,
+        cut=_cut(run, name, rows), replay=shown, states=max(one["frames"] for one in shown["runs"]) if shown else 0,
         no_replay="Nothing was recorded." if packed["three"] or not played.replay else three_js.WORDS,
         charts={key: MEASURES[key][:2] for key in played.specs}, runs=runs, figures=_figures(rows), gated=run.gated,
         settings=_settings(run, name, seed),

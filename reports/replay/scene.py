@@ -111,7 +111,7 @@ def _meshes(scene: Drawn) -> tuple[list[mesh.Mesh], list[int]]:
 
 
 def _span(places: Array, reach: float) -> tuple[Array, Array]:
-    """Return the box round nearly all places, wider by the ``reach`` of a body; outliers of a percent do not stretch the view."""
+    """Return the box round all places but outliers of a percent, wider by the ``reach`` of a body."""
     sound = places[np.isfinite(places).all(axis=1)]
     if not len(sound):
         return np.full(3, -1.0), np.full(3, 1.0)

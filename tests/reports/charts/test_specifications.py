@@ -80,7 +80,8 @@ def test_colours_are_tokens_of_the_palette(tmp_path: Path) -> None:
     assert {"avatarsim", "mujoco", "ink", "muted"} <= seen
     assert all(seen <= set(colours) for colours in palettes.values())
     light, dark = palettes.values()
-    assert set(light) == set(dark) and (light["newcomer"], dark["newcomer"]) == (about("newcomer").colour, about("newcomer").dark)
+    made = about("newcomer")
+    assert set(light) == set(dark) and (light["newcomer"], dark["newcomer"]) == (made.colour, made.dark)
     assert all(re.fullmatch(r"#[0-9a-f]{6}", colour) for colour in [*light.values(), *dark.values()])
 
 

@@ -43,7 +43,8 @@ def test_recordings_come_back_in_the_order_asked_for(folder: Path) -> None:
 @pytest.mark.parametrize(("kind", "name", "value"), [
     ("recordings", "positions", np.zeros((12, 2, 3))), ("recordings", "velocities", np.zeros(3)),
     ("recordings", "meta", np.array("[]")), ("recordings", "meta", np.array(json.dumps({"schema_version": 1}))),
-    ("recordings", "raw_positions", None), *(("overlaps", "frame", value) for value in (np.array([12, 0, 0]), np.zeros(3), None)),
+    ("recordings", "raw_positions", None),
+    *(("overlaps", "frame", value) for value in (np.array([12, 0, 0]), np.zeros(3), None)),
     ("overlaps", "first", np.array([-1, 0, 0])), ("overlaps", "first", None), ("overlaps", "second", np.array([3, 0, 0])),
     ("overlaps", "depth", np.zeros(2)), ("overlaps", "depth", np.full(3, np.nan)),
 ])
