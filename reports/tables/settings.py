@@ -26,7 +26,7 @@ def settings(folder: Path) -> pd.DataFrame | None:
     Returns:
         A row per scene, engine and setting with the columns scenario, engine, setting, preset (flag), base, step [1/s]: NaN
         unless it alone differs from the preset, error: the largest [m], inf where a free user is not followed, worst: the metric
-        of it, median, p95 [us], asleep (flag), measured (flag), native: lines to copy, alone (flag): they are
+        of it, median, p95, slowest [us], asleep (flag), measured (flag), native: lines to copy, alone (flag): they are
         all that the setting changes in the preset's model, options: the line of this project.
 
     Raises:
@@ -57,7 +57,7 @@ def _setting(row: dict[str, object]) -> dict[str, object]:
         "scenario": row["scenario"], "engine": engine, "setting": change or base, "preset": not change, "base": base,
         "step": _step(engine, values, number("time_step")), "error": error,
         "worst": max(errors, key=errors.__getitem__, default=""), "median": number("frame_time_p50"),
-        "p95": number("frame_time_p95"),
+        "p95": number("frame_time_p95"), "slowest": number("frame_time_max"),
         "asleep": sleeps and math.isnan(moving) and number("resting_frames") >= ASLEEP_FROM["frame_time_p50"],
         "measured": sound and not math.isnan(error) and math.isfinite(number("frame_time_p50")),
         "native": "\n".join(one.in_own_words(values)), "alone": bool(values) and set(values) <= set(one.alone),
