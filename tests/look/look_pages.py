@@ -141,14 +141,14 @@ def test_stills_follow_the_chooser(run: Path, opened: tuple[Browser, str]) -> No
     one, _ = opened
     pages.show(one, run / "index.html")
     stills = one.value("page.stills")
-    assert stills and len(stills) > 1
+    assert len(stills) > 1
     for name, pictures in stills.items():
         pages.choose(one, "replay-scene", name)
         captions = one.value("[...document.querySelectorAll('#replays figcaption')].map((one) => one.textContent)")
         assert captions == [f"{label} {words}" for label, _, words in pictures]
         assert one.value("[...document.querySelectorAll('#replays svg')].every((one) => one.getBoundingClientRect().height > 50)")
     one.value("document.getElementById('play').click()")
-    assert one.value("document.getElementById('player-frame').src").partition("#")[0].endswith(f"/scenes/{name}.html")
+    assert f"/scenes/{name}.html" in one.value("document.getElementById('player-frame').src")
 
 
 def test_the_table_of_all_figures_is_filtered(run: Path, opened: tuple[Browser, str]) -> None:

@@ -13,6 +13,7 @@ from tests.reports.conftest import row, whole_run
 from tests.reports.recorded import recording, scene
 from tests.reports.small_runs import FINE, MUJOCO, OURS, OVERLAP, SETTING, Part, write_all, write_study
 
+SCENES = ("arm_wall", "hand_over_table")
 LONG = 1300
 """States of the run made by hand: more than a page draws, so that a drawn state stands for three."""
 MARKUP = "<b>odd</b> & <img src=x onerror=alert(1)>"
@@ -84,15 +85,13 @@ def _aside(path: Path) -> None:
 def by_hand(folder: Path) -> Path:
     """Write a small run: recordings of two scenes, settings of both, and a figure whose name is markup."""
     folder.mkdir()
-    data, runs = whole_run(), ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default")
+    data, runs, names = whole_run(), ("avatarsim/default", "mujoco/default", "mujoco/tuned", "pybullet/default"), SCENES
     assert isinstance(data["rows"], list)
     rows = [*data["rows"], row("arm_wall", "mujoco/tuned", MARKUP, 1.0, "m")]
-    sinking, free = [0.0] * LONG, [0.0] * LONG
-    sinking[9], sinking[10] = 0.01, 0.02
+    sinking, free = [0.0] * 9 + [0.01, 0.02] + [0.0] * (LONG - 11), [0.0] * LONG
     series = {run: {"overlap_m": free if run == runs[0] else sinking, "frame_time_us": []} for run in runs}
-    scenes = ("arm_wall", "hand_over_table")
-    (folder / "results.json").write_text(json.dumps(data | {"rows": rows, "series": {name: series for name in scenes}}))
-    for name in scenes:
+    (folder / "results.json").write_text(json.dumps(data | {"rows": rows, "series": dict.fromkeys(names, series)}))
+    for name in names:
         scene(folder, name)
         for run in runs:
             recording(folder, name, run, states=LONG, sinks=run != runs[0])
