@@ -290,8 +290,17 @@ function startReplay(data) {
 
   // of what is shown above, at the chosen speed; nothing leaves the page but the file that is saved
   const film = say("film"), filmed = film.textContent;
-  const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12;
+  const WIDEST = 720, MOST_PICTURES = 200, LEAST_DELAY = 0.04, SAMPLES = 12, MOST_LINES = 3;
   let filming = false;
+  // words of a caption in few lines that fit; a word that is wider than a line is squeezed
+  function wrapped(pen, text, wide) {
+    const lines = [""];
+    for (const word of text.split(" ")) {
+      const longer = `${lines.at(-1)} ${word}`.trim();
+      if (pen.measureText(longer).width > wide) lines.push(word); else lines[lines.length - 1] = longer;
+    }
+    return lines.filter(Boolean).slice(0, MOST_LINES);
+  }
   function shot(pen, ratio) {
     draw(true);
     const all = stage.getBoundingClientRect(), style = getComputedStyle(document.body);
@@ -314,8 +323,10 @@ function startReplay(data) {
       pen.fillStyle = style.color;
       pen.fillText(view.cell.querySelector(".called").textContent.trim(), x + 7, y + 6);
       pen.fillStyle = getComputedStyle(view.said).color;
-      // below the picture where the page has them there, else at its lower edge; long ones are squeezed into a line
-      pen.fillText(view.said.textContent, x + 7, getComputedStyle(view.said).position === "static" ? top : top + deep - 1.3 * size, wide - 14);
+      const lines = wrapped(pen, view.said.textContent, wide - 14), high = 1.3 * size;
+      // below the picture where the page has them there, else at its lower edge
+      const begins = getComputedStyle(view.said).position === "static" ? top : top + deep - high * lines.length;
+      lines.forEach((line, k) => pen.fillText(line, x + 7, begins + k * high, wide - 14));
     }
     return pen.getImageData(0, 0, pen.canvas.width, pen.canvas.height).data;
   }
