@@ -91,7 +91,7 @@ class OwnScene:
 
     @cached_property
     def is_driven(self) -> bool:
-        """Whether the file is a recording of `avatarsim live`."""
+        """Flag: the file is a recording of `avatarsim live`."""
         return Path(self.file).suffix.lower() == DRIVEN
 
     @property

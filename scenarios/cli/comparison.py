@@ -20,7 +20,7 @@ from scenarios.studies.study import Request, Study, in_turn
 STUDIES: tuple[Study, ...] = (settings.STUDY, effects.STUDY, hard_cases.STUDY, contact_law.STUDY, judge_trust.STUDY)
 """Studies of a comparison, in their order."""
 OWN_STUDIES: tuple[Study, ...] = (settings.STUDY, effects.STUDY, judge_trust.STUDY)
-"""Those in scenes that a user brings; hard cases and the contact law are in scenes of the catalogue."""
+"""Studies in scenes that a user brings; hard cases and the contact law are in scenes of the catalogue."""
 SCALES = {"scene": "scene_scale", "avatar": "avatar_scale", "room": "room_scale"}
 """Files of an own scene -> option for the metres a unit of length in each."""
 
