@@ -13,10 +13,9 @@ from dataclasses import dataclass, field
 
 from avatarsim.running.processes import Died
 from runfiles.table import Row
-from scenarios.job import Job, Outcome
-from scenarios.job import reuses_process as tidy
-from scenarios.run.sweep_scenes import SWEEP_SCENES as TELLING
-from scenarios.run.timed_worker import TimedWorkers as Seats
+from scenarios.job import Job, Outcome, reuses_process
+from scenarios.run.sweep_scenes import SWEEP_SCENES
+from scenarios.run.timed_worker import TimedWorkers
 from scenarios.studies.checkpoint import Checkpoint, Entry, key_of
 from scenarios.studies.settings import clock, measure
 from scenarios.studies.settings.cell import Cell
@@ -97,7 +96,7 @@ class Sweep:
         todo = sorted((cell for cell in cells if cell not in self.errors), key=lambda cell: cell.job.scenario)
         by_key = {key_of(NAME, cell.job): cell for cell in todo}
         jobs = {key: cell.job for key, cell in by_key.items()}
-        for key, entry in answers(measure.errors, jobs, self.request, self.checkpoint, NAME, tidy, _died):
+        for key, entry in answers(measure.errors, jobs, self.request, self.checkpoint, NAME, reuses_process, _died):
             self.errors[by_key[key]] = entry
 
     def _clock(self, cells: Sequence[Cell]) -> None:
@@ -114,13 +113,13 @@ class Sweep:
             if entry["p50"] is not None:
                 self.checkpoint.put(keys[cell], entry)
 
-        with Seats() as seats:
+        with TimedWorkers() as workers:
             for scenario in dict.fromkeys(cell.scenario for cell in todo):
                 if self.now() - self.begun > LATEST * self.budget:
                     self.late.append(scenario)
                     continue
                 scene = {cell: repeats_in(cell, self.request) for cell in todo if cell.scenario == scenario}
-                clock.times(list(scene), seats, done, list(scene.values()), self.errors)
+                clock.times(list(scene), workers, done, list(scene.values()), self.errors)
                 print(f"settings: {scenario}, {len(scene)} timed", file=sys.stderr, flush=True)
 
     def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:
@@ -143,4 +142,4 @@ def _died(job: Job, how: Died) -> Entry:
     return measure.entry_of(Outcome(job, "crashed", str(how)))
 
 
-STUDY = Study(NAME, lambda request: Sweep(request).ask(), lambda scenario: scenario.name in TELLING)
+STUDY = Study(NAME, lambda request: Sweep(request).ask(), lambda scenario: scenario.name in SWEEP_SCENES)

@@ -6,7 +6,7 @@ from types import MappingProxyType
 import numpy as np
 
 from runfiles.timing_protocol import PHASE_FRAMES, Protocol
-from scenarios.run.timed_worker import TimedWorkers as Seats
+from scenarios.run.timed_worker import TimedWorkers
 from scenarios.run.timing import Clocked, timed_pass
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings.cell import Cell
@@ -35,7 +35,7 @@ def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
 
 
 def times(
-    cells: Sequence[Cell], seats: Seats, done: Callable[[Cell, Entry], None], repeats: Sequence[int],
+    cells: Sequence[Cell], workers: TimedWorkers, done: Callable[[Cell, Entry], None], repeats: Sequence[int],
     errors: Mapping[Cell, Entry] = NOTHING,
 ) -> None:
     """Time all `cells` of one scene, each so many times; `done` gets the entry of each as soon as its group has ended. `errors`
@@ -47,7 +47,7 @@ def times(
         chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
         clocked = timed_pass(
             [cell.job for cell in group], True, frames=[cell.timed_frames for cell in group],
-            workers=[seats.at(chair) for chair in chairs], repeats=[often[cell] for cell in group],
+            workers=[workers.at(chair) for chair in chairs], repeats=[often[cell] for cell in group],
         )
         for cell, found in zip(group, clocked, strict=True):
             done(cell, time_entry(found, cell.setting.cut, errors.get(cell, {}).get("resting", ())))
