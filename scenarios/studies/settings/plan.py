@@ -160,7 +160,7 @@ def step(cell: Cell, request: Request) -> float:
 
 
 def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Request) -> list[Cell]:
-    """Return the same cells, presets and coarse rungs of the ladder first; then finer steps, the coarsest first, of engines that
+    """Return the same cells, presets and coarse rungs of the ladder first; then finer steps, the cheapest first, of engines that
     miss an accuracy in what was measured so far; then options of the solver, other rungs, margins, and the rest."""
     worst = [
         Reached(
@@ -177,7 +177,8 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
             return 0, 0.0
         at = step(cell, request) if "dt" in options else math.nan
         if at < wanted.get(place, 0.0):
-            return 1, -at
+            # the cheapest first, so that as many cases as can are decided
+            return 1, cost(cell, request)
         if turns_solver(cell) or ladder.is_rung(cell.setting.name):
             return 2, 0.0
         return (3, 0.0) if place in wanted and not set(options).isdisjoint(MARGINS) else (4, 0.0)

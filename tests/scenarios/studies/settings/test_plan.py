@@ -190,12 +190,14 @@ def test_finer_steps_come_first_where_an_engine_misses_what_ours_reaches(tmp_pat
 
     errors = {by_name["avatarsim/default"]: found(0.0), by_name["mujoco/tuned dt=1/240"]: found(1.0)}
     left = [cell for cell in cells if cell not in errors]
-    names = [cell.setting.name for cell in plan.refined(left, errors, ran)]
-    finer = ["tuned dt=1/1920", "default dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"]
+    refined = plan.refined(left, errors, ran)
+    names, costs = [cell.setting.name for cell in refined], [plan.cost(cell, ran) for cell in refined[4:8]]
+    finer = {"tuned dt=1/1920", "default dt=1/1920", "tuned dt=1/3840", "tuned dt=1/7680"}
     margins = [f"tuned loose_margin={margin:g}" for margin in (0.0, 2e-4, 4e-4, 1e-3)]
     coarse = ["default", "tuned", "tuned dt=1/120", "tuned dt=1/480"]
     solver = ["tuned sleep=true", "tuned iterations=10"]
-    assert names[:4] == coarse and names[4:8] == finer and names[8:10] == solver and names[10:14] == margins
+    assert costs == sorted(costs) and set(names[4:8]) == finer
+    assert names[:4] == coarse and names[8:10] == solver and names[10:14] == margins
     silent = replace(ran, outcomes={known.job.stem: replace(known, about={"settings": {"loose_margin": [4e-4, ""]}})
                                     for known in ran.outcomes.values()})
     assert "tuned loose_margin=0.0004" not in [cell.setting.name for cell in plan.cells_of(silent)]
