@@ -98,6 +98,12 @@ def lapse_note(outcome: Outcome) -> str:
     return f"{outcome.job.scenario} is not gated, since its author left out {without}"
 
 
+def is_timed(job: Job) -> bool:
+    """Return whether the frame times of a job are a question."""
+    variant = about(job.engine).variants.get(job.preset)
+    return job.engine != BASELINE and not (variant and variant.metrics)
+
+
 class Run:
     """Outcomes and times of one run; turns them into rows, and keeps the files in its folder up to date.
 
@@ -132,9 +138,9 @@ class Run:
     def clock(self, full: bool, at_length: bool = False) -> None:
         """Run the timing pass over measured jobs, scene by scene; many scenes are timed quickly unless `at_length`.
 
-        The raw tracker is left out: it computes nothing.
+        The raw tracker is left out: it computes nothing. So are variants that stand in for a preset in some metrics.
         """
-        timed = [job for job, outcome in self._known() if outcome.state == "measured" and job.engine != BASELINE]
+        timed = [job for job, outcome in self._known() if outcome.state == "measured" and is_timed(job)]
         names, seeds = list(dict.fromkeys(job.scenario for job in timed)), sorted({job.seed for job in timed})
         at_length = full or at_length or len(names) < QUICK_FROM
         meter, begun, before = Meter(), time.monotonic(), load_average()

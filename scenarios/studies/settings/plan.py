@@ -10,6 +10,7 @@ import numpy as np
 from runfiles import ladder
 from runfiles.accuracy import Reached, largest, missing
 from runfiles.comparable import unsupported
+from runfiles.engines import about
 from runfiles.naming import BASELINE, stem
 from runfiles.timing_protocol import WARM_FRAMES
 from scenarios.job import Outcome
@@ -88,10 +89,11 @@ def cells_of(request: Request) -> list[Cell]:
 
 
 def variants_of(scenario: str, engine: str, request: Request) -> tuple[Setting, ...]:
-    """Presets that the grid does not have and that the run measured in this scene: their times stand on the same page."""
+    """Return the presets that the grid does not have and that the run measured in this scene, but those for some metrics only."""
     known = {setting.name for setting in settings_of(engine, ())}
     ran = [preset for preset in request.presets[engine] if stem(scenario, engine, preset, request.seed) in request.outcomes]
-    return tuple(Setting(engine, preset, preset) for preset in ran if known and preset not in known)
+    left = known | {name for name, variant in about(engine).variants.items() if variant.metrics}
+    return tuple(Setting(engine, preset, preset) for preset in ran if known and preset not in left)
 
 
 class Turn(IntEnum):
@@ -177,7 +179,6 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
             return 0, 0.0
         at = step(cell, request) if "dt" in options else math.nan
         if at < wanted.get(place, 0.0):
-            # the cheapest first, so that as many cases as can are decided
             return 1, cost(cell, request)
         if turns_solver(cell) or ladder.is_rung(cell.setting.name):
             return 2, 0.0
