@@ -122,7 +122,7 @@ def judged(clip: str, room: str, motion: Motion, cleaned: Cleaned, judge: Judge,
 
 
 def ratio(after: float, before: float) -> float:
-    """How many times as large; 1 for two equal ones, nan over nothing."""
+    """Ratio of two figures: 1 where they are equal, nan where the first was 0."""
     return 1.0 if after == before else after / before if before > 0.0 else nan
 
 

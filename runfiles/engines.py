@@ -48,8 +48,8 @@ class Variant:
     """A further preset.
 
     scenes   in which it runs: a condition of scenarios/engines.py
-    of       preset that it stands in for in short tables, in the metrics whose figures of that preset do not compare
-    metrics  of these
+    of       preset that it replaces in short tables where the preset's figures do not compare
+    metrics  in which it does
     """
 
     scenes: str

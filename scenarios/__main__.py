@@ -39,7 +39,7 @@ def parser() -> argparse.ArgumentParser:
     shared.add_argument("--jobs", type=int, default=cpus, metavar="N", help="runs side by side; 0: all in this process")
     shared.add_argument("--full", action="store_true", help="full lengths, every sub-step judged")
     shared.add_argument("--out", type=path_option, default=OUT, metavar="DIR", help="folder for runs (default: reports/out)")
-    resumed = "resume the run in this folder, of which all is asked for, or more; its recordings are kept"
+    resumed = "resume the run in this folder; name all of its scenes and engines, or more"
     shared.add_argument("--resume", type=path_option, metavar="RUN", help=resumed)
     shared.add_argument("--verbose", action="store_true", help="a row per scene and engine instead of the summary")
     shared.add_argument("--json", action="store_true", help="rows as JSON instead of the table")

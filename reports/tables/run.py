@@ -76,8 +76,8 @@ class Run:
     def main_rows(self, metric: str) -> pd.DataFrame:
         """Return the measured rows of a metric of the runs of short tables.
 
-        A variant stands in for a preset where its figure compares and that of the preset does not (`runfiles.engines.Variant`):
-        the row then has the run of the preset, and its column `by` the variant.
+        A variant replaces a preset whose own figure does not compare (`runfiles.engines.Variant`): the row has the run of the
+        preset, and the variant in its column `by`.
         """
         rows = self.rows[(self.rows.metric == metric) & self.rows.measured].assign(by="")
         main, parts, gone = rows[rows.run.isin(self.runs)], list[pd.DataFrame](), set[tuple[str, str]]()

@@ -50,7 +50,7 @@ def with_human(
     bodies: Callable[[], tuple[Body, ...]] = lambda: (floor(),), at: tuple[float, ...] = (), *, frames: int,
     region: Region, short: int | None = None, bounds: tuple[Bound, ...] = AVATAR, family: str = "", everyday: bool = False,
 ) -> Scenario:
-    """Return a scene of the humanoid, which stands `at` x, y [m] and heading [rad]."""
+    """Return a scene of the humanoid with its root `at` x, y [m] and heading [rad]."""
 
     def build() -> Scene:
         human = humanoid()

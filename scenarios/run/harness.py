@@ -99,7 +99,7 @@ def lapse_note(outcome: Outcome) -> str:
 
 
 def is_timed(job: Job) -> bool:
-    """Return whether the frame times of a job are a question."""
+    """Return whether the frames of a job are timed."""
     variant = about(job.engine).variants.get(job.preset)
     return job.engine != BASELINE and not (variant and variant.metrics)
 
@@ -138,7 +138,7 @@ class Run:
     def clock(self, full: bool, at_length: bool = False) -> None:
         """Run the timing pass over measured jobs, scene by scene; many scenes are timed quickly unless `at_length`.
 
-        The raw tracker is left out: it computes nothing. So are variants that stand in for a preset in some metrics.
+        The raw tracker is left out: it computes nothing. So are variants that replace a preset in some metrics only.
         """
         timed = [job for job, outcome in self._known() if outcome.state == "measured" and is_timed(job)]
         names, seeds = list(dict.fromkeys(job.scenario for job in timed)), sorted({job.seed for job in timed})

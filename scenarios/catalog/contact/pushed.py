@@ -46,7 +46,7 @@ KINDS: tuple[tuple[Solid, float], ...] = (
     (Box((0.05, 0.05, 0.08)), 0.04), (Sphere(0.03), 0.03), (prism(12, 0.03, 0.07), 0.035),
     (Piece(Capsule(0.02, 0.05), orientation=turned_by((1.0, 0.0, 0.0), 0.5 * math.pi)), 0.02),
 )
-"""Shapes of the things in turn, and how high the middle of each stands [m]."""
+"""Shapes of the things in turn, and the height of the middle of each [m]."""
 
 
 def dominoes() -> Iterator[Body]:

@@ -127,10 +127,3 @@ def applicable(setting: Setting, scene: Scene) -> bool:
     """Whether the setting can change anything in this scene."""
     derived = scene.derived_effects
     return kind_of(scene) in setting.kinds and all(getattr(derived, effect) for effect in (*setting.narrow, *setting.calls))
-
-
-def sleeps(setting: Setting, scene: Scene) -> bool:
-    """Whether what rests in `scene` falls asleep with the setting: in ours by itself, in the others where they are told to."""
-    if about(setting.engine).sleeps:
-        return scene.derived_effects.sleeping and "sleeping" not in setting.narrow
-    return setting.base == "sleeping" or bool(setting.options.get("sleep", False))
