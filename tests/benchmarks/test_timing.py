@@ -4,6 +4,8 @@ import gc
 import time
 from functools import partial
 
+import pytest
+
 from benchmarks.timing import take_turns
 
 
@@ -19,6 +21,12 @@ def test_contenders_take_turns_without_collecting_garbage() -> None:
     assert found == {name: [False] * 3 for name in "abc"} and gc.isenabled()
 
 
-def test_a_slow_contender_gets_no_further_repeat() -> None:
-    found = take_turns({"slow": lambda: time.sleep(0.02), "quick": lambda: None}, 3, 0.01)
+def test_a_slow_contender_gets_no_further_repeat(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = [0.0]
+    monkeypatch.setattr(time, "perf_counter", lambda: clock[0])
+
+    def takes(seconds: float) -> None:
+        clock[0] += seconds
+
+    found = take_turns({"slow": partial(takes, 0.02), "quick": partial(takes, 0.002)}, 3, 0.01)
     assert len(found["slow"]) == 1 and len(found["quick"]) == 3
