@@ -112,7 +112,7 @@ def markdown(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
     lines = [f"## {headline(checks).replace('  ', ': ', 1)}", "", *table(run), "", BRACKETS]
     lines += [f"Left out: {said}" for said in damage]
     for title, content in blocks(run, checks, changes, losses):
-        lines += ["", f"**{title}**", "```", *(content or ["none"]), "```"]
+        lines += ["", f"**{title}**", *(["```", *content, "```"] if content else [])]
     refused = ", ".join(sorted(set(checks.refused.scenario)))
     commit, started = str(info.get("commit", ""))[:8], str(info.get("started", ""))[:10]
     tail = [f"{commit}, {started}, {info.get('cpus', '')} × {info.get('cpu', '')}"]

@@ -94,7 +94,7 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
     checkpoint = request.checkpoint(NAME)
     done = dict(answers(figures, tasks, request, checkpoint, NAME, lambda job: True, lambda job, how: _died(str(how))))
     rows, troubles = list[Row](), list[str]()
-    with Progress("effects, times", len(planned), sys.stderr) as progress, TimedWorkers() as workers:
+    with Progress("effects, times", len(planned), sys.stderr, part=True) as progress, TimedWorkers() as workers:
         for name, group in planned.items():
             sound = {change: job for change, job in group.items() if done[keys[job.stem]]["state"] == "measured"}
             time_key = key_of(NAME, "times", *sound.values())

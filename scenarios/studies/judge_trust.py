@@ -25,7 +25,7 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
     except ImportError as error:
         raise MissingPackage(str(error.name), "compare", "the judge and its second opinion") from error
     drawn = seed()
-    with Progress("judge", len(KINDS), sys.stderr) as progress:
+    with Progress("judge", len(KINDS), sys.stderr, part=True) as progress:
         write(trust(PAIRS, drawn, progress.step), request.folder, command(PAIRS, drawn))
     return [], []
 

@@ -19,7 +19,7 @@ from runfiles.table import STUDIED, Row, Status, csv_text
 from scenarios.job import Outcome
 from scenarios.run.own_settings import OwnSettings
 from scenarios.run.processes import side_by_side
-from scenarios.run.progress import Progress
+from scenarios.run.progress import Progress, print_done
 from scenarios.run.timing import Clocked
 from scenarios.scenario import Scenario
 from scenarios.studies.checkpoint import Checkpoint, Entry
@@ -97,15 +97,17 @@ def in_turn(studies: Sequence[Study], request: Request) -> list[str]:
     """
     troubles = []
     for study in studies:
-        begun = time.monotonic()
+        begun, count = time.monotonic(), "failed"
         try:
-            troubles += [f"{study.name}: {said}" for said in study.carry_out(request)[1]]
+            rows, missing = study.carry_out(request)
+            count = f"{len(rows)} rows" if rows else ""
+            troubles += [f"{study.name}: {trouble}" for trouble in missing]
         except AvatarsimError as error:
             troubles.append(f"{study.name}: {error}")
         except Exception as error:
             # a fault in a study must cost neither the verdict nor the report
             troubles.append(f"{study.name}: {described(error)}")
-        print(f"{study.name} {time.monotonic() - begun:5.1f} s", file=sys.stderr, flush=True)
+        print_done(study.name, count, time.monotonic() - begun, sys.stderr)
     return troubles
 
 
@@ -123,7 +125,7 @@ def answers(
     missing = {key: task for key, task in tasks.items() if checkpoint.get(key) is None}
     yield from ((key, checkpoint.known[key]) for key in tasks if key not in missing)
     keys = {id(task): key for key, task in missing.items()}
-    with Progress(name, len(missing), sys.stderr) as progress:
+    with Progress(name, len(missing), sys.stderr, part=True) as progress:
         for task, answer in side_by_side(function, list(missing.values()), request.workers, tidy, patience):
             key = keys[id(task)]
             if isinstance(answer, Died):

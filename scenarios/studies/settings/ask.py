@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from avatarsim.running.processes import Died
 from runfiles.table import Row
 from scenarios.job import Job, Outcome, reuses_process
+from scenarios.run.progress import Progress
 from scenarios.run.sweep_scenes import SWEEP_SCENES
 from scenarios.run.timed_worker import TimedWorkers
 from scenarios.studies.checkpoint import Checkpoint, Entry, key_of
@@ -110,17 +111,17 @@ class Sweep:
 
         def done(cell: Cell, entry: Entry) -> None:
             self.times[cell] = entry
+            progress.step(cell.scenario)
             if entry["p50"] is not None:
                 self.checkpoint.put(keys[cell], entry)
 
-        with TimedWorkers() as workers:
+        with TimedWorkers() as workers, Progress("settings, times", len(todo), sys.stderr, part=True) as progress:
             for scenario in dict.fromkeys(cell.scenario for cell in todo):
                 if self.now() - self.begun > LATEST * self.budget:
                     self.late.append(scenario)
                     continue
                 scene = {cell: repeats_in(cell, self.request) for cell in todo if cell.scenario == scenario}
                 clock.times(list(scene), workers, done, list(scene.values()), self.errors)
-                print(f"settings: {scenario}, {len(scene)} timed", file=sys.stderr, flush=True)
 
     def _rows(self, cell: Cell, left: Mapping[Cell, float]) -> list[Row]:
         found, timed = self.errors.get(cell), self.times.get(cell)
