@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
+from avatarsim.cli.reading import reading_options
 from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.stopping import stoppable
@@ -53,12 +54,14 @@ def parser() -> argparse.ArgumentParser:
     compare = chosen.add_parser("compare", help="all scenes in all engines, accuracy and time, with a report", parents=[shared])
     brought = compare.add_argument_group("a scene of your own, instead of the catalogue")
     brought.add_argument("--scene", nargs="+", metavar="FILE", help="MJCF, URDF, or a mesh as a room; one scene each")
-    brought.add_argument("--avatar", metavar="FILE", help="avatar in these scenes, MJCF or URDF, if they hold none")
-    brought.add_argument("--room", metavar="FILE", help="room about them: MJCF, URDF, a mesh, or the word floor")
+    avatar = "avatar in these scenes, MJCF or URDF, if they hold none"
+    brought.add_argument("--avatar", type=path_option, metavar="FILE", help=avatar)
+    room = "room about them: MJCF, URDF, a mesh, or the word floor"
+    brought.add_argument("--room", type=path_option, metavar="FILE", help=room)
     brought.add_argument("--motion", metavar="FILE", help="motion of the avatar; without one it holds its first posture")
-    for file in comparison.SCALES:
-        brought.add_argument(f"--{file}-scale", type=float, metavar="M", help=f"metres a unit of length of --{file} (1)")
+    brought.add_argument("--scene-scale", type=float, metavar="M", help="metres a unit of length of --scene (1)")
     brought.add_argument("--seconds", type=float, default=5.0, help="how long (default 5; with a motion, of it at most)")
+    reading_options(compare)
     chosen.add_parser("check", help="the gate: one engine, accuracy only", parents=[shared])
     chosen.add_parser("bench", help="frame times only", parents=[shared])
     study = chosen.add_parser("study", help="a study at length, added to the last comparison", parents=[shared])

@@ -11,11 +11,13 @@ from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from functools import cached_property, lru_cache, partial, reduce
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from avatarsim.assets.models.load import FLOOR
 from avatarsim.assets.models.model import Model, beside, followed_by
+from avatarsim.clips.wishes import Reading
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.checks import within
@@ -40,6 +42,10 @@ DRIVEN = ".live"
 """Ending of recordings of `avatarsim live`: scene and samples in one file."""
 MARGIN = 1e-3
 """Free space [m] about the first posture, as in cleaning."""
+AS_FOUND = Reading()
+"""How files are read where no option says otherwise."""
+PathLike = str | Path | None
+"""Path of a file; None for none."""
 
 
 if TYPE_CHECKING:
@@ -50,8 +56,9 @@ if TYPE_CHECKING:
 class OwnScene:
     """Files of one scene; "" for one that is not given.
 
-    seconds  length without a motion, and longest length with one
-    *_scale  metres a unit of length of a file
+    seconds      length without a motion, and longest length with one
+    scene_scale  metres a unit of length of the file
+    reading      how all files are read
     """
 
     name: str
@@ -61,33 +68,41 @@ class OwnScene:
     motion: str = ""
     seconds: float = 5.0
     scene_scale: float = 1.0
-    avatar_scale: float = 1.0
-    room_scale: float = 1.0
+    reading: Reading = AS_FOUND
 
     @cached_property
     def recorded(self) -> "MotionFile | None":
         """Motion file, None without one. Raises InvalidFile."""
-        from avatarsim.assets.motions.load import load_motion
+        from avatarsim.clips.inputs import options_for, read
 
-        return load_motion(self.motion) if self.motion else None
+        path = Path(self.motion)
+        return read(path, options_for(path, self.reading))[0] if self.motion else None
 
     @cached_property
     def models(self) -> tuple[Model, ...]:
         """Model with the avatar, if any has one, and those about it. Raises InvalidFile."""
         from avatarsim.assets.models.load import load_avatar, load_room
 
-        rooms = [load_room(self.room, scale=self.room_scale)] if self.room else []
-        as_room = partial(load_room, self.file, scale=self.scene_scale)
+        of_avatar: dict[str, Any] = self.reading.of_avatar()
+        rooms = [load_room(self.room, **self._of_room(self.room))] if self.room else []
+        as_room = partial(load_room, self.file, **{**self._of_room(self.file), "scale": self.scene_scale})
         if self.avatar:
-            return load_avatar(self.avatar, scale=self.avatar_scale), as_room(), *rooms
-        has_joints = Path(self.file).suffix.lower() in MODELS
-        found = load_avatar(self.file, scale=self.scene_scale) if has_joints else as_room()
-        if found.avatar is not None and len(found.avatar.links) > 1:
-            return found, *rooms
-        if self.recorded is not None and (skeleton := self.recorded.model()) is not None:
-            return skeleton, as_room(), *rooms
-        # a loose body is an avatar only where a motion drives it
-        return (found if self.motion else as_room()), *rooms
+            return load_avatar(self.avatar, **of_avatar), as_room(), *rooms
+        found, of_file = None, {**of_avatar, "scale": self.scene_scale}
+        if Path(self.file).suffix.lower() in MODELS:
+            found = load_avatar(self.file, **of_file, needed=False)
+            if found.avatar is not None:
+                return found, *rooms
+        if self.recorded is not None:
+            if (skeleton := self.recorded.model()) is not None:
+                return skeleton, as_room(), *rooms
+            if found is not None:
+                # a loose body, which only a motion makes an avatar
+                return load_avatar(self.file, **of_file), *rooms
+        return found or as_room(), *rooms
+
+    def _of_room(self, file: str) -> dict[str, Any]:
+        return self.reading.of_room(Path(file).suffix.lower() in MODELS)
 
     @cached_property
     def is_driven(self) -> bool:
@@ -187,8 +202,8 @@ def named(file: str, taken: Sequence[str]) -> str:
 
 
 def take_files(
-    files: Sequence[str], avatar: str | None, room: str | None, motion: str | None, seconds: float, *,
-    scene_scale: float = 1.0, avatar_scale: float = 1.0, room_scale: float = 1.0,
+    files: Sequence[str], avatar: PathLike, room: PathLike, motion: PathLike, seconds: float, *,
+    scene_scale: float = 1.0, reading: Reading = AS_FOUND,
 ) -> list[str]:
     """Put scenes of files, which share avatar, room and motion, in the place of the catalogue, here and in child processes.
 
@@ -198,8 +213,8 @@ def take_files(
     found: list[OwnScene] = []
     for file in files:
         own = OwnScene(
-            named(file, [one.name for one in found]), _whole(file), _whole(avatar), room if room == "floor" else _whole(room),
-            _whole(motion), seconds, scene_scale, avatar_scale, room_scale,
+            named(file, [one.name for one in found]), _whole(file), _whole(avatar),
+            FLOOR if str(room) == FLOOR else _whole(room), _whole(motion), seconds, scene_scale, reading,
         )
         with closing(opened(GATED[0])) as engine:
             engine.load(_parts(own)[0], Settings(), RENDERED)
@@ -208,7 +223,7 @@ def take_files(
     return [f"{own.name}: {note}" for own in found for note in own.notes]
 
 
-def _whole(path: str | None) -> str:
+def _whole(path: PathLike) -> str:
     """Return a path that is valid in other processes too, "" for none."""
     return str(Path(path).absolute()) if path else ""
 
@@ -220,4 +235,11 @@ def scenarios() -> dict[str, Scenario]:
 
 @lru_cache(maxsize=2)
 def _of(text: str) -> dict[str, Scenario]:
-    return {own.name: own.scenario() for own in (OwnScene(**fields) for fields in json.loads(text or "[]"))}
+    return {own.name: own.scenario() for own in map(_unpacked, json.loads(text or "[]"))}
+
+
+def _unpacked(fields: dict[str, Any]) -> OwnScene:
+    """Return the scene of a JSON object, in which tuples are lists."""
+    reading: dict[str, Any] = fields.pop("reading")
+    reading = {name: tuple(value) if isinstance(value, list) else value for name, value in reading.items()}
+    return OwnScene(**fields, reading=Reading(**reading))

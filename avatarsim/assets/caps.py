@@ -38,6 +38,12 @@ VERTICES = 2_000_000
 """Vertices of the meshes of a model. The largest scan known here has a fifteenth of it. More: to check and cut them takes
 minutes."""
 
+MATERIALS = 200
+"""Different frictions of a model's geoms. The most known here are 10. More: the table of their pairs grows with the square."""
+
+KEYFRAMES = 1_000
+"""Keyframes of a model. The most known here are 30. More: each holds all coordinates."""
+
 NAME = 200
 """Characters of a name: of a joint, a body, an entry of an archive. The longest known here has 60. More: a message that names
 ten of them fills a screen."""

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from avatarsim.assets.meshes.decompose import REPAIRS
+from avatarsim.cli.reading import reading_options
 from avatarsim.console import path_option
 from avatarsim.files import VARIABLE
 
@@ -89,7 +89,7 @@ def parser() -> argparse.ArgumentParser:
     clean.add_argument("--no-page", action="store_true", help="no pages that play clips")
     clean.add_argument("--force", action="store_true", help="do again what is done, and write over files of other programs")
     _running(clean)
-    _reading(clean)
+    reading_options(clean)
     audit = commands.add_parser(
         "audit", help="what is wrong with motions, measured", description=AUDIT, epilog=AUDIT_END, formatter_class=RAW,
         usage="avatarsim audit MOTION ... [--avatar FILE] [--room FILE | floor] [-o DIR] [options]",
@@ -99,7 +99,7 @@ def parser() -> argparse.ArgumentParser:
     _opinion(audit)
     _scene(audit)
     _running(audit)
-    _reading(audit)
+    reading_options(audit)
     pieces = commands.add_parser("pieces", help="convex pieces of mesh files, with error bounds", add_help=False)
     pieces.add_argument("rest", nargs=argparse.REMAINDER)
     _live(commands)
@@ -125,7 +125,7 @@ def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> No
                       "those of the catalogue: python -m scenarios.live in a checkout")
     live.add_argument("--avatar", metavar="FILE", type=path_option, help="an avatar of your own: MJCF, URDF")
     live.add_argument("--room", metavar="FILE", type=path_option, help="your own room: MJCF, URDF, a mesh, or the word floor")
-    _reading(live)
+    reading_options(live)
     replay = commands.add_parser(
         "replay", help="run a recording again, and compare it bit for bit", description=REPLAY, epilog=REPLAY_END,
         formatter_class=RAW,
@@ -181,32 +181,6 @@ def _running(one: argparse.ArgumentParser) -> None:
                          help="clips at a time; 0: one after the other, in this process (default: one a processor)")
     running.add_argument("--scheduler", metavar="ADDRESS",
                          help="do the clips on the Dask cluster of this scheduler, as tcp://HOST:8786")
-
-
-def _reading(one: argparse.ArgumentParser) -> None:
-    motion = one.add_argument_group("how motions are read")
-    motion.add_argument("--file-rate", type=float, metavar="HZ", help="frames a second of files that state none")
-    motion.add_argument("--scale", type=float, metavar="M", help="metres a unit of length (default: guessed and said)")
-    motion.add_argument("--up", choices=("y", "z"), help="the axis that points up (default: guessed and said)")
-    motion.add_argument("--asf", metavar="FILE", type=path_option, help="skeleton of AMC files (default: the one beside them)")
-    motion.add_argument("--mass", type=float, metavar="KG", help="of a human of a recorded skeleton (default: a mean one)")
-    motion.add_argument("--no-limits", action="store_true", help="recorded skeletons without limits of joints")
-    motion.add_argument("--quaternion", choices=("wxyz", "xyzw"), help="order of quaternions of trajectories")
-    motion.add_argument("--joints", metavar="A,B,...", help="names of a trajectory's joints, where it has none")
-    motion.add_argument("--offsets", metavar="FILE", help="rest joints of an SMPL body; or the word mean, of BVH")
-    motion.add_argument("--stature", type=float, metavar="M", help="height of an SMPL body without offsets")
-    model = one.add_argument_group("how models are read")
-    model.add_argument("--fix", default="", metavar="A,B,...",
-                       help="hold these joints at the file's reference; all: those that an avatar cannot have")
-    model.add_argument("--couplings", choices=("refuse", "leave"), help="joints coupled by an equality (default refuse)")
-    model.add_argument("--root", choices=("file", "free", "fixed"), help="whether the avatar's root moves (default: file)")
-    model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
-    model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
-    model.add_argument("--meshes", choices=("hull", "decompose"), help="meshes by their hulls (default), or by convex pieces")
-    model.add_argument("--repair", choices=REPAIRS, help="of open or crossing surfaces of meshes (default auto)")
-    model.add_argument("--avatar-scale", type=float, metavar="M", help="metres a unit of length of the avatar's file (default 1)")
-    model.add_argument("--room-scale", type=float, metavar="M", help="metres a unit of length of the room's file (default 1)")
-    model.add_argument("--room-up", choices=("y", "z"), help="the axis that points up in a room that is a mesh (default z)")
 
 
 def _compiling(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:

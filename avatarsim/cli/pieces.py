@@ -31,7 +31,8 @@ def parser() -> argparse.ArgumentParser:
     options.add_argument("--y-up", action="store_true", help="the file's y axis points up")
     options.add_argument("--threshold", type=float, default=0.05, help="concavity a piece may keep, 0.01 to 1 (default 0.05)")
     options.add_argument("--seed", type=int, default=0, help="seed of the decomposition (default 0)")
-    options.add_argument("--most-vertices", type=int, default=64, help="vertices of a piece at most (default 64)")
+    options.add_argument("--most-vertices", type=int, default=128, help="vertices of a piece at most (default 128)")
+    options.add_argument("--fit", type=float, metavar="M", help="most metres that a piece may be wider than its hull")
     options.add_argument("--most-pieces", type=int, help="pieces at most, if possible (default: no limit)")
     options.add_argument("--hull", action="store_true", help="one piece, the convex hull, even of an open mesh")
     options.add_argument("--repair", choices=REPAIRS, default="auto", help="of open or crossing surfaces (default auto)")
@@ -48,7 +49,7 @@ def main(words: list[str] | None = None) -> int:
     flags = {name.lstrip("-") for action in options._actions for name in action.option_strings}
     try:
         positive("--scale", asked.scale, InvalidInput)
-        Wishes(asked.threshold, asked.seed, asked.most_vertices, asked.most_pieces, asked.hull, asked.repair)
+        Wishes(asked.threshold, asked.seed, asked.most_vertices, asked.most_pieces, asked.hull, asked.repair, asked.fit)
     except InvalidInput as error:
         print(f"avatarsim pieces: {error}", file=sys.stderr)
         return USAGE
@@ -59,7 +60,8 @@ def main(words: list[str] | None = None) -> int:
         try:
             found = pieces_of_mesh(
                 path, asked.scale, y_up=asked.y_up, threshold=asked.threshold, seed=asked.seed, most_vertices=asked.most_vertices,
-                most_pieces=asked.most_pieces, hull=asked.hull, repair=asked.repair, kept=not asked.no_cache, quiet=asked.quiet,
+                most_pieces=asked.most_pieces, hull=asked.hull, repair=asked.repair, fit=asked.fit, kept=not asked.no_cache,
+                quiet=asked.quiet,
             )
         except AvatarsimError as error:
             print(f"{path}: {as_options(str(error), flags)}", file=sys.stderr)

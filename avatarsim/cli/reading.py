@@ -3,10 +3,13 @@
 import argparse
 from pathlib import Path
 
+from avatarsim.assets.meshes.decompose import REPAIRS
+from avatarsim.assets.models.doors import COLLIDE
 from avatarsim.assets.models.smpl_skeleton import LEAST_STATURE, MOST_STATURE
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
 from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST
 from avatarsim.clips.wishes import Reading
+from avatarsim.console import path_option
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.checks import within
 
@@ -17,6 +20,40 @@ RANGES = {
     "room_scale": (SMALLEST, LARGEST), "stature": (LEAST_STATURE, MOST_STATURE), "mass": MASSES,
 }
 """What numbers of options of readers may be, in the units of their help."""
+OF_AVATAR, OF_ROOM = ("body", "fix", "couplings", "root", "leave"), ("room_scale", "room_up")
+"""Options that go with an avatar's file, and with a room's."""
+
+
+def reading_options(one: argparse.ArgumentParser) -> None:
+    """Add the options on how motions and models are read, which all commands that read them share."""
+    motion = one.add_argument_group("how motions are read")
+    motion.add_argument("--file-rate", type=float, metavar="HZ", help="frames a second of files that state none")
+    motion.add_argument("--scale", type=float, metavar="M", help="metres a unit of length (default: guessed and said)")
+    motion.add_argument("--up", choices=("y", "z"), help="the axis that points up (default: guessed and said)")
+    motion.add_argument("--asf", metavar="FILE", type=path_option, help="skeleton of AMC files (default: the one beside them)")
+    motion.add_argument("--mass", type=float, metavar="KG", help="of a human of a recorded skeleton (default: a mean one)")
+    motion.add_argument("--no-limits", action="store_true", help="recorded skeletons without limits of joints")
+    motion.add_argument("--quaternion", choices=("wxyz", "xyzw"), help="order of quaternions of trajectories")
+    motion.add_argument("--joints", metavar="A,B,...", help="names of a trajectory's joints, where it has none")
+    motion.add_argument("--offsets", metavar="FILE", help="rest joints of an SMPL body; or the word mean, of BVH")
+    motion.add_argument("--stature", type=float, metavar="M", help="height of an SMPL body without offsets")
+    model = one.add_argument_group("how models are read")
+    model.add_argument("--body", default="", metavar="A,B,...",
+                       help="bodies whose trees are the avatar (default: the tree with the most joints)")
+    model.add_argument("--keyframe", metavar="NAME", help="keyframe to start at; qpos0: none (default: home, else the first)")
+    model.add_argument("--collide", choices=COLLIDE, help="shapes that collide: as the file has it, or those to be looked at")
+    model.add_argument("--fit", type=float, metavar="M", help="most metres that a piece may be wider than the hull of its mesh")
+    model.add_argument("--fix", default="", metavar="A,B,...",
+                       help="hold these joints at the file's reference; all: those that an avatar cannot have")
+    model.add_argument("--couplings", choices=("refuse", "leave"), help="joints coupled by an equality (default refuse)")
+    model.add_argument("--root", choices=("file", "free", "fixed"), help="whether the avatar's root moves (default: file)")
+    model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
+    model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
+    model.add_argument("--meshes", choices=("hull", "decompose"), help="meshes by their hulls (default), or by convex pieces")
+    model.add_argument("--repair", choices=REPAIRS, help="of open or crossing surfaces of meshes (default auto)")
+    model.add_argument("--avatar-scale", type=float, metavar="M", help="metres a unit of length of the avatar's file (default 1)")
+    model.add_argument("--room-scale", type=float, metavar="M", help="metres a unit of length of the room's file (default 1)")
+    model.add_argument("--room-up", choices=("y", "z"), help="the axis that points up in a room that is a mesh (default z)")
 
 
 def reading_of(asked: argparse.Namespace) -> Reading:
@@ -24,7 +61,9 @@ def reading_of(asked: argparse.Namespace) -> Reading:
     for name, (least, most) in RANGES.items():
         if getattr(asked, name, None) is not None:
             within(f"--{name.replace('_', '-')}", getattr(asked, name), least, most, InvalidInput)
-    for names, what in ((("fix", "couplings", "root", "leave", "avatar_scale"), "avatar"), (("room_scale", "room_up"), "room")):
+    # a scene of one's own may hold the avatar
+    of_avatar = () if getattr(asked, "own_scene", False) else OF_AVATAR
+    for what, names in (("avatar", (*of_avatar, "avatar_scale")), ("room", OF_ROOM)):
         for name in names:
             if getattr(asked, name) and getattr(asked, what) is None:
                 raise InvalidInput(f"--{name.replace('_', '-')}", getattr(asked, name), f"an option beside --{what}")
@@ -34,6 +73,7 @@ def reading_of(asked: argparse.Namespace) -> Reading:
         offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
         asf=absolute(asked.asf), fix=_listed(asked.fix), couplings=asked.couplings, root=asked.root, leave=_listed(asked.leave),
         folder=absolute(asked.folder), meshes=asked.meshes, repair=asked.repair,
+        body=_listed(asked.body), keyframe=asked.keyframe, collide=asked.collide, fit=asked.fit,
         avatar_scale=asked.avatar_scale, room_scale=asked.room_scale, room_up=asked.room_up,
     )
 

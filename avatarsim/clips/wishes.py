@@ -5,7 +5,7 @@ from pathlib import Path
 
 from avatarsim.cleaning import Options
 
-OPTIONS = {"rate": "file-rate", "skeleton": "asf", "limits": "no-limits"}
+OPTIONS = {"avatar": "body", "rate": "file-rate", "skeleton": "asf", "limits": "no-limits"}
 """Arguments of readers that have another name on the command line."""
 
 FLOOR = "floor"
@@ -24,7 +24,8 @@ class Reading:
     stature         [m] of a body without offsets
     asf             the skeleton of AMC motions
     mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
-    fix, couplings, root, leave, folder, meshes, repair    of the avatar's model, as in `load_avatar`
+    body            names of bodies whose trees are the avatar
+    fix, couplings, root, leave, folder, meshes, repair, keyframe, collide, fit    of models, as in `load_avatar`
     avatar_scale    metres a unit of length of the avatar's model
     room_scale, room_up    of a room: metres a unit of length; of a mesh, the axis that points up"""
 
@@ -48,6 +49,10 @@ class Reading:
     avatar_scale: float | None = None
     room_scale: float | None = None
     room_up: str | None = None
+    body: tuple[str, ...] = ()
+    keyframe: str | None = None
+    collide: str | None = None
+    fit: float | None = None
 
     def of_motion(self) -> dict[str, object]:
         """Options for readers of motions, by the readers' names."""
@@ -60,15 +65,19 @@ class Reading:
 
     def of_avatar(self) -> dict[str, object]:
         """Options of `load_avatar`."""
-        asked = {"fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave, "couplings": self.couplings,
-                 "root": self.root, "folder": self.folder, "meshes": self.meshes, "repair": self.repair,
-                 "scale": self.avatar_scale}
+        asked = {"avatar": self.body, "fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave,
+                 "couplings": self.couplings, "root": self.root, "scale": self.avatar_scale, **self._of_model()}
         return {name: value for name, value in asked.items() if value}
+
+    def _of_model(self) -> dict[str, object]:
+        return {"folder": self.folder, "keyframe": self.keyframe, "collide": self.collide, "meshes": self.meshes,
+                "repair": self.repair, "fit": self.fit}
 
     def of_room(self, is_model: bool) -> dict[str, object]:
         """Options of `load_room`, for a model or for a mesh."""
-        asked: dict[str, object] = {"meshes": self.meshes, "repair": self.repair, "scale": self.room_scale}
-        asked.update({"folder": self.folder} if is_model else {"y_up": self.room_up == "y"})
+        asked = {"scale": self.room_scale, **self._of_model()}
+        if not is_model:
+            asked |= {"y_up": self.room_up == "y", "folder": None, "keyframe": None, "collide": None}
         return {name: value for name, value in asked.items() if value}
 
 

@@ -3,8 +3,9 @@
 import argparse
 import sys
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 
+from avatarsim.cli.reading import reading_of
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.checks import positive
 from runfiles.naming import GATED
@@ -21,8 +22,6 @@ STUDIES: tuple[Study, ...] = (settings.STUDY, effects.STUDY, hard_cases.STUDY, c
 """Studies of a comparison, in their order."""
 OWN_STUDIES: tuple[Study, ...] = (settings.STUDY, effects.STUDY, judge_trust.STUDY)
 """Studies in scenes that a user brings; hard cases and the contact law are in scenes of the catalogue."""
-SCALES = {"scene": "scene_scale", "avatar": "avatar_scale", "room": "room_scale"}
-"""Files of an own scene -> option for the metres a unit of length in each."""
 
 
 def compare(options: argparse.Namespace, words: Sequence[str]) -> int:
@@ -31,9 +30,12 @@ def compare(options: argparse.Namespace, words: Sequence[str]) -> int:
     if own:
         take_own_scenes(options)
     else:
-        for option in ("avatar", "room", "motion", *SCALES.values()):
-            if (value := getattr(options, option, None)) is not None:
-                raise InvalidInput(_word(option), str(value), "with --scene FILE, the scene that it belongs to")
+        reading = reading_of(options)
+        said = {option: getattr(options, option) for option in ("avatar", "room", "motion", "scene_scale")}
+        said |= {name: value for name, value in asdict(reading).items() if value != getattr(own_scenes.AS_FOUND, name)}
+        for option, value in said.items():
+            if value is not None:
+                raise InvalidInput(f"--{option.replace('_', '-')}", str(value), "with --scene FILE, the scene that it belongs to")
     made = plan(options, options.engine or list(known()), False)
 
     def study(ran: Run) -> list[str]:
@@ -47,20 +49,15 @@ def take_own_scenes(options: argparse.Namespace) -> None:
     for option in ("filter", "scheduler"):
         if (value := getattr(options, option, None)) is not None:
             raise InvalidInput(f"--{option} with --scene", str(value), "none: own scenes run whole, and on this machine")
-    scales: dict[str, float] = {}
-    for file, option in SCALES.items():
-        if (value := getattr(options, option)) is not None:
-            scales[option] = positive(_word(option), value, InvalidInput)
-            if getattr(options, file) is None:
-                raise InvalidInput(_word(option), value, f"an option beside --{file}")
-    notes = own_scenes.take_files(options.scene, options.avatar, options.room, options.motion, options.seconds, **scales)
+    scale = 1.0 if options.scene_scale is None else positive("--scene-scale", options.scene_scale, InvalidInput)
+    options.own_scene = True
+    reading = reading_of(options)
+    notes = own_scenes.take_files(
+        options.scene, options.avatar, options.room, options.motion, options.seconds, scene_scale=scale, reading=reading
+    )
     for note in notes:
         print(note, file=sys.stderr)
     options.scene = None
-
-
-def _word(option: str) -> str:
-    return f"--{option.replace('_', '-')}"
 
 
 def presets_of(jobs: Iterable[Job]) -> dict[str, tuple[str, ...]]:

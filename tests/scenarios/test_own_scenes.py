@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from avatarsim.clips.wishes import Reading
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.live.orders import World
 from avatarsim.live.recording import Recorder
@@ -83,12 +84,12 @@ def test_scales_are_metres_a_unit_of_each_file(tmp_path: Path, boxes: str, arm: 
     (tmp_path / "shelf.xml").write_text(
         '<mujoco><worldbody><body name="board" pos="4 0 1"><geom type="box" size=".1 .1 .1"/></body></worldbody></mujoco>')
 
-    def made(**scales: float) -> Scene:
-        own_scenes.take_files([boxes], arm[0], str(tmp_path / "shelf.xml"), None, 1.0, **scales)
+    def made(scale: float = 1.0, reading: Reading = own_scenes.AS_FOUND) -> Scene:
+        own_scenes.take_files([boxes], arm[0], str(tmp_path / "shelf.xml"), None, 1.0, scene_scale=scale, reading=reading)
         (scenario,) = catalog.scenarios().values()
         return scenario.build()
 
-    plain, scaled = made(), made(scene_scale=0.5, avatar_scale=0.2, room_scale=2.0)
+    plain, scaled = made(), made(0.5, Reading(avatar_scale=0.2, room_scale=2.0))
     places = [{body.name: body.position for body in scene.bodies} for scene in (plain, scaled)]
     assert places[0]["ball"][2] == pytest.approx(1.0) and places[1]["ball"][2] == pytest.approx(0.5)
     assert places[0]["board"][0] == pytest.approx(4.0) and places[1]["board"][0] == pytest.approx(8.0)
@@ -98,6 +99,33 @@ def test_scales_are_metres_a_unit_of_each_file(tmp_path: Path, boxes: str, arm: 
     own_scenes.take_files([arm[0]], None, None, arm[1], 1.0, scene_scale=0.5)
     (scenario,) = catalog.scenarios().values()
     assert scenario.build().avatars[0].span == pytest.approx(0.5 * spans[0])
+
+
+def test_models_are_read_by_the_options_of_other_commands(tmp_path: Path) -> None:
+    cupboard = """<body name="cupboard" pos="3 0 1"><geom type="box" size=".2 .2 .2"/>
+    <body name="door" pos=".4 0 0"><joint axis="0 0 1"/><geom type="box" size=".01 .1 .1" pos="0 .3 0"/></body></body>"""
+    keyframe = '</worldbody><keyframe><key name="up" qpos="0 0.6 0.3"/></keyframe>'
+    whole = ARM.replace("<worldbody>", f"<worldbody>{cupboard}").replace("</worldbody>", keyframe)
+    (tmp_path / "kitchen.xml").write_text(whole)
+    reading = Reading(body=("upper",), keyframe="up", fix=("elbow",))
+    own_scenes.take_files([str(tmp_path / "kitchen.xml")], None, None, None, 1.0, reading=reading)
+    (scenario,) = catalog.scenarios().values()
+    scene = scenario.build()
+    assert [link.name for link in scene.links] == ["upper", "lower"]
+    assert scene.first_sample.angles == pytest.approx([0.6])
+
+
+def test_loose_bodies_alone_are_no_avatar(tmp_path: Path) -> None:
+    """Boards with lengths in centimetres, after google-deepmind/mujoco#546."""
+    boards = "".join(
+        f'<body name="{name}" pos="{x} 0 {z}"><freejoint/><geom type="box" size="100 9.9 0.9"/></body>'
+        for name, x, z in (("low", 0, 1.9), ("high", 5, 4.0))
+    )
+    (tmp_path / "boards.xml").write_text(
+        f'<mujoco><worldbody><geom type="plane" size="150 50 1"/>{boards}</worldbody></mujoco>')
+    own_scenes.take_files([str(tmp_path / "boards.xml")], None, None, None, 1.0, scene_scale=0.01)
+    (scenario,) = catalog.scenarios().values()
+    assert not scenario.build().avatars and len(scenario.build().bodies) == 3
 
 
 def test_what_cannot_be_run_is_refused_at_the_door(tmp_path: Path, boxes: str, arm: tuple[str, str]) -> None:
@@ -135,7 +163,8 @@ def test_the_command_runs_them(tmp_path: Path, boxes: str, arm: tuple[str, str])
 
 
 @pytest.mark.parametrize(("words", "named"), [
-    (["--room-scale", "2"], ["--room-scale", "2.0", "--scene"]), (["--scene", "x", "--room-scale", "2"], ["--room"]),
+    (["--room-scale", "2"], ["--room-scale", "2.0", "--room"]), (["--keyframe", "home"], ["--keyframe", "home", "--scene"]),
+    (["--scene", "x", "--room-scale", "2"], ["--room"]),
     (["--scene", "x", "--scene-scale", "nan"], ["nan"]), (["--scene", "x", "--scene-scale", "0"], ["--scene-scale", "0"]),
     (["--scene", "x", "--avatar-scale", "-1", "--avatar", "x"], ["--avatar-scale", "-1.0"]),
     (["--scene", "x", "--avatar-scale", "2"], ["--avatar"]), (["--scene", "x.xml", "--scene-scale", "1e9"], ["x.xml"]),

@@ -23,7 +23,7 @@ from avatarsim.files import Damaged, bases, is_readable, is_writable, parsed_jso
 NAME = "avatarsim-pieces"
 """What the folder of answers is called wherever it lies."""
 
-FORMAT = 2
+FORMAT = 3
 """Version of the entries: raise it when the same mesh and options give other pieces than before, or the layout changes."""
 
 @dataclass(frozen=True, eq=False)

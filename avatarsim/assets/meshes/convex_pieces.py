@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 
 from avatarsim.assets.meshes import cache
 from avatarsim.assets.meshes.decompose import Wishes, decomposed
+from avatarsim.assets.meshes.enclosing import enclosing
 from avatarsim.assets.meshes.hausdorff import Deviation, deviation
-from avatarsim.assets.meshes.hulls import Hull, depth_below, hull_of, reduced
+from avatarsim.assets.meshes.hulls import Hull, depth_below, hull_of
 from avatarsim.assets.meshes.mesh import Array, Mesh, groups_of, read_mesh, signed_volume
 from avatarsim.assets.meshes.repairs import Sound, finite, mended
 from avatarsim.errors import InvalidShape
@@ -74,8 +75,8 @@ HALF = 0.5
 
 def pieces_of_mesh(
     mesh: str | Path | tuple[ArrayLike, ArrayLike], scale: float = 1.0, *, y_up: bool = False, threshold: float = 0.05,
-    seed: int = 0, most_vertices: int = 64, most_pieces: int | None = None, hull: bool = False, repair: str = "auto",
-    kept: bool = True, quiet: bool = False,
+    seed: int = 0, most_vertices: int = 128, most_pieces: int | None = None, hull: bool = False, repair: str = "auto",
+    fit: float | None = None, kept: bool = True, quiet: bool = False,
 ) -> Pieces:
     """Convex pieces of a file (.obj .stl .ply .off .glb .gltf) or of (vertices (n, 3), triangles (t, 3)).
 
@@ -85,7 +86,9 @@ def pieces_of_mesh(
     scale          metres per unit of the file; with `y_up`, the file's y axis becomes z
     threshold      concavity that a piece may keep, relative to the mesh's size (CoACD's measure), 0.01 to 1
     seed           of CoACD's search; the same seed gives the same bits
-    most_vertices  of a piece; more are thinned out and what that loses is in the bound. Convex groups stay as authored
+    most_vertices  of a piece; a hull with more is enclosed in one with so many, and what that adds is in the bound. Convex
+                   groups stay as authored
+    fit            metres that enclosing a hull may add; where `most_vertices` add more, a piece has more vertices
     most_pieces    at most so many, if CoACD can
     hull           one piece, the convex hull, even of a mesh with holes
     repair         "auto": merge equal vertices, drop degenerate triangles and copies, turn triangles outwards, and wrap a
@@ -99,7 +102,7 @@ def pieces_of_mesh(
     """
     begun = time.monotonic()
     scale = positive("scale of a mesh", scale)
-    wishes = Wishes(threshold, seed, most_vertices, most_pieces, hull, repair)
+    wishes = Wishes(threshold, seed, most_vertices, most_pieces, hull, repair, None if fit is None else fit / scale)
     read = finite(_given(mesh))
     _believable(read, scale)
     key = cache.key_of(read, wishes) if kept else ""
@@ -214,13 +217,13 @@ def _solid(points: Array, name: str) -> Hull | None:
 
 
 def _measured(hulls: list[Hull], source: str, mesh: Mesh, closed: bool, wishes: Wishes, said: tuple[str, ...]) -> cache.Answer:
-    """Thin out the hulls and measure them against the mesh."""
-    thin = [reduced(hull, wishes.most_vertices, mesh.name) for hull in hulls]
-    if source == "convex mesh" and thin[0] is hulls[0]:
-        gap = Deviation(0.0, depth_below(thin[0], mesh.corners), 0.0)
+    """Enclose the hulls in ones of few vertices and measure these against the mesh."""
+    around = [enclosing(hull, wishes.most_vertices, mesh.name, wishes.fit)[0] for hull in hulls]
+    if source == "convex mesh" and around[0] is hulls[0]:
+        gap = Deviation(0.0, depth_below(around[0], mesh.corners), 0.0)
     else:
-        gap = deviation(thin, mesh.corners, closed)
-    return cache.Answer(tuple(hull.points[hull.used] for hull in thin), source, gap, said)
+        gap = deviation(around, mesh.corners, closed)
+    return cache.Answer(tuple(hull.points[hull.used] for hull in around), source, gap, said)
 
 
 def _turned(points: Array, y_up: bool) -> Array:

@@ -18,7 +18,7 @@ import numpy as np
 from avatarsim.assets.meshes.mesh import Array, Mesh
 from avatarsim.console import Progress
 from avatarsim.errors import InvalidInput, InvalidShape, MissingPackage, UnknownName
-from avatarsim.scene.checks import within
+from avatarsim.scene.checks import positive, within
 
 REPAIRS = ("auto", "remesh", "refuse")
 """What may be done about surfaces that cannot be mended as they are; `pieces_of_mesh` says what each means."""
@@ -30,15 +30,18 @@ class Wishes:
 
     threshold: float = 0.05
     seed: int = 0
-    most_vertices: int = 64
+    most_vertices: int = 128
     most_pieces: int | None = None
     hull: bool = False
     repair: str = "auto"
+    fit: float | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "threshold", within("threshold of the decomposition", self.threshold, 0.01, 1.0, InvalidInput))
         whole("seed of the decomposition", self.seed, 0, 2**31 - 1)
         whole("most vertices of a piece", self.most_vertices, 8, 4096)
+        if self.fit is not None:
+            object.__setattr__(self, "fit", positive("fit of the pieces", self.fit, InvalidInput))
         if self.most_pieces is not None:
             whole("most pieces of a mesh", self.most_pieces, 1, 4096)
         if not isinstance(self.hull, bool):

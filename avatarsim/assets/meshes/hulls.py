@@ -1,4 +1,4 @@
-"""Convex hulls by Qhull (Barber, Dobkin and Huhdanpaa 1996): planes, depth of a surface in its hull, hulls of fewer vertices."""
+"""Convex hulls by Qhull (Barber, Dobkin and Huhdanpaa 1996): planes, distances, depth of a surface in its hull."""
 
 from dataclasses import dataclass
 
@@ -30,12 +30,17 @@ class Hull:
         """Distance (n,) of points (n, 3) from the solid hull; 0 inside."""
         found = np.zeros(len(points))
         outside = np.flatnonzero(self.heights(points) > 0.0)
+        middles = self.facets.mean(axis=1)
+        reach = np.linalg.norm(self.facets - middles[:, None], axis=2).max(axis=1)
         step = max(1, PAIRS_AT_ONCE // len(self.facets))
         for first in range(0, len(outside), step):
-            some = outside[first : first + step]
-            pairs = np.repeat(points[some], len(self.facets), axis=0)
-            measured = point_triangle(pairs, np.tile(self.facets, (len(some), 1, 1)))
-            found[some] = measured.reshape(len(some), -1).min(axis=1)
+            some = points[outside[first : first + step]]
+            away = np.linalg.norm(some[:, None] - middles, axis=2)
+            # no farther than the nearest middle, so facets that begin beyond it are not measured
+            of, facet = np.nonzero(away - reach <= away.min(axis=1, keepdims=True))
+            best = np.full(len(some), np.inf)
+            np.minimum.at(best, of, point_triangle(some[of], self.facets[facet]))
+            found[outside[first : first + step]] = best
         return found
 
 
@@ -70,32 +75,3 @@ def depth_below(hull: Hull, corners: Array) -> float:
         below = -(some @ hull.planes[:, :3].T + hull.planes[:, 3])
         deepest = max(deepest, float(below.max(axis=1).min(axis=1).max()))
     return deepest
-
-
-def reduced(hull: Hull, most: int, name: str) -> Hull:
-    """A hull of at most `most` of the hull's own vertices: always the one farthest outside is taken next.
-
-    It lies within the old hull; what it loses is measured with everything else by `hausdorff.py`.
-    """
-    if len(hull.used) <= most:
-        return hull
-    points = hull.points[hull.used]
-    chosen = _spread(points)
-    while True:
-        inner = hull_of(points[chosen], name)
-        heights = inner.heights(points)
-        heights[chosen] = -np.inf
-        # several at once while there is room, so that a hull of thousands does not cost thousands of hulls
-        room = most - len(chosen)
-        if room <= 0:
-            return inner
-        order = np.argsort(-heights, kind="stable")[: max(1, room // 8)]
-        chosen = np.concatenate([chosen, order])
-
-
-def _spread(points: Array) -> Indices:
-    """Four or more points that span a volume: the farthest along each axis of the cloud, both ways."""
-    centred = points - points.mean(axis=0)
-    axes = np.linalg.svd(centred, full_matrices=False)[2]
-    along = centred @ axes.T
-    return np.unique(np.concatenate([along.argmin(axis=0), along.argmax(axis=0)])).astype(np.int64)

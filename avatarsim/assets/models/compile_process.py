@@ -51,11 +51,31 @@ def limit(seconds: float) -> None:
     signal.setitimer(signal.ITIMER_REAL, WALL * seconds)
 
 
-def compiled(path: Path, folder: Path, scale: float = 1.0) -> dict[str, Any]:
-    """Arrays of the model of a file, all of whose files lie in `folder`, with `scale` metres a unit of length. Raises
-    InvalidFile."""
-    texts = doors.texts_of(path, folder)
+def compiled(path: Path, folder: Path, scale: float = 1.0, collide: str = "collision") -> dict[str, Any]:
+    """Arrays of the model of a file, all of whose files lie in `folder`, with `scale` metres a unit of length and the shapes that
+    `collide`. Raises InvalidFile."""
     import mujoco
+
+    model, texts, mended = compiled_by_mujoco(path, folder, scale, collide)
+    numbers = _numbers(model, path, mujoco)
+    numbers |= _keyframes(model, mujoco, scale)
+    kind = {"free_root": np.array(texts.free_root), "is_urdf": np.array(texts.is_robot)}
+    kind["plugin_name"] = np.array(texts.plugins, dtype=np.str_)
+    return {**kind, "mended_name": np.array(mended, dtype=np.str_), **numbers}
+
+
+def compiled_by_mujoco(
+    path: Path, folder: Path, scale: float = 1.0, collide: str = "collision", limited: bool = True
+) -> tuple[Any, doors.Texts, list[str]]:
+    """Return MuJoCo's model of a file, its texts, and the bodies whose moments were raised; `limited` as the files' sizes allow.
+
+    Raises InvalidFile."""
+    texts = doors.texts_of(path, folder, collide)
+    import mujoco
+
+    def count(read: int) -> None:
+        if limited:
+            limit(seconds_for(texts.bytes + read))
 
     vfs = mujoco.MjVfs()
     for name, content in texts.texts.items():
@@ -63,18 +83,25 @@ def compiled(path: Path, folder: Path, scale: float = 1.0) -> dict[str, Any]:
         vfs[place] = content
     try:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
-        MeshFiles(texts, NOWHERE, lambda count: limit(seconds_for(texts.bytes + count))).hand_over(spec)
+        MeshFiles(texts, NOWHERE, count).hand_over(spec)
         bare(spec, mujoco)
         in_metres(spec, scale, mujoco.mjtJoint.mjJNT_SLIDE)
         mended = with_solid_moments(spec)
         # links of a robot stay links, and nothing of the URDF file is merged into the world
         spec.compiler.fusestatic = False
-        model = _compiled(spec, mujoco)
+        if collide == "visual" and not texts.is_robot:
+            _swap_shapes(spec)
+        return _compiled(spec, mujoco), texts, mended
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         said = " ".join(str(error).replace(NOWHERE, "").split())
         raise InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes") from error
-    numbers = _numbers(model, path, mujoco)
-    return {"free_root": np.array(texts.free_root), "mended_name": np.array(mended, dtype=np.str_), **numbers}
+
+
+def _swap_shapes(spec: Any) -> None:
+    """Let shapes collide that are to be looked at, in place of those that collide."""
+    spec.compiler.discardvisual = False
+    for geom in spec.geoms:
+        geom.contype = geom.conaffinity = 0 if geom.contype or geom.conaffinity else 1
 
 
 def _compiled(spec: Any, mujoco: Any) -> Any:
@@ -95,7 +122,7 @@ def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
     """What is read of a compiled model, under MuJoCo's names."""
     kinds = {"body": (mujoco.mjtObj.mjOBJ_BODY, model.nbody), "jnt": (mujoco.mjtObj.mjOBJ_JOINT, model.njnt),
              "geom": (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), "eq": (mujoco.mjtObj.mjOBJ_EQUALITY, model.neq),
-             "mesh": (mujoco.mjtObj.mjOBJ_MESH, model.nmesh)}
+             "mesh": (mujoco.mjtObj.mjOBJ_MESH, model.nmesh), "key": (mujoco.mjtObj.mjOBJ_KEY, model.nkey)}
     found: dict[str, Any] = {}
     for kind, (code, count) in kinds.items():
         names = [mujoco.mj_id2name(model, code, k) or "" for k in range(count)]
@@ -105,13 +132,25 @@ def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
     for name in (
         "body_parentid body_mocapid body_pos body_quat body_mass body_ipos body_iquat body_inertia jnt_type jnt_bodyid jnt_pos "
         "jnt_axis jnt_range jnt_limited jnt_qposadr qpos0 geom_type geom_bodyid geom_pos geom_quat geom_size geom_contype "
-        "geom_conaffinity geom_dataid exclude_signature pair_geom1 pair_geom2 eq_type eq_objtype eq_obj1id eq_obj2id eq_data "
-        "eq_active0"
+        "geom_conaffinity geom_dataid geom_priority exclude_signature pair_geom1 pair_geom2 eq_type eq_objtype eq_obj1id "
+        "eq_obj2id eq_data eq_active0"
     ).split():
         found[name] = getattr(model, name)
+    found["gravity"] = model.opt.gravity.copy()
+    # sliding: torsion and rolling have no part in a contact of points
+    found["geom_friction"], found["pair_friction"] = model.geom_friction[:, 0], model.pair_friction[:, 0]
     found["flexes"] = np.array(model.nflex)
     found["model_name"] = np.array(bytes(model.names).split(b"\0")[0].decode("utf-8", "replace"))
     return found | _meshes(model, mujoco)
+
+
+def _keyframes(model: Any, mujoco: Any, scale: float) -> dict[str, Any]:
+    """Return coordinates of the keyframes, with `scale` metres a unit of length."""
+    qpos, kinds = model.key_qpos.copy(), mujoco.mjtJoint
+    for kind, address in zip(model.jnt_type, model.jnt_qposadr, strict=True):
+        if kind in (kinds.mjJNT_FREE, kinds.mjJNT_SLIDE):
+            qpos[:, address : address + (3 if kind == kinds.mjJNT_FREE else 1)] *= scale
+    return {"key_qpos": qpos, "key_mpos": scale * model.key_mpos, "key_mquat": model.key_mquat}
 
 
 def _meshes(model: Any, mujoco: Any) -> dict[str, Any]:
@@ -136,7 +175,7 @@ def main(arguments: list[str]) -> int:
     os.dup2(2, 1)
     limit(SECONDS)
     try:
-        numbers = compiled(path, doors.folder_of(path, arguments[1]), float(arguments[2]))
+        numbers = compiled(path, doors.folder_of(path, arguments[1]), float(arguments[2]), arguments[3])
     except InvalidFile as error:
         value = error.value if isinstance(error.value, str | int | float) else repr(error.value)
         numbers = {"refused": np.array(json.dumps([error.thing, value, error.valid]))}

@@ -79,18 +79,23 @@ class Compiled:
     Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
     reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes that
     bodies collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within their mesh.
-    `free_root` says of a URDF file that its root is fixed to nothing, `mended_name` which bodies had moments of inertia that no
-    solid has."""
+    `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name` which bodies had moments of
+    inertia that no solid has, `plugin_name` which plugins were left out. Frictions are those of sliding; keyframes have
+    coordinates and poses of mocap bodies."""
 
+    is_urdf: bool
     free_root: bool
     model_name: str
     mended_name: tuple[str, ...]
+    plugin_name: tuple[str, ...]
     flexes: int
     body_name: tuple[str, ...]
     jnt_name: tuple[str, ...]
     geom_name: tuple[str, ...]
     eq_name: tuple[str, ...]
     mesh_name: tuple[str, ...]
+    key_name: tuple[str, ...]
+    gravity: Array
     body_parentid: Indices
     body_mocapid: Indices
     body_pos: Array
@@ -115,15 +120,21 @@ class Compiled:
     geom_pos: Array
     geom_quat: Array
     geom_size: Array
+    geom_friction: Array
+    geom_priority: Indices
     exclude_signature: Indices
     pair_geom1: Indices
     pair_geom2: Indices
+    pair_friction: Array
     eq_type: Indices
     eq_objtype: Indices
     eq_obj1id: Indices
     eq_obj2id: Indices
     eq_active0: Indices
     eq_data: Array
+    key_qpos: Array
+    key_mpos: Array
+    key_mquat: Array
     mesh_vertnum: Indices
     mesh_facenum: Indices
     mesh_vert: Array
@@ -138,20 +149,21 @@ class Compiled:
 
 WIDTHS = {
     "pos": 3, "ipos": 3, "axis": 3, "size": 3, "inertia": 3, "quat": 4, "iquat": 4, "range": 2, "vert": 3, "face": 3, "data": -1,
+    "qpos": -1, "mpos": -1, "mquat": -1,
 }
 """Columns of an array, by the end of its name."""
 
 
-def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0) -> Compiled:
+def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0, collide: str = "collision") -> Compiled:
     """The model of an MJCF or URDF file, with `scale` metres a unit of length, compiled by MuJoCo in a process of its own, with
-    limits.
+    limits. `collide` of `doors.COLLIDE` are the shapes that collide.
 
     All files that it names must lie in `folder`; see `doors.folder_of`. Raises InvalidFile for a file that is refused, with the
     reason; MissingPackage without mujoco."""
     doors.require_model(path)
     if find_spec("mujoco") is None:
         raise MissingPackage("mujoco", "assets", f"reading {path.name}")
-    return received(path.name, _run(path, doors.folder_of(path, folder), scale))
+    return received(path.name, _run(path, doors.folder_of(path, folder), scale, collide))
 
 
 def received(name: str, content: bytes) -> Compiled:
@@ -164,9 +176,10 @@ def received(name: str, content: bytes) -> Compiled:
     return _checked(name, arrays)
 
 
-def _run(path: Path, folder: Path, scale: float) -> bytes:
+def _run(path: Path, folder: Path, scale: float, collide: str) -> bytes:
     """What the process writes. Raises InvalidFile where it ends otherwise than by itself."""
-    command = [sys.executable, "-m", "avatarsim.assets.models.compile_process", str(path.absolute()), str(folder), repr(scale)]
+    arguments = [str(path.absolute()), str(folder), repr(scale), collide]
+    command = [sys.executable, "-m", "avatarsim.assets.models.compile_process", *arguments]
     # threads and their heaps reserve address space, which is limited
     calm = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1", "MUJOCO_GL": "disable"}
     calm["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
@@ -209,7 +222,7 @@ def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
     for field in fields(Compiled):
         if field.name not in arrays:
             raise InvalidFile(f"arrays of compiled model {name}", f"none is {field.name}", "all arrays of it")
-    counts = {kind: len(arrays[f"{kind}_name"]) for kind in ("body", "jnt", "geom", "eq", "mesh")}
+    counts = {kind: len(arrays[f"{kind}_name"]) for kind in ("body", "jnt", "geom", "eq", "mesh", "key")}
     for thing, count, most in (
         ("bodies", counts["body"], BODIES), ("shapes", counts["geom"], GEOMS), ("joints", counts["jnt"], BODIES),
         ("vertices", len(arrays["mesh_vert"]), caps.VERTICES),
@@ -235,6 +248,15 @@ def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
     for key, column, least, below in places:
         if not (column >= least).all() or (below is not None and not (column < below).all()):
             raise InvalidFile(f"{key} of compiled model {name}", column.tolist(), f"from {least}, below {below}")
+    mocaps = int((model.body_mocapid >= 0).sum())
+    shapes: tuple[tuple[str, int, int], ...] = (
+        ("gravity", len(model.gravity), 3), ("pair_friction", len(model.pair_friction), len(model.pair_geom1)),
+        ("key_qpos", model.key_qpos.shape[1], len(model.qpos0)), ("key_mpos", model.key_mpos.shape[1], 3 * mocaps),
+        ("key_mquat", model.key_mquat.shape[1], 4 * mocaps),
+    )
+    for key, count, wanted in shapes:
+        if count != wanted:
+            raise InvalidFile(f"{key} of compiled model {name}", count, f"{wanted} numbers")
     return model
 
 

@@ -1,7 +1,8 @@
 """What a model file may name, checked before MuJoCo sees a word of it: no entity, no plugin, no file outside one folder.
 
 XML is scanned by expat, which knows nothing of models: the scan looks at elements that name files and at the numbers of `values`,
-follows includes, and hands on the very bytes that it read. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
+follows includes, and hands on the very bytes that it read, with elements blanked that nothing is read of: plugins that act on
+bodies and joints, and of URDF either visuals or collisions. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
 """
 
 import os
@@ -47,19 +48,29 @@ PARSED_WITH_FILES = {"include", "model"}
 FOREIGN = ("gazebo", "transmission", "ros2_control")
 """Elements below a URDF robot that speak to other programs. MuJoCo does not read them, so their plugins are nothing to it."""
 
+MOVED_BY_PLUGIN = ("actuator", "sensor", "body", "composite", "flexcomp")
+"""Elements whose plugins act, measure or bend: without them bodies and joints are where they are. Others make shapes."""
+
+COLLIDE = ("collision", "visual")
+"""Shapes that bodies collide with: those that the file means for it, or those that it means to be looked at."""
+
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_VISUAL = re.compile(rb"<(/?)visual(?=[\s/>])")
 _DRIVE = re.compile(r"^[A-Za-z]:[\\/]")
 
 
 @dataclass(frozen=True)
 class Texts:
     """The XML of a model: `main` is the path of the file that was asked for, `texts` the bytes of all, by path below `folder`;
-    `free_root` says whether it is a URDF robot with no link named world, to which MuJoCo would fix it."""
+    `plugins` are the names of those that were left out;
+    `is_robot` says whether it is URDF, `free_root` whether it is so with no link named world, to which MuJoCo would fix it."""
 
     folder: Path
     main: str
     texts: Mapping[str, bytes]
     free_root: bool
+    is_robot: bool = False
+    plugins: tuple[str, ...] = ()
 
     @property
     def bytes(self) -> int:
@@ -92,15 +103,18 @@ def require_model(path: Path) -> None:
         raise InvalidFile(f"format of {path.name}", ending, f"one of {' '.join(MODELS)}")
 
 
-def texts_of(path: Path, folder: Path) -> Texts:
-    """The XML of a model and of all files that it includes, all of them in `folder`. Raises InvalidFile."""
+def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
+    """The XML of a model and of all files that it includes, all of them in `folder`. Raises InvalidFile.
+
+    Of URDF the shapes are read that `collide`, one of COLLIDE."""
     require_model(path)
     path = _real(path)
     if folder not in path.parents:
         raise InvalidFile(f"place of {path.name}", str(path), f"a file in {folder}")
     main = path.relative_to(folder).as_posix()
     texts: dict[str, bytes] = {}
-    waiting, left, free_root = [(main, path)], XML_BYTES, False
+    plugins: list[str] = []
+    waiting, left, free_root, is_robot = [(main, path)], XML_BYTES, False, False
     while waiting:
         name, place = waiting.pop()
         if name in texts:
@@ -109,11 +123,14 @@ def texts_of(path: Path, folder: Path) -> Texts:
             raise InvalidFile(f"files of XML of {path.name}", f"more than {XML_FILES}", f"up to {XML_FILES}")
         texts[name] = _plain(read_bytes(place, f"model {name}", "a readable file of XML", left))
         left -= len(texts[name])
-        scan = _Scan(name, PurePosixPath(main).parent, folder)
+        scan = _Scan(name, PurePosixPath(main).parent, folder, collide)
         scan.read(texts[name])
+        texts[name] = scan.kept(texts[name])
+        plugins += scan.plugins
         waiting += scan.found
         free_root |= name == main and scan.is_robot and not scan.has_world
-    return Texts(folder, main, texts, free_root)
+        is_robot |= name == main and scan.is_robot
+    return Texts(folder, main, texts, free_root, is_robot, tuple(dict.fromkeys(plugins)))
 
 
 def _plain(content: bytes) -> bytes:
@@ -124,10 +141,14 @@ def _plain(content: bytes) -> bytes:
 
 class _Scan:
     """One file of XML, element by element; `found` are the files of XML that it names: (path below the folder, path), `is_robot`
-    says whether it is URDF and `has_world` whether that has a link named world."""
+    says whether it is URDF and `has_world` whether that has a link named world; `plugins` are the names of those left out."""
 
-    def __init__(self, name: str, main: PurePosixPath, folder: Path) -> None:
-        self._name, self._main, self._folder = name, main, folder
+    def __init__(self, name: str, main: PurePosixPath, folder: Path, collide: str) -> None:
+        self._name, self._main, self._folder, self._collide = name, main, folder, collide
+        self.plugins: list[str] = []
+        self._blank: list[tuple[int, int]] = []
+        self._blank_from = self._blank_depth = -1
+        self._ended = False
         self._open: list[values.Element] = []
         self._elements = 0
         self.found: list[tuple[str, Path]] = []
@@ -136,6 +157,7 @@ class _Scan:
         self._parser = expat.ParserCreate("utf-8")
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
+        self._parser.CharacterDataHandler = self._text
         self._parser.StartDoctypeDeclHandler = self._doctype
         self._parser.EntityDeclHandler = self._doctype
 
@@ -146,6 +168,31 @@ class _Scan:
         except expat.ExpatError as error:
             raise InvalidFile(f"model {self._name}", f"cut off or not XML: {error}", "a whole file of XML in UTF-8") from error
 
+    def kept(self, content: bytes) -> bytes:
+        """Return the text with spaces in place of elements that nothing is read of; lines stay where they are."""
+        whole = bytearray(content)
+        for first, last in self._blank:
+            whole[first:last] = bytes(c if c in b"\r\n" else 32 for c in whole[first:last])
+        if self.is_robot and self._collide == "visual":
+            # in place of the collisions, which are blank: MuJoCo discards visuals
+            return _VISUAL.sub(rb"<\1collision", bytes(whole))
+        return bytes(whole)
+
+    def _settle(self) -> None:
+        """Close a blanked element, whose last byte is the one before what comes next."""
+        if self._ended:
+            self._blank.append((self._blank_from, self._parser.CurrentByteIndex))
+            self._blank_from, self._ended = -1, False
+
+    def _is_left_out(self, tag: str, above: tuple[values.Element, ...]) -> bool:
+        """Whether nothing is read of an element below the elements `above`."""
+        if not above:
+            return False
+        if above[0].tag == "robot":
+            other = COLLIDE[1 - COLLIDE.index(self._collide)]
+            return tag == "material" or (tag == other if above[-1].tag == "link" else len(above) == 1 and tag in FOREIGN)
+        return tag == "extension" or (tag == "plugin" and above[-1].tag in MOVED_BY_PLUGIN)
+
     def _place(self, what: str) -> str:
         return f"{what} in {self._name}, line {self._parser.CurrentLineNumber},"
 
@@ -153,6 +200,7 @@ class _Scan:
         raise InvalidFile(self._place("DOCTYPE or entity"), declared[0], "XML without DOCTYPE and entities")
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        self._settle()
         self._elements += 1
         above, own = tuple(self._open), values.Element(tag, attributes)
         self._open.append(own)
@@ -162,20 +210,29 @@ class _Scan:
             raise InvalidFile(self._place("number of elements"), self._elements, f"up to {ELEMENTS}")
         self.is_robot |= not above and tag == "robot"
         self.has_world |= [one.tag for one in self._open] == ["robot", "link"] and attributes.get("name") == "world"
-        if self._open[0].tag == "robot" and len(self._open) > 1 and self._open[1].tag in FOREIGN:
+        if self._blank_from < 0 and self._is_left_out(tag, above):
+            self._blank_from, self._blank_depth = self._parser.CurrentByteIndex, len(above)
+        if self._blank_from >= 0:
+            if tag == "plugin" and above[0].tag != "robot":
+                self.plugins.append(attributes.get("plugin") or attributes.get("instance") or "without a name")
             return
         values.require(self._place, above, own)
         if tag == "plugin":
             name = attributes.get("plugin") or attributes.get("name") or attributes.get("instance") or ""
-            raise InvalidFile(self._place("<plugin>"), name, "a model without plugins: a plugin is code, which is not run here")
+            raise InvalidFile(self._place("<plugin>"), name, "shapes without plugins: a plugin is code, which is not run here")
         if tag == "flexcomp" and "file" in attributes:
             raise InvalidFile(self._place("file of <flexcomp>"), attributes["file"], "rigid bodies; leave deformable ones out")
         for key, value in attributes.items():
             if key.startswith("file") or key in ("assetdir", "meshdir", "texturedir"):
                 self._path(tag, key, value)
 
+    def _text(self, text: str) -> None:
+        self._settle()
+
     def _end(self, tag: str) -> None:
+        self._settle()
         self._open.pop()
+        self._ended = self._blank_from >= 0 and len(self._open) == self._blank_depth
 
     def _path(self, tag: str, key: str, value: str) -> None:
         thing = self._place(f"{key} of <{tag}>")

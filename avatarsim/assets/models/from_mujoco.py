@@ -13,12 +13,16 @@ from numpy.typing import NDArray
 
 from avatarsim.assets import caps
 from avatarsim.assets.models.compiled import Compiled, EqualityKind, GeomKind, JointKind, compiled
+from avatarsim.assets.models.coordinates import Coordinates
+from avatarsim.assets.models.doors import COLLIDE
+from avatarsim.assets.models.laws import Laws
 from avatarsim.assets.models.links_of_tree import JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.pairs import Filter, Part
 from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
+from avatarsim.assets.models.start import chosen as chosen_start
 from avatarsim.assets.models.welds import attaching_welds
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidScene, InvalidShape, UnknownName
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
@@ -26,6 +30,7 @@ from avatarsim.scene.body import Body, Role, fixed, simulated
 from avatarsim.scene.checks import within
 from avatarsim.scene.joint import Hinges
 from avatarsim.scene.moving import moving
+from avatarsim.scene.scene import EARTH
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 
@@ -40,10 +45,11 @@ WORLD = "world"
 
 @dataclass(frozen=True)
 class Options:
-    """What a user asks of a model file; see `load.load_avatar`."""
+    """What a user asks of a model file; see `load.load_avatar`. `driven`: there must be an avatar, there is none, or, for None, a
+    tree with joints is one where there is any."""
 
     avatar: str | tuple[str, ...] | None = None
-    driven: bool = True
+    driven: bool | None = True
     folder: str | Path | None = None
     joints: JointWishes = field(default_factory=JointWishes)
     pieces: MeshWishes = field(default_factory=MeshWishes)
@@ -52,13 +58,17 @@ class Options:
     materials: tuple[str, str] = ("human", "wood")
     size_range: tuple[float, float] = PLAUSIBLE_SIZE
     scale: float = 1.0
+    collide: str = "collision"
+    keyframe: str | int | None = None
 
 
 def model_of_file(path: Path, options: Options) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file. Raises InvalidFile for what cannot be said, by name."""
+    if options.collide not in COLLIDE:
+        raise UnknownName("collide", str(options.collide), COLLIDE)
     scale = within(f"metres a unit of length of {path.name}", options.scale, SMALLEST, LARGEST, InvalidInput)
     try:
-        return _Reading(compiled(path, options.folder, scale), path, options).model()
+        return _Reading(compiled(path, options.folder, scale, options.collide), path, options).model()
     except (InvalidScene, InvalidShape) as error:
         # a number of the file that no scene takes
         raise InvalidFile(f"{error.thing} in {path.name}", error.value, error.valid) from error
@@ -74,6 +84,8 @@ class _Reading:
         self._geoms = Geoms(model, options.pieces, options.leave)
         self._masses = Masses(model, self._names)
         self._title = model.model_name.strip() if model.model_name not in ("", UNNAMED) else path.stem
+        self._laws = Laws(model, path.name)
+        self._pose = chosen_start(model, options.keyframe, path.name)
         self._filter = Filter(model, options.masks)
         self._parts: dict[str, Part] = {}
         self._moving: list[Avatar] = []
@@ -81,25 +93,34 @@ class _Reading:
     def model(self) -> Model:
         """The whole model."""
         forest = trees(self._m)
-        chosen = self._avatar_tree(forest) if self._options.driven else None
+        chosen = self._avatar_tree(forest) if self._options.driven is not False else None
         tree = skeleton = avatar = start = None
         if chosen is not None:
             tree = self._tree(chosen)
-            skeleton = skeleton_of(tree, self._names, self._geoms, self._masses, self._options.materials[0])
+            skeleton = skeleton_of(tree, self._names, self._geoms, self._masses, self._material_of_link)
             avatar = Avatar(self._title, skeleton.links, size_range=self._options.size_range)
             avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
-            start = self._start(tree, avatar)
+            start = self._start(tree, avatar, skeleton.coordinates)
         bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
         exclude = self._excluded(tree, avatar)
         welds = self._welds(tree, avatar, start, bodies)
         self._say_equalities(welds)
-        self._said += [*self._geoms.said(), *self._masses.said()]
+        self._said += [*self._pose.said(), *self._geoms.said(), *self._masses.said(), *self._laws.said()]
+        if self._m.plugin_name:
+            self._said.append(f"plugins are left out: {', '.join(self._m.plugin_name)}")
+        gravity = vector_of(self._m.gravity)
+        if gravity != EARTH:
+            self._said.append(f"gravity is {', '.join(f'{g:g}' for g in gravity)} m/s^2, as in the file")
         found = Model(
             avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start,
-            moving=tuple(self._moving), attached=tuple(welds.values()),
+            moving=tuple(self._moving), attached=tuple(welds.values()), gravity=gravity,
+            frictions=self._laws.found(),
         )
         if not found.room and (avatar is None or not any(link.pieces for link in avatar.links)):
-            valid = "at least 1: <collision> of a URDF link; contype or conaffinity of an MJCF geom, or a pair that names it"
+            valid = (
+                'at least 1: <collision> of a URDF link; contype or conaffinity of an MJCF geom, or a pair that names it; '
+                'collide="visual" takes the shapes that are to be looked at'
+            )
             raise InvalidFile(f"shapes of {self._file} that collide", 0, valid)
         said: tuple[str, ...] = ()
         if avatar is not None or any(body.role is Role.SIMULATED for body in bodies):
@@ -109,16 +130,27 @@ class _Reading:
             found, said = freed(found, tree is not None and tree.is_free)
         return replace(found, said=(*self._said, *said))
 
-    def _avatar_tree(self, forest: list[tuple[int, ...]]) -> tuple[int, ...]:
-        """The tree that becomes the avatar: the one that is asked for, or the one with the most joints."""
+    def _avatar_tree(self, forest: list[tuple[int, ...]]) -> tuple[int, ...] | None:
+        """The tree that becomes the avatar: the one that is asked for, or the one with the most joints.
+
+        A free joint makes a body loose, so it does not count unless the file has one tree and nothing else to drive."""
         asked = self._options.avatar
         if asked is not None:
             chosen = {self._tree_with(name, forest) for name in ((asked,) if isinstance(asked, str) else asked)}
             if chosen:
                 return tuple(sorted(b for bodies in chosen for b in bodies))
-        counts = [int(np.isin(self._m.jnt_bodyid, bodies).sum()) for bodies in forest]
+        jointed = self._m.jnt_bodyid[self._m.jnt_type != JointKind.FREE]
+        counts = [int(np.isin(jointed, bodies).sum()) for bodies in forest]
+        if max(counts, default=0) == 0 and self._options.driven is None:
+            return None
+        loose = [k for k, bodies in enumerate(forest) if np.isin(self._m.jnt_bodyid, bodies).any()]
+        if max(counts, default=0) == 0 and len(loose) == 1:
+            return forest[loose[0]]
         if not forest or (max(counts) == 0 and not self._free_root()):
-            valid = 'at least 1; load_room reads a room, root="free" lets a body without joints go where its user goes'
+            valid = (
+                'at least 1 besides those of loose bodies; load_room reads a room, avatar="name" takes a loose body, root="free" '
+                'lets a body without joints go where its user goes'
+            )
             raise InvalidFile(f"joints of {self._file}", 0, valid)
         return forest[int(np.argmax(counts))]
 
@@ -147,17 +179,22 @@ class _Reading:
             self._said.append(f'{self._names[tree.root]} is a mocap body and stays where it is; root="free" lets it go')
         return tree
 
-    def _start(self, tree: Tree, avatar: Avatar) -> TrackerSample:
-        """The reference posture, each hinge within its limits."""
-        links = len(avatar.links)
-        positions, rotations = np.zeros((links, 3)), np.tile(np.array(rotation.IDENTITY), (links, 1))
-        if tree.is_free:
-            positions[0], rotations[0] = self._m.body_pos[tree.root], rotation.normalised(self._m.body_quat[tree.root])
-        angles = [
-            min(max(0.0, hinge.lower), hinge.upper)
-            for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges
-        ]
-        return TrackerSample(0.0, positions, rotations, np.array(angles, dtype=np.float64))
+    def _start(self, tree: Tree, avatar: Avatar, coordinates: Coordinates) -> TrackerSample:
+        """The posture at the start, each hinge within its limits."""
+        own = [j for j in range(len(self._m.jnt_name)) if self._m.jnt_bodyid[j] in tree.bodies]
+        widths = {JointKind.FREE: 7, JointKind.BALL: 4}
+        addresses = [(int(self._m.jnt_qposadr[j]), widths.get(JointKind(int(self._m.jnt_type[j])), 1)) for j in own]
+        row = [self._pose.qpos[first : first + width] for first, width in addresses]
+        if tree.is_free and not any(self._m.jnt_type[j] == JointKind.FREE for j in own):
+            row = [*self._pose.root(tree.root), *row]
+        posture = coordinates.motion(np.concatenate([np.zeros(0), *row])[None], np.zeros(1)).sample(0)
+        hinges = [hinge for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
+        angles = [min(max(angle, hinge.lower), hinge.upper) for angle, hinge in zip(posture.angles, hinges, strict=True)]
+        return replace(posture, angles=np.array(angles, dtype=np.float64))
+
+    def _material_of_link(self, body: int) -> str:
+        """The material of the link that carries a body."""
+        return self._laws.material(self._names[body], self._geoms.of(body) if body else (), self._options.materials[0])
 
     def _world(self) -> list[Body]:
         """A fixed body for each geom of the world."""
@@ -165,7 +202,7 @@ class _Reading:
         for geom in self._geoms.of(0):
             name = self._own_name(self._m.geom_name[geom] or f"{WORLD} {geom}")
             pieces = self._geoms.pieces(geom, np.zeros(3), np.array(rotation.IDENTITY))
-            found.append(fixed(name, pieces, self._options.materials[1]))
+            found.append(fixed(name, pieces, self._laws.material(name, (geom,), self._options.materials[1])))
             self._parts[name] = Part(name, (0,), (geom,), 0)
         return found
 
@@ -186,9 +223,10 @@ class _Reading:
             origin, frame = poses[int(self._m.body_parentid[b])]
             poses[b] = origin + rotation.rotate(frame, self._m.body_pos[b]), rotation.multiply(frame, self._m.body_quat[b])
         pieces = tuple(p for b in bodies for g in self._geoms.of(b) for p in self._geoms.pieces(g, *poses[b]))
-        at, turn = vector_of(self._m.body_pos[bodies[0]]), quaternion_of(self._m.body_quat[bodies[0]])
+        place, frame = self._pose.root(bodies[0])
+        at, turn = vector_of(place), quaternion_of(frame)
         self._parts[name] = Part(name, bodies, tuple(geoms), bodies[0] if is_loose else 0)
-        material = self._options.materials[1]
+        material = self._laws.material(name, geoms, self._options.materials[1])
         if self._m.body_mocapid[bodies[0]] >= 0:
             mass = self._masses.of(bodies, poses, pieces).mass
             self._moving.append(moving(name, pieces, material, position=at, orientation=turn, mass=mass))
@@ -254,7 +292,11 @@ class _Reading:
     def _welds(
         self, tree: Tree | None, avatar: Avatar | None, start: TrackerSample | None, bodies: list[Body]
     ) -> dict[int, tuple[str, str]]:
-        """Loose bodies and the links or moving bodies that welds attach them to, by the number of the equality."""
+        """Loose bodies and the links or moving bodies that welds attach them to, by the number of the equality.
+
+        None at a keyframe that is not the reference, where what hangs together is apart."""
+        if self._pose.key >= 0 and not np.allclose(self._pose.qpos, self._m.qpos0, rtol=0.0, atol=1e-6):
+            return {}
         loose = {body.name for body in bodies if body.role is Role.SIMULATED}
         carried = {part.bodies[0]: name for name, part in self._parts.items() if name in loose}
         carrying = {self._parts[one.name].bodies[0]: one.name for one in self._moving}

@@ -4,7 +4,7 @@ MuJoCo turns a body about its joints one after the other, each about its own cen
 centre. So joints of one body whose centres differ become links of their own, without pieces, one below the other.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -165,8 +165,11 @@ class Skeleton:
     link_of: dict[int, str]
 
 
-def skeleton_of(tree: Tree, names: dict[int, str], geoms: Geoms, masses: Masses, material: str) -> Skeleton:
-    """The links of a tree; body b is carried by the link of its name. Raises InvalidFile where a shape cannot be said."""
+def skeleton_of(
+    tree: Tree, names: dict[int, str], geoms: Geoms, masses: Masses, material: Callable[[int], str]
+) -> Skeleton:
+    """The links of a tree, of the `material` of a body; body b is carried by the link of its name. Raises InvalidFile where a
+    shape cannot be said."""
     links: list[Link] = []
     moved: dict[int, int] = {}
     offsets: dict[int, Array] = {0: np.zeros(3)}
@@ -174,12 +177,12 @@ def skeleton_of(tree: Tree, names: dict[int, str], geoms: Geoms, masses: Masses,
     hinges = 0
     if sum(tree.model.body_parentid[b] == 0 for b in tree.bodies) > 1:
         # one link that is the world, to which all of the trees are jointed
-        links.append(Link(names[0], None, Rigid(), (), masses.nothing(), material))
+        links.append(Link(names[0], None, Rigid(), (), masses.nothing(), material(0)))
     for body in tree.bodies:
         for place in _places(tree, body, names, offsets, geoms, masses):
             parent = None if not links else place.parent
             anchor, turn = vector_of(place.anchor), quaternion_of(place.turn)
-            links.append(Link(place.name, parent, place.joint, place.pieces, place.mass, material, anchor, turn))
+            links.append(Link(place.name, parent, place.joint, place.pieces, place.mass, material(body), anchor, turn))
             for j in place.joints:
                 moved[j] = len(links) - 1
                 if isinstance(place.joint, Hinges):

@@ -24,9 +24,10 @@ MESHES = (".obj", *BY_TRIMESH)
 
 def load_avatar(
     path: str | Path, *, avatar: str | tuple[str, ...] | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
-    couplings: str = "refuse", meshes: str | tuple[str, ...] = "hull", most_vertices: int = 64, repair: str = "auto",
-    leave: tuple[str, ...] = (), masks: bool = True, folder: str | Path | None = None,
-    size_range: tuple[float, float] = PLAUSIBLE_SIZE, scale: float = 1.0,
+    couplings: str = "refuse", meshes: str | tuple[str, ...] = "hull", most_vertices: int = 128, repair: str = "auto",
+    fit: float | None = None, leave: tuple[str, ...] = (), masks: bool = True, folder: str | Path | None = None,
+    size_range: tuple[float, float] = PLAUSIBLE_SIZE, scale: float = 1.0, keyframe: str | int | None = None,
+    collide: str = "collision", needed: bool = True,
 ) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
 
@@ -39,12 +40,17 @@ def load_avatar(
     couplings   "leave": joints that an equality couples move by themselves
     meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` says,
                 which takes seconds for a mesh and is kept; or the names of those meshes to decompose
-    most_vertices   of a piece of a mesh; what that loses is in `said`
+    most_vertices   of a piece of a mesh, which encloses the mesh's hull; what that adds is in `said`
+    fit         [m] that enclosing a hull may add; where `most_vertices` add more, a piece has more vertices
     leave       names of geoms to leave out
     masks       False: links touch whatever contype and conaffinity say
     folder      the folder in which all files of the model must lie; by default the file's own, of URDF the one with package.xml
     size_range  [m] what the avatar's span must be in
     scale       metres a unit of length of the file: all of it, room and loose bodies too; stated masses stay as they are
+    collide     "collision": shapes that the file means to collide; "visual": in their place those that are to be looked at
+    keyframe    name or number of the keyframe to start at, "qpos0" for the reference; by default the one named home, else the
+                first one, else the reference
+    needed      False: a file in which nothing has joints is a room and loose bodies, and no error
 
     Trees with a free joint beside the avatar are loose bodies, those without joints the fixed room. Pairs that overlap at the
     reference never touch; `said` lists them with their depths, and all else that is not as in the file.
@@ -53,16 +59,17 @@ def load_avatar(
     return model_of_file(
         Path(path),
         Options(
-            avatar, True, folder, JointWishes(fix, couplings, root), MeshWishes(meshes, most_vertices, repair), leave, masks,
-            size_range=size_range, scale=scale,
+            avatar, True if needed else None, folder, JointWishes(fix, couplings, root),
+            MeshWishes(meshes, most_vertices, repair, fit), leave, masks, size_range=size_range, scale=scale,
+            collide=collide, keyframe=keyframe,
         ),
     )
 
 
 def load_room(
-    path: str | Path, *, meshes: str | tuple[str, ...] = "hull", most_vertices: int = 64, repair: str = "auto",
-    leave: tuple[str, ...] = (), folder: str | Path | None = None, scale: float = 1.0, y_up: bool = False,
-    threshold: float = 0.05,
+    path: str | Path, *, meshes: str | tuple[str, ...] = "hull", most_vertices: int = 128, repair: str = "auto",
+    fit: float | None = None, leave: tuple[str, ...] = (), folder: str | Path | None = None, scale: float = 1.0,
+    y_up: bool = False, threshold: float = 0.05, keyframe: str | int | None = None, collide: str = "collision",
 ) -> Model:
     """A room from MJCF or URDF, from a mesh (.obj .stl .ply .off .glb .gltf), or the word "floor": level ground, its top at 0.
 
@@ -74,14 +81,19 @@ def load_room(
         return Model(None, None, (fixed(FLOOR, (top,), "wood"),), ())
     path = Path(path)
     if path.suffix.lower() in doors.MODELS:
-        wanted = MeshWishes(meshes, most_vertices, repair)
-        return model_of_file(path, Options(driven=False, folder=folder, pieces=wanted, leave=leave, scale=scale))
+        wanted = MeshWishes(meshes, most_vertices, repair, fit)
+        options = Options(
+            driven=False, folder=folder, pieces=wanted, leave=leave, scale=scale, collide=collide, keyframe=keyframe
+        )
+        return model_of_file(path, options)
     if path.suffix.lower() not in MESHES:
         advice = doors.CONVERSION.get(path.suffix.lower())
         valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"
         raise InvalidFile(f"format of {path.name}", path.suffix, f"{valid}; {advice}" if advice else valid)
     try:
-        found = pieces_of_mesh(path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair)
+        found = pieces_of_mesh(
+            path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair, fit=fit
+        )
     except InvalidShape as error:
         # of a room there are pieces only, no single hull
         valid = error.valid.replace(ADVICE, 'repair="remesh" wraps it in a closed one')

@@ -1,16 +1,18 @@
 """What one file of a robot, a hand or a room gives."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from avatarsim.assets.models.coordinates import Coordinates
+from avatarsim.assets.models.laws import Frictions
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.checks import Vector
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.moving import with_moving
-from avatarsim.scene.scene import Scene
+from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.tracker import TrackerSample, rest
 
 
@@ -26,6 +28,8 @@ class Model:
     said         sentences for the user: what was excluded, fixed, guessed
     exclude      pairs of names that never touch, besides those of the avatar itself, as in `Scene.exclude`
     start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar
+    gravity      [m/s^2]
+    frictions    of the file's geoms, whose materials bodies and links have
     at_rest      of the pairs that never touch, by their names in a scene, those that do not since they overlap at the file's
                  reference or, of a recorded skeleton, standing or in the first frame; the others are the file's own word"""
 
@@ -38,14 +42,21 @@ class Model:
     at_rest: tuple[tuple[str, str], ...] = ()
     moving: tuple[Avatar, ...] = ()
     attached: tuple[tuple[str, str], ...] = ()
+    gravity: Vector = EARTH
+    frictions: Frictions = field(default_factory=Frictions)
 
-    def scene(self, name: str = "model") -> Scene:
-        """Return a scene of the model, at its start."""
+    def scene(self, name: str = "model", room: "Model | None" = None) -> Scene:
+        """Return a scene of the model at its start, in a room."""
+        if room is not None:
+            return beside(self, room).scene(name)
         avatars = self.moving if self.avatar is None else (self.avatar, *self.moving)
         start = self.start
         if start is not None and self.moving:
             start = with_moving(avatars, start, {}, rest(avatars))
-        return Scene(name, self.bodies, avatars, start=start, exclude=self.exclude, attached=self.attached)
+        return Scene(
+            name, self.bodies, avatars, self.frictions.table(), self.gravity, start=start, exclude=self.exclude,
+            attached=self.attached,
+        )
 
     @property
     def room(self) -> tuple[Body, ...]:
@@ -54,7 +65,10 @@ class Model:
 
 
 def beside(model: Model, room: Model) -> Model:
-    """Return a model in a room. Names of the room that the model has too get the prefix "room_"."""
+    """Return a model in a room. Names of the room that the model has too get the prefix "room_".
+
+    Gravity is the model's, that of the room where the model's is the Earth's.
+    """
     taken = {body.name for body in model.room}
     if model.avatar is not None:
         taken |= {model.avatar.name}
@@ -73,6 +87,7 @@ def beside(model: Model, room: Model) -> Model:
     return replace(
         model, bodies=(*model.bodies, *bodies), moving=(*model.moving, *moving), exclude=(*model.exclude, *exclude),
         at_rest=(*model.at_rest, *at_rest), attached=(*model.attached, *attached),
+        gravity=room.gravity if model.gravity == EARTH else model.gravity, frictions=model.frictions | room.frictions,
     )
 
 

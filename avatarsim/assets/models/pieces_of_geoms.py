@@ -1,7 +1,7 @@
 """Convex pieces of a compiled model's geoms: primitives as they are, cylinders as prisms, meshes by hull or decomposition.
 
-A prism stands around its cylinder, so that what is free of it is free of the cylinder; hulls of fewer vertices (greedy: always
-the vertex farthest outside next) lie in their mesh's hull. What either changes is measured, and said.
+A prism encloses its cylinder, and a hull of fewer vertices the hull of its mesh, so that a posture which is free of them is free
+of the file's own shapes. What either adds is measured, and said.
 """
 
 from dataclasses import dataclass, field
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.decompose import Wishes
-from avatarsim.assets.meshes.hulls import hull_of, reduced
+from avatarsim.assets.meshes.enclosing import enclosing
+from avatarsim.assets.meshes.hulls import hull_of
 from avatarsim.assets.models.compiled import Compiled, GeomKind
 from avatarsim.errors import InvalidFile, InvalidShape, UnknownName
 from avatarsim.scene.checks import SHORTEST, Quaternion, Vector
@@ -35,18 +36,19 @@ WAYS = ("hull", "decompose")
 
 @dataclass(frozen=True)
 class MeshWishes:
-    """How meshes become pieces: `meshes` of WAYS, or the names of those to decompose, with at most so many vertices each;
-    `repair` of open surfaces, as in `pieces_of_mesh`."""
+    """How meshes become pieces: `meshes` of WAYS, or the names of those to decompose, with at most so many vertices each unless
+    that adds more than `fit` [m]; `repair` of open surfaces, as in `pieces_of_mesh`."""
 
     meshes: str | tuple[str, ...] = "hull"
-    most_vertices: int = 64
+    most_vertices: int = 128
     repair: str = "auto"
+    fit: float | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.meshes, tuple) and self.meshes not in WAYS:
             raise UnknownName("meshes", str(self.meshes), WAYS)
         # refused also where no mesh needs them
-        Wishes(most_vertices=self.most_vertices, repair=self.repair)
+        Wishes(most_vertices=self.most_vertices, repair=self.repair, fit=self.fit)
 
     def decomposes(self, mesh: str) -> bool:
         """Whether a mesh of this name is decomposed."""
@@ -141,15 +143,16 @@ class Geoms:
 
     def _hull_of(self, label: str, vertices: Array, triangles: Indices) -> tuple[ConvexHull, ...]:
         whole = hull_of(vertices, f"mesh of {label}")
-        thin = reduced(whole, self.wanted.most_vertices, f"mesh of {label}")
-        lost = 0.0 if thin is whole else float(thin.distances(whole.points[whole.used]).max())
-        self._hull = max(self._hull, (lost, label))
-        return (ConvexHull(thin.points[thin.used]),)
+        around, added = enclosing(whole, self.wanted.most_vertices, f"mesh of {label}", self.wanted.fit)
+        self._hull = max(self._hull, (added, label))
+        return (ConvexHull(around.points[around.used]),)
 
     def _decompose(self, label: str, vertices: Array, triangles: Indices) -> tuple[ConvexHull, ...]:
-        most, repair = self.wanted.most_vertices, self.wanted.repair
+        wanted = self.wanted
         try:
-            found = pieces_of_mesh((vertices, triangles), most_vertices=most, repair=repair)
+            found = pieces_of_mesh(
+                (vertices, triangles), most_vertices=wanted.most_vertices, repair=wanted.repair, fit=wanted.fit
+            )
         except InvalidShape as error:
             valid = 'a surface that can be decomposed; repair="remesh" wraps it in a closed one, meshes="hull" takes hulls'
             raise InvalidFile(f"mesh of {label}: {error.thing}", error.value, valid) from error
@@ -165,9 +168,9 @@ class Geoms:
             found.append(f"{what}, at most {1e3 * more:.3g} mm wider ({name})")
         apart = {mesh for mesh in self._meshes if self.wanted.decomposes(self.model.mesh_name[mesh])}
         if hulls := len(self._meshes) - len(apart):
-            lost, name = self._hull
-            what = f"{hulls} meshes are their convex hulls, of at most {self.wanted.most_vertices} vertices"
-            found.append(f"{what}: at most {1e3 * lost:.3g} mm of a hull is left out ({name})")
+            added, name = self._hull
+            around = f", at most {1e3 * added:.3g} mm wider ({name})" if added else ""
+            found.append(f"{hulls} meshes are their convex hulls{around}")
         if apart:
             off, name = self._decomposed
             what = f"{len(apart)} meshes are decomposed into {sum(len(self._meshes[mesh]) for mesh in apart)} convex pieces"

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.assets import caps
 from avatarsim.errors import InvalidFile
 
 Array = NDArray[np.float64]
@@ -27,8 +28,10 @@ FLAT = 2
 
 
 def bare(spec: Any, mujoco: Any) -> None:
-    """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, no keyframe, and no
-    memory for a simulation."""
+    """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, actuator
+    and sensor, and no memory for a simulation. Raises InvalidFile for too many keyframes."""
+    if len(spec.keys) > caps.KEYFRAMES:
+        raise InvalidFile("number of keyframes", len(spec.keys), f"up to {caps.KEYFRAMES}")
     for texture in spec.textures:
         texture.file, texture.builtin = "", mujoco.mjtBuiltin.mjBUILTIN_FLAT
         texture.cubefiles = [""] * len(texture.cubefiles)
@@ -36,8 +39,11 @@ def bare(spec: Any, mujoco: Any) -> None:
         texture.height = FLAT if texture.type == mujoco.mjtTexture.mjTEXTURE_2D else 6 * FLAT
     for field in spec.hfields:
         field.file, field.nrow, field.ncol, field.userdata = "", FLAT, FLAT, [0.0] * FLAT**2
-    for unread in (*spec.skins, *spec.keys):
+    for unread in (*spec.skins, *spec.actuators, *spec.sensors):
         spec.delete(unread)
+    for key in spec.keys:
+        # of actuators that are gone
+        key.ctrl, key.act = [], []
     # and no room for a simulation, of which a file may ask for any amount
     spec.memory = spec.nconmax = spec.njmax = spec.nstack = -1
 

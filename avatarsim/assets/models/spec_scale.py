@@ -13,10 +13,19 @@ SMALLEST, LARGEST = 1e-4, 1e4
 """Metres a unit of length of a model: a tenth of a millimetre to ten kilometres. Beyond, it is no unit of any file."""
 
 
+EARTH = (0.0, 0.0, -9.81)
+"""Gravity [m/s^2] of a file that states none: in metres whatever its unit of length."""
+
+
 def in_metres(spec: Any, scale: float, slide: Any) -> None:
-    """Multiply all lengths of a spec by `scale`, metres a unit of the file; `slide` is MuJoCo's kind of joints that slide."""
+    """Multiply all lengths of a spec by `scale`, metres a unit of the file; `slide` is MuJoCo's kind of joints that slide.
+
+    Coordinates of keyframes stay: they have no unit of their own before the model is compiled.
+    """
     if scale == 1.0:
         return
+    if tuple(spec.option.gravity) != EARTH:
+        spec.option.gravity = scale * np.asarray(spec.option.gravity)
     for kind in (spec.bodies, spec.frames, spec.geoms, spec.joints, spec.sites):
         for one in kind:
             one.pos = scale * np.asarray(one.pos)

@@ -102,9 +102,6 @@ def require(place: Callable[[str], str], above: Sequence[Element], own: Element)
 
     `place` adds file and line to what an error is about."""
     is_robot = (*above, own)[0].tag == "robot"
-    if is_robot and any(element.tag == "visual" for element in above):
-        # what is only looked at is not read
-        return
     joint = above[-1].attributes.get("type") if is_robot and above else own.attributes.get("type")
     of = _called(above, own)
     for key, rule in (URDF if is_robot else MJCF).get(own.tag, {}).items():

@@ -99,6 +99,9 @@ def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, fre
             raise InvalidFile(f"joint of {name}", joint, "names, each once")
         starts[joint] = column
         column += WIDTHS[kinds.get(joint, "hinge")]
+    if not layout.rooted and (bare := [root for root in free if root not in starts]):
+        valid = f'columns of {bare[0]}, or an avatar that stands fixed: root="fixed"'
+        raise InvalidFile(f"root of {name}", "none", valid)
     missing = [slot.name for slot in coordinates.slots if slot.name not in starts and slot.kind != "fixed"]
     if missing:
         unused = [joint for joint in layout.joints if joint not in kinds]

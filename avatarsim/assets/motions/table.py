@@ -1,5 +1,7 @@
 """Tables of text (.csv): a row of root position, quaternion and joints a frame, with or without a row of names above.
 
+A table whose names have no root's among them drives an avatar that stands fixed.
+
 The convention of the retargeted LAFAN1 clips of the Unitree G1: x, y, z [m], the quaternion as x, y, z, w, then 29 joints [rad]
 in the model's order, 30 rows a second, no names. With names the columns may stand in any order, and others between them.
 """
@@ -193,11 +195,13 @@ def _named(name: str, names: list[str]) -> tuple[matching.Layout, int | None, in
             _put(name, turns if turning else places, root["axis"], column, said)
         else:
             _put(name, joints, caps.require_name(f"name of column {column} of {name}", said), column, said)
-    if set(places) != set("xyz") or set(turns) != set("wxyz"):
-        valid = "columns root_x, root_y, root_z, root_qw, root_qx, root_qy, root_qz, or a table without names"
+    rooted = bool(places or turns)
+    if rooted and (set(places) != set("xyz") or set(turns) != set("wxyz")):
+        valid = "columns root_x, root_y, root_z, root_qw, root_qx, root_qy, root_qz, none of them, or a table without names"
         raise InvalidFile(f"root's columns of {name}", f"{', '.join(names[:12])}", valid)
-    columns = [*(places[axis] for axis in "xyz"), *(turns[axis] for axis in "wxyz"), *joints.values()]
-    return matching.Layout(tuple(_joint(word) for word in joints), "wxyz"), counting, instants, tuple(columns)
+    first = [*(places[axis] for axis in "xyz"), *(turns[axis] for axis in "wxyz")] if rooted else []
+    layout = matching.Layout(tuple(_joint(word) for word in joints), "wxyz", rooted)
+    return layout, counting, instants, (*first, *joints.values())
 
 
 def _put(name: str, found: dict[str, int], key: str, column: int, said: str) -> None:

@@ -1,9 +1,9 @@
-"""Hulls: heights and distances against brute force, the depth of surfaces below them, thinning out."""
+"""Hulls: heights and distances against brute force, the depth of surfaces below them."""
 
 import numpy as np
 import pytest
 
-from avatarsim.assets.meshes.hulls import depth_below, hull_of, reduced
+from avatarsim.assets.meshes.hulls import depth_below, hull_of
 from avatarsim.assets.meshes.mesh_queries import point_triangle
 from avatarsim.errors import InvalidShape
 from tests.assets.meshes.solids import channel, cube, ell, torus
@@ -39,22 +39,6 @@ def test_no_sample_of_a_surface_lies_deeper_than_the_bound() -> None:
         corners = soup[0][soup[1]]
         samples = np.random.default_rng(0).dirichlet((1.0, 1.0, 1.0), 50) @ corners
         assert -hull.heights(samples.reshape(-1, 3)).min() <= depth_below(hull, corners) + 1e-12
-
-
-@pytest.mark.parametrize("most", [8, 20, 64])
-def test_a_thinned_hull_keeps_authored_vertices_within_the_old_one(most: int) -> None:
-    hull = hull_of(CLOUD, "cloud")
-    thin = reduced(hull, most, "cloud")
-    assert len(thin.used) <= most < len(hull.used)
-    assert {tuple(p) for p in thin.points[thin.used]} <= {tuple(p) for p in CLOUD}
-    assert hull.heights(thin.points).max() <= 1e-9
-
-
-def test_more_vertices_lose_less() -> None:
-    hull = hull_of(CLOUD, "cloud")
-    lost = [reduced(hull, most, "cloud").distances(CLOUD).max() for most in (8, 16, 32)]
-    assert lost[0] > lost[1] > lost[2] > 0.0
-    assert reduced(hull, 300, "cloud") is hull
 
 
 @pytest.mark.parametrize("points", [np.eye(3), np.zeros((9, 3)), np.random.default_rng(0).normal(size=(20, 3)) * [1.0, 1.0, 0.0]])

@@ -17,8 +17,8 @@ def answer(**changed: object) -> bytes:
     names = {"body_name": ["world", "arm"], "jnt_name": ["turn"], "geom_name": ["ball"]}
     arrays: dict[str, object] = {
         **{key: np.array(value, dtype=np.str_) for key, value in names.items()},
-        **{key: np.zeros(0, dtype=np.str_) for key in ("eq_name", "mesh_name")},
-        "free_root": np.array(False), "mended_name": np.zeros(0, np.str_),
+        **{key: np.zeros(0, dtype=np.str_) for key in ("eq_name", "mesh_name", "key_name", "plugin_name")},
+        "free_root": np.array(False), "is_urdf": np.array(False), "mended_name": np.zeros(0, np.str_),
         "model_name": np.array("m"), "flexes": np.array(0), "qpos0": np.zeros(1),
         "body_parentid": np.zeros(2, np.int32), "body_mocapid": np.full(2, -1), "body_mass": np.ones(2),
         **{f"body_{key}": np.zeros((2, 3)) for key in ("pos", "ipos", "inertia")},
@@ -27,7 +27,9 @@ def answer(**changed: object) -> bytes:
         "jnt_pos": np.zeros((1, 3)), "jnt_axis": np.array([[0.0, 0.0, 1.0]]), "jnt_range": np.array([[-1.0, 1.0]]),
         "geom_type": np.array([2]), "geom_bodyid": np.array([1]), "geom_dataid": np.array([-1]), "geom_contype": np.array([1]),
         "geom_conaffinity": np.array([1]), "geom_pos": np.zeros((1, 3)), "geom_quat": np.array([[1.0, 0.0, 0.0, 0.0]]),
-        "geom_size": np.full((1, 3), 0.1),
+        "geom_size": np.full((1, 3), 0.1), "geom_friction": np.ones(1), "geom_priority": np.zeros(1, np.int32),
+        "gravity": np.zeros(3), "pair_friction": np.zeros(0), "key_qpos": np.zeros((0, 1)), "key_mpos": np.zeros((0, 0)),
+        "key_mquat": np.zeros((0, 0)),
         **{key: NONE for key in ("exclude_signature", "pair_geom1", "pair_geom2", "mesh_vertnum", "mesh_facenum")},
         **{f"eq_{key}": NONE for key in ("type", "objtype", "obj1id", "obj2id", "active0")},
         "eq_data": np.zeros((0, 11)), "mesh_vert": ZEROS, "mesh_face": ZEROS.astype(np.int32),
@@ -49,7 +51,8 @@ def test_a_whole_answer_is_a_model() -> None:
     ({"jnt_bodyid": np.array([2])}, "jnt_bodyid of compiled model"), ({"jnt_bodyid": np.array([0])}, "jnt_bodyid of comp"),
     ({"jnt_qposadr": np.array([1])}, "jnt_qposadr"), ({"pair_geom1": np.array([7])}, "pair_geom1"),
     ({"geom_type": np.array(["2"])}, "geom_type of a.xml"), ({"jnt_pos": np.zeros((1, 3, 1))}, "shape of jnt_pos"),
-    ({"refused": np.array('["a", 1, "b"]')}, "a is 1; valid: b"),
+    ({"gravity": np.zeros(2)}, "gravity of compiled model"), ({"key_qpos": np.zeros((0, 7))}, "key_qpos"),
+    ({"pair_friction": np.zeros(2)}, "pair_friction"), ({"refused": np.array('["a", 1, "b"]')}, "a is 1; valid: b"),
 ])
 def test_an_answer_that_is_none_is_refused(changed: dict[str, object], said: str) -> None:
     with pytest.raises(InvalidFile, match=said):

@@ -29,7 +29,7 @@ def world(inside: str) -> str:
 
 GRID = '<flexcomp name="f" type="grid" count="1000 1000 1000" spacing="1 1 1"/>'
 COPIES = '<replicate count="100000000" offset="1 0 0"><geom size="0.1"/></replicate>'
-PLUGIN = '<mujoco><extension><plugin plugin="mujoco.pid"/></extension></mujoco>'
+PLUGIN = '<mujoco><asset><mesh name="m"><plugin plugin="mujoco.sdf.bolt"/></mesh></asset></mujoco>'
 TEXTS = {
     "nothing": ("", "cut off or not XML"), "no XML": ("solid cube\nfacet normal", "cut off or not XML"),
     "cut off": ("<mujoco><worldbody>", "cut off or not XML"),
@@ -37,7 +37,7 @@ TEXTS = {
     "another format": ("<html><body/></html>", "valid: a model that MuJoCo's compiler takes"),
     "entities": (BALLS, r"DOCTYPE or entity in bad\.xml, line 1, is 'm'"),
     "external entity": ('<!DOCTYPE m SYSTEM "file:///etc/passwd"><mujoco/>', "DOCTYPE or entity in bad.xml, line 1"),
-    "plugin": (PLUGIN, r"<plugin> in bad\.xml, line 1, is 'mujoco\.pid'; valid: a model without plugins"),
+    "plugin": (PLUGIN, r"<plugin> in bad\.xml, line 1, is 'mujoco\.sdf\.bolt'; valid: shapes without"),
     "absolute mesh": (MESH.format("/etc/passwd"), r"file of <mesh> in bad\.xml, line 1, is '/etc/passwd'; valid: a path rel"),
     "home": (MESH.format("~/secret.stl"), "a path relative to the file"),
     "drive": (MESH.format("C:\\\\secret.stl"), "a path relative to the file"),
@@ -133,7 +133,7 @@ def test_nothing_is_left_behind_and_nothing_is_written_beside_the_file(tmp_path:
     monkeypatch.setattr("tempfile.tempdir", str(scratch))
     folder = tmp_path / "model"
     folder.mkdir()
-    (folder / "bad.xml").write_text(f"<mujoco>{BODY}<sensor><gyro site='none'/></sensor></mujoco>")
+    (folder / "bad.xml").write_text(f"<mujoco>{BODY}<contact><exclude body1='none' body2='no'/></contact></mujoco>")
     with pytest.raises(InvalidFile):
         av.load_avatar(folder / "bad.xml")
     assert list(scratch.iterdir()) == [] and [path.name for path in folder.iterdir()] == ["bad.xml"]

@@ -90,7 +90,7 @@ def test_what_moves_stands_still_where_clips_are_cleaned(tmp_path: Path) -> None
 
 def test_a_scene_of_such_a_file_runs_in_the_comparison(tmp_path: Path) -> None:
     path = written(tmp_path, ARM + TOOL + DOOR + HANDLE + FLOOR, WELDS)
-    own = OwnScene("own_door", str(path), "", "", "", 1.0, 1.0, 1.0, 1.0)
+    own = OwnScene("own_door", str(path), "", "", "", 1.0)
     scene, _ = own.parts()
     assert dict(scene.attached)["handle"] == "door"
     assert len(scene.first_sample.positions) == 3

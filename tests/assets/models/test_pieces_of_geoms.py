@@ -1,12 +1,14 @@
 """Geoms as convex pieces: which count, and what they become."""
 
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
 import avatarsim as av
+from avatarsim.assets.meshes.hulls import hull_of
 from avatarsim.assets.models.pieces_of_geoms import PLANE, SIDES
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.body import volume
@@ -87,11 +89,16 @@ def test_a_mesh_becomes_its_hull_where_mujoco_has_it(tmp_path: Path) -> None:
     assert piece.shape.vertices.shape[0] >= 8
 
 
-def test_a_hull_of_fewer_vertices_is_smaller(tmp_path: Path) -> None:
+FITS: tuple[dict[str, Any], ...] = ({"most_vertices": 20}, {"most_vertices": 20, "fit": 1e-3}, {"most_vertices": 4096})
+
+
+def test_a_hull_of_fewer_vertices_holds_the_mesh(tmp_path: Path) -> None:
     path = meshed(tmp_path, torus(around=40, across=20))
-    few, whole = (av.load_room(path, most_vertices=most).bodies[0].pieces[0].shape for most in (20, 4096))
-    assert isinstance(few, av.ConvexHull) and isinstance(whole, av.ConvexHull)
-    assert len(few.vertices) <= 20 < len(whole.vertices) and volume(few) < volume(whole)
+    few, closer, whole = (av.load_room(path, **wish).bodies[0].pieces[0].shape for wish in FITS)
+    assert isinstance(few, av.ConvexHull) and isinstance(closer, av.ConvexHull) and isinstance(whole, av.ConvexHull)
+    assert len(few.vertices) <= 20 < len(closer.vertices) <= len(whole.vertices)
+    assert hull_of(few.vertices, "few").heights(whole.vertices).max() <= 1e-12
+    assert hull_of(whole.vertices, "whole").distances(closer.vertices).max() <= 1e-3
 
 
 @pytest.fixture

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import avatarsim as av
 from avatarsim.assets import caps
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
@@ -125,6 +126,22 @@ def cell(row: int, column: int, word: str) -> str:
     lines = [line.split(",") for line in text(LAFAN).splitlines()]
     lines[row][column] = word
     return "\n".join(",".join(line) for line in lines) + "\n"
+
+
+def test_names_without_a_root_drive_an_avatar_that_stands_fixed(tmp_path: Path) -> None:
+    arm = tmp_path / "arm.urdf"
+    links = '<link name="base"/><link name="a"><collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+    joint = '<parent link="base"/><child link="a"/><axis xyz="0 0 1"/><limit lower="-1" upper="1"/>'
+    arm.write_text(f'<robot name="r">{links}<joint name="j" type="revolute">{joint}</joint></robot>')
+    path = written(tmp_path, "time,j\n0,0.1\n0.5,0.2\n")
+    file = load_motion(path)
+    with pytest.raises(InvalidFile, match='root="fixed"'):
+        file.motion(av.load_avatar(arm))
+    model = av.load_avatar(arm, root="fixed")
+    motion = file.motion(model)
+    assert motion.angles.tolist() == [[0.1], [0.2]] and motion.times.tolist() == [0.0, 0.5]
+    moved = file.written(replace(motion, angles=motion.angles + 0.25), model)
+    assert moved.decode() == "time,j\n0.0,0.35\n0.5,0.45\n"
 
 
 HOSTILE: dict[str, tuple[Callable[[], str | bytes], str]] = {

@@ -1,0 +1,101 @@
+"""Contact laws of a model file: friction of its geoms, combined as MuJoCo does; restitution of the table of materials."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations_with_replacement
+
+from avatarsim.assets import caps
+from avatarsim.assets.models.compiled import Compiled
+from avatarsim.errors import InvalidFile
+from avatarsim.scene.body import TABLE_1, ContactLaw, PairTable
+
+
+@dataclass(frozen=True)
+class Stated:
+    """Material of a file: `base` is that of the table for restitution, `priority` decides whose friction a pair has."""
+
+    base: str
+    friction: float
+    priority: int = 0
+
+
+@dataclass(frozen=True)
+class Frictions:
+    """Materials of a file by name, and the friction of pairs of them that the file states itself."""
+
+    materials: Mapping[str, Stated] = field(default_factory=dict)
+    pairs: Mapping[tuple[str, str], float] = field(default_factory=dict)
+
+    def __or__(self, other: "Frictions") -> "Frictions":
+        return Frictions({**self.materials, **other.materials}, {**self.pairs, **other.pairs})
+
+    def table(self) -> PairTable:
+        """Return the table of all pairs: of two materials the larger friction, or that of the higher priority.
+
+        A material of the table of pairs beside one of the file counts with its own friction against the file's base.
+        """
+        if not self.materials:
+            return TABLE_1
+        names = (*TABLE_1.names, *self.materials)
+        laws = {(a, b): self._law(a, b) for a, b in combinations_with_replacement(names, 2)}
+        return PairTable({pair: law for pair, law in laws.items() if law is not None})
+
+    def _law(self, a: str, b: str) -> ContactLaw | None:
+        one, other = self.materials.get(a), self.materials.get(b)
+        bases = (one.base if one else a, other.base if other else b)
+        if bases not in TABLE_1.pairs:
+            return None
+        known = TABLE_1.contact(*bases)
+        if (a, b) in self.pairs or (b, a) in self.pairs:
+            friction = self.pairs.get((a, b), self.pairs.get((b, a), 0.0))
+        elif one and other:
+            highest = max(one.priority, other.priority)
+            friction = max(part.friction for part in (one, other) if part.priority == highest)
+        else:
+            friction = max([known.friction, *(part.friction for part in (one, other) if part)])
+        return ContactLaw(known.restitution, friction)
+
+
+class Laws:
+    """Materials of the parts of a compiled model. URDF states no friction: its parts have the materials of the table."""
+
+    def __init__(self, model: Compiled, file: str) -> None:
+        self._m, self._file = model, file
+        self._stated: dict[str, Stated] = {}
+        self._paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
+        self._of_geom: dict[int, str] = {}
+        self._mixed: list[str] = []
+
+    def material(self, name: str, geoms: Sequence[int], base: str) -> str:
+        """Return the material of the part of that name: of its geoms' frictions the largest of the highest priority."""
+        if self._m.is_urdf or not geoms:
+            return base
+        priority = max(int(self._m.geom_priority[g]) for g in geoms)
+        found = {float(self._m.geom_friction[g]) for g in geoms if self._m.geom_priority[g] == priority}
+        if len(found) > 1:
+            self._mixed.append(name)
+        stated = Stated(base, max(found), priority)
+        material = f"{base} {stated.friction:g}" + (f" over {priority}" if priority else "")
+        if self._paired & set(geoms):
+            # its own, since the file states the friction of a pair with it
+            material = f"{material} of {name}"
+            self._of_geom |= {g: material for g in geoms}
+        self._stated[material] = stated
+        if len(self._stated) > caps.MATERIALS:
+            raise InvalidFile(f"frictions of geoms of {self._file}", len(self._stated), f"up to {caps.MATERIALS} different ones")
+        return material
+
+    def found(self) -> Frictions:
+        """Return all materials so far."""
+        pairs: dict[tuple[str, str], float] = {}
+        for g, h, friction in zip(self._m.pair_geom1, self._m.pair_geom2, self._m.pair_friction, strict=True):
+            if g in self._of_geom and h in self._of_geom:
+                pair = self._of_geom[g], self._of_geom[h]
+                pairs[pair] = max(pairs.get(pair, 0.0), float(friction))
+        return Frictions(self._stated, pairs)
+
+    def said(self) -> tuple[str, ...]:
+        """Return a sentence on parts whose geoms differ in friction."""
+        if not self._mixed:
+            return ()
+        return (f"of {', '.join(self._mixed)} the largest friction of several geoms counts",)

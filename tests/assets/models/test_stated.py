@@ -1,0 +1,182 @@
+"""What a model file states is done: gravity, friction, keyframes; what cannot be done is said."""
+
+from math import sqrt
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.assets.models.model import beside
+from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
+from avatarsim.scene.body import Role
+
+BALL = (
+    '<geom name="floor" type="plane" size="5 5 .1"/>'
+    '<body name="ball" pos="0 0 1"><freejoint/><geom type="sphere" size=".05"/></body>'
+)
+SLOPE = 25.0
+"""Slope of the ramp [degrees]: its tangent is 0.466."""
+
+
+def mjcf(folder: Path, world: str, rest: str = "") -> Path:
+    """An MJCF file with this world."""
+    path = folder / "model.xml"
+    path.write_text(f"<mujoco>{rest}<worldbody>{world}</worldbody></mujoco>")
+    return path
+
+
+def played(model: av.Model, seconds: float) -> np.ndarray:
+    """Positions (frames, 3) of the first loose body, at 250 Hz."""
+    scene = model.scene()
+    engine = av.AvatarsimEngine()
+    engine.load(scene, av.Settings(), 0.004)
+    loose = next(k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED)
+    steps = range(round(seconds / 0.004))
+    return np.array([engine.advance(scene.first_sample, 0.004).shown.positions[loose].copy() for _ in steps])
+
+
+@pytest.mark.parametrize(("gravity", "scale"), [("0 0 -1.62", 1.0), ("0 0 -981", 0.01), ("0 0 -3.7", 1.0)])
+def test_gravity_is_that_of_the_file(tmp_path: Path, gravity: str, scale: float) -> None:
+    model = av.load_room(mjcf(tmp_path, BALL, f'<option gravity="{gravity}"/>'), scale=scale)
+    expected = scale * float(gravity.split()[2])
+    assert model.gravity == pytest.approx((0.0, 0.0, expected))
+    assert any("gravity" in said for said in model.said) is (scale == 1.0)
+    heights = played(model, sqrt(2.0 * 0.95 * scale / -expected) + 0.1)[:, 2]
+    landed = 0.004 * (1 + int(np.argmax(np.diff(heights) > 0.0)))
+    assert landed == pytest.approx(sqrt(2.0 * 0.95 * scale / -expected), abs=0.008)
+
+
+def test_gravity_of_the_earth_is_in_metres_in_any_unit(tmp_path: Path) -> None:
+    assert av.load_room(mjcf(tmp_path, BALL), scale=0.01).gravity == (0.0, 0.0, -9.81)
+
+
+def ramp(friction: str, of_box: str) -> str:
+    """A box on a ramp."""
+    return (
+        f'<geom name="ramp" type="box" size="2 .5 .05" euler="0 {SLOPE} 0" {friction}/>'
+        f'<body name="box" pos="0.0634 0 0.1360" euler="0 {SLOPE} 0"><freejoint/>'
+        f'<geom name="b" type="box" size=".1 .1 .1" {of_box}/></body>'
+    )
+
+
+@pytest.mark.parametrize(
+    ("of_ramp", "of_box", "pair", "expected"),
+    [
+        ("", "", "", 1.0), ('friction="0.2"', 'friction="0.3"', "", 0.3), ('friction="0.2"', 'friction="0.9"', "", 0.9),
+        ('friction="0.2" priority="1"', 'friction="0.9"', "", 0.2),
+        ("", "", '<contact><pair geom1="ramp" geom2="b" friction="0.1 0.1 0.005 0.0001 0.0001"/></contact>', 0.1),
+    ],
+)
+def test_friction_is_that_of_mujoco(tmp_path: Path, of_ramp: str, of_box: str, pair: str, expected: float) -> None:
+    path = mjcf(tmp_path, ramp(of_ramp, of_box), pair)
+    scene = av.load_room(path).scene()
+    law = scene.materials.contact(*scene.material_names)
+    whole = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(whole)
+    data.qpos[2] -= 0.01
+    mujoco.mj_forward(whole, data)
+    assert data.contact.friction[0, 0] == pytest.approx(expected)
+    assert law.friction == pytest.approx(expected) and law.restitution == 0.3
+
+
+@pytest.mark.parametrize(("friction", "stays"), [(1.0, True), (0.5, True), (0.4, False)])
+def test_a_box_stays_on_a_ramp_by_the_friction_of_the_file(tmp_path: Path, friction: float, stays: bool) -> None:
+    of = f'friction="{friction}"'
+    places = played(av.load_room(mjcf(tmp_path, ramp(of, of))), 1.0)
+    assert bool(np.linalg.norm(places[-1] - places[5]) < 1e-3) is stays
+
+
+def test_friction_of_several_geoms_and_of_two_files(tmp_path: Path) -> None:
+    geoms = '<geom size=".1" friction="0.3"/><geom size=".1" pos="1 0 0" friction="0.7"/>'
+    mixed = f'<body name="x" pos="0 0 2"><freejoint/>{geoms}</body>'
+    model = av.load_room(mjcf(tmp_path, mixed))
+    assert any("x" in said and "friction" in said for said in model.said)
+    scene = beside(model, av.load_room("floor")).scene()
+    # the floor of the room is wood, whose friction against wood is 0.3
+    assert scene.materials.contact(*scene.material_names).friction == 0.7
+
+
+KEYED = (
+    '<body name="base"><geom type="box" size=".1 .1 .1"/><body name="arm" pos="0 0 .3"><joint name="j" axis="0 1 0" ref="10"/>'
+    '<geom type="capsule" size=".03" fromto="0 0 0 .4 0 0"/></body></body>'
+    '<body name="ball" pos="2 0 1"><freejoint/><geom size=".05"/></body>'
+    '<body name="m" mocap="true" pos="0 2 0"><geom size=".05"/></body>'
+)
+KEYS = (
+    '<keyframe><key name="first" qpos="0.5 2 0 3 1 0 0 0" ctrl="7" mpos="0 3 0"/>'
+    '<key name="home" qpos="0.7 2 0 4 0 1 0 0"/></keyframe>'
+    '<actuator><position joint="j"/></actuator>'
+)
+
+
+@pytest.mark.parametrize(
+    ("keyframe", "angle", "height", "place"),
+    [
+        (None, 0.7, 4.0, 2.0), ("first", 0.5, 3.0, 3.0), (0, 0.5, 3.0, 3.0), ("1", 0.7, 4.0, 2.0),
+        ("qpos0", np.deg2rad(10.0), 1.0, 2.0),
+    ],
+)
+def test_a_keyframe_is_the_start(tmp_path: Path, keyframe: str | int | None, angle: float, height: float, place: float) -> None:
+    model = av.load_avatar(mjcf(tmp_path, KEYED, KEYS), keyframe=keyframe)
+    assert model.start is not None and model.coordinates is not None
+    assert model.start.angles == pytest.approx([angle - np.deg2rad(10.0)])
+    assert model.bodies[0].position[2] == height and model.moving[0].links[0].anchor[1] == place
+    assert any("keyframe" in said for said in model.said) is (keyframe != "qpos0")
+    av.AvatarsimEngine().load(model.scene(), av.Settings(), 0.01)
+
+
+@pytest.mark.parametrize(
+    ("keyframe", "error"), [("hom", UnknownName), (2, InvalidInput), (True, InvalidInput), (-1, InvalidInput)]
+)
+def test_a_keyframe_that_is_not_there(tmp_path: Path, keyframe: str | int, error: type[Exception]) -> None:
+    with pytest.raises(error, match="keyframe"):
+        av.load_avatar(mjcf(tmp_path, KEYED, KEYS), keyframe=keyframe)
+
+
+def test_plugins_that_move_nothing_are_left_out(tmp_path: Path) -> None:
+    plugins = (
+        '<extension><plugin plugin="mujoco.pid"><instance name="i"><config key="kp" value="4"/></instance></plugin>'
+        '</extension>'
+        '<actuator><plugin plugin="mujoco.pid" instance="i" joint="j"/></actuator>'
+    )
+    model = av.load_avatar(mjcf(tmp_path, KEYED, plugins))
+    assert any("mujoco.pid" in said for said in model.said) and model.avatar is not None and len(model.avatar.links) == 2
+    shaped = '<body><geom type="sdf" mesh="g"><plugin plugin="mujoco.sdf.gear"/></geom></body>'
+    with pytest.raises(InvalidFile, match="plugin"):
+        av.load_room(mjcf(tmp_path, shaped))
+
+
+URDF = """<robot name="r"><material name="grey"><color rgba="1 1 1 1"/></material><material name="grey"/>
+<link name="world"/><link name="a">
+<visual><geometry><box size="0.4 0.4 0.4"/></geometry><material name="grey"/><material name="grey"/></visual>
+{}</link><joint name="j" type="revolute"><parent link="world"/><child link="a"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1"/></joint></robot>"""
+
+
+def test_visuals_that_do_not_compile_are_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "r.urdf"
+    path.write_text(URDF.format('<collision><geometry><sphere radius="0.1"/></geometry></collision>'))
+    model = av.load_avatar(path)
+    assert model.avatar is not None
+    (piece,) = (piece for link in model.avatar.links for piece in link.pieces)
+    assert isinstance(piece.shape, av.Sphere)
+
+
+@pytest.mark.parametrize("urdf", [True, False])
+def test_shapes_to_be_looked_at_collide_when_asked(tmp_path: Path, urdf: bool) -> None:
+    if urdf:
+        path = tmp_path / "r.urdf"
+        path.write_text(URDF.replace('<material name="grey"/>', "").format(""))
+    else:
+        shape = '<geom type="box" size=".2 .2 .2" contype="0" conaffinity="0"/>'
+        path = mjcf(tmp_path, f'<body><joint axis="0 0 1"/>{shape}</body>')
+    with pytest.raises(InvalidFile, match='collide="visual"'):
+        av.load_avatar(path)
+    model = av.load_avatar(path, collide="visual")
+    assert model.avatar is not None
+    (piece,) = (piece for link in model.avatar.links for piece in link.pieces)
+    assert isinstance(piece.shape, av.Box) and piece.shape.size == pytest.approx((0.4, 0.4, 0.4))
+    with pytest.raises(UnknownName):
+        av.load_avatar(path, collide="both")
