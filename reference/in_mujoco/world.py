@@ -67,6 +67,9 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
     # a diverged state must stay visible: by default it is silently replaced by the first one
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     geoms: list[list[str]] = []
+    # avatars before what they meet: MuJoCo eliminates velocities from the last to the first, and a lift that is eliminated before
+    # the bodies on it leaves a full matrix of them all
+    links = _avatars(spec, scene, laws, limits, swing, gravity_on_links, armature, servo, hinged)
     for k, body in enumerate(scene.bodies):
         made = spec.worldbody.add_body(name=f"b{k}", pos=body.position, quat=body.orientation)
         if body.role is Role.SIMULATED:
@@ -75,7 +78,7 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
         geoms.append(_geoms(spec, made, k, body.pieces, laws))
         if planes and body.role is Role.FIXED:
             _planes(made)
-    _avatars(spec, scene, laws, geoms, limits, swing, gravity_on_links, armature, servo, hinged)
+    geoms += links
     _attached(spec, scene)
     pairs = _pairs(spec, scene, laws, geoms)
     model = spec.compile()
@@ -85,10 +88,11 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
 
 
 def _avatars(
-    spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]], limits: bool, swing: bool, gravity: bool,
-    armature: float, servo: Servo | None, hinged: bool,
-) -> None:
-    k, hinge = len(scene.bodies), 0
+    spec: mujoco.MjSpec, scene: Scene, laws: Laws, limits: bool, swing: bool, gravity: bool, armature: float,
+    servo: Servo | None, hinged: bool,
+) -> list[list[str]]:
+    """Make all links; the names of their geoms, link by link."""
+    k, hinge, geoms = len(scene.bodies), 0, list[list[str]]()
     for avatar in scene.avatars:
         made: dict[str, mujoco.MjsBody] = {}
         for link in avatar.links:
@@ -128,6 +132,7 @@ def _avatars(
                 weld.data = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]
             geoms.append(_geoms(spec, body, k, link.pieces, laws))
             k += 1
+    return geoms
 
 
 def _attached(spec: mujoco.MjSpec, scene: Scene) -> None:

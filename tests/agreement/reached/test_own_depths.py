@@ -29,7 +29,7 @@ def of_mujoco(engine: MujocoEngine) -> float:
     """Depth [m] of the deepest geom in the table, at the poses that are shown."""
     model, data = engine._world.model, engine._data
     mujoco.mj_kinematics(model, data)
-    table, *hand = range(model.ngeom)
+    *hand, table = range(model.ngeom)
     return max(-float(mujoco.mj_geomDistance(model, data, table, geom, 1.0, None)) for geom in hand)
 
 
