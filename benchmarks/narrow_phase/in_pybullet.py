@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from avatarsim.scene.shape import Piece
 from benchmarks.narrow_phase.contender import Array, Contender, Trial
-from reference.in_pybullet.shapes import collision_shape
+from reference.in_pybullet.shapes import collision_shape, placed
 
 CLOSEST_DEFAULT, CLOSEST, DETECTION = "pb closest default", "pb closest", "pb detection"
 """The last includes a broad phase and gives no answer for pairs further apart than BREAKING; in mode `cold` all pairs were
@@ -37,7 +37,7 @@ class PyBullet(Contender):
         upright = np.array([1.0, 0.0, 0.0, 0.0])
         self._bodies = []
         for shape in trial.shapes:
-            made = collision_shape((Piece(shape),), upright, np.zeros(3), client)
+            made = collision_shape(placed((Piece(shape),), upright, np.zeros(3)), client)
             body = pybullet.createMultiBody(baseMass=1.0, baseCollisionShapeIndex=made, physicsClientId=client)
             if self.name != CLOSEST_DEFAULT:
                 pybullet.changeDynamics(body, -1, collisionMargin=MARGIN, physicsClientId=client)

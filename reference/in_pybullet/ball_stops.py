@@ -1,6 +1,5 @@
-"""Limits of ball joints where createMultiBody has no word for them: a motor that holds harder while its joint is beyond them.
-
-Bullet has such limits for models in URDF files (`<limit lower upper twist>` of a spherical joint).
+"""Help for Bullet's limits of ball joints, whose cones have four corners, and end at 85 degrees (urdf.py): a motor that holds
+harder while its joint is beyond our limits.
 
 What a motor is asked for is within the limits, so that its torque brings the joint back; what pushed it out is as a rule stronger
 than the torque by which a limb follows its user.
@@ -21,13 +20,13 @@ Array = NDArray[np.float64]
 
 class BallStops:
     """Those balls of one multibody that have limits: `joints`, and their `rows` among all motors of balls. rests (n, 4) are the
-    links' orientations at rest, frames (n, 4) Bullet's frames against ours."""
+    links' orientations at rest; Bullet states a turn of ours as left turn frame, `lefts` and `frames` (n, 4)."""
 
     def __init__(self, client: int, body: int, joints: list[int], rows: list[int], limits: Sequence[SwingTwist], rests: Array,
-                 frames: Array) -> None:
+                 lefts: Array, frames: Array) -> None:
         self._client, self._body, self._joints, self._rows = client, body, joints, rows
         centred = [rotation.conjugate(rotation.between(limit.axis, limit.centre)) for limit in limits]
-        self._left = rotation.multiply(rotation.multiply(np.array(centred), rests), frames)
+        self._left = rotation.multiply(rotation.multiply(np.array(centred), rests), rotation.conjugate(lefts))
         self._right = rotation.conjugate(frames)
         self._axis = np.array([limit.axis for limit in limits], dtype=np.float64)
         self._stops = np.array([(limit.swing, *limit.twist) for limit in limits], dtype=np.float64)

@@ -2,11 +2,13 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Ellipsoid
 from reference.in_pybullet.factors import Array, coefficients, fit, weights
-from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES
+from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES, WIDEST
 from reference.narrowing import not_left_out
 
 RARE = 1e-3
@@ -29,11 +31,13 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
         said = _missed(scene, wanted, matters)
         if said:
             found[what] = said
-    if any(ball.limits for ball in balls):
-        found["ball limits"] = (
-            "our adapter builds avatars by createMultiBody, which has no word for them; Bullet has them for models in URDF "
-            "files. What joints are asked for is limited, and their motors hold harder while contact has brought them beyond "
-            "(both tuned only)"
+    limits = [ball.limits for ball in balls if ball.limits is not None]
+    if limits:
+        wide = sum(limit.swing > WIDEST for limit in limits)
+        found["swing cones"] = (
+            "a joint has limits of two angles and of twist: a cone is the pyramid about it, up to 16 degrees wider in its corners"
+            + (f"; of {wide} joints with cones wider than {np.degrees(WIDEST):g} degrees only twist is limited" if wide else "")
+            + ". Motors hold harder beyond the cone (tuned only)"
         )
     if any(ball.cone for ball in balls):
         found["reach cones"] = "no spherical polygons: ignored"

@@ -57,7 +57,7 @@ class Drive:
         self._balls: list[tuple[int, list[int], Followed]] = []
         for body, entries in balls.items():
             frames = np.array([self._frames[k] for _, k in entries])
-            followed = Followed([k for _, k in entries], rotation.conjugate(frames), frames)
+            followed = Followed([k for _, k in entries], [world.lefts[k] for _, k in entries], frames)
             self._balls.append((body, [joint for joint, _ in entries], followed))
         self._torques = {body: [[self._numbers["ball_force"]] * 3] * len(joints) for body, joints, _ in self._balls}
         self._moves_balls = {body: self._ball_motors(body, len(joints)) for body, joints, _ in self._balls}
@@ -220,13 +220,13 @@ class Drive:
                 if isinstance(ball := links[k].joint, Ball) and ball.limits is not None]
         if not rows:
             return None
+        _, joints, linked, limits = zip(*rows, strict=True)
         return BallStops(
-            self._client, body, [joint for _, joint, _, _ in rows], [row for row, _, _, _ in rows],
-            [limits for _, _, _, limits in rows], np.array([links[k].orientation for _, _, k, _ in rows], dtype=np.float64),
-            np.array([self._frames[k] for _, _, k, _ in rows]),
+            self._client, body, list(joints), [row for row, _, _, _ in rows], limits,
+            np.array([links[k].orientation for k in linked], dtype=np.float64),
+            np.array([self._world.lefts[k] for k in linked]), np.array([self._frames[k] for k in linked]),
         )
 
     def _turned(self, k: int, turn: Array) -> Array:
         """A ball's rotation as Bullet's joint sees it: between principal frames."""
-        frame = self._frames[k]
-        return rotation.multiply(rotation.conjugate(frame), rotation.multiply(turn, frame))
+        return rotation.multiply(self._world.lefts[k], rotation.multiply(turn, self._frames[k]))

@@ -72,6 +72,7 @@ class PybulletEngine:
         self._set_engine()
         self._world: World = build_world(
             scene, self._client, maximal=bool(self._chosen["maximal"].value), limits=scene.effects.limits,
+            ball_limits=bool(self._chosen["ball_limits"].value),
             hulls=bool(self._chosen["boxes_as_hulls"].value), apart=bool(self._chosen["pieces_as_links"].value),
         )
         self._set_bodies()
@@ -200,7 +201,7 @@ class PybulletEngine:
         parts = zip(self._scene.names, self._world.parts, strict=True)
         lines = [
             f"# {self._scene.name} as pybullet/{self._settings.preset} ran it, PyBullet {self.version}",
-            f"# Steps per frame: {self._count}. Bodies are made by createMultiBody with the scene's inertias;",
+            f"# Steps per frame: {self._count}. Bodies are made by createMultiBody, avatars with limits of balls by loadURDF;",
             "# which pairs do not meet is said by setCollisionFilterPair.",
             *(f"# {name}: body {part.body}, link {part.link}" for name, part in parts),
             "import pybullet", "", f"step = {self._step!r}",

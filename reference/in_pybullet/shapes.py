@@ -16,7 +16,7 @@ from avatarsim.spatial import rotation
 from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES
 
 Array = NDArray[np.float64]
-
+IDENTITY = np.array(rotation.IDENTITY)
 
 SAME = 1e-12
 """Places [m] and turns that differ by no more are one: what is left of rounding must not keep a shape from its own frame."""
@@ -42,42 +42,60 @@ def wxyz(quaternion: Sequence[float]) -> Array:
     return np.array([w, x, y, z])
 
 
-def collision_shape(pieces: tuple[Piece, ...], frame: Array, centre: Array, client: int, hulls: bool = False) -> int:
-    """Shape of all pieces, in a frame that is turned by the quaternion `frame` against the body's; `centre` (3,) [m] is the mass
-    centre in that frame; `hulls`: boxes as hulls of their corners. -1, Bullet's word for none, without pieces.
+Placed = tuple[Shape | Array, list[float], list[float]]
+"""A shape, or the vertices (n, 3) [m] of a hull, with its place [m] and its turn (x, y, z, w)."""
 
-    One piece is handed over in the mass centre's own frame where it can be: there Bullet keeps the shape itself, anywhere else a
-    compound of it, whose contacts begin when boxes around the parts overlap and end when they do not. Only the shape itself is
-    met before it overlaps. Raises InvalidScene for more pieces than PyBullet takes.
+
+def placed(pieces: tuple[Piece, ...], frame: Array, centre: Array, hulls: bool = False) -> list[Placed]:
+    """Return all pieces in a frame that is turned by the quaternion `frame` against the body's; `centre` (3,) [m] is the mass
+    centre in that frame; `hulls`: boxes as hulls of their corners.
+
+    One piece is in the mass centre's own frame where it can be: there Bullet keeps the shape itself, anywhere else a compound of
+    it, whose contacts begin when boxes around the parts overlap and end when they do not. Only the shape itself is met before it
+    overlaps. Raises InvalidScene for more pieces than PyBullet takes.
     """
-    if not pieces:
-        return -1
     if len(pieces) > MOST_PIECES:
         raise InvalidScene("pieces of a moving body or link in PyBullet", len(pieces), f"at most {MOST_PIECES}")
-    back = rotation.conjugate(frame)
-    places = [rotation.rotate(back, piece.position).tolist() for piece in pieces]
-    turns = [xyzw(rotation.multiply(back, piece.orientation)) for piece in pieces]
-    shapes = [corners(piece.shape) if hulls and isinstance(piece.shape, Box) else piece.shape for piece in pieces]
-    if len(pieces) == 1:
-        arguments, place, turn = _single(shapes[0]), places[0], turns[0]
-        vertices = hull_of(shapes[0])
-        if vertices is not None:
-            turned = rotation.rotate(rotation.multiply(back, pieces[0].orientation), vertices)
-            arguments["vertices"] = (turned + (np.array(place) - centre)).tolist()
-            place, turn = centre.tolist(), xyzw(rotation.IDENTITY)
-        elif np.abs(np.array(turn) - xyzw(rotation.IDENTITY)).max() < SAME and np.abs(np.array(place) - centre).max() < SAME:
-            place, turn = centre.tolist(), xyzw(rotation.IDENTITY)
-        made = pybullet.createCollisionShape(
-            collisionFramePosition=place, collisionFrameOrientation=turn, physicsClientId=client, **arguments
-        )
-        return int(made)
+    back, found = rotation.conjugate(frame), list[Placed]()
+    for piece in pieces:
+        shape: Shape | Array = corners(piece.shape) if hulls and isinstance(piece.shape, Box) else piece.shape
+        place, turn = rotation.rotate(back, piece.position), rotation.multiply(back, piece.orientation)
+        if len(pieces) == 1:
+            vertices = vertices_of(shape)
+            if vertices is not None:
+                shape, place, turn = rotation.rotate(turn, vertices) + (place - centre), centre, IDENTITY
+            elif np.abs(place - centre).max() < SAME:
+                shape, turn = _upright(shape, turn)
+                place = centre if turn is IDENTITY else place
+        found.append((shape, place.tolist(), xyzw(turn)))
+    return found
+
+
+def _upright(shape: Shape | Array, turn: Array) -> tuple[Shape | Array, Array]:
+    """Return the same solid without its turn if there is one: of a box whose axes change places, another box."""
+    if np.abs(turn - IDENTITY).max() < SAME:
+        return shape, IDENTITY
+    axes = np.abs(rotation.to_matrix(turn))
+    if isinstance(shape, Box) and np.abs(axes - np.round(axes)).max() < SAME:
+        return Box(tuple((np.round(axes) @ shape.size).tolist())), IDENTITY
+    return shape, IDENTITY if isinstance(shape, Sphere) else turn
+
+
+def collision_shape(parts: list[Placed], client: int) -> int:
+    """Make one shape of all parts; -1, Bullet's word for none, of none."""
+    if not parts:
+        return -1
+    shapes, places, turns = (list(column) for column in zip(*parts, strict=True))
+    if len(parts) == 1:
+        return int(pybullet.createCollisionShape(
+            collisionFramePosition=places[0], collisionFrameOrientation=turns[0], physicsClientId=client, **_single(shapes[0])
+        ))
     with TemporaryDirectory() as folder:
         rows = [_row(shape, Path(folder) / f"{k}.obj") for k, shape in enumerate(shapes)]
         columns = {name: [row[name] for row in rows] for name in rows[0]}
-        made = pybullet.createCollisionShapeArray(
+        return int(pybullet.createCollisionShapeArray(
             collisionFramePositions=places, collisionFrameOrientations=turns, physicsClientId=client, **columns
-        )
-    return int(made)
+        ))
 
 
 def corners(box: Box) -> ConvexHull:
@@ -85,26 +103,28 @@ def corners(box: Box) -> ConvexHull:
     return ConvexHull(0.5 * np.array(box.size) * np.array(list(product((-1.0, 1.0), repeat=3))))
 
 
-def hull_of(shape: Shape) -> Array | None:
+def vertices_of(shape: Shape | Array) -> Array | None:
     """Vertices if Bullet sees the shape as a hull, None if it has a word for it."""
     if isinstance(shape, Ellipsoid):
         return ellipsoid_hull(shape.radii, ELLIPSOID_VERTICES).vertices
+    if isinstance(shape, np.ndarray):
+        return shape
     return shape.vertices if isinstance(shape, ConvexHull) else None
 
 
-def _single(shape: Shape) -> dict[str, object]:
+def _single(shape: Shape | Array) -> dict[str, object]:
     if isinstance(shape, Sphere):
         return {"shapeType": pybullet.GEOM_SPHERE, "radius": shape.radius}
     if isinstance(shape, Box):
         return {"shapeType": pybullet.GEOM_BOX, "halfExtents": [0.5 * edge for edge in shape.size]}
     if isinstance(shape, Capsule):
         return {"shapeType": pybullet.GEOM_CAPSULE, "radius": shape.radius, "height": shape.length}
-    vertices = hull_of(shape)
+    vertices = vertices_of(shape)
     assert vertices is not None
     return {"shapeType": pybullet.GEOM_MESH, "vertices": vertices.tolist()}
 
 
-def _row(shape: Shape, file: Path) -> dict[str, object]:
+def _row(shape: Shape | Array, file: Path) -> dict[str, object]:
     """One row of createCollisionShapeArray, which takes hulls from files only."""
     one: dict[str, object] = {
         "shapeTypes": 0, "radii": 1.0, "halfExtents": [1.0, 1.0, 1.0], "lengths": 1.0, "fileNames": "", "meshScales": [1.0] * 3,
@@ -115,7 +135,7 @@ def _row(shape: Shape, file: Path) -> dict[str, object]:
         return {**one, "shapeTypes": pybullet.GEOM_BOX, "halfExtents": [0.5 * edge for edge in shape.size]}
     if isinstance(shape, Capsule):
         return {**one, "shapeTypes": pybullet.GEOM_CAPSULE, "radii": shape.radius, "lengths": shape.length}
-    vertices = hull_of(shape)
+    vertices = vertices_of(shape)
     assert vertices is not None
     # any faces will do, as long as they name every vertex: Bullet keeps the vertices and makes the hull
     lines = [f"v {x!r} {y!r} {z!r}" for x, y, z in vertices.tolist()]

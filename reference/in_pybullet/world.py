@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from itertools import combinations, product
+from typing import Any
 
 import numpy as np
 import pybullet
@@ -16,15 +17,15 @@ from numpy.typing import NDArray
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, Mass, Role, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid
+from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
-from reference.in_pybullet.shapes import collision_shape, parted, xyzw
+from reference.in_pybullet import urdf
+from reference.in_pybullet.shapes import IDENTITY, Placed, collision_shape, parted, placed, xyzw
 
 Array = NDArray[np.float64]
-IDENTITY = np.array(rotation.IDENTITY)
 
 BETWEEN_HINGES = 1e-3
 """Mass and inertia of the stand-in links between hinges that share a centre, relative to their link's. Bullet
@@ -54,7 +55,8 @@ class World:
     """All parts in canonical order; joints to drive.
 
     hinges [(multibody, joint)] in the order of tracker angles; balls [(multibody, joint, link of the scene)];
-    roots [(part, link of the scene)]; maximal: simulated bodies outside the multibody solver.
+    roots [(part, link of the scene)]; lefts: link of a ball -> left, where Bullet states a turn of ours as left turn frame;
+    maximal: simulated bodies outside the multibody solver.
     """
 
     client: int
@@ -62,12 +64,14 @@ class World:
     hinges: list[tuple[int, int]] = field(default_factory=list)
     balls: list[tuple[int, int, int]] = field(default_factory=list)
     roots: list[tuple[int, int]] = field(default_factory=list)
+    lefts: dict[int, Array] = field(default_factory=dict)
     maximal: set[int] = field(default_factory=set)
 
 
-def build_world(scene: Scene, client: int, maximal: bool, limits: bool, hulls: bool, apart: bool) -> World:
-    """Make all bodies at their first pose. `maximal`: simulated bodies of simple inertia outside the
-    multibody solver; `limits`: those of hinges; `hulls`: boxes of links as hulls; `apart`: each of several pieces of a
+def build_world(scene: Scene, client: int, maximal: bool, limits: bool, ball_limits: bool, hulls: bool,
+                apart: bool) -> World:
+    """Make all bodies at their first pose. `maximal`: simulated bodies of simple inertia outside the multibody solver; `limits`:
+    those of hinges, with `ball_limits` of ball joints too; `hulls`: boxes of links as hulls; `apart`: each of several pieces of a
     driven link on a link of its own, without mass."""
     world = World(client)
     for k, body in enumerate(scene.bodies):
@@ -78,7 +82,7 @@ def build_world(scene: Scene, client: int, maximal: bool, limits: bool, hulls: b
             world.maximal.add(k)
     first = 0
     for avatar in scene.avatars:
-        _avatar(world, scene, avatar, first, limits, hulls, apart)
+        _avatar(world, scene, avatar, first, limits, limits and ball_limits, _Chain(hulls, apart))
         first += len(avatar.links)
     _filter(world, scene)
     _attach(world, scene)
@@ -146,7 +150,7 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
     moments, frame = principal(body.mass, body.pieces)
     centre = rotation.rotate(rotation.conjugate(frame), body.mass.centre)
     made = pybullet.createMultiBody(
-        body.mass.mass, collision_shape(body.pieces, frame, centre, client), basePosition=body.position,
+        body.mass.mass, collision_shape(placed(body.pieces, frame, centre), client), basePosition=body.position,
         baseOrientation=xyzw(rotation.multiply(body.orientation, frame)), baseInertialFramePosition=centre.tolist(),
         useMaximalCoordinates=maximal, physicsClientId=client,
     )
@@ -159,43 +163,54 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
 def _still(body: Body, pieces: tuple[Piece, ...], client: int, maximal: bool) -> int:
     """A multibody that never moves, of some of a fixed body's pieces."""
     return int(pybullet.createMultiBody(
-        0.0, collision_shape(pieces, IDENTITY, np.zeros(3), client), basePosition=body.position,
+        0.0, collision_shape(placed(pieces, IDENTITY, np.zeros(3)), client), basePosition=body.position,
         baseOrientation=xyzw(body.orientation), useMaximalCoordinates=maximal, physicsClientId=client,
     ))
 
 
 @dataclass(eq=False)
 class _Chain:
-    """The columns of createMultiBody for one avatar, and what to set afterwards: joint -> moments, joint ->
-    limits. `hulls`: boxes as hulls; `apart`: several pieces as links."""
+    """The columns of createMultiBody for one avatar and the parts of its links; joint -> moments and joint -> limits, to be set
+    afterwards; limits of ball joints. `hulls`: boxes as hulls; `apart`: several pieces as links."""
 
-    client: int
     hulls: bool
     apart: bool
-    columns: dict[str, list[object]] = field(default_factory=dict)
+    columns: dict[str, list[Any]] = field(default_factory=dict)
     moments: dict[int, list[float]] = field(default_factory=dict)
     stops: dict[int, tuple[float, float]] = field(default_factory=dict)
+    shapes: list[list[Placed]] = field(default_factory=list)
+    ball_limits: dict[int, SwingTwist] = field(default_factory=dict)
+
+    def made(self, base: dict[str, object], shape: list[Placed], client: int) -> int:
+        """Make the multibody with a base of `shape`: from a file where ball joints have limits, else by calls; its number."""
+        if self.ball_limits:
+            return urdf.load(base, shape, self.columns, self.shapes, self.ball_limits, client)
+        return int(pybullet.createMultiBody(
+            **base, baseCollisionShapeIndex=collision_shape(shape, client), **self.columns,
+            linkCollisionShapeIndices=[collision_shape(parts, client) for parts in self.shapes],
+            flags=pybullet.URDF_USE_SELF_COLLISION, physicsClientId=client,
+        ))
 
     def add(self, parent: int, place: Array, turn: Array, kind: int, axis: Vector | list[float], mass: float,
-            moments: list[float], shape: int = -1, centre: Array | None = None) -> int:
+            moments: list[float], shape: list[Placed], centre: Array | None = None) -> int:
         """Append one Bullet link below link `parent` (-1: base); its index."""
         row: dict[str, object] = {
-            "linkMasses": mass, "linkCollisionShapeIndices": shape, "linkVisualShapeIndices": -1,
-            "linkPositions": place.tolist(), "linkOrientations": xyzw(turn), "linkParentIndices": parent + 1,
+            "linkMasses": mass, "linkVisualShapeIndices": -1, "linkPositions": place.tolist(),
+            "linkOrientations": xyzw(turn), "linkParentIndices": parent + 1,
             "linkInertialFramePositions": [0.0] * 3 if centre is None else centre.tolist(),
             "linkInertialFrameOrientations": [0.0, 0.0, 0.0, 1.0], "linkJointTypes": kind, "linkJointAxis": list(axis),
         }
         for name, value in row.items():
             self.columns.setdefault(name, []).append(value)
-        index = len(self.columns["linkMasses"]) - 1
+        index = len(self.shapes)
+        self.shapes.append(shape)
         if mass > 0.0:
             self.moments[index] = moments
         return index
 
-    def shape(self, link: Link, frame: Array, centre: Array) -> int:
-        """The collision shape of a link itself: none if its pieces are links."""
-        pieces = () if self._splits(link) else link.pieces
-        return collision_shape(pieces, frame, centre, self.client, self.hulls)
+    def shape(self, link: Link, frame: Array, centre: Array) -> list[Placed]:
+        """The parts of a link itself: none if its pieces are links."""
+        return placed(() if self._splits(link) else link.pieces, frame, centre, self.hulls)
 
     def pieces(self, link: Link, index: int, frame: Array) -> tuple[int, ...]:
         """Append what carries the pieces of link `index`, unless it does itself; the links that do.
@@ -208,7 +223,7 @@ class _Chain:
         back, made = rotation.conjugate(frame), list[int]()
         for piece in link.pieces:
             place, turn = rotation.rotate(back, piece.position), rotation.multiply(back, piece.orientation)
-            shape = collision_shape((Piece(piece.shape),), IDENTITY, np.zeros(3), self.client, self.hulls)
+            shape = placed((Piece(piece.shape),), IDENTITY, np.zeros(3), self.hulls)
             made.append(self.add(index, place, turn, pybullet.JOINT_FIXED, [0.0, 0.0, 1.0], 0.0, [], shape))
         return tuple(made)
 
@@ -216,8 +231,8 @@ class _Chain:
         return self.apart and len(link.pieces) > 1
 
 
-def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool, hulls: bool, apart: bool) -> None:
-    client, chain = world.client, _Chain(world.client, hulls, apart)
+def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool, ball_limits: bool, chain: _Chain) -> None:
+    client = world.client
     parts: dict[str, tuple[int, Array, Array, tuple[int, ...]]] = {}
     hinges: dict[int, list[int]] = {}
     balls: list[tuple[int, int]] = []
@@ -229,27 +244,33 @@ def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool
         if k == 0 and free:
             parts[link.name] = (-1, frame, np.array(link.mass.centre), chain.pieces(link, -1, frame))
             continue
+        turn, left = np.asarray(link.orientation), rotation.conjugate(frame)
+        ball = link.joint.limits if ball_limits and isinstance(link.joint, Ball) else None
+        if ball is not None:
+            turn, (moments, frame) = urdf.zero(ball), urdf.along_limb(ball, moments, frame)
+            left = rotation.multiply(rotation.conjugate(rotation.multiply(turn, frame)), link.orientation)
         above, above_frame = (-1, IDENTITY) if link.parent is None else parts[link.parent][:2]
         back = rotation.conjugate(above_frame)
         index, hinges[k] = _joint(chain, link, above, rotation.rotate(back, link.anchor),
-                                  rotation.multiply(back, link.orientation), frame, moments.tolist(), limits)
+                                  rotation.multiply(back, turn), frame, moments.tolist(), limits)
+        if ball is not None:
+            chain.ball_limits[index] = ball
         parts[link.name] = (index, frame, np.array(link.mass.centre), chain.pieces(link, index, frame))
         if isinstance(link.joint, Ball):
             balls.append((index, first + k))
-    start, base = scene.first_sample, {}
+            world.lefts[first + k] = left
+    start, base, shape = scene.first_sample, dict[str, object](), list[Placed]()
     if free:
         moments, frame = principal(root.mass, root.pieces)
         centre = rotation.rotate(rotation.conjugate(frame), root.mass.centre)
+        shape = chain.shape(root, frame, centre)
         base = {
             "baseMass": root.mass.mass,
-            "baseCollisionShapeIndex": chain.shape(root, frame, centre),
             "basePosition": start.positions[first].tolist(),
             "baseOrientation": xyzw(rotation.multiply(rotation.normalised(start.rotations[first]), frame)),
             "baseInertialFramePosition": centre.tolist(),
         }
-    made = int(pybullet.createMultiBody(
-        **base, **chain.columns, flags=pybullet.URDF_USE_SELF_COLLISION, physicsClientId=client,
-    ))
+    made = chain.made(base, shape, client)
     if free:
         pybullet.changeDynamics(made, -1, localInertiaDiagonal=moments_of(root), physicsClientId=client)
         world.roots.append((len(world.parts), first))
@@ -298,7 +319,7 @@ def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, fra
     *before, last = link.joint.hinges
     for hinge in before:
         small = [BETWEEN_HINGES * float(np.mean(moments))] * 3
-        above = chain.add(above, place, turn, pybullet.JOINT_REVOLUTE, hinge.axis, BETWEEN_HINGES * link.mass.mass, small)
+        above = chain.add(above, place, turn, pybullet.JOINT_REVOLUTE, hinge.axis, BETWEEN_HINGES * link.mass.mass, small, [])
         hinges.append(above)
         place, turn = np.zeros(3), IDENTITY
     axis = rotation.rotate(back, last.axis).tolist()

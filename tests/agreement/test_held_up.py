@@ -17,8 +17,8 @@ from tests.agreement.runs import played
 from tests.agreement.scenes import every_joint, posture, skewed, turned
 
 BALL = (Piece(Sphere(0.1)),)
-LIMP = {"root_force": 0.0, "hand_force": 0.0, "hinge_force": 0.0, "ball_force": 0.0, "limit_force": 0.0}
-"""Settings of PyBullet with which nothing drives a link."""
+LIMP = {"root_force": 0.0, "hand_force": 0.0, "hinge_force": 0.0, "ball_force": 0.0, "limit_force": 0.0, "ball_limits": False}
+"""Settings of PyBullet with which nothing drives a link; the ball of the first avatar is beyond its limits."""
 
 
 def beside_a_falling_ball(avatar: Avatar, start: TrackerSample) -> Scene:

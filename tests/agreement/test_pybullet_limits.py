@@ -40,11 +40,13 @@ def worst_excess(name: str, frames: int | None, options: dict[str, object]) -> f
 
 
 @needs_pybullet
-def test_motors_keep_balls_of_legs_that_meet_within_a_few_degrees() -> None:
+def test_limits_and_motors_keep_balls_of_legs_that_meet_within_some_degrees() -> None:
     scenario = catalog.get("mocap_run")
     assert any(isinstance(place.joint, Ball) for place in places(scenario.build()))
-    assert worst_excess("mocap_run", scenario.short, {"limit_force": 5000.0}) < 5.0
-    assert worst_excess("mocap_run", scenario.short, {"limit_force": 0.0}) > 50.0
+    assert worst_excess("mocap_run", scenario.short, {}) < 12.0
+    assert worst_excess("mocap_run", scenario.short, {"ball_limits": False}) < 5.0
+    assert worst_excess("mocap_run", scenario.short, {"limit_force": 0.0}) < 25.0
+    assert worst_excess("mocap_run", scenario.short, {"limit_force": 0.0, "ball_limits": False}) > 50.0
 
 
 @needs_pybullet
