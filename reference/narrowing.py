@@ -6,13 +6,8 @@ impacts within a step, and sleeping is off in both unless a preset asks for it: 
 
 from collections.abc import Mapping
 
+from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
-
-SWITCHED = ("restitution", "friction", "limits", "self_contact")
-"""Effects that the adapters leave out."""
-
-NEVER_THERE = ("sleeping", "continuous", "reach_cones")
-"""Effects that these engines do not have by themselves, so that there is nothing to leave out."""
 
 ALWAYS_THERE: Mapping[str, str] = {
     "overlap_removal": "cannot be switched off apart from contact as a whole",
@@ -23,6 +18,13 @@ ALWAYS_THERE: Mapping[str, str] = {
 """Effects that cannot be left out in these engines, and why."""
 
 
-def not_left_out(scene: Scene, always: Mapping[str, str] = ALWAYS_THERE) -> dict[str, str]:
-    """`no EFFECT` -> why not, for every effect that the author took away and the engine keeps all the same."""
-    return {f"no {effect.replace('_', ' ')}": always[effect] for effect in scene.lapsed if effect in always}
+def alike_in_both(scene: Scene) -> dict[str, str]:
+    """Features that neither engine has -> consequence; `no EFFECT` -> why not, for effects that were narrowed away in vain."""
+    found: dict[str, str] = {}
+    if any(isinstance(link.joint, Ball) and link.joint.cone for link in scene.links):
+        found["reach cones"] = "no spherical polygons: ignored"
+    if any(any(link.surface_velocity) for link in scene.links):
+        found["surface velocity"] = "belts do not carry loose bodies"
+    if any(avatar.coupled_mass is not None for avatar in scene.avatars):
+        found["coupled mass"] = "an avatar's links have one mass: their own"
+    return found | {f"no {effect.replace('_', ' ')}": ALWAYS_THERE[effect] for effect in scene.lapsed if effect in ALWAYS_THERE}

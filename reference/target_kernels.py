@@ -45,6 +45,15 @@ def _scaled_turn(w: float, x: float, y: float, z: float, fraction: float) -> tup
 
 
 @kernel
+def _twist(along: float, w: float) -> float:
+    """Angle [rad] within half a turn of the rotation about an axis that has `along` of it and real part `w`."""
+    twist = 2.0 * math.atan2(along, w)
+    if twist > math.pi:
+        return twist - 2.0 * math.pi
+    return twist + 2.0 * math.pi if twist < -math.pi else twist
+
+
+@kernel
 def interpolate(roots0: Array, turns0: Array, angles0: Array, roots1: Array, turns1: Array, angles1: Array,
                 fractions: Array, roots: Array, turns: Array, angles: Array) -> int:
     """Write the postures at `fractions` (n,) between two samples into roots, turns, angles; 0 on return."""
@@ -148,11 +157,7 @@ def clamp_balls(balls: Integers, rest: Array, axis: Array, between: Array, stops
                                turns[k, 0], turns[k, 1], turns[k, 2], turns[k, 3])
         w, x, y, z = _multiply(between[b, 0], -between[b, 1], -between[b, 2], -between[b, 3], w, x, y, z)
         along = x * axis[b, 0] + y * axis[b, 1] + z * axis[b, 2]
-        twist = 2.0 * math.atan2(along, w)
-        if twist > math.pi:
-            twist -= 2.0 * math.pi
-        elif twist < -math.pi:
-            twist += 2.0 * math.pi
+        twist = _twist(along, w)
         c, s = math.cos(0.5 * twist), -math.sin(0.5 * twist)
         w, x, y, z = _multiply(w, x, y, z, c, s * axis[b, 0], s * axis[b, 1], s * axis[b, 2])
         swing = 2.0 * math.atan2(math.sqrt(x * x + y * y + z * z), abs(w))
@@ -173,20 +178,12 @@ def beyond_stops(states: Array, left: Array, right: Array, axis: Array, stops: A
     and upper twist; 0 on return. left turn right, (n, 4) each, is the turn away from the cone's centre, of a limb along `axis`
     (n, 3)."""
     for k in range(len(states)):
-        w, x, y, z = states[k, 3], states[k, 0], states[k, 1], states[k, 2]
-        pw, px, py, pz = left[k, 0], left[k, 1], left[k, 2], left[k, 3]
-        w, x, y, z = (pw * w - px * x - py * y - pz * z, pw * x + px * w + py * z - pz * y,
-                      pw * y - px * z + py * w + pz * x, pw * z + px * y - py * x + pz * w)
-        qw, qx, qy, qz = right[k, 0], right[k, 1], right[k, 2], right[k, 3]
-        w, x, y, z = (w * qw - x * qx - y * qy - z * qz, w * qx + x * qw + y * qz - z * qy,
-                      w * qy - x * qz + y * qw + z * qx, w * qz + x * qy - y * qx + z * qw)
+        w, x, y, z = _multiply(left[k, 0], left[k, 1], left[k, 2], left[k, 3],
+                               states[k, 3], states[k, 0], states[k, 1], states[k, 2])
+        w, x, y, z = _multiply(w, x, y, z, right[k, 0], right[k, 1], right[k, 2], right[k, 3])
         along = x * axis[k, 0] + y * axis[k, 1] + z * axis[k, 2]
         across = math.sqrt(max(0.0, x * x + y * y + z * z - along * along))
         swing = 2.0 * math.atan2(across, math.sqrt(w * w + along * along))
-        twist = 2.0 * math.atan2(along, w)
-        if twist > math.pi:
-            twist -= 2.0 * math.pi
-        elif twist < -math.pi:
-            twist += 2.0 * math.pi
+        twist = _twist(along, w)
         found[k] = swing > stops[k, 0] + BEYOND or not stops[k, 1] - BEYOND <= twist <= stops[k, 2] + BEYOND
     return 0

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from avatarsim.scene.joint import Ball, Rigid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import ConvexHull
-from reference.narrowing import not_left_out
+from reference.narrowing import alike_in_both
 
 
 def cannot_say(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
@@ -26,22 +26,16 @@ def cannot_say(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
             "only, as no such limit is documented); twist is limited in what the joint is asked for (tuned only), not in what "
             "contact makes of it: three hinges with ranges (row mujoco/hinges) limit it, at other angles than these"
         )
-    if any(ball.cone for ball in balls):
-        found["reach cones"] = "no spherical polygons: ignored"
     if scene.effects.restitution:
         found["restitution"] = (
             "the default contact does not bounce; tuned, a one-step damper does, at the step in which overlap is "
             "found"
         )
-    if any(any(link.surface_velocity) for link in links):
-        found["surface velocity"] = "belts do not carry loose bodies"
     if scene.effects.coupling:
         found["virtual coupling"] = (
             "a weld is a spring that always pulls, where that of eq. 6 begins with a collision: with its K and R a link also "
             "sets out late; so a link goes back to its user as its weld has it"
         )
-    if any(avatar.coupled_mass is not None for avatar in scene.avatars):
-        found["coupled mass"] = "an avatar's links have one mass: their own"
     if any(isinstance(avatar.links[0].joint, Rigid) for avatar in scene.avatars):
         found["rigid root"] = "links that cannot move make no contact with fixed bodies"
-    return found | not_left_out(scene)
+    return found | alike_in_both(scene)

@@ -9,7 +9,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Ellipsoid
 from reference.in_pybullet.factors import Array, coefficients, fit, weights
 from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES, WIDEST
-from reference.narrowing import not_left_out
+from reference.narrowing import alike_in_both
 
 RARE = 1e-3
 """Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not worth a word."""
@@ -39,21 +39,15 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
             + (f"; of {wide} joints with cones wider than {np.degrees(WIDEST):g} degrees only twist is limited" if wide else "")
             + ". Motors hold harder beyond the cone (tuned only)"
         )
-    if any(ball.cone for ball in balls):
-        found["reach cones"] = "no spherical polygons: ignored"
     if any(isinstance(link.joint, Hinges) and len(link.joint.hinges) > 1 for link in links):
         found["shared centres"] = (
             "one joint per link: stand-in links of 0.1 % of the link's mass and inertia between hinges"
         )
-    if any(any(link.surface_velocity) for link in links):
-        found["surface velocity"] = "belts do not carry loose bodies"
     if scene.effects.coupling:
         found["virtual coupling"] = (
             "no spring of eq. 6: after a collision a link goes back to its user as constraints and motors have it"
         )
-    if any(avatar.coupled_mass is not None for avatar in scene.avatars):
-        found["coupled mass"] = "an avatar's links have one mass: their own"
-    return found | not_left_out(scene)
+    return found | alike_in_both(scene)
 
 
 def _missed(scene: Scene, wanted: Array, matters: Array) -> str:

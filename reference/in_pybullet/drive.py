@@ -1,6 +1,7 @@
 """How avatars follow the tracker in PyBullet: the root by constraint or velocity, joints by position motors."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,8 @@ from reference.presets import Chosen
 from reference.targets import Followed, Goals
 
 Array = NDArray[np.float64]
-Planned = tuple[Callable[[list[int], Any], None], list[int], list[Any]]
-"""What moves the motors of one body, its joints, and what they are told step by step."""
+Planned = tuple[Callable[..., None], list[dict[str, Any]]]
+"""What moves the motors of one body, and the targets that it is given step by step."""
 
 DRIVES = ("constraint", "velocity")
 """A fixed constraint between root and tracked pose, or the velocity that reaches the pose within the step."""
@@ -50,7 +51,11 @@ class Drive:
             joints.append(joint)
             places.append(at)
         self._hinges = by_body
-        self._moves_hinges = {body: self._hinge_motors(body, len(joints)) for body, (joints, _) in by_body.items()}
+        self._hinge_motors = {
+            body: self._motors(pybullet.setJointMotorControlArray, body, joints, "position_gain",
+                               [self._numbers["hinge_force"]] * len(joints))
+            for body, (joints, _) in by_body.items()
+        }
         balls: dict[int, list[tuple[int, int]]] = {}
         for body, joint, k in world.balls:
             balls.setdefault(body, []).append((joint, k))
@@ -60,7 +65,10 @@ class Drive:
             followed = Followed([k for _, k in entries], [world.lefts[k] for _, k in entries], frames)
             self._balls.append((body, [joint for joint, _ in entries], followed))
         self._torques = {body: [[self._numbers["ball_force"]] * 3] * len(joints) for body, joints, _ in self._balls}
-        self._moves_balls = {body: self._ball_motors(body, len(joints)) for body, joints, _ in self._balls}
+        self._ball_motors = {
+            body: self._motors(pybullet.setJointMotorControlMultiDofArray, body, joints, "ball_gain", self._torques[body])
+            for body, joints, _ in self._balls
+        }
         holds = self._numbers["limit_force"] > 0.0 and scene.effects.limits
         self._stops = {body: stops for body in balls if (stops := self._ball_stops(scene, body, balls[body]))} if holds else {}
         roots = [world.parts[part] for part, _ in world.roots]
@@ -151,8 +159,8 @@ class Drive:
                 self._chase(self._world.parts[part].body, centre, turn)
         for body, stops in self._stops.items():
             stops.harden(self._torques[body], [self._numbers["ball_force"]] * 3, [self._numbers["limit_force"]] * 3)
-        for motor, joints, steps in self._joints:
-            motor(joints, steps[k - 1])
+        for motor, steps in self._joints:
+            motor(**steps[k - 1])
 
     def _chase(self, body: int, centre: list[float], turn: list[float]) -> None:
         """The velocity that reaches a pose of the mass centre in one step, no faster than the cap."""
@@ -168,25 +176,12 @@ class Drive:
     def _plan_hinges(self, goals: Goals, step: float) -> list[Planned]:
         forward = 1.0 / step if self._chosen["feed_forward"].value else 0.0
         planned: list[Planned] = []
-        for body, (joints, places) in self._hinges.items():
+        for body, (_, places) in self._hinges.items():
             wanted = goals.angles[1:, places]
             speed = forward * (wanted - goals.angles[:-1, places])
-            planned.append((self._moves_hinges[body], joints, list(zip(wanted.tolist(), speed.tolist(), strict=True))))
+            steps = zip(wanted.tolist(), speed.tolist(), strict=True)
+            planned.append((self._hinge_motors[body], [{"targetPositions": at, "targetVelocities": to} for at, to in steps]))
         return planned
-
-    def _hinge_motors(self, body: int, n: int) -> Callable[[list[int], tuple[list[float], list[float]]], None]:
-        """What moves the motors of n hinges: their gains and forces stay as they are."""
-        numbers, client, tell = self._numbers, self._client, pybullet.setJointMotorControlArray
-        gains, dampings = [numbers["position_gain"]] * n, [numbers["velocity_gain"]] * n
-        forces = [numbers["hinge_force"]] * n
-
-        def move(joints: list[int], goal: tuple[list[float], list[float]]) -> None:
-            tell(
-                body, joints, pybullet.POSITION_CONTROL, targetPositions=goal[0], targetVelocities=goal[1], positionGains=gains,
-                velocityGains=dampings, forces=forces, physicsClientId=client,
-            )
-
-        return move
 
     def _plan_balls(self, goals: Goals) -> list[Planned]:
         # the motor corrects this share of the error in a step, whatever velocity it is told; leading it by what is left
@@ -194,24 +189,17 @@ class Drive:
         share = min(1.0, self._numbers["ball_gain"] * MOTOR_ERP)
         ahead = 1.0 + (1.0 - share) / share if self._chosen["feed_forward"].value else 1.0
         planned: list[Planned] = []
-        for body, joints, followed in self._balls:
+        for body, _, followed in self._balls:
             steps = followed.aimed(goals.turns, ahead)[..., [1, 2, 3, 0]].tolist()
-            planned.append((self._moves_balls[body], joints, steps))
+            planned.append((self._ball_motors[body], [{"targetPositions": turns} for turns in steps]))
         return planned
 
-    def _ball_motors(self, body: int, n: int) -> Callable[[list[int], list[list[float]]], None]:
-        """The same of n balls."""
-        numbers, client, tell = self._numbers, self._client, pybullet.setJointMotorControlMultiDofArray
-        gains, dampings = [numbers["ball_gain"]] * n, [numbers["velocity_gain"]] * n
-        forces = self._torques[body]
-
-        def move(joints: list[int], goal: list[list[float]]) -> None:
-            tell(
-                body, joints, pybullet.POSITION_CONTROL, targetPositions=goal, positionGains=gains, velocityGains=dampings,
-                forces=forces, physicsClientId=client,
-            )
-
-        return move
+    def _motors(self, tell: Callable[..., None], body: int, joints: list[int], gain: str, forces: list[Any]
+                ) -> Callable[..., None]:
+        """What moves the motors of some joints, once it is told their targets: gains stay as they are."""
+        gains, dampings = ([self._numbers[name]] * len(joints) for name in (gain, "velocity_gain"))
+        return partial(tell, body, joints, pybullet.POSITION_CONTROL, positionGains=gains, velocityGains=dampings, forces=forces,
+                       physicsClientId=self._client)
 
     def _ball_stops(self, scene: Scene, body: int, balls: list[tuple[int, int]]) -> BallStops | None:
         """Limits of `balls`, (joint, link) each; None without any."""

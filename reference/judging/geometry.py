@@ -14,6 +14,7 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sp
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 MOST_KEPT = 1024
 """Shapes whose geometry and outline are kept: equal ones, and those of a scene that is judged again, need not be made again.
@@ -38,17 +39,23 @@ def coal_geometry(shape: Shape) -> coal.CollisionGeometry:
 
 def _coal_hull(vertices: Array) -> coal.CollisionGeometry:
     """A coal hull of `vertices` (n, 3), faces wound counter-clockwise seen from outside; inner points are dropped."""
-    hull = QuickHull(vertices)
+    kept, wound = wound_faces(vertices)
     rank = np.zeros(len(vertices), dtype=np.int64)
-    rank[hull.vertices] = np.arange(len(hull.vertices))
+    rank[kept] = np.arange(len(kept))
     points, faces = coal.StdVec_Vec3s(), coal.StdVec_Triangle()
-    for vertex in vertices[hull.vertices]:
+    for vertex in vertices[kept]:
         points.append(vertex)
-    a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
-    outward = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) > 0.0
-    for i, j, k in rank[np.where(outward[:, None], hull.simplices, hull.simplices[:, ::-1])].tolist():
+    for i, j, k in rank[wound].tolist():
         faces.append(coal.Triangle(i, j, k))
     return coal.Convex(points, faces)
+
+
+def wound_faces(vertices: Array) -> tuple[Indices, Indices]:
+    """Vertices (k,) of the hull of `vertices` (n, 3), and its triangles (f, 3), counter-clockwise seen from outside."""
+    hull = QuickHull(vertices)
+    a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
+    outward = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) > 0.0
+    return hull.vertices, np.where(outward[:, None], hull.simplices, hull.simplices[:, ::-1])
 
 
 def rounded_points(shape: Shape) -> tuple[Array, float]:

@@ -12,9 +12,9 @@ from multiprocessing.connection import Connection
 import fcl
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull as QuickHull
 
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere
+from reference.judging.geometry import wound_faces
 
 Array = NDArray[np.float64]
 Question = tuple[Shape, Array, Shape, Array, Array]
@@ -34,13 +34,8 @@ def fcl_geometry(shape: Shape) -> fcl.CollisionGeometry:
         return fcl.Box(*shape.size)
     if isinstance(shape, Ellipsoid):
         return fcl.Ellipsoid(*shape.radii)
-    hull = QuickHull(shape.vertices)
-    faces = []
-    for corners, plane in zip(hull.simplices, hull.equations, strict=True):
-        a, b, c = shape.vertices[corners]
-        outward = np.dot(np.cross(b - a, c - a), plane[:3]) > 0.0
-        faces.append([3, *(corners if outward else corners[::-1])])
-    return fcl.Convex(shape.vertices, len(faces), np.array(faces).flatten())
+    faces = wound_faces(shape.vertices)[1]
+    return fcl.Convex(shape.vertices, len(faces), np.insert(faces, 0, 3, axis=1).flatten())
 
 
 def fcl_distance(

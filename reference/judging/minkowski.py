@@ -6,7 +6,6 @@ is from its surface. Slow (milliseconds) and with nothing iterative in it: it de
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 from scipy.spatial import ConvexHull as QuickHull
 
 from reference.judging.segments import segment_distance, triangle_distance
@@ -35,20 +34,3 @@ def _origin_to_hull(points: Array) -> float:
         return float(offsets.max())
     facets = points[hull.simplices[offsets > 0.0]]
     return float(triangle_distance(np.zeros(3), facets[:, 0], facets[:, 1], facets[:, 2]).min())
-
-
-def separated_distance(points_a: Array, points_b: Array) -> tuple[float, float]:
-    """Lower and upper bound [m] of the distance between the hulls of two point sets (n, 3) that do not overlap.
-
-    The point of the difference nearest the origin is the solution of one non-negative least squares problem (Lawson
-    and Hanson, least distance programming). The upper bound is its length, the lower one the support plane through
-    it: equal bounds prove both. Overlapping sets give bounds about 0.
-    """
-    differences = (points_a[:, None] - points_b[None]).reshape(-1, 3)
-    length = float(np.abs(differences).max())
-    system = np.vstack([differences.T / length, np.ones(len(differences))])
-    weights, _ = nnls(system, np.array([0.0, 0.0, 0.0, 1.0]))
-    nearest = differences.T @ (weights / weights.sum())
-    upper = float(np.linalg.norm(nearest))
-    lower = float((differences @ nearest).min() / upper) if upper > 0.0 else 0.0
-    return lower, upper

@@ -44,7 +44,7 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
         # a box that is no number meets nothing, and hides no state in which it is one
         begins, ends = np.fmin.reduce(lower, axis=2), np.fmax.reduce(upper, axis=2)
         if crowd:
-            first, second = by_sorting(may_meet, begins.T, ends.T, 0.0)
+            first, second = by_sorting(may_meet, begins.T, ends.T)
         pairs = np.flatnonzero(((begins[:, first] <= ends[:, second]) & (begins[:, second] <= ends[:, first])).all(axis=0))
         near = np.ones((len(pairs), lower.shape[2]), dtype=bool)
         for along, end in zip(lower, upper, strict=True):
@@ -58,17 +58,17 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
     return Near(*(np.concatenate(columns) for columns in zip(*found, strict=True)))
 
 
-def by_sorting(may_meet: Flags, low: Array, high: Array, reach: float) -> tuple[Indices, Indices]:
+def by_sorting(may_meet: Flags, low: Array, high: Array) -> tuple[Indices, Indices]:
     """Pairs near each other in one state (p, 3): sweep along the axis on which the boxes are spread widest."""
     axis = int(np.argmax(np.ptp(low, axis=0)))
     order = np.argsort(low[:, axis], kind="stable")
     # in this order the partners of a piece are the next ones, up to the first that begins beyond its end
-    ends = np.searchsorted(low[order, axis], high[order, axis] + reach, side="right")
+    ends = np.searchsorted(low[order, axis], high[order, axis], side="right")
     counts = np.maximum(ends - np.arange(len(order)) - 1, 0)
     first = np.repeat(np.arange(len(order)), counts)
     second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
     first, second = order[first], order[second]
     near = may_meet[first, second]
     for k in range(3):
-        near &= (low[first, k] <= high[second, k] + reach) & (low[second, k] <= high[first, k] + reach)
+        near &= (low[first, k] <= high[second, k]) & (low[second, k] <= high[first, k])
     return first[near], second[near]

@@ -43,7 +43,7 @@ def test_boxes_that_touch_are_near_and_no_state_asks_nothing(monkeypatch: pytest
     may_meet = np.array([[False, True], [True, False]])
     low, high = np.array([[[0.0, 0, 0], [1.0, 0, 0]]]), np.array([[[1.0, 1, 1], [2.0, 1, 1]]])
     assert len(near_pairs(may_meet, low, high, 0.0).first) == 1
-    assert len(by_sorting(may_meet, low[0], high[0], 0.0)[0]) == 1
+    assert len(by_sorting(may_meet, low[0], high[0])[0]) == 1
     for most in (0, 3000):
         monkeypatch.setattr(judge_near, "MOST_PAIRS", most)
         assert [len(column) for column in near_pairs(may_meet, low[:0], high[:0], 0.0)] == [0, 0, 0]
