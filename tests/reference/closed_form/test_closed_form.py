@@ -23,23 +23,13 @@ def test_free_fall_is_what_integration_gives():
     assert end == pytest.approx([exact.fall_height(2.0, 3.0, G, 0.7), exact.fall_velocity(3.0, G, 0.7)], abs=1e-11)
 
 
-@pytest.mark.parametrize("step", [1 / 30, 1 / 60, 1 / 1000])
-def test_semi_implicit_fall_is_too_low_by_the_stated_amount(step):
-    height, velocity, steps = 2.0, 1.0, 60
-    for _ in range(steps):
-        velocity -= G * step
-        height += velocity * step
-    time = steps * step
-    assert exact.fall_height(2.0, 1.0, G, time) - height == pytest.approx(exact.semi_implicit_fall_error(G, time, step), rel=1e-9)
-
-
 def bounced(height, restitution, impacts):
-    """Impact times, speeds before, and apexes between, by integration up to each impact."""
+    """Impact times and speeds before, by integration up to each impact."""
     def floor_met(t, s):
         return s[0]
 
     floor_met.terminal, floor_met.direction = True, -1.0
-    clock, state, times, speeds, apexes = 0.0, [height, 0.0], [], [], []
+    clock, state, times, speeds = 0.0, [height, 0.0], [], []
     for _ in range(impacts):
         # an impact is at height 0: start a hair above, or the event fires at once
         flight = integrated(lambda t, s: [s[1], -G], state, 10.0, events=floor_met, max_step=0.05)
@@ -48,17 +38,15 @@ def bounced(height, restitution, impacts):
         times.append(clock)
         speeds.append(speed)
         state = [1e-14, restitution * speed]
-        apexes.append(state[1] ** 2 / (2 * G))
-    return times, speeds, apexes
+    return times, speeds
 
 
 @pytest.mark.parametrize("restitution", [0.3, 0.75, 1.0])
 def test_bounces_are_where_integration_puts_them(restitution):
-    times, speeds, apexes = bounced(1.0, restitution, 4)
+    times, speeds = bounced(1.0, restitution, 4)
     for k in range(4):
         assert times[k] == pytest.approx(exact.bounce_time(1.0, restitution, G, k + 1), abs=1e-9)
         assert speeds[k] == pytest.approx(restitution**k * exact.impact_speed(1.0, G), abs=1e-9)
-        assert apexes[k] == pytest.approx(exact.apex_height(1.0, restitution, k + 1), abs=1e-9)
 
 
 @pytest.mark.parametrize(("restitution", "published"), [(0.5, 1.3546), (0.3, 0.8385)])
@@ -66,9 +54,7 @@ def test_zeno_end_is_the_sum_of_all_flights(restitution, published):
     flights = [2.0 * restitution**k * exact.impact_speed(1.0, G) / G for k in range(1, 200)]
     assert exact.zeno_time(1.0, restitution, G) == pytest.approx(sqrt(2.0 / G) + sum(flights), rel=1e-12)
     assert exact.zeno_time(1.0, restitution, G) == pytest.approx(published, abs=5e-5)
-    assert exact.zeno_time(1.0, 1.0, G) == exact.bounce_path(1.0, 1.0) == np.inf
-    ways = [2.0 * restitution ** (2 * k) for k in range(1, 200)]
-    assert exact.bounce_path(1.0, restitution) == pytest.approx(1.0 + sum(ways), rel=1e-12)
+    assert exact.zeno_time(1.0, 1.0, G) == np.inf
 
 
 @given(restitution=st.floats(0.0, 1.0), time=st.floats(0.0, 3.0))
@@ -158,14 +144,6 @@ def test_oblique_bounce_is_the_limit_of_small_impulses(friction, approach):
     assert got.sticks == isclose(got.tangential, got.spin * 0.1, rel_tol=1e-12)
 
 
-def test_eq_10_as_printed_reverses_the_slip_where_the_clamp_rolls():
-    literal, clamped = (f(4.0, 2.0, 0.3, 0.4, 0.1) for f in (exact.oblique_bounce_literal, exact.oblique_bounce))
-    assert clamped.sticks
-    assert literal.tangential - 0.1 * literal.spin < -0.1
-    gentle = [f(1.0, 3.0, 0.05, 0.4, 0.1) for f in (exact.oblique_bounce_literal, exact.oblique_bounce)]
-    assert (gentle[0].tangential, gentle[0].spin) == (gentle[1].tangential, gentle[1].spin)
-
-
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 1.0])
 def test_point_impact_solves_newton_euler_and_restitution_together(restitution):
     rng = np.random.default_rng(3)
@@ -234,15 +212,6 @@ def test_incline_agrees_with_forces_in_world_axes():
     assert force @ normal == pytest.approx(0.0, abs=1e-12)
     assert exact.incline_acceleration(slope, friction, G) == pytest.approx(3.63064, abs=5e-6)
     assert exact.incline_acceleration(slope, 0.58, G) == 0.0
-
-
-@pytest.mark.parametrize(("slope", "tips"), [(0.40, False), (0.50, True)])
-def test_a_box_tips_when_its_centre_passes_its_lower_edge(slope, tips):
-    base, height = 1.0, 2.0
-    # centre of mass in slope axes relative to the lower edge, turned into the world: behind the edge or beyond it
-    along, up = -base / 2, height / 2
-    ahead = along * cos(slope) + up * sin(slope)
-    assert (ahead > 0.0) is tips is exact.tips_over(slope, base, height)
 
 
 def test_falling_rod_is_what_its_equation_of_motion_gives():
