@@ -38,11 +38,12 @@ def _direction(count: int) -> Rule:
 NUMBER, PLACE = _finite(1), _finite(3)
 AMOUNT, LENGTH = _from_zero(1), _above_zero(1)
 SCALE = Rule(3, all, ", none of them 0")
+MOMENT = Rule(1, lambda v: v[0] >= -1e-12, ", 0 or more")
 FIRST_AMOUNT = Rule(None, lambda v: v[0] >= 0.0, ", the first of them 0 or more")
 
 URDF: Mapping[str, Mapping[str, Rule]] = {
     "mass": {"value": AMOUNT},
-    "inertia": {**dict.fromkeys(("ixx", "iyy", "izz"), AMOUNT), **dict.fromkeys(("ixy", "ixz", "iyz"), NUMBER)},
+    "inertia": {**dict.fromkeys(("ixx", "iyy", "izz"), MOMENT), **dict.fromkeys(("ixy", "ixz", "iyz"), NUMBER)},
     "box": {"size": _above_zero(3)}, "sphere": {"radius": LENGTH},
     "cylinder": {"radius": LENGTH, "length": LENGTH}, "capsule": {"radius": LENGTH, "length": LENGTH},
     "mesh": {"scale": SCALE}, "axis": {"xyz": _direction(3)}, "origin": {"xyz": PLACE, "rpy": PLACE},
