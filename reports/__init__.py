@@ -83,6 +83,7 @@ def said(folder: Path, before: Path | None = None, baseline: Path | None = None)
 
 def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     """(path, text) of all files of a report; ``damage`` gets a sentence for each part that is left out."""
+    from reports.pages import scripts
     from reports.pages.articles import articles
     from reports.pages.index import page
     from reports.pages.scene import scene_pages
@@ -103,11 +104,14 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
             damage.append(str(error).replace(f"{run.folder}/", ""))
     tried = tables["settings"]
     shown = telling(found, [] if tried is None else list(dict.fromkeys(tried.scenario)))
-    stills, instants = {}, {}
+    stills, instants, replayed = {}, {}, list[str]()
     for name, text, played in scene_pages(run, frozenset(shown)):
         stills[name], instants[name] = played.stills, played.instants
+        replayed += [name] * (played.replay is not None)
         damage += [f"{name}: {said}" for said in played.damage]
         yield f"scenes/{name}.html", text
+    for name, text in scripts.libraries().items():
+        yield f"{scripts.LIBRARIES}/{name}", text
     beside = articles(run)
     yield from beside.items()
     yield JUNIT, junit(found.checks)
@@ -116,7 +120,7 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     files += beside.keys() & {"bench.html"}
     changes = next((one for one in found.changes if one.since != "baseline"), None)
     pictures = {name: one for name in shown if (one := stills[name])}
-    yield PAGE, page(run, found.checks, changes, tables, found.losses, pictures, instants, damage, files)
+    yield PAGE, page(run, found.checks, changes, tables, found.losses, pictures, replayed, instants, damage, files)
 
 
 def telling(found: Judged, scenes: Sequence[str]) -> list[str]:

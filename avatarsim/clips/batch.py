@@ -17,10 +17,11 @@ from avatarsim.clips.certificate import Trouble
 from avatarsim.clips.found import Clip
 from avatarsim.clips.page.index_page import index_page
 from avatarsim.clips.page.layout import GENERATOR
-from avatarsim.clips.task import CERTIFICATES, REFUSED, Outcome, Task, outcome
+from avatarsim.clips.task import CERTIFICATES, PAGES, REFUSED, Outcome, Task, outcome
 from avatarsim.clips.whole_files import require_ours, write_whole
 from avatarsim.clips.wishes import Wishes
 from avatarsim.errors import AvatarsimError, MissingPackage, described
+from avatarsim.player import three_js
 from avatarsim.running.sources import about, code_hash
 
 if TYPE_CHECKING:
@@ -171,6 +172,9 @@ def leave(out: Path, batch: Batch) -> dict[str, object]:
     entries = {str(one["motion"]): one for one in earlier(out)}
     entries.update({str(one["motion"]): one for one in batch.entries})
     whole = certificate.summary("clean", list(entries.values()), batch.not_done(entries))
+    library = out / PAGES / three_js.FILE
+    if library.parent.is_dir() and not library.exists() and (source := three_js.library()):
+        write_whole(library, source.encode())
     write_whole(out / INDEX, index_page(whole))
     write_whole(out / WHOLE, certificate.text(whole))
     return whole

@@ -9,10 +9,13 @@ import pandas as pd
 from reports.charts import marks
 from reports.charts.marks import LENGTH_LABEL, TIME_LABEL, Spec, layer, name, number
 from reports.reading.load import Array
-from runfiles.engines import main_runs, run_label
+from runfiles.engines import run_label
 
 FLOOR = 1e-7
 """Least error on the axis [m]."""
+
+APART: Spec = {"labelOverlap": "greedy", "labelSeparation": 6}
+"""Of an axis: labels that would come nearer than this [px] are left out."""
 
 POINTS = 300
 """Most points of a line over time: as many as a chart is wide, over two."""
@@ -24,7 +27,7 @@ DASHES = ([1, 0], [5, 3], [2, 2], [8, 3, 2, 3])
 def error_against_time(names: Sequence[str]) -> Spec:
     """Return the chart of settings; the page fills in the datasets points and limit."""
     colour = marks.by_engine(names)
-    axis = marks.BARE | {"title": "frame time", "labelExpr": TIME_LABEL, "tickCount": 4, "labelOverlap": "greedy"}
+    axis = marks.BARE | {"title": "frame time", "labelExpr": TIME_LABEL, "tickCount": 4, **APART}
     x = number("time", scale={"type": "log", "nice": False, "padding": 18}, axis=axis)
     ticks = {"values": [10.0**k for k in range(-7, 0)], "labelExpr": f"datum.value < 2e-7 ? '≤ 0.1 µm' : {LENGTH_LABEL}"}
     scale = {"type": "log", "domain": [FLOOR, 0.3], "clamp": True}
@@ -46,10 +49,12 @@ def error_against_time(names: Sequence[str]) -> Spec:
     return marks.chart(described, 292, layers, datasets={"points": [], "limit": []}, data={"name": "points"})
 
 
-def obtained(table: pd.DataFrame, law: str) -> Spec:
-    """Return the coefficients of a law that each engine's bodies show, against the stated ones; bars span shapes and steps."""
-    own = table[table.law == law]
-    order = [run for run in main_runs() if run in set(own.run)]
+def obtained(table: pd.DataFrame, law: str, dashed: Mapping[str, Sequence[int]]) -> Spec:
+    """Return the coefficients of a law that the bodies of ``dashed`` runs show, against the stated ones.
+
+    Bars span shapes and steps.
+    """
+    own, order = table[table.law == law], list(dashed)
     shift = {run: 0.012 * (k - 0.5 * (len(order) - 1)) for k, run in enumerate(order)}
     values = [
         {
@@ -65,7 +70,7 @@ def obtained(table: pd.DataFrame, law: str) -> Spec:
     y = number("middle", axis=axes[1], scale={"domain": [0.0, min(top, 2.0)], "clamp": True})
     colour = marks.by_engine(list(dict.fromkeys(run.partition("/")[0] for run in order)))
     tip = marks.tooltip(label="engine", stated="stated", text="obtained", range="range")
-    both = {"x": x, "color": colour, "tooltip": tip, "strokeDash": _dashes(order)}
+    both = {"x": x, "color": colour, "tooltip": tip, "strokeDash": _dash(dashed)}
     same = {"data": {"values": [{"x": 0.0, "middle": 0.0}, {"x": 1.0, "middle": 1.0}]}}
     layers = [
         same | layer("line", {"x": x, "y": y}, color="@muted", strokeWidth=1),
@@ -75,28 +80,33 @@ def obtained(table: pd.DataFrame, law: str) -> Spec:
     return marks.chart(f"Coefficients of {law} obtained, against the stated ones.", 200, layers, values)
 
 
-def over_time(lines: Mapping[str, tuple[Array, Array]], unit: str, described: str, floor: float | None = None) -> Spec:
-    """Return lines over the time of a scene, by "engine/preset": times [s] and values; logarithmic from ``floor`` on."""
-    values = [
-        {
-            "t": float(times[k]), "v": value if floor is None else max(value, floor),
-            "engine": run.partition("/")[0], "label": run_label(run), "run": run,
+def over_time(
+    lines: Mapping[str, tuple[Array, Array]], dashed: Mapping[str, Sequence[int]], unit: str, described: str,
+    floor: float | None = None,
+) -> Spec:
+    """Return lines over the time of a scene, by "engine/preset": times [s] and values, ``dashed`` lines of all charts.
+
+    The axis is logarithmic from ``floor`` on, where there is one. The page makes the data of the columns in `usermeta`: a row
+    per point would be most of the page.
+    """
+    columns = {}
+    for run, (times, found) in lines.items():
+        kept = [k for k in _kept(found) if math.isfinite(found[k])]
+        columns[run] = {
+            "engine": run.partition("/")[0], "label": run_label(run), "t": [float(f"{times[k]:.5g}") for k in kept],
+            "v": [float(f"{found[k] if floor is None else max(found[k], floor):.4g}") for k in kept],
         }
-        for run, (times, found) in lines.items()
-        for k in _kept(found)
-        if math.isfinite(value := float(found[k]))
-    ]
-    axis = marks.BARE | {"tickCount": 5}
+    axis = marks.BARE | APART | {"tickCount": 5}
     if unit in ("m", "us"):
         axis["labelExpr"] = LENGTH_LABEL if unit == "m" else TIME_LABEL
     if floor is not None:
         axis["labelExpr"] = f"datum.value <= {floor!r} * 1.01 ? '0' : {axis.get('labelExpr', 'datum.label')}"
     scale: Spec = {"zero": True} if floor is None else {"type": "log", "clamp": True, "domainMin": floor}
     encoding = {
-        "x": number("t", axis=marks.BARE | {"title": "time [s]"}, scale={"nice": False}),
+        "x": number("t", axis=marks.BARE | APART | {"title": "time [s]"}, scale={"nice": False}),
         "y": number("v", axis=axis, scale=scale),
         "color": marks.by_engine(list(dict.fromkeys(run.partition("/")[0] for run in lines))),
-        "detail": name("run"), "strokeDash": _dashes(list(lines)),
+        "detail": name("run"), "strokeDash": _dash(dashed),
         "tooltip": [
             name("label", title="engine"), number("t", title="time [s]"),
             number("v", title=f"value [{unit}]" if unit else "value"),
@@ -105,14 +115,19 @@ def over_time(lines: Mapping[str, tuple[Array, Array]], unit: str, described: st
     now = {"data": {"values": [{}]}, "transform": [{"calculate": "now", "as": "t"}]}
     cursor = now | layer("rule", {"x": number("t")}, color="@alarm")
     layers = [layer("line", encoding, strokeWidth=1.3, interpolate="monotone"), cursor]
-    return marks.chart(described, 150, layers, values, params=[{"name": "now", "value": 0}])
+    data, params = {"name": "lines"}, [{"name": "now", "value": 0}]
+    return marks.chart(described, 150, layers, data=data, usermeta={"lines": columns}, params=params)
 
 
-def _dashes(runs: Sequence[str]) -> Spec:
-    """Return the channel of the lines: the first preset of each engine solid, the next ones dashed."""
+def dashes(runs: Sequence[str]) -> dict[str, Sequence[int]]:
+    """Return the dashes of the line of each run: the first preset of each engine solid, the next ones dashed."""
     engines = [run.partition("/")[0] for run in runs]
-    dashes = [DASHES[min(engines[:k].count(engine), 3)] for k, engine in enumerate(engines)]
-    return name("run", legend=None, scale={"domain": list(runs), "range": dashes})
+    return {run: DASHES[min(engines[:k].count(engine), 3)] for k, (run, engine) in enumerate(zip(runs, engines, strict=True))}
+
+
+def _dash(dashed: Mapping[str, Sequence[int]]) -> Spec:
+    """Return the channel of dashed lines by run."""
+    return name("run", legend=None, scale={"domain": list(dashed), "range": [list(one) for one in dashed.values()]})
 
 
 def _kept(values: Array) -> Sequence[int]:

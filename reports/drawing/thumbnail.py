@@ -5,18 +5,18 @@ Colours are classes of the page's style sheet, so that one picture serves light 
 """
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from html import escape
-from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from avatarsim.player import surfaces
+from avatarsim.player.surfaces import Indices
+from avatarsim.scene.shape import Piece as Shape
 from avatarsim.spatial import rotation
-from reports.drawing import mesh
-from reports.drawing.mesh import Array, Indices
-from reports.reading.kept import Drawn, Shown
+from reports.reading.kept import Array, Drawn, Shown
 
 WIDTH, HEIGHT = 320, 200
 """Units of the picture, two per pixel of a card: whole numbers of them are as fine as a screen shows."""
@@ -59,16 +59,22 @@ class Piece:
         return flat_hull(self.corners @ axes.T)
 
 
-def placed(role: str, piece: Mapping[str, Any], position: Array, orientation: Array) -> Piece:
-    """Return a piece of a scene's file on a body at ``position`` (3,) with ``orientation`` (4,)."""
-    own, faces, normals = mesh.corners(piece), list[Indices](), np.zeros((0, 3))
-    if not mesh.is_round(piece):
-        triangles, equations = mesh.hull(own)
-        # triangles of one plane are one face
-        planes, which = np.unique(np.round(equations, 5) + 0.0, axis=0, return_inverse=True)
-        faces = [np.unique(triangles[which == k]) for k in range(len(planes))]
-        normals = rotation.rotate(orientation, planes[:, :3])
-    return Piece(role, position + rotation.rotate(orientation, own), faces, normals)
+def placed(role: str, piece: Shape, position: Array, orientation: Array) -> Piece:
+    """Return a piece on a body at ``position`` (3,) with ``orientation`` (4,)."""
+    own, faces, normals = _faces(piece)
+    return Piece(role, position + rotation.rotate(orientation, own), faces, rotation.rotate(orientation, normals))
+
+
+@lru_cache(maxsize=512)
+def _faces(piece: Shape) -> tuple[Array, list[Indices], Array]:
+    """Return corners of a piece in the frame of its body, and flat faces with their normals, none of a round piece."""
+    own = surfaces.corners(piece)
+    if surfaces.is_round(piece.shape):
+        return own, [], np.zeros((0, 3))
+    triangles, equations = surfaces.hull(own)
+    # triangles of one plane are one face
+    planes, which = np.unique(np.round(equations, 5) + 0.0, axis=0, return_inverse=True)
+    return own, [np.unique(triangles[which == k]) for k in range(len(planes))], planes[:, :3]
 
 
 def flat_hull(points: Array) -> Array:

@@ -16,7 +16,7 @@ from reports.tables.checks import Checks
 from reports.tables.figures import quantity
 from reports.tables.run import Run
 from reports.tables.settings import LEVELS
-from runfiles.engines import about, run_label
+from runfiles.engines import about, main_runs, run_label
 from runfiles.metrics import label
 
 DIGITS = 4
@@ -31,13 +31,14 @@ Instants = Mapping[str, Mapping[str, float]]
 
 def page(
     run: Run, checks: Checks, changes: Changes | None, tables: Mapping[str, pd.DataFrame | None], losses: pd.DataFrame,
-    stills: Mapping[str, Stills], instants: Instants, damage: Sequence[str], files: Sequence[str],
+    stills: Mapping[str, Stills], replayed: Sequence[str], instants: Instants, damage: Sequence[str], files: Sequence[str],
 ) -> str:
-    """Return the page as text. ``tables`` has the keys settings, cases, effects and law."""
+    """Return the page as text. ``tables`` has the keys settings, cases, effects and law; ``replayed`` scenes have a replay."""
     settings, cases, effects, law = (tables[name] for name in ("settings", "cases", "effects", "law"))
     specs = _charts(run, settings, cases, effects, losses)
+    lines = curves.dashes([] if law is None else [one for one in main_runs() if one in set(law.run)])
     if law is not None:
-        specs |= {name: curves.obtained(law, name) for name in dict.fromkeys(law.law)}
+        specs |= {name: curves.obtained(law, name, lines) for name in dict.fromkeys(law.law)}
     engines = list(dict.fromkeys(name.partition("/")[0] for name in run.runs))
     payload = {
         "specs": specs,
@@ -60,13 +61,14 @@ def page(
     tables_js, tables_css = scripts.data_tables()
     versions = dict(info.get("versions") or {})
     return scripts.rendered(
-        "index.html.j2", f"Contact benchmark: {verdict(checks)}", [vega, js], payload, more=" blob:",
+        "index.html.j2", f"Contact benchmark: {verdict(checks)}", [vega, js], payload, more="blob:",
         rows=scripts.packed(figures(run).encode()), tables=tables_js, tables_css=tables_css,
         damage=damage, verdict=verdict(checks), sound=checks.is_sound, scenes=run.rows.scenario.nunique(),
         failed=rows(checks.failed), waived=rows(checks.waived), missing=rows(pd.concat([checks.crashed, checks.unmeasured])),
-        stills=list(stills), shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.STRIPS,
+        stills=list(stills), replayed=sorted(replayed),
+        shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.STRIPS,
         has_settings=settings is not None, has_cases=cases is not None, has_effects=effects is not None, levels=LEVELS,
-        laws=[] if law is None else list(dict.fromkeys(law.law)),
+        laws=[] if law is None else list(dict.fromkeys(law.law)), lines=lines,
         figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit", ""))[:8],
         machine=f"{info.get('cpus', '')} × {info.get('cpu', '')}",
         versions=" · ".join(f"{about(name).label} {version}" for name, version in versions.items() if name in engines),

@@ -2,18 +2,17 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
 from avatarsim.errors import InvalidFile
+from avatarsim.player import three_js
 from reports.charts import curves, marks
 from reports.drawing.stills import Stills, stills
 from reports.pages import scripts
 from reports.reading.kept import Drawn, Shown, drawn, shown
-from reports.replay import three_js
 from reports.replay.courses import MEASURES, courses
 from reports.replay.moments import instants
 from reports.replay.scene import replay
@@ -32,6 +31,7 @@ class Played:
 
     replay    data of the replay, None without one
     specs     charts over time by name
+    lines     dashes of their lines by run
     stills    for the index, None without them
     instants  times [s] of largest figures by metric
     damage    a sentence for each file that cannot be read or drawn
@@ -39,6 +39,7 @@ class Played:
 
     replay: Any = None
     specs: Mapping[str, marks.Spec] = field(default_factory=dict)
+    lines: Mapping[str, Sequence[int]] = field(default_factory=dict)
     stills: Stills | None = None
     instants: Mapping[str, float] = field(default_factory=dict)
     damage: list[str] = field(default_factory=list)
@@ -55,26 +56,38 @@ def scene_pages(run: Run, with_stills: frozenset[str]) -> Iterator[tuple[str, st
 
 
 def _played(run: Run, name: str, rows: pd.DataFrame, seed: int, with_stills: bool) -> Played:
-    series, dt, found = run.results.series.get(name, {}), run.results.frame_times.get(name, 1.0 / 60.0), Played()
-    scene, recorded = _files(run.folder, name, list(dict.fromkeys([*series, *rows.run])), seed, found.damage)
+    dt, found = run.results.frame_times.get(name, 1.0 / 60.0), Played()
+    series = {one: own for one, own in run.results.series.get(name, {}).items() if not _stands_in(one)}
+    runs = [one for one in dict.fromkeys([*series, *rows.run]) if not _stands_in(one)]
+    scene, recorded = _files(run.folder, name, runs, seed, found.damage)
     by_run = {one.run: one for one in recorded}
     try:
-        found.replay = replay(scene, recorded, run.gated, {one: own.overlap for one, own in series.items()}) if scene else None
+        found.replay = scene and replay(
+            name, scene, recorded, run.gated, {one: own.overlap for one, own in series.items()}
+        )
         scripts.data(found.replay)
         found.instants = instants(by_run[run.gated], scene) if run.gated in by_run else {}
         main = [by_run[one] for one in run.runs if one in by_run and not about(one.partition("/")[0]).baseline]
         if with_stills and found.replay and scene and main:
-            found.stills = stills(scene, main, run.gated, found.replay["azimuth"])
+            found.stills = stills(scene, main, run.gated, found.replay["eye"]["azimuth"])
         lines = courses(series, recorded, scene, dt)
     except UNDRAWABLE as error:
         found.damage.append(f"a recording cannot be drawn ({type(error).__name__}: {error})")
         found.replay, lines = None, courses(series, (), None, dt)
+    found.lines = curves.dashes([one for one in runs if any(one in by_measure for by_measure in lines.values())])
     found.specs = {
-        key: curves.over_time(lines[key], unit, f"{title} over time, a line per engine.", floor)
+        key: curves.over_time(lines[key], found.lines, unit, f"{title} over time, a line per engine.", floor)
         for key, (title, unit, floor) in MEASURES.items()
         if key in lines
     }
     return found
+
+
+def _stands_in(run: str) -> bool:
+    """Return whether a run is a variant that stands for another preset in some metrics: it shows what that preset shows."""
+    engine, _, preset = run.partition("/")
+    variant = about(engine).variants.get(preset)
+    return variant is not None and bool(variant.of)
 
 
 def _files(folder: Path, name: str, runs: Sequence[str], seed: int, damage: list[str]) -> tuple[Drawn | None, list[Shown]]:
@@ -91,32 +104,21 @@ def _files(folder: Path, name: str, runs: Sequence[str], seed: int, damage: list
     return scene, recorded
 
 
-@cache
-def _libraries() -> dict[str, str]:
-    """Return three.js, where it is installed, and Vega, packed."""
-    three = three_js.library()
-    # a classic script as a module whose declarations stay global
-    module = f"(0, (function () {{ {three}\nif (typeof THREE !== 'undefined') window.THREE = THREE; }}).call(window));"
-    return {"three": scripts.packed(module.encode()) if three else "", "vega": scripts.packed(scripts.vega().encode())}
-
-
 def _page(
     run: Run, name: str, rows: pd.DataFrame, around: tuple[str | None, str | None], played: Played, seed: int
 ) -> str:
     runs = [one for one in dict.fromkeys([*run.runs, *rows.run]) if one in set(rows.run)]
-    packed = _libraries()
-    shown = played.replay if packed["three"] else None
-    sources = ["theme.js", *(["gif.js", "replay.js"] if shown else []), "scene.js"]
-    palette = marks.palette({one.partition("/")[0] for one in runs})
+    used = [three_js.FILE] * bool(played.replay and three_js.library()) + ["vega.js"] * bool(played.specs) + ["scene.js"]
     return scripts.rendered(
-        "scene.html.j2", f"{name} · Contact benchmark", ["".join(map(scripts.source, sources))],
-        {"specs": played.specs, "palette": palette, "replay": shown}, css=["scene.css"], more=" blob:",
-        libraries={key: packed[key] for key, used in (("three", shown), ("vega", played.specs)) if used},
+        "scene.html.j2", f"{name} · Contact benchmark", [],
+        {"specs": played.specs, "palette": marks.palette({one.partition("/")[0] for one in runs}), "replay": played.replay},
+        css=scripts.PLAYER.joinpath("player.css").read_text("utf-8"),
+        libraries=[f"../{scripts.LIBRARIES}/{file}" for file in used],
         scene=name, sentence=run.results.titles.get(name, ""), before=around[0], after=around[1], damage=played.damage,
-        cut=_cut(run, name, rows), replay=shown, states=max(one["frames"] for one in shown["runs"]) if shown else 0,
-        no_replay="Nothing was recorded." if packed["three"] or not played.replay else three_js.WORDS,
-        charts={key: MEASURES[key][:2] for key in played.specs}, runs=runs, figures=_figures(rows), gated=run.gated,
-        settings=_settings(run, name, seed),
+        cut=_cut(run, name, rows),
+        has_replay=played.replay is not None,
+        charts={key: MEASURES[key][:2] for key in played.specs}, lines=played.lines, runs=runs, figures=_figures(rows),
+        gated=run.gated, settings=_settings(run, name, seed),
     )
 
 

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.errors import InvalidFile
+from avatarsim.errors import InvalidFile, InvalidShape
 from avatarsim.files import read_json
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from runfiles import overlapping, record
 
 Array = NDArray[np.float64]
@@ -26,7 +27,10 @@ PARTS = {"name", "role", "pieces", "mass"}
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A scene's file: see `scenarios.run.run_files`; `parents` is empty where an earlier run did not write them."""
+    """A scene's file: see `scenarios.run.run_files`; `parents` is empty where an earlier run did not write them.
+
+    The pieces of its bodies are tuples of `Piece`.
+    """
 
     bodies: Sequence[Mapping[str, Any]]
     gravity: Array
@@ -70,7 +74,26 @@ def drawn(run_dir: Path, scene: str) -> Drawn | None:
         raise InvalidFile(str(path), "gravity or bodies of another layout", WRITTEN)
     if not all(parent is None or (type(parent) is int and 0 <= parent < link) for link, parent in enumerate(parents)):
         raise InvalidFile(f"parents in {path}", parents, "of each link the place of an earlier one, or null")
-    return Drawn(bodies, gravity, parents)
+    try:
+        return Drawn([{**body, "pieces": tuple(map(_piece, body["pieces"]))} for body in bodies], gravity, parents)
+    except (InvalidShape, ValueError, KeyError, TypeError, OverflowError) as error:
+        raise InvalidFile(f"pieces in {path}", f"{type(error).__name__}: {error}", WRITTEN) from error
+
+
+def _piece(found: Mapping[str, Any]) -> Piece:
+    """Return a piece of a scene's file. Raises InvalidShape, KeyError, TypeError or ValueError for what is none."""
+    match found["kind"]:
+        case "sphere":
+            shape: Sphere | Capsule | Box | Ellipsoid | ConvexHull = Sphere(found["radius"])
+        case "capsule":
+            shape = Capsule(found["radius"], found["length"])
+        case "box":
+            shape = Box(tuple(found["size"]))
+        case "ellipsoid":
+            shape = Ellipsoid(tuple(found["radii"]))
+        case _:
+            shape = ConvexHull(np.array(found["vertices"], dtype=np.float64))
+    return Piece(shape, tuple(found["position"]), tuple(found["orientation"]))
 
 
 def shown(run_dir: Path, scene: str, runs: Sequence[str], seed: int = 0, drawn: Drawn | None = None) -> list[Shown]:

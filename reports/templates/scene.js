@@ -1,7 +1,9 @@
 // The page of a scene: the replay, and charts over time that share its cursor.
 async function drawAll() {
   for (const name of Object.keys(page.specs)) {
-    const view = await draw(name, page.specs[name]);
+    const rows = ([run, { engine, label, t, v }]) => t.map((at, k) => ({ t: at, v: v[k], run, engine, label }));
+    const lines = Object.entries(page.specs[name].usermeta.lines).flatMap(rows);
+    const view = await draw(name, { ...page.specs[name], datasets: { lines } });
     if (!view) continue;
     view.signal("now", now).runAsync();
     view.addEventListener("click", (event) => {
@@ -21,15 +23,6 @@ document.addEventListener("shown-time", (event) => {
   waiting = true;
   setTimeout(() => { waiting = false; for (const view of Object.values(views)) view.signal("now", now).runAsync(); }, 60);
 });
-async function start() {
-  onTheme(drawAll);
-  if (page.replay) {
-    await library("three");
-    startReplay(page.replay);
-  }
-  if (Object.keys(page.specs).length) {
-    await library("vega");
-    await drawAll();
-  }
-}
-start();
+onTheme(drawAll);
+if (page.replay) startPlayer(document.getElementById("replay"), page.replay);
+drawAll();

@@ -39,7 +39,3 @@ async function unpack(id) {
   const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (sign) => sign.charCodeAt(0));
   return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
 }
-// A packed library of the page, as a module: import() waits until it has run.
-async function library(id) {
-  return import(URL.createObjectURL(new Blob([await unpack(id)], { type: "text/javascript" })));
-}

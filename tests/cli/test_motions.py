@@ -43,7 +43,7 @@ def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Pat
     assert clean(tmp_path / "in", "-o", tmp_path / "out") == 0
     assert set(content(tmp_path / "out")) == {
         "b.bvh", "deep/a.bvh", "certificate.json", "index.html", "certificates/b.bvh.json", "certificates/deep/a.bvh.json",
-        "pages/b.bvh.html", "pages/deep/a.bvh.html",
+        "pages/b.bvh.html", "pages/three.js", "pages/deep/a.bvh.html",
     }
     whole = certified(tmp_path / "out")
     assert [one["motion"] for one in whole["clips"]] == ["b.bvh", "deep/a.bvh"] and whole["not_done"] == []
@@ -188,7 +188,7 @@ def test_a_folder_of_rubbish_is_named_and_the_rest_is_done(tmp_path: Path, capsy
     assert [name for name, words in said.items() if words not in refused[name]] == []
     assert [name for name in refused if f"avatarsim: {name}: " not in err] == [] and "Traceback" not in err
     assert set(content(tmp_path / "out")) == {
-        "good.bvh", "certificate.json", "index.html", "certificates/good.bvh.json", "pages/good.bvh.html",
+        "good.bvh", "certificate.json", "index.html", "certificates/good.bvh.json", "pages/good.bvh.html", "pages/three.js",
     }
 
 

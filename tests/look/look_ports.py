@@ -17,7 +17,7 @@ import pytest
 
 from avatarsim.live.messages import State
 from avatarsim.live.ports.protocol import Goals
-from reports.replay.three_js import library
+from avatarsim.player.three_js import library
 from tests.live.ports.opened import Opened, state, until
 from tests.look.browser import Browser
 from tests.look.conftest import COLOURS, SCREENSHOTS

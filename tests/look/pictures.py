@@ -19,12 +19,13 @@ from avatarsim.errors import AvatarsimError
 from reports import write_report
 from reports.summaries import readme
 from reports.tables.run import read
+from runfiles.engines import run_label
 from runfiles.files import write_whole
 from tests.look.browser import Browser, browser
 
 ROOT = Path(__file__).resolve().parents[2]
 FOLDER = ROOT / "reports" / "pictures"
-SCENE, RUNS = "mocap_punch_wall", ("avatarsim/default", "mujoco/default", "pybullet/default")
+SCENE, RUNS = "mocap_punch_wall", tuple(map(run_label, ("avatarsim/default", "mujoco/default", "pybullet/default")))
 SHARES = (0.08, 0.22, 0.31, 0.42, 0.55)
 """Instants of the strip, as shares of the scene's length."""
 TURNS = 7 * "d" + 4 * "s"
@@ -46,7 +47,7 @@ def chosen(one: Browser, page: Path) -> list[int]:
     """Open a page, hide all views but those of RUNS, and return their numbers."""
     one.open(page)
     one.until("document.getElementById('replay').dataset.frame !== undefined")
-    names = one.value("page.replay.runs.map((run) => run.run)")
+    names = one.value("page.replay.views.map((view) => view.label)")
     for number, name in enumerate(names):
         if name not in RUNS:
             one.value(f"document.querySelector('[data-view=\"{number}\"]').click()")
@@ -56,11 +57,12 @@ def chosen(one: Browser, page: Path) -> list[int]:
 def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
     """A picture of each engine's view at each instant: a row per engine."""
     wanted = chosen(one, page)
-    one.value(f"document.querySelector('.stage').style.gridTemplateColumns = 'repeat(3, {CELL[0]}px)'")
+    one.value(f"document.querySelector('.stage').style.cssText = 'display:grid;grid-template-columns:repeat(3, {CELL[0]}px)'")
+    one.value(f"document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{CELL[1]}px'; }})")
     # from where a fist in the wall is seen from the side
     one.press(TURNS)
     last = int(one.value("document.querySelector('[data-part=bar]').max"))
-    step = float(one.value("page.replay.dt"))
+    step = float(one.value("page.replay.times[1]"))
     one.value("document.querySelectorAll('.controls').forEach((one) => { one.style.display = 'none'; })")
     one.value("document.querySelector('.stage').scrollIntoView()")
     rows: list[list[Path]] = [[] for _ in wanted]
@@ -96,8 +98,9 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
         columns = len(chosen(one, page))
         one.value(
             f"document.querySelector('.stage').style.cssText += ';width:{columns * width + 8 * (columns - 1)}px;"
-            f"grid-template-columns:repeat({columns}, {width}px)'"
+            f"display:grid;grid-template-columns:repeat({columns}, {width}px)'"
         )
+        one.value(f"document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{3 * width // 4}px'; }})")
         # from one place, so that what stands still need not be drawn again
         one.value("(() => { const box = document.querySelector('[data-part=follow]'); if (box.checked) box.click(); })()")
         one.press(TURNS + NEARER)

@@ -1,7 +1,6 @@
 """Shared by tests of report pages: a small run made by hand, expressions, and conditions of a page that is ready."""
 
 import json
-import re
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,7 @@ from reports import write_report
 from runfiles import array_file
 from tests.look.browser import Browser
 from tests.reports.conftest import row, whole_run
+from tests.reports.pages.reading import data_of
 from tests.reports.recorded import recording, scene
 from tests.reports.small_runs import FINE, MUJOCO, OURS, OVERLAP, SETTING, Part, write_all, write_study
 
@@ -20,18 +20,18 @@ MARKUP = "<b>odd</b> & <img src=x onerror=alert(1)>"
 
 SHOWN = "Number(document.getElementById('replay').dataset.frame)"
 """The state that the replay shows."""
-COLOURS = """
+PIXELS = """
 new Promise((done) => {
   window.dispatchEvent(new Event("resize"));
-  // after the replay's own drawing, within the same frame, while the picture still is there
+  // after the player's own drawing, within the same frame, while the picture still is there
   requestAnimationFrame(() => {
     const from = document.querySelector(".stage canvas"), pen = new OffscreenCanvas(from.width, from.height).getContext("2d");
     pen.drawImage(from, 0, 0);
-    done(new Set(new Uint32Array(pen.getImageData(0, 0, from.width, from.height).data.buffer)).size);
+    done(new Uint32Array(pen.getImageData(0, 0, from.width, from.height).data.buffer));
   });
-})
-"""
-"""Number of different colours of the replay's canvas."""
+})"""
+COLOURS, PICTURE = f"{PIXELS}.then((all) => new Set(all).size)", f"{PIXELS}.then((all) => all.reduce((a, b) => (31 * a + b) | 0))"
+"""Number of different colours of the player's canvas, and a number that depends on all its pixels."""
 BLANK = """
 [...document.querySelectorAll("[data-chart]")].filter((place) => {
   const svg = place.querySelector("svg"), box = svg && svg.getBoundingClientRect();
@@ -126,23 +126,27 @@ def replayed(one: Browser, page: Path, hash_: str = "") -> None:
 def quiet(one: Browser, page: Path) -> None:
     """Nothing on the console, no address asked for but the page's own, and nothing wider than the window."""
     assert one.errors == []
-    own = page.resolve().as_uri()
-    assert [asked for asked in one.requests if asked.partition("#")[0] != own and not asked.startswith(("data:", "blob:"))] == []
+    own = (page.resolve().as_uri(), *(f"{(folder / 'lib').as_uri()}/" for folder in page.resolve().parents[:2]), "data:", "blob:")
+    assert [asked for asked in one.requests if not asked.startswith(own)] == []
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+def states(page: Path) -> int:
+    """Number of states that a page can show, 0 without a replay."""
+    [data] = data_of(page)
+    return len(data["replay"]["times"]) if data["replay"] else 0
 
 
 def scenes(run: Path) -> list[Path]:
     """Pages of scenes that can be played, at most three."""
-    found = [page for page in sorted((run / "scenes").glob("*.html")) if 'data-part="bar"' in page.read_text(encoding="utf-8")]
+    found = [page for page in sorted((run / "scenes").glob("*.html")) if states(page)]
     assert found
     return found[:3]
 
 
 def shortest(run: Path) -> Path:
     """The page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
-    found = sorted(run.glob("scenes/*.html"))
-    bars = {page: re.search(r'data-part="bar" min="0" max="(\d+)"', page.read_text()) for page in found}
-    lengths = {page: int(bar[1]) for page, bar in bars.items() if bar and int(bar[1]) > 20}
+    lengths = {page: count for page in sorted(run.glob("scenes/*.html")) if (count := states(page)) > 20}
     return min(lengths, key=lengths.__getitem__)
 
 

@@ -26,7 +26,7 @@ def test_write_makes_the_report_from_the_results_alone(run_dir: Write, results: 
     folder = run_dir(results)
     assert main(["write", str(folder)]) == 0
     assert Path(capsys.readouterr().out.strip()) == folder / "index.html"
-    assert {path.name for path in folder.iterdir()} == {"results.json", "scenes"} | PAGES
+    assert {path.name for path in folder.iterdir()} == {"results.json", "scenes", "lib"} | PAGES
 
 
 def test_a_damaged_part_is_named_and_the_exit_code_is_2(tmp_path: Path, capsys: Output) -> None:

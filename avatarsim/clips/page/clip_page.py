@@ -1,8 +1,7 @@
 """The page of one clip: both motions in one view, overlap on a time line, and the moments worth seeing, the deepest first."""
 
-import base64
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from heapq import nlargest
 from itertools import islice
 from pathlib import PurePosixPath
@@ -14,8 +13,8 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Flagged
 from avatarsim.cleaning.result import OVERLAP
-from avatarsim.clips.page.drawn_pieces import CORNERS, Surface, corners, surface_of
 from avatarsim.clips.page.layout import address, angle, data, esc, length, page, resource, table
+from avatarsim.player import payload, surfaces, three_js
 from avatarsim.scene.body import Body
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Piece
@@ -27,12 +26,12 @@ Array = NDArray[np.float64]
 NUMBERS = 2_000_000
 """Numbers of poses in a page: 4 MB, 5,000 frames of 30 links before and after. More: it opens too slowly. Longer clips show every
 second frame, or every third."""
-STEPS = 65_535
-"""Values of a coordinate: places to 0.2 mm in 10 m."""
-UNIT = 32_767
-"""Value of 1 in a quaternion."""
+CORNERS = 64
+"""Corners of a hull that are drawn at most, those farthest in as many directions."""
 ROOM_CORNERS, FEWEST, PIECES = 10_000, 8, 1_000
-"""Corners of a room together, fewest of one piece, and pieces at most: a browser draws 20,000 triangles ten times a second."""
+"""Corners of a room together, fewest of one piece, and pieces at most. More: pages of clips are larger than their motions."""
+AZIMUTH = -0.6
+"""Direction [rad] from which the eye looks at first."""
 RUNS = 1_500
 """Marks of one kind on the time line at most; those that lie closer together than a pixel become one."""
 THINNEST = 1.0 / 600.0
@@ -54,15 +53,6 @@ class Shown:
     flagged: Sequence[Flagged]
 
 
-@dataclass(frozen=True)
-class Moment:
-    """A frame that is worth seeing, and why."""
-
-    frame: int
-    said: str
-    worst: bool = False
-
-
 def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
     """The page of a clip as bytes; `place` is its path below the output folder, `entry` its part of the certificate."""
     name = str(entry["motion"])
@@ -80,36 +70,25 @@ def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
         f'<span class=soft>{esc(entry["frames"])} frames, {esc(_rate(entry))}; '
         f'<a href="{up}{address(name)}">the motion</a>, '
         f'<a href="{up}certificates/{address(name)}.json">its certificate</a></span></p>',
-        STAGE,
         time_line(shown),
-        CONTROLS.format(last=len(shown.before) - 1),
-        "<h2>Moments</h2>",
-        _buttons(moments),
+        LEGEND,
+        '<section id=replay data-state=none></section>',
+        "" if moments else "<p class=soft>Nothing was flagged.</p>",
         "<h2>Measures</h2>",
         measures(entry),
         _moved(entry),
         _said(entry),
         "</main>",
-        data("clip", replay(shown, moments)),
+        data("clip", replay(name, shown, moments)),
     ])
-    return page(f"{name}: before and after", body, resource("viewer.js"))
+    scripts = [resource("gif.js", "avatarsim.player"), resource("player.js", "avatarsim.player"), resource("clip.js")]
+    library = "../" * (len(PurePosixPath(place).parts) - 2) + three_js.FILE
+    return page(f"{name}: before and after", body, "".join(scripts), resource("player.css", "avatarsim.player"), library)
 
 
-STAGE = (
-    '<div class=stage id=stage tabindex=0 role=img aria-label="The avatar before and after"><canvas id=view></canvas></div>\n'
-    '<p class=told id=told role=status></p>'
-)
-CONTROLS = (
-    '<div class=controls><button id=play type=button>Play</button>'
-    '<input id=bar type=range min=0 max="{last}" value=0 step=1 aria-label="Frame">'
-    '<select id=speed aria-label="Speed"><option value=0.1>0.1 x</option><option value=0.25>0.25 x</option>'
-    '<option value=1 selected>1 x</option></select></div>\n'
-    '<div class=controls><label><input type=checkbox id=show-before checked> <span class="key before"></span>before</label>'
-    '<label><input type=checkbox id=show-after checked> <span class="key after"></span>after</label>'
-    '<label><input type=checkbox id=show-room checked> <span class="key room"></span>room</label>'
-    '<label><input type=checkbox id=follow checked> follow</label>'
-    '<span class=soft><span class="key red"></span>overlap <span class="key chord"></span>way to the next frame not certified; '
-    'drag turns, Ctrl and wheel zoom, space plays, arrows step</span></div>'
+LEGEND = (
+    '<p class=soft><span class="key red"></span>overlap, above before, below after <span class="key chord"></span>way to the '
+    'next frame not certified <span class="key flag"></span>flagged</p>'
 )
 
 
@@ -117,28 +96,19 @@ def _rate(entry: Mapping[str, Any]) -> str:
     return "one posture" if entry["rate_hz"] is None else f'{entry["rate_hz"]:g} frames a second'
 
 
-def moments_of(shown: Shown) -> list[Moment]:
+def moments_of(shown: Shown) -> list[payload.Moment]:
     """The deepest overlap before, the deepest after, and the runs that were flagged, in this order."""
     found = []
     for audit, when in ((shown.audit_before, "before"), (shown.audit_after, "after")):
         if audit.overlapping:
             pair = f", {audit.deepest_pair[0]} in {audit.deepest_pair[1]}" if audit.deepest_pair else ""
-            found.append(Moment(int(np.argmax(audit.depths)), f"deepest overlap {when}: {length(audit.deepest)}{pair}", True))
+            said = f"deepest overlap {when}: {length(audit.deepest)}{pair}"
+            found.append(payload.Moment(int(np.argmax(audit.depths)), said, True))
     for run in islice(shown.flagged, MOMENTS):
         pair = f": {run.pair[0]} and {run.pair[1]}" if run.pair else ""
         frames = f"frames {run.first} to {run.last}" if run.last > run.first else f"frame {run.first}"
-        found.append(Moment(run.first, f"{frames}, {run.why}{pair}"))
+        found.append(payload.Moment(run.first, f"{frames}, {run.why}{pair}"))
     return found
-
-
-def _buttons(moments: Sequence[Moment]) -> str:
-    if not moments:
-        return "<p class=soft>Nothing was flagged.</p>"
-    buttons = [
-        f'<button type=button data-frame="{one.frame}"{" class=worst" if one.worst else ""}>{esc(one.said)}</button>'
-        for one in moments
-    ]
-    return f"<div class=moments>{''.join(buttons)}</div>"
 
 
 def runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -246,67 +216,58 @@ def _said(entry: Mapping[str, Any]) -> str:
     return found
 
 
-def replay(shown: Shown, moments: Sequence[Moment]) -> dict[str, object]:
-    """What the viewer draws: surfaces, and poses of links as whole numbers of 16 bits."""
+def replay(name: str, shown: Shown, moments: Sequence[payload.Moment]) -> dict[str, object]:
+    """Return what the player plays: the cleaned motion, the input as its ghost, the room, captions of frames in overlap."""
     avatar = shown.model.avatar
     assert avatar is not None
-    surfaces = [surface_of(link.pieces) for link in avatar.links]
-    drawn = [k for k, one in enumerate(surfaces) if len(one.triangles)]
+    surface = [surfaces.surface(link.pieces, CORNERS) for link in avatar.links]
+    links = [k for k, (_, triangles) in enumerate(surface) if len(triangles)]
     frames = len(shown.before)
     step = -(-frames * len(avatar.links) * 14 // NUMBERS)
-    wanted = {*range(0, frames, max(step, 1)), frames - 1, *(one.frame for one in moments)}
-    at = np.array(sorted(wanted))
-    motions = []
+    at = np.array(sorted({*range(0, frames, max(step, 1)), frames - 1, *(one.state for one in moments)}))
+    both = []
     for motion in (shown.before, shown.after):
-        motions.append(poses_of_links((avatar,), motion.positions[at], motion.rotations[at], motion.angles[at]))
-    places = np.stack([places[:, drawn] for places, _ in motions])
-    least = places.min(axis=(0, 1, 2)) if places.size else np.zeros(3)
-    size = float(max((places.max(axis=(0, 1, 2)) - least).max(), 1e-3)) if places.size else 1.0
-    # what is in view: the avatar at its widest, about its root
-    radius = max((float(np.linalg.norm(surfaces[k].vertices, axis=1).max()) for k in drawn), default=0.0)
-    extent = float(np.linalg.norm(places - places[:, :, :1], axis=-1).max()) + radius if places.size else 1.0
-    coded = []
-    for k, (_, turned) in enumerate(motions):
-        whole = np.round((places[k] - least) / size * STEPS).astype("<u2")
-        coded.append({"places": _base64(whole), "turns": _base64(np.round(turned[:, drawn] * UNIT).astype("<i2"))})
+        places, turns = poses_of_links((avatar,), motion.positions[at], motion.rotations[at], motion.angles[at])
+        both.append(payload.Poses(places[:, links], turns[:, links]))
+    room = room_of([*shown.model.room, *shown.room])
+    bodies = [payload.Drawn("driven", surface[k]) for k in links] + [payload.Drawn("fixed", one) for one in room]
+    view = payload.View(
+        "after", "#7b9cc4", both[1], captions(shown, at),
+        moments=[replace(one, state=int(np.searchsorted(at, one.state))) for one in moments],
+    )
+    return payload.payload(
+        bodies, {len(links) + k: (np.zeros(3), np.array(rotation.IDENTITY)) for k in range(len(room))},
+        shown.before.times[at] - shown.before.times[0], [view], 0, ("before", range(len(links)), both[0]), lambda *_: AZIMUTH,
+        name=name, frames=at.tolist(), calm=_caption(0.0, 0.0), ground=True, opens=view.moments[0].state if moments else 0,
+    )
+
+
+def captions(shown: Shown, at: NDArray[np.int64]) -> dict[int, tuple[str, str]]:
+    """Return the captions of the frames ``at`` in which the input or the result overlaps, by their place."""
+    depths = [np.where(audit.depths[at] > OVERLAP, audit.depths[at], 0.0) for audit in (shown.audit_before, shown.audit_after)]
     return {
-        "frames": at.tolist(), "seconds": [float(f"{t:.6g}") for t in shown.before.times[at] - shown.before.times[0]],
-        "least": _rounded(least), "size": size, "extent": float(f"{extent:.3g}"),
-        "links": [_surface(surfaces[k]) for k in drawn],
-        "room": room_of([*shown.model.room, *shown.room]),
-        "before": coded[0], "after": coded[1],
-        "depths": [[float(f"{depth:.3g}") if depth > OVERLAP else 0 for depth in audit.depths[at]]
-                   for audit in (shown.audit_before, shown.audit_after)],
-        "first": moments[0].frame if moments else 0,
+        int(k): (payload.OVERLAP if depths[1][k] > 0.0 else payload.GHOST, _caption(*(float(each[k]) for each in depths)))
+        for k in np.flatnonzero((depths[0] > 0.0) | (depths[1] > 0.0))
     }
 
 
-def _base64(array: NDArray[Any]) -> str:
-    return base64.b64encode(np.ascontiguousarray(array).tobytes()).decode()
+def _caption(*depths: float) -> str:
+    told = (f"overlap {length(depth)}" if depth > 0.0 else "no overlap" for depth in depths)
+    return ", ".join(f"{when}: {text}" for when, text in zip(("before", "after"), told, strict=True))
 
 
-def _rounded(array: Array) -> list[float]:
-    return [float(f"{number:.6g}") for number in np.asarray(array).ravel()]
-
-
-def _surface(one: Surface) -> dict[str, object]:
-    return {"v": _rounded(one.vertices), "t": one.triangles.ravel().tolist()}
-
-
-def room_of(bodies: Sequence[Body]) -> list[dict[str, object]]:
+def room_of(bodies: Sequence[Body]) -> list[surfaces.Surface]:
     """Surfaces of bodies in the world, drawn with fewer corners where there are many pieces; of very many the largest."""
     drawn = nlargest(PIECES, (_size(piece) for body in bodies for piece in body.pieces))
     least = min(drawn, default=0.0)
     most = int(np.clip(ROOM_CORNERS // max(len(drawn), 1), FEWEST, CORNERS))
-    return [_placed(body, [piece for piece in body.pieces if _size(piece) >= least], most) for body in bodies]
+    found = []
+    for body in bodies:
+        points, triangles = surfaces.surface([piece for piece in body.pieces if _size(piece) >= least], most)
+        found.append((rotation.rotate(np.array(body.orientation), points) + np.array(body.position), triangles))
+    return found
 
 
 def _size(piece: Piece) -> float:
     """Diagonal of a piece [m]."""
-    return float(np.linalg.norm(np.ptp(corners(piece.shape), axis=0)))
-
-
-def _placed(body: Body, pieces: Sequence[Piece], most: int) -> dict[str, object]:
-    found = surface_of(pieces, most)
-    vertices = rotation.rotate(np.array(body.orientation), found.vertices) + np.array(body.position)
-    return _surface(Surface(vertices, found.triangles))
+    return float(np.linalg.norm(np.ptp(surfaces.corners(piece, CORNERS), axis=0)))

@@ -21,9 +21,9 @@ ROUNDING = 1e-9
 """Angle that is none [rad]: within it joints count as within their limits."""
 
 
-def resource(name: str) -> str:
-    """A file of this folder, as the wheel holds it."""
-    return resources("avatarsim.clips.page").joinpath(name).read_text("utf-8")
+def resource(name: str, package: str = "avatarsim.clips.page") -> str:
+    """Return the text of a file of a package's folder, as the wheel holds it."""
+    return resources(package).joinpath(name).read_text("utf-8")
 
 
 def esc(text: object) -> str:
@@ -52,16 +52,28 @@ def _hash(content: str) -> str:
     return f"'sha256-{base64.b64encode(hashlib.sha256(content.encode()).digest()).decode()}'"
 
 
-def page(title: str, body: str, script: str = "") -> bytes:
-    """A whole page. `body` is HTML, `script` JavaScript; the policy lets this style and script work, and nothing be fetched."""
-    style = resource("page.css")
-    scripts = _hash(script) if script else "'none'"
-    policy = f"default-src 'none'; style-src {_hash(style)}; script-src {scripts}; base-uri 'none'; form-action 'none'"
-    code = f"<script>{script}</script>\n" if script else ""
+def page(title: str, body: str, script: str = "", style: str = "", library: str = "") -> bytes:
+    """Return a whole page, which fetches nothing but ``library``.
+
+    Args:
+        title: of the page, any text.
+        body: HTML.
+        script: JavaScript, which the policy allows by its hash.
+        style: CSS beyond that of all pages.
+        library: path of a script beside the page, loaded before ``script``.
+    """
+    css = resource("page.css") + style
+    scripts = " ".join(([_hash(script)] if script else []) + (["'self'", "file:"] if library else [])) or "'none'"
+    policy = (
+        f"default-src 'none'; style-src {_hash(css)}; script-src {scripts}; img-src data: blob:; base-uri 'none'; "
+        "form-action 'none'"
+    )
+    code = f'<script src="{esc(library)}"></script>\n' if library else ""
+    code += f"<script>{script}</script>\n" if script else ""
     whole = (
         f'<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n<title>{esc(title)}</title>\n'
         f'{GENERATOR}\n<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f'<meta http-equiv="Content-Security-Policy" content="{esc(policy)}">\n<style>{style}</style>\n</head>\n'
+        f'<meta http-equiv="Content-Security-Policy" content="{esc(policy)}">\n<style>{css}</style>\n</head>\n'
         f"<body>\n{body}\n{code}</body>\n</html>\n"
     )
     return whole.encode()

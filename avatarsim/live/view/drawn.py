@@ -10,7 +10,7 @@ import viser
 from numpy.typing import NDArray
 
 from avatarsim.live.messages import State, Touching
-from avatarsim.live.view.surfaces import surface
+from avatarsim.player.surfaces import surface
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece

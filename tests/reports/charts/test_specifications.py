@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 import vl_convert
 from hypothesis import given
 from hypothesis import strategies as st
@@ -34,6 +35,14 @@ def run(worst: float | None = 2e-3) -> Run:
     return run_of([*rows, figure("b", OURS, OVERLAP, worst, "fail", 1e-6), figure("b", MUJOCO, OVERLAP, 0.0)])
 
 
+def over_time(lines: Mapping[str, tuple[np.ndarray, np.ndarray]], unit: str, floor: float | None = None) -> marks.Spec:
+    """Lines over time with the data that the page makes of their columns."""
+    spec = curves.over_time(lines, curves.dashes(list(lines)), unit, "some words", floor)
+    columns = spec["usermeta"]["lines"].items()
+    rows = [{"t": t, "v": v, "run": run} for run, one in columns for t, v in zip(one["t"], one["v"], strict=True)]
+    return spec | {"datasets": {"lines": rows}}
+
+
 def specifications(folder: Path) -> dict[str, marks.Spec]:
     """One of every chart."""
     made = run()
@@ -44,8 +53,8 @@ def specifications(folder: Path) -> dict[str, marks.Spec]:
     return {
         **{name: strips.strip(made, chart, "some words") for name, chart in strips.STRIPS.items()},
         "settings": curves.error_against_time(["avatarsim", "mujoco"]),
-        "time": curves.over_time({OURS: (times, times), MUJOCO: (times, times**2)}, "us", "some words", 0.1),
-        "energy": curves.over_time({OURS: (times, times), "avatarsim/paper": (times, -times)}, "J", "some words"),
+        "time": over_time({OURS: (times, times), MUJOCO: (times, times**2)}, "us", 0.1),
+        "energy": over_time({OURS: (times, times), "avatarsim/paper": (times, -times)}, "J"),
         "hard": cells.hard_cases(made, table), "effects": cells.effects(switched), "losses": cells.bars(losses(made)),
     }
 
@@ -56,7 +65,7 @@ def texts(part: Any) -> Iterator[str]:
         yield part
     elif isinstance(part, Mapping):
         for name, one in part.items():
-            yield from () if name == "values" else texts(one)
+            yield from () if name in ("values", "datasets", "usermeta") else texts(one)
     elif isinstance(part, list):
         for one in part:
             yield from texts(one)
@@ -85,7 +94,6 @@ def test_colours_are_tokens_of_the_palette(tmp_path: Path) -> None:
     assert all(re.fullmatch(r"#[0-9a-f]{6}", colour) for colour in [*light.values(), *dark.values()])
 
 
-
 @given(values)
 def test_a_strip_holds_whatever_an_engine_shows(value: float | None) -> None:
     spec = strips.strip(run(value), strips.STRIPS["overlap"], "some words")
@@ -97,8 +105,8 @@ def test_a_strip_holds_whatever_an_engine_shows(value: float | None) -> None:
 
 @given(st.lists(st.sampled_from([math.nan, math.inf, 0.0, 1e-9, 3.0]), min_size=1, max_size=20), st.sampled_from([None, 1e-9]))
 def test_a_line_over_time_holds_whatever_an_engine_shows(found: list[float], floor: float | None) -> None:
-    spec = curves.over_time({MUJOCO: (np.arange(len(found)) / 60.0, np.array(found))}, "m", "some words", floor)
-    kept = json.loads(data(spec))["data"]["values"]
+    spec = over_time({MUJOCO: (np.arange(len(found)) / 60.0, np.array(found))}, "m", floor)
+    kept = json.loads(data(spec))["datasets"]["lines"]
     assert [point["v"] for point in kept] == [max(one, floor or 0.0) for one in found if math.isfinite(one)]
 
 
@@ -107,8 +115,9 @@ def test_the_largest_value_survives_thinning(count: int, draw: st.DataObject) ->
     peak = draw.draw(st.integers(0, count - 1))
     line = np.zeros(count)
     line[peak] = 7.0
-    kept = curves.over_time({OURS: (np.arange(count) / 60.0, line)}, "m", "some words")["data"]["values"]
-    assert [point["t"] for point in kept if point["v"] == 7.0] == [peak / 60.0] and len(kept) <= max(curves.POINTS, 1)
+    kept = over_time({OURS: (np.arange(count) / 60.0, line)}, "m")["datasets"]["lines"]
+    assert [point["t"] for point in kept if point["v"] == 7.0] == pytest.approx([peak / 60.0], rel=1e-4)
+    assert len(kept) <= curves.POINTS
 
 
 def test_a_scene_has_one_height_in_every_chart() -> None:
@@ -119,7 +128,7 @@ def test_a_scene_has_one_height_in_every_chart() -> None:
 
 def test_charts_of_nothing_are_charts(tmp_path: Path) -> None:
     empty = run_of([figure("a", OURS, "run", None, "crashed")])
-    for spec in (strips.strip(empty, strips.STRIPS["time"], "x"), cells.bars(losses(empty)), curves.over_time({}, "m", "x")):
+    for spec in (strips.strip(empty, strips.STRIPS["time"], "x"), cells.bars(losses(empty)), over_time({}, "m")):
         drawn = marks.coloured(spec, marks.palette()["light"]) | {"width": 90}
         assert spec["height"] > 0 and vl_convert.vegalite_to_svg(json.dumps(drawn))
 

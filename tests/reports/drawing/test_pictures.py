@@ -9,10 +9,11 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from avatarsim.scene.shape import Box, Piece, Sphere
 from reports.drawing.stills import instant, sides, stills
 from reports.drawing.thumbnail import HEIGHT, WIDTH, placed, thumbnail
 from reports.reading.kept import Drawn, Shown, drawn, shown
-from tests.reports.recorded import BODIES, STATES, recording, scene
+from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import MUJOCO, OURS
 
 Recorded = tuple[Drawn, Shown, Shown]
@@ -59,7 +60,7 @@ def test_moving_bodies_are_drawn_after_fixed_ones_and_from_far_to_near(found: Re
 
 def test_triangles_of_one_plane_are_one_face() -> None:
     upright = np.array([1.0, 0.0, 0.0, 0.0])
-    box, ball = (placed("fixed", body["pieces"][0], np.zeros(3), upright) for body in BODIES[:2])
+    box, ball = (placed("fixed", Piece(shape), np.zeros(3), upright) for shape in (Box((1.0, 1.0, 0.1)), Sphere(0.1)))
     assert [len(face) for face in box.faces] == [4] * 6 and not ball.faces
     assert all((box.corners[face] @ normal).min() > 0.0 for face, normal in zip(box.faces, box.normals, strict=True))
 
@@ -86,7 +87,7 @@ def test_states_that_are_no_numbers_are_left_out(found: Recorded) -> None:
 def test_a_floor_of_a_kilometre_stays_in_the_frame(found: Recorded) -> None:
     made, main, _ = found
     wide = [dict(body) for body in made.bodies]
-    wide[0]["pieces"] = [wide[0]["pieces"][0] | {"size": [1000.0, 1000.0, 0.1]}]
+    wide[0]["pieces"] = (Piece(Box((1000.0, 1000.0, 0.1))),)
     svg = thumbnail(Drawn(wide, made.gravity), main, 3, 0.4, "x")
     assert len(svg) < 2000 and not re.search(r"\d{4}", paths(svg))
 

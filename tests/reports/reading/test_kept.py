@@ -11,7 +11,7 @@ import pytest
 from avatarsim.errors import InvalidFile
 from reports.reading.kept import drawn, shown
 from runfiles import array_file
-from tests.reports.recorded import STATES, recording, scene
+from tests.reports.recorded import AT_ORIGIN, BODIES, STATES, recording, scene
 from tests.reports.small_runs import OURS
 
 NAME, THEIRS = "arm_wall", "mujoco/default"
@@ -56,6 +56,7 @@ def test_a_file_that_contradicts_itself_is_named(folder: Path, kind: str, name: 
 
 CHANGES = (
     {"bodies": [3]}, {"gravity": [10**400, 0, 0]}, {"gravity": [1.0]}, {"schema_version": 2}, {"parents": [5]}, {"parents": "x"},
+    *({"bodies": [BODIES[0] | {"pieces": pieces}]} for pieces in (3, [{}], [{"kind": "sphere", "radius": -1.0} | AT_ORIGIN])),
 )
 
 

@@ -23,8 +23,6 @@ def test_overlap_begins_with_the_start_and_times_with_the_first_frame() -> None:
     assert courses({}, [], None, 0.1) == courses({OURS: nothing}, [], None, 0.1) == {}
 
 
-
-
 def test_a_falling_ball_keeps_its_energy_and_a_hand_its_user(tmp_path: Path) -> None:
     scene(tmp_path, "falls")
     for run in (OURS, MUJOCO, RAW):

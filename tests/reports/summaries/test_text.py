@@ -40,8 +40,6 @@ def test_a_headline_says_pass_only_of_a_sound_run(statuses: Sequence[str], ended
     assert headline(missing).split()[0] not in ("PASS", "FAIL")
 
 
-
-
 def test_what_failed_is_named_in_every_form() -> None:
     for text in both(run_of(some("pass", "fail", "waived", "pass"))):
         assert "scene_1" in text and "scene_2" in text
@@ -65,8 +63,6 @@ def test_a_time_that_is_not_like_for_like_is_marked() -> None:
         return dict(zip(("engine", *COLUMNS), engines(run_of(rows))[0], strict=True))["frame p95"]
 
     assert time("asleep") != time("") == "5 µs"
-
-
 
 
 def test_said_is_the_summary_of_a_folder_and_names_what_changed(run_dir: Write, results: Json) -> None:

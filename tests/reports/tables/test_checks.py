@@ -77,8 +77,6 @@ def test_a_sound_run_has_ended_and_checked_something_of_the_gated_engine() -> No
     assert found.total == 0 and not found.is_sound
 
 
-
-
 @given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8, unique=True))
 def test_least_room_is_what_is_nearest_to_its_bound(shares: Sequence[float]) -> None:
     rows = [figure(f"s{k}", OURS, OVERLAP, share * (k + 1.0), "pass", k + 1.0) for k, share in enumerate(shares)]

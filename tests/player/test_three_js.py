@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from reports.replay import three_js
+from avatarsim.player import three_js
 
 
 def test_it_is_the_library_alone() -> None:

@@ -1,4 +1,4 @@
-"""Source of three.js (MIT), which draws the replays: read from an installed package when a report is written, never kept here."""
+"""Source of three.js (MIT), which draws what the player plays: read from an installed package when pages are written."""
 
 import zipfile
 from functools import cache
@@ -11,10 +11,8 @@ BEGINS, ENDS = "<script>", "\n(function(){"
 """The library is the page's first script, up to the first of the add-ons that follow it."""
 MARK = "Three.js Authors"
 """Part of the library's licence, which stays with it."""
-WORDS = (
-    "The 3D replay is not here: three.js draws it, which is read from the Python package trimesh, and that is not installed or "
-    "holds no three.js. pip install '.[assets]', then make report."
-)
+FILE = "three.js"
+"""Its name beside pages."""
 
 
 @cache
