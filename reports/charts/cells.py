@@ -30,14 +30,16 @@ def grid(
     values: Sequence[Spec], columns: Sequence[str], rows: Sequence[str], fill: Spec, tip: Sequence[Spec], described: str,
     height: int,
 ) -> Spec:
-    """Return a chart of cells with the fields column, row, text, shade and bright (flag: light text)."""
+    """Return a chart of cells with the fields column, row, text, shade, bright (flag: light text) and lost (flag: text in the
+    page's colour)."""
     padding = 6 + LINE * max((len(one.split()) for one in columns), default=1)
     x = marks.names_in_order(
         "column", columns, orient="top", labelAngle=0, labelLineHeight=LINE, labelExpr="split(datum.value, ' ')",
         labelFontSize=10.5, labelBaseline="top", labelPadding=padding,
     )
     y = marks.names_in_order("row", rows, labelPadding=8, labelLimit=190)
-    ink = {"condition": {"test": "datum.bright", "value": "#ffffff"}, "value": "@ink"}
+    lost, bright = {"test": "datum.lost", "value": "@paper"}, {"test": "datum.bright", "value": "#ffffff"}
+    ink = {"condition": [lost, bright], "value": "@ink"}
     layers = [
         layer("rect", {"fill": fill, "tooltip": list(tip)}, stroke="@paper", strokeWidth=2, cornerRadius=3),
         layer("text", {"text": name("text"), "color": ink}, fontSize=11, tooltip=None),

@@ -32,11 +32,23 @@ function chosen() { return page.settings[find("scene").value]; }
 
 function limit() { return [{ place: Math.max(level, 1e-7) }]; }
 function dots() {
-  return chosen().filter((one) => one.measured).map((one) => ({
+  return unlabelled(chosen().filter((one) => one.measured).map((one) => ({
     engine: one.engine, name: `${one.label} ${one.setting}`, place: one.error === null ? 0.3 : Math.max(one.error, 1e-7), time: one.median,
     text: one.shown.error, which: one.worst, when: one.shown.median, state: one.asleep ? "asleep" : "awake", asleep: one.asleep, preset: one.preset,
     step: one.step || 0, ladder: `${one.engine} ${one.step ? one.base : one.setting}`, short: one.preset ? (["default", "tuned"].includes(one.setting) ? one.setting : "") : one.step ? `1/${one.step}` : "", at: one,
-  }));
+  })));
+}
+// labels of presets first, then of steps; one that would cover another is left out: a pointed dot says it all
+function unlabelled(points) {
+  const WIDE = 0.2, HIGH = 0.055, DECADES = 6.5, kept = [];
+  const [least, most] = [Math.min, Math.max].map((of) => Math.log10(of(...points.map((one) => one.time))));
+  const place = (one) => [Math.log10(one.time) / (most - least || 1), Math.log10(one.place) / DECADES];
+  for (const one of [...points].sort((a, b) => b.preset - a.preset)) {
+    const [x, y] = place(one);
+    if (one.short && kept.some(([u, v]) => Math.abs(u - x) < WIDE && Math.abs(v - y) < HIGH)) one.short = "";
+    if (one.short) kept.push([x, y]);
+  }
+  return points;
 }
 function chooseScene() {
   document.querySelectorAll("[data-scene]").forEach((one) => { one.textContent = find("scene").value; });
