@@ -12,7 +12,6 @@ function startPlayer(root, data) {
   const option = (value, name) => `<option value="${value}"${value === 1 ? " selected" : ""}>${name}×</option>`;
   const speedNames = [[0.0625, "1/16"], [0.125, "1/8"], [0.25, "1/4"], [0.5, "1/2"], [1, "1"], [2, "2"]];
   root.innerHTML = `
-    <p class="bad" data-part="trouble" hidden></p>
     <div class="stage${single ? " single" : ""}" tabindex="0" role="group" aria-label="Views"><canvas aria-hidden="true"></canvas></div>
     <div class="controls">
       <button type="button" data-part="play">Play</button><input type="range" data-part="bar" min="0" value="0" aria-label="Time">
@@ -32,11 +31,11 @@ function startPlayer(root, data) {
   const part = (name) => root.querySelector(`[data-part="${name}"]`);
   const stage = root.querySelector(".stage"), canvas = stage.querySelector("canvas");
   const fail = (state, words) => {
-    Object.assign(part("trouble"), { hidden: false, textContent: words });
+    root.replaceChildren(make("p", { className: "bad" }, words));
     root.dataset.state = state;
   };
   if (typeof THREE === "undefined") {
-    fail("no-three", "No 3D view: three.js is not here. It comes with the Python package trimesh: install that, and write this page again.");
+    fail("no-three", "No 3D view: three.js is not here. It comes with the Python package trimesh: install that, and run the command of this page again.");
     return;
   }
 
