@@ -100,7 +100,8 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
             f"document.querySelector('.stage').style.cssText += ';width:{columns * width + 8 * (columns - 1)}px;"
             f"display:grid;grid-template-columns:repeat({columns}, {width}px)'"
         )
-        one.value(f"document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{3 * width // 4}px'; }})")
+        one.value(f"""document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{3 * width // 4}px';
+            one.nextElementSibling.style.cssText = 'height:44px;min-height:0;overflow:hidden'; }})""")
         # from one place, so that what stands still need not be drawn again
         one.value("(() => { const box = document.querySelector('[data-part=follow]'); if (box.checked) box.click(); })()")
         one.press(TURNS + NEARER)
