@@ -104,8 +104,8 @@ fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, h
 	    --judge-every 4 --seeds $(or $(SEED),1) || failed=1; \
 	  $(VENV_PYTHON) -m tests.stability.test_posture_fuzz --avatar $$avatar --returns --judge-every 4 || failed=1; \
 	done; \
-	$(VENV_PYTHON) -m scenarios.unseen --motions $(or $(MOTIONS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
-	$(VENV_PYTHON) -m scenarios.drawn_crowds --scenes $(or $(CROWDS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
+	$(VENV_PYTHON) -m scenarios drawn --filter 'unseen_*' --count $(or $(MOTIONS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
+	$(VENV_PYTHON) -m scenarios drawn --filter 'crowd_*' --count $(or $(CROWDS),100) $(if $(SEED),--seed $(SEED)) || failed=1; \
 	$(VENV_PYTHON) -m tests.stability.test_moving_fuzz --frames $(or $(FRAMES),100000) --seed $(or $(SEED),1) || failed=1; \
 	exit $$failed
 

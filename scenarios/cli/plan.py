@@ -118,8 +118,14 @@ def scenes(options: argparse.Namespace) -> dict[str, Scenario]:
     return found
 
 
-def plan(options: argparse.Namespace, engines: Sequence[str], first_preset_only: bool) -> Plan:
-    """Plan every scene with every engine, preset and seed. Raises InvalidInput, and UnknownName for an engine or preset."""
+def plan(
+    options: argparse.Namespace, engines: Sequence[str], first_preset_only: bool, pairs: Sequence[tuple[str, int]] = (),
+) -> Plan:
+    """Plan every scene with every engine, preset and seed. Raises InvalidInput, and UnknownName for an engine or preset.
+
+    Args:
+        pairs: scenes by name, each with a seed of its own, in place of those that the options name.
+    """
     for name in engines:
         if name not in known():
             raise UnknownName("engine", name, known())
@@ -131,14 +137,14 @@ def plan(options: argparse.Namespace, engines: Sequence[str], first_preset_only:
             raise InvalidInput("--seed", seed, f"0 to {LARGEST_SEED}")
     engines = list(dict.fromkeys(engines))
     own = read(options.settings, known(), engines) if options.settings else ()
-    found = scenes(options)
+    found = {name: get(name) for name, _ in pairs} or scenes(options)
     offered = offers(engines, options.jobs) if found else {}
     presets = _presets(options, offered, own, first_preset_only)
     if own and found:
         opens = [row for row in own if not offered[row.engine].trouble]
         check_settings(opens, next(iter(found)), options.settings, options.jobs)
     jobs, ready = [], []
-    for scene, seed in ((scene, seed) for scene in found for seed in dict.fromkeys(options.seed)):
+    for scene, seed in pairs or [(scene, seed) for scene in found for seed in dict.fromkeys(options.seed)]:
         for name, offer in offered.items():
             common = {"scenario": scene, "engine": name, "seed": seed_of(scene, seed), "full": options.full,
                       "frames": options.frames, "catalogue": catalogue_of(scene)}

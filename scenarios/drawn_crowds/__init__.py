@@ -1,6 +1,5 @@
 """Crowds that nothing was tuned for: random bodies poured, struck, swept, gripped, kicked and moved, one for each seed."""
 
-import itertools
 from collections.abc import Callable
 from functools import cache
 
@@ -16,7 +15,7 @@ from scenarios.drawn_crowds.moved import moved
 from scenarios.scenario import Bound, Scenario
 from scenarios.unseen import seeds
 
-__all__ = ["NAME", "PREFIX", "draw", "get", "scenarios", "seeds_of"]
+__all__ = ["NAME", "PREFIX", "draw", "get", "scenarios"]
 
 NAME = __name__
 """The module that a job names as its catalogue."""
@@ -49,13 +48,6 @@ def draw(seed: int) -> Scenario:
         metrics=("stalled_bodies",),
         expects={"travel": dict.fromkeys(crowd.falling, 0.5 * LOW), **({"alone": (moving,)} if free else {})},
     )
-
-
-def seeds_of(kind: str | None, first: int, count: int) -> list[int]:
-    """Return so many seeds from `first` on, of any kind or of one."""
-    names = [one.__name__ for one in KINDS]
-    fits = (seed for seed in itertools.count(first) if kind is None or names[seed % len(KINDS)] == kind)
-    return list(itertools.islice(fits, count))
 
 
 def get(name: str) -> Scenario:

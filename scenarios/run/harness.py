@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, UnknownName, described
+from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.cluster import lost_said
 from avatarsim.running.processes import Died, Workers
 from runfiles.engines import about
@@ -69,18 +69,6 @@ def offers(names: Sequence[str], workers: int) -> dict[str, Offer]:
     for name, answer in side_by_side(offer, names, workers):
         found[name] = Offer(trouble=str(answer), crashed=True) if isinstance(answer, Died) else answer
     return {name: found[name] for name in names}
-
-
-def named_runs(option: str, words: Sequence[str]) -> list[tuple[str, str]]:
-    """Return engine and preset of each ENGINE/PRESET. Raises InvalidInput for an engine that does not open, UnknownName."""
-    runs = [(engine, preset) for engine, _, preset in (word.partition("/") for word in words)]
-    found = offers(list(dict.fromkeys(engine for engine, _ in runs)), 1)
-    for (engine, preset), word in zip(runs, words, strict=True):
-        if found[engine].trouble:
-            raise InvalidInput(option, word, f"an engine that can be opened ({found[engine].trouble})")
-        if preset not in (offered := (*found[engine].presets, *about(engine).variants)):
-            raise UnknownName(f"preset of engine {engine}", preset, offered)
-    return runs
 
 
 def outcomes(jobs: Sequence[Job], folder: Path, workers: Workers) -> Iterator[Outcome]:

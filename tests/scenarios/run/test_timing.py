@@ -14,7 +14,7 @@ from scenarios.catalog import get
 from scenarios.job import Job
 from scenarios.measure.timing import Shared, Timed
 from scenarios.run.machine import Meter
-from scenarios.run.timed_worker import TimedWorker, TimedWorkers, repeat
+from scenarios.run.timed_worker import LoadedFrames, TimedWorker, TimedWorkers
 from scenarios.run.timing import (
     BEFORE_CONTACT,
     CHEAP_TIME,
@@ -56,8 +56,8 @@ def test_each_repeat_is_a_fresh_load_whatever_ran_before() -> None:
     worker.close()
     assert worker.child.exitcode == 0
     counts, lasts = zip(*found, strict=True)
-    assert counts == (12, 12, 7, 5, 12) and lasts[0] == lasts[1] == lasts[4] == repeat(BALL, 12)[2]
-    assert lasts[2] == repeat(ZENO, 7)[2] and lasts[3] == repeat(BALL, 5)[2] != lasts[0]
+    assert counts == (12, 12, 7, 5, 12) and lasts[0] == lasts[1] == lasts[4] == LoadedFrames(BALL, 12).run()[2]
+    assert lasts[2] == LoadedFrames(ZENO, 7).run()[2] and lasts[3] == LoadedFrames(BALL, 5).run()[2] != lasts[0]
 
 
 def test_every_frame_of_every_repeat_is_timed_and_an_engine_without_times_has_a_reason(
