@@ -13,7 +13,7 @@ from avatarsim.errors import InvalidScene
 from avatarsim.scene.scene import Scene
 from reference.closed_form import bounce_time, zeno_time
 from runfiles.record import EVENTS, Recording
-from scenarios.measure.expecting import expected
+from scenarios.measure.expecting import expected, for_each, worst
 from scenarios.measure.timeline import Timeline, timeline
 from scenarios.measure.value import Missing, Value, Values, measure
 from scenarios.scenario import Drop, Scenario
@@ -33,6 +33,8 @@ NEAR = 0.05
 """Gap [m] within which a change of velocity is an impact with the slab and not something else."""
 LATE = 0.1
 """Time [s] by which the recording must outlast the closed form's apex for that apex to be asked for."""
+ENDED = 1e-9
+"""Speed [m/s] below which a ball has stopped bouncing; a bounce of 1e-9 m/s is lower than an atom."""
 
 
 @dataclass(frozen=True)
@@ -138,68 +140,44 @@ def apex_errors(way: Flight, drop: Drop, found: list[Impact]) -> list[float]:
     return errors
 
 
-@measure
-def bounces(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """restitution_error_max and apex_error_max [m] over all drops that the scenario expects. Empty when it expects none."""
-    drops = list(_drops(scenario))
-    if not drops:
-        return {}
-    ratios: list[float] = []
-    heights: list[float] = []
-    silent: list[str] = []
-    for drop in drops:
-        pair = [scene.names.index(drop.ball), scene.names.index(drop.floor)]
-        way = flight(timeline(recording, pair), drop, np.array(scene.gravity))
-        found = impacts(way)
-        fast = [impact for impact in found if impact.before > REST_SPEED]
-        if not fast:
-            silent.append(drop.ball)
-            if way.time[-1] < np.sqrt(2.0 * drop.height / way.gravity) + LATE:
-                early = Missing(f"the recording ends before {drop.ball} comes down", "scene")
-                return {"restitution_error_max": early, "apex_error_max": early}
-        ratios += [impact.error(drop.restitution) for impact in fast]
-        heights += apex_errors(way, drop, found)
-    if silent:
-        never = Missing(f"no impact of {', '.join(silent)} was seen", "engine")
+@for_each("drops", Drop)
+def bounces(recording: Recording, scene: Scene, drop: Drop) -> Values:
+    """restitution_error_max and apex_error_max [m] of a drop."""
+    way = of_drop(recording, scene, drop)
+    found = impacts(way)
+    fast = [impact for impact in found if impact.before > REST_SPEED]
+    if not fast:
+        never = Missing(f"no impact of {drop.ball} was seen", "engine")
+        if way.time[-1] < np.sqrt(2.0 * drop.height / way.gravity) + LATE:
+            never = Missing(f"the recording ends before {drop.ball} comes down", "scene")
         return {"restitution_error_max": never, "apex_error_max": never}
+    heights = apex_errors(way, drop, found)
     flat: Value = Missing(f"no expected apex above {LOWEST_APEX:g} m in the frames that were run", "scene")
-    return {"restitution_error_max": max(ratios), "apex_error_max": max(heights) if heights else flat}
+    return {
+        "restitution_error_max": max(impact.error(drop.restitution) for impact in fast),
+        "apex_error_max": max(heights) if heights else flat,
+    }
 
 
-def _drops(scenario: Scenario) -> Iterator[Drop]:
-    listed = scenario.expects.get("drops", ())
-    for drop in listed if isinstance(listed, tuple | list) else ():
-        if isinstance(drop, Drop):
-            yield drop
-
-
-ENDED = 1e-9
-"""Speed [m/s] below which a ball has stopped bouncing; a bounce of 1e-9 m/s is lower than an atom."""
-
-
-def _flight(recording: Recording, scene: Scene, drop: Drop) -> Flight:
+def of_drop(recording: Recording, scene: Scene, drop: Drop) -> Flight:
+    """Return the flight of the ball over the floor."""
     pair = [scene.names.index(drop.ball), scene.names.index(drop.floor)]
     return flight(timeline(recording, pair), drop, np.array(scene.gravity))
 
 
-@measure
-def bounce_times(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """bounce_time_error_max [s]: the n-th impact faster than 0.1 m/s against the closed form's, over all drops. One that did not
-    happen within the recording is the engine's fault. Empty without drops."""
-    drops = expected(scenario, "drops", Drop)
-    errors: list[float] = []
-    for drop in drops:
-        way = _flight(recording, scene, drop)
-        seen = [impact.time for impact in impacts(way) if impact.before > JITTER]
-        speed, n = float(np.sqrt(2.0 * drop.height * way.gravity)), 1
-        # twice the limit: an impact just below or above it must not decide whether the count is right
-        while speed > 2.0 * JITTER and (due := bounce_time(drop.height, drop.restitution, way.gravity, n)) + LATE < way.time[-1]:
-            if n > len(seen):
-                return {"bounce_time_error_max": Missing(f"impact {n} of {drop.ball} was not seen", "engine")}
-            errors.append(abs(seen[n - 1] - due))
-            speed, n = speed * drop.restitution, n + 1
-    if not drops:
-        return {}
+@for_each("drops", Drop)
+def bounce_times(recording: Recording, scene: Scene, drop: Drop) -> Values:
+    """bounce_time_error_max [s]: the n-th impact faster than 0.1 m/s against the closed form's. One that did not happen within
+    the recording is the engine's fault."""
+    way, errors = of_drop(recording, scene, drop), list[float]()
+    seen = [impact.time for impact in impacts(way) if impact.before > JITTER]
+    speed, n = float(np.sqrt(2.0 * drop.height * way.gravity)), 1
+    # twice the limit: an impact just below or above it must not decide whether the count is right
+    while speed > 2.0 * JITTER and (due := bounce_time(drop.height, drop.restitution, way.gravity, n)) + LATE < way.time[-1]:
+        if n > len(seen):
+            return {"bounce_time_error_max": Missing(f"impact {n} of {drop.ball} was not seen", "engine")}
+        errors.append(abs(seen[n - 1] - due))
+        speed, n = speed * drop.restitution, n + 1
     early: Value = Missing("the recording ends before the first impact", "scene")
     return {"bounce_time_error_max": max(errors) if errors else early}
 
@@ -210,17 +188,16 @@ def zeno_ends(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     drops with restitution below 1, if the scene asks by expects["zeno"]."""
     if not scenario.expects.get("zeno"):
         return {}
-    errors: list[float] = []
-    for drop in expected(scenario, "drops", Drop):
-        way = _flight(recording, scene, drop)
-        end = zeno_time(drop.height, drop.restitution, way.gravity)
-        if end + LATE > way.time[-1]:
-            continue
-        moving = np.flatnonzero(~(np.abs(way.speed) <= ENDED))
-        rests_from = int(moving[-1]) + 1 if len(moving) else 0
-        if rests_from == len(way.time) or rests_from == 0:
-            why = "never came to rest" if rests_from else "never moved"
-            return {"zeno_end_error_max": Missing(f"{drop.ball} {why}", "engine")}
-        errors.append(abs(float(way.time[rests_from]) - end))
-    early: Value = Missing("the recording ends before a ball comes to rest", "scene")
-    return {"zeno_end_error_max": max(errors) if errors else early}
+    ends = [_end(of_drop(recording, scene, drop), drop) for drop in expected(scenario, "drops", Drop)]
+    return {"zeno_end_error_max": worst(ends)}
+
+
+def _end(way: Flight, drop: Drop) -> Value:
+    end = zeno_time(drop.height, drop.restitution, way.gravity)
+    if end + LATE > way.time[-1]:
+        return Missing("the recording ends before a ball comes to rest", "scene")
+    moving = np.flatnonzero(~(np.abs(way.speed) <= ENDED))
+    rests_from = int(moving[-1]) + 1 if len(moving) else 0
+    if rests_from == len(way.time) or rests_from == 0:
+        return Missing(f"{drop.ball} {'never came to rest' if rests_from else 'never moved'}", "engine")
+    return abs(float(way.time[rests_from]) - end)

@@ -1,7 +1,5 @@
 """Bodies against closed forms: courses, sliding to a stop, flips about the middle axis, rods about their foot, tops."""
 
-from collections.abc import Iterator
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import BarycentricInterpolator
@@ -11,64 +9,47 @@ from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from scenarios.building.expected import Course, Flips, OfTime, Pivot, Stop, Top
-from scenarios.measure.expecting import expected
-from scenarios.measure.value import Missing, Value, Values, measure
-from scenarios.scenario import Scenario
+from scenarios.measure.bodies.axes import lean, own_axis, up
+from scenarios.measure.expecting import for_each
+from scenarios.measure.value import Missing, Value, Values
 
 Array = NDArray[np.float64]
 
 METRICS = ("course_error_max", "velocity_error_max", "spin_error_max")
 
 
-def _errors(recording: Recording, course: Course, body: int) -> Iterator[tuple[str, Array]]:
-    """(metric, distances (k,) from the closed form) of what the course states, over the states within its time."""
-    chosen = (recording.times >= course.since) & (recording.times <= course.until)
-    times = recording.times[chosen]
+@for_each("courses", Course)
+def course_errors(recording: Recording, scene: Scene, course: Course) -> Values:
+    """course_error_max [m], velocity_error_max [m/s], spin_error_max [rad/s]: largest distance from the closed form of what the
+    course states, over the states within its time; nan stays nan."""
+    chosen, body = (recording.times >= course.since) & (recording.times <= course.until), scene.names.index(course.body)
     stated = zip(METRICS, (course.position, course.velocity, course.spin), strict=True)
     shown = (recording.positions, recording.velocities, recording.angular_velocities)
+    found: dict[str, Value] = {}
     for (metric, form), values in zip(stated, shown, strict=True):
         if form is not None:
-            yield metric, np.linalg.norm(values[chosen, body] - _at(form, times), axis=1)
+            errors = np.linalg.norm(values[chosen, body] - _at(form, recording.times[chosen]), axis=1)
+            early = Missing("the recording ends before the closed form begins", "scene")
+            found[metric] = float(np.max(errors)) if len(errors) else early
+    return found
 
 
 def _at(form: OfTime, times: Array) -> Array:
     return np.array([form(float(time)) for time in times], dtype=np.float64).reshape(-1, 3)
 
 
-@measure
-def course_errors(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """course_error_max [m], velocity_error_max [m/s], spin_error_max [rad/s]: largest distance from the closed form over all
-    bodies and states; nan stays nan. Only those that a course states; empty without courses."""
-    found: dict[str, list[Array]] = {}
-    for course in expected(scenario, "courses", Course):
-        for metric, errors in _errors(recording, course, scene.names.index(course.body)):
-            found.setdefault(metric, []).append(errors)
-    values: dict[str, Value] = {}
-    for metric, listed in found.items():
-        together = np.concatenate(listed)
-        early = Missing("the recording ends before the closed form begins", "scene")
-        values[metric] = float(np.max(together)) if len(together) else early
-    return values
-
-
-@measure
-def stops(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """stop_distance_error_max [%]: largest |way - closed form| of the last state, along the closed form's direction;
-    stop_direction_error_max [deg]: largest angle between the two ways, 90 where a body never moved. Empty without stops.
+@for_each("stops", Stop)
+def stops(recording: Recording, scene: Scene, stop: Stop) -> Values:
+    """stop_distance_error_max [%]: |way - closed form| of the last state, along the closed form's direction;
+    stop_direction_error_max [deg]: angle between the two ways, 90 where a body never moved.
 
     A recording that ends before a body should have stopped compares what it has: an engine that never moves is not excused.
     """
-    entries = expected(scenario, "stops", Stop)
-    if not entries:
-        return {}
-    ways, angles = [], []
-    for entry in entries:
-        path = recording.positions[:, scene.names.index(entry.body)]
-        way, along = path[-1] - path[0], np.array(entry.direction)
-        ahead = float(way @ along)
-        ways.append(100.0 * abs(ahead - entry.distance) / entry.distance)
-        angles.append(float(np.degrees(np.arctan2(np.linalg.norm(way - ahead * along), ahead))) if way.any() else 90.0)
-    return {"stop_distance_error_max": float(np.max(ways)), "stop_direction_error_max": float(np.max(angles))}
+    path = recording.positions[:, scene.names.index(stop.body)]
+    way, along = path[-1] - path[0], np.array(stop.direction)
+    ahead = float(way @ along)
+    angle = float(np.degrees(np.arctan2(np.linalg.norm(way - ahead * along), ahead))) if way.any() else 90.0
+    return {"stop_distance_error_max": 100.0 * abs(ahead - stop.distance) / stop.distance, "stop_direction_error_max": angle}
 
 
 NEIGHBOURS = 6
@@ -87,66 +68,43 @@ def crossings(times: Array, values: Array) -> list[float]:
     return found
 
 
-@measure
-def flips(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+@for_each("flips", Flips)
+def flips(recording: Recording, scene: Scene, entry: Flips) -> Values:
     """flip_time_error_max [s]: largest difference of the n-th change of sign from the closed form's n-th, over all that the
-    recording is long enough for. One that did not happen, or one too many, is the engine's fault. Empty without flips."""
-    errors: list[float] = []
-    entries = expected(scenario, "flips", Flips)
-    for entry in entries:
-        own = scene.names.index(entry.body)
-        body_axes = rotation.conjugate(recording.orientations[:, own])
-        spin = rotation.rotate(body_axes, recording.angular_velocities[:, own])[:, entry.axis]
-        # the polynomial needs its samples on both sides
-        end = float(recording.times[-1]) - (NEIGHBOURS + 1) * recording.dt
-        wanted = [time for time in entry.times if time < end]
-        seen = [time for time in crossings(recording.times, spin) if time < end] if np.isfinite(spin).all() else []
-        if len(seen) != len(wanted):
-            return {"flip_time_error_max": Missing(f"{entry.body} flipped {len(seen)} times instead of {len(wanted)}", "engine")}
-        errors += [abs(a - b) for a, b in zip(seen, wanted, strict=True)]
-    if not entries:
-        return {}
+    recording is long enough for. One that did not happen, or one too many, is the engine's fault."""
+    own = scene.names.index(entry.body)
+    body_axes = rotation.conjugate(recording.orientations[:, own])
+    spin = rotation.rotate(body_axes, recording.angular_velocities[:, own])[:, entry.axis]
+    # the polynomial needs its samples on both sides
+    end = float(recording.times[-1]) - (NEIGHBOURS + 1) * recording.dt
+    wanted = [time for time in entry.times if time < end]
+    seen = [time for time in crossings(recording.times, spin) if time < end] if np.isfinite(spin).all() else []
+    if len(seen) != len(wanted):
+        return {"flip_time_error_max": Missing(f"{entry.body} flipped {len(seen)} times instead of {len(wanted)}", "engine")}
     early: Value = Missing("the recording ends before the first flip", "scene")
-    return {"flip_time_error_max": max(errors) if errors else early}
+    return {"flip_time_error_max": float(np.max(np.abs(np.subtract(seen, wanted)))) if wanted else early}
 
 
-@measure
-def pivots(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+@for_each("pivots", Pivot)
+def pivots(recording: Recording, scene: Scene, pivot: Pivot) -> Values:
     """pivot_rate_error_max [rad/s]: largest difference of a leaning rod's angular speed from what energy allows at its angle, and
-    pivot_missing [rad]: by how much it fell short of the angle that it is to reach. Empty without pivots."""
-    entries = expected(scenario, "pivots", Pivot)
-    if not entries:
-        return {}
-    errors, short = [], []
-    # upright is against gravity, whichever way the world lies
-    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
-    for entry in entries:
-        own = scene.names.index(entry.body)
-        axis = rotation.rotate(recording.orientations[:, own], np.array([0.0, 0.0, 1.0]))
-        lean = np.arctan2(np.linalg.norm(rotation.cross(axis, up), axis=1), axis @ up)
-        speed = np.linalg.norm(recording.angular_velocities[:, own], axis=1)
-        falling = lean <= entry.until
-        # once down it is down: what it does afterwards is not this closed form's affair
-        last = int(np.argmin(falling)) if not falling.all() else len(lean)
-        errors.append(float(np.max(np.abs(speed[:last] - [entry.rate(float(a)) for a in lean[:last]]))))
-        short.append(max(0.0, entry.until - float(np.max(lean))))
-    return {"pivot_rate_error_max": float(np.max(errors)), "pivot_missing": float(np.max(short))}
+    pivot_missing [rad]: by how much it fell short of the angle that it is to reach."""
+    angle = lean(recording, scene, pivot.body)
+    speed = np.linalg.norm(recording.angular_velocities[:, scene.names.index(pivot.body)], axis=1)
+    falling = angle <= pivot.until
+    # once down it is down: what it does afterwards is not this closed form's affair
+    last = int(np.argmin(falling)) if not falling.all() else len(angle)
+    error = float(np.max(np.abs(speed[:last] - [pivot.rate(float(a)) for a in angle[:last]])))
+    return {"pivot_rate_error_max": error, "pivot_missing": max(0.0, pivot.until - float(np.max(angle)))}
 
 
-@measure
-def tops(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+@for_each("tops", Top)
+def tops(recording: Recording, scene: Scene, top: Top) -> Values:
     """Return axis_spin_error_max [rad/s], the largest difference of a top's spin about its own z axis from the stated one, and
-    precession_error_max [rad/s], that of the mean rate at which this axis goes round gravity. Empty without tops."""
-    entries = expected(scenario, "tops", Top)
-    if not entries:
-        return {}
-    spins, rates = [], []
-    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
-    for entry in entries:
-        own = scene.names.index(entry.body)
-        axis = rotation.rotate(recording.orientations[:, own], np.array([0.0, 0.0, 1.0]))
-        spins.append(np.abs(np.sum(recording.angular_velocities[:, own] * axis, axis=1) - entry.spin).max())
-        flat = axis - (axis @ up)[:, None] * up
-        turned = np.arctan2(rotation.cross(flat[:-1], flat[1:]) @ up, np.sum(flat[:-1] * flat[1:], axis=1)).sum()
-        rates.append(abs(turned / (recording.times[-1] - recording.times[0]) - entry.precession))
-    return {"axis_spin_error_max": float(np.max(spins)), "precession_error_max": float(np.max(rates))}
+    precession_error_max [rad/s], that of the mean rate at which this axis goes round gravity."""
+    axis, upright = own_axis(recording, scene, top.body), up(scene)
+    spin = np.sum(recording.angular_velocities[:, scene.names.index(top.body)] * axis, axis=1)
+    flat = axis - (axis @ upright)[:, None] * upright
+    turned = np.arctan2(rotation.cross(flat[:-1], flat[1:]) @ upright, np.sum(flat[:-1] * flat[1:], axis=1)).sum()
+    off = turned / (recording.times[-1] - recording.times[0]) - top.precession
+    return {"axis_spin_error_max": float(np.abs(spin - top.spin).max()), "precession_error_max": float(abs(off))}

@@ -9,6 +9,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from scenarios.measure.bodies.energy import kinetic
+from scenarios.measure.expecting import expected
 from scenarios.measure.value import Values, measure
 from scenarios.scenario import Scenario
 
@@ -81,23 +82,18 @@ def conserved(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     All relative, energies to the largest kinetic energy of the group. Each empty when not expected."""
     gravity = np.array(scene.gravity)
     found: dict[str, list[float]] = {}
-    for names in _groups(scenario, "isolated"):
+    for names in expected(scenario, "isolated", tuple):
         own = group(recording, scene, names)
         found.setdefault("momentum_drift_max", []).append(own.momentum_drift())
         found.setdefault("angular_momentum_drift_max", []).append(own.angular_momentum_drift())
-    for names in _groups(scenario, "elastic"):
+    for names in expected(scenario, "elastic", tuple):
         own = group(recording, scene, names)
         energy = own.energy(gravity)
         found.setdefault("energy_drift_max", []).append(_relative(np.abs(energy - energy[0]), own.fastest()))
-    for names in _groups(scenario, "alone"):
+    for names in expected(scenario, "alone", tuple):
         own = group(recording, scene, names)
         rises = np.maximum(np.diff(own.energy(gravity), prepend=np.inf)[1:], 0.0)
         # bodies that rest all the time have gained nothing
         found.setdefault("energy_gain_max", []).append(0.0 if np.max(rises) == 0.0 else _relative(rises, own.fastest()))
     # np.max keeps nan, which max() may lose
     return {metric: float(np.max(values)) for metric, values in found.items()}
-
-
-def _groups(scenario: Scenario, key: str) -> tuple[tuple[str, ...], ...]:
-    listed = scenario.expects.get(key, ())
-    return tuple(tuple(names) for names in listed) if isinstance(listed, tuple | list) else ()

@@ -6,8 +6,9 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from runfiles.record import Recording
 from scenarios.building.expected import Pile, Rest, Tower
+from scenarios.measure.bodies.axes import up
 from scenarios.measure.bodies.energy import kinetic
-from scenarios.measure.expecting import expected
+from scenarios.measure.expecting import expected, for_each
 from scenarios.measure.value import Missing, Values, measure
 from scenarios.scenario import Scenario
 
@@ -61,18 +62,13 @@ def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
     }
 
 
-@measure
-def piles(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+@for_each("piles", Pile)
+def piles(recording: Recording, scene: Scene, pile: Pile) -> Values:
     """Return pile_height_error_max [%]: largest difference of the mean height of the bodies of a pile above its floor from the
-    stated one, once it should rest. Empty without piles."""
-    errors = []
-    for pile in expected(scenario, "piles", Pile):
-        settled = recording.times >= pile.since
-        if not settled.any():
-            return {"pile_height_error_max": Missing("the recording ends before the pile is at rest", "scene")}
-        up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
-        own = [scene.names.index(name) for name in pile.bodies]
-        places = recording.positions[settled]
-        height = (places[:, own].mean(axis=1) - places[:, scene.names.index(pile.floor)]) @ up
-        errors.append(100.0 * np.abs(height / pile.height - 1.0).max())
-    return {"pile_height_error_max": float(np.max(errors))} if errors else {}
+    stated one, once it should rest."""
+    settled = recording.times >= pile.since
+    if not settled.any():
+        return {"pile_height_error_max": Missing("the recording ends before the pile is at rest", "scene")}
+    own, places = [scene.names.index(name) for name in pile.bodies], recording.positions[settled]
+    height = (places[:, own].mean(axis=1) - places[:, scene.names.index(pile.floor)]) @ up(scene)
+    return {"pile_height_error_max": float(100.0 * np.abs(height / pile.height - 1.0).max())}

@@ -3,43 +3,37 @@
 import numpy as np
 
 from avatarsim.scene.scene import Scene
-from avatarsim.spatial import rotation
 from runfiles.record import Array, Recording
 from scenarios.building.expected import Wave
-from scenarios.measure.expecting import expected
-from scenarios.measure.value import Values, measure
-from scenarios.scenario import Scenario
+from scenarios.measure.bodies.axes import lean
+from scenarios.measure.expecting import for_each
+from scenarios.measure.value import Values
 
 TOPPLED = np.radians(30.0)
 """Lean [rad] beyond which a body counts as toppled: more than one that is pushed and stands up again, less than one that lies on
 the next."""
 
 
-@measure
-def waves(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """Return wave_speed_error [%] and wave_missing [bodies], the largest over expects["waves"]; empty without waves.
+@for_each("waves", Wave)
+def waves(recording: Recording, scene: Scene, wave: Wave) -> Values:
+    """Return wave_speed_error [%] and wave_missing [bodies].
 
     wave_speed_error: difference of the speed of the front, from body `first` to body `last`, from the stated one. A wave that
     does not get there has the speed of what it has done by the end of the recording. wave_missing: bodies that never toppled.
     """
-    errors, missing = [], []
-    for wave in expected(scenario, "waves", Wave):
-        times = [_toppled(recording, scene, name) for name in wave.bodies]
-        errors.append(100.0 * abs(_speed(wave, np.array(times), float(recording.times[-1])) / wave.speed - 1.0))
-        missing.append(float(np.isnan(times).sum()))
-    return {"wave_speed_error": float(np.max(errors)), "wave_missing": float(np.max(missing))} if errors else {}
+    times = np.array([_toppled(recording, scene, name) for name in wave.bodies])
+    error = 100.0 * abs(_speed(wave, times, float(recording.times[-1])) / wave.speed - 1.0)
+    return {"wave_speed_error": error, "wave_missing": float(np.isnan(times).sum())}
 
 
 def _toppled(recording: Recording, scene: Scene, name: str) -> float:
     """Time [s] at which a body's own z axis leans beyond TOPPLED, between the states shown; nan where it never does."""
-    up = -np.array(scene.gravity) / np.linalg.norm(scene.gravity)
-    axis = rotation.rotate(recording.orientations[:, scene.names.index(name)], np.array([0.0, 0.0, 1.0]))
-    lean = np.arctan2(np.linalg.norm(rotation.cross(axis, up), axis=1), axis @ up)
-    beyond = np.flatnonzero(lean > TOPPLED)
+    angle = lean(recording, scene, name)
+    beyond = np.flatnonzero(angle > TOPPLED)
     if not len(beyond):
         return float("nan")
     k = int(beyond[0])
-    return float(recording.times[0] if k == 0 else np.interp(TOPPLED, lean[k - 1 : k + 1], recording.times[k - 1 : k + 1]))
+    return float(recording.times[0] if k == 0 else np.interp(TOPPLED, angle[k - 1 : k + 1], recording.times[k - 1 : k + 1]))
 
 
 def _speed(wave: Wave, times: Array, end: float) -> float:
