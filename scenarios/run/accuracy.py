@@ -1,5 +1,6 @@
 """Accuracy pass: run one engine through one scenario, measure its recording and save it."""
 
+import math
 from collections.abc import Mapping
 from contextlib import ExitStack, closing, suppress
 from dataclasses import dataclass, replace
@@ -47,17 +48,7 @@ class Prepared:
     @cached_property
     def samples(self) -> list[TrackerSample]:
         """Samples of all frames. Raises InvalidSample."""
-        return [checked(sample, self.scene.avatars) for sample in self.first(self.scenario.frames)]
-
-    def first(self, frames: int) -> list[TrackerSample]:
-        """Return the samples of the first frames, unchecked; each is computed once."""
-        known = self._computed
-        known += [self.motion(k) for k in range(len(known), min(frames, self.scenario.frames))]
-        return known[:frames]
-
-    @cached_property
-    def _computed(self) -> list[TrackerSample]:
-        return []
+        return [checked(self.motion(k), self.scene.avatars) for k in range(self.scenario.frames)]
 
     @cached_property
     def states(self) -> list[TrackerSample]:
@@ -113,12 +104,13 @@ class Shown:
     note: str = ""
 
 
-def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None = None) -> Shown:
+def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None = None, latest: float = math.inf) -> Shown:
     """Run the engine of a job through all its frames. An exception of the engine becomes the state of what is returned.
 
     Args:
         inside: record snapshots inside frames.
         folder: of the run, for the scene and the steps as the engine has them; None: not written.
+        latest: longest time [s] of all frames before the last; an engine that takes more is not measured.
     """
     scene, dt, frames, about = prepared.scene, prepared.scenario.dt, list[FrameRecord](), dict[str, object]()
     with ExitStack() as stack:
@@ -132,8 +124,10 @@ def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None 
             frames.append(engine.load(scene, job.settings(engine, inside=inside), dt))
             about |= {"settings": dict(engine.settings_as_run()), "cannot_say": dict(engine.cannot_say(scene))}
             keeps_steps = folder is not None and write_native(engine, folder, job, prepared.scenario.everyday)
-            spent = []
+            spent = list[float]()
             for sample in prepared.samples:
+                if sum(spent) > latest:
+                    return Shown("not-measured", frames, about, f"not through after {latest:g} s")
                 begun = perf_counter()
                 frames.append(engine.advance(sample, dt))
                 spent.append(perf_counter() - begun)

@@ -34,11 +34,10 @@ class LoadedFrames:
 
     def __init__(self, job: Job, frames: int, first: int = 0) -> None:
         prepared = prepare(job)
-        self.dt, samples = prepared.scenario.dt, prepared.first(first + frames)
-        self.samples = samples[first:]
+        self.dt, self.samples = prepared.scenario.dt, prepared.samples[first : first + frames]
         self.engine: Engine = opened(job.engine)
         self.shown = self.engine.load(prepared.scene, job.settings(self.engine, stages=True), self.dt)
-        for sample in samples[:first]:
+        for sample in prepared.samples[:first]:
             self.shown = self.engine.advance(sample, self.dt)
 
     def run(self) -> Repeat:

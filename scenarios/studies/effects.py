@@ -92,7 +92,7 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
     tasks = {key_of(NAME, job): job for group in planned.values() for job in group.values()}
     keys = {job.stem: key for key, job in tasks.items()}
     checkpoint = request.checkpoint(NAME)
-    done = dict(answers(figures, tasks, request, checkpoint, NAME, lambda job: True, lambda job, how: _died(str(how))))
+    done = dict(answers(figures, tasks, request, checkpoint, NAME, lambda job: True))
     rows, troubles = list[Row](), list[str]()
     with Progress("effects, times", len(planned), sys.stderr, part=True) as progress, TimedWorkers() as workers:
         for name, group in planned.items():
@@ -108,10 +108,6 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
             troubles += [f"{name} {change or 'as it is'} was not timed" for change, time in times.items() if time is None]
             progress.step(name)
     return rows, troubles
-
-
-def _died(note: str) -> Entry:
-    return {"state": "crashed", "note": note, "frames": 0, "values": {}, "moved": None}
 
 
 def _p50(clocked: Clocked) -> float | None:

@@ -113,14 +113,16 @@ def in_turn(studies: Sequence[Study], request: Request) -> list[str]:
 
 def answers(
     function: Callable[[Task], Entry], tasks: Mapping[str, Task], request: Request, checkpoint: Checkpoint, name: str,
-    tidy: Callable[[Task], bool], died: Callable[[Task, Died], Entry], patience: float = PATIENCE,
+    tidy: Callable[[Task], bool], patience: float = PATIENCE, late: Status = "crashed",
 ) -> Iterator[tuple[str, Entry]]:
     """Yield the answer to each task by its key: those of the checkpoint first, then new ones as they come, which it keeps.
 
     Args:
         function: answers one task, in a process of its own unless the task is `tidy`.
-        died: answer to a task whose process ended without one. It is not kept, nor is what was not measured: that may be the
-            machine's fault.
+        patience: longest time [s] without an answer, after which the state of a task is `late`.
+
+    A task whose process ended without an answer has crashed. That is not kept, nor is what was not measured: it may be the
+    machine's fault.
     """
     missing = {key: task for key, task in tasks.items() if checkpoint.get(key) is None}
     yield from ((key, checkpoint.known[key]) for key in tasks if key not in missing)
@@ -129,7 +131,8 @@ def answers(
         for task, answer in side_by_side(function, list(missing.values()), request.workers, tidy, patience):
             key = keys[id(task)]
             if isinstance(answer, Died):
-                answer = died(task, answer)
+                state = late if "no answer" in str(answer) else "crashed"
+                answer = {"state": state, "note": str(answer), "frames": 0, "values": {}}
             elif answer["state"] != "not-measured":
                 checkpoint.put(key, answer)
             progress.step(name)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from avatarsim.errors import AvatarsimError, described
-from avatarsim.running.processes import Died
 from runfiles.engines import about
 from runfiles.naming import BASELINE, GATED
 from runfiles.table import Row
@@ -62,12 +61,8 @@ def obtained(job: Job) -> Entry:
 def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Run everything, side by side, and return the rows."""
     tasks = {key_of(NAME, job): job for job in jobs_of(request)}
-    found = dict(answers(obtained, tasks, request, request.checkpoint(NAME), NAME, reuses_process, _died))
+    found = dict(answers(obtained, tasks, request, request.checkpoint(NAME), NAME, reuses_process))
     return [row for key, job in tasks.items() for row in rows_of(job, found[key])], []
-
-
-def _died(job: Job, how: Died) -> Entry:
-    return {"state": "crashed", "note": str(how), "values": {}}
 
 
 def rows_of(job: Job, found: Entry) -> list[Row]:

@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from avatarsim.running.processes import Died
 from runfiles.engines import about
 from runfiles.naming import BASELINE
 from runfiles.table import Row
@@ -44,16 +43,13 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Try everything, side by side. Returns the rows, and a sentence for each engine and preset that could not be asked."""
     tasks = {key_of(NAME, task): task for task in tasks_of(request)}
     found = dict(answers(
-        tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: about(task.engine).reuses_process, _died, PATIENCE))
+        tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: about(task.engine).reuses_process, PATIENCE,
+        "not-measured",
+    ))
     plain = {(task.case, task.run): found[key] for key, task in tasks.items() if task.trial.name == ""}
     rows = [row for key, task in tasks.items() for row in rows_of(task, found[key], plain.get((task.case, task.run)))]
     absent = {row.run: row.note for row in rows if row.status == "not-measured"}
     return rows, [f"{run} was not tried: {note}" for run, note in absent.items()]
-
-
-def _died(task: Task, how: Died) -> Entry:
-    state = "not-measured" if "no answer" in str(how) else "crashed"
-    return {"state": state, "note": str(how), "frames": 0, "values": {}, "end": []}
 
 
 def rows_of(task: Task, found: Entry, plain: Entry | None) -> Iterator[Row]:
@@ -66,7 +62,7 @@ def rows_of(task: Task, found: Entry, plain: Entry | None) -> Iterator[Row]:
         value = found["values"].get(metric)
         yield head.row(metric, None if value is None else float(value), found["note"])
     # another user's motion ends elsewhere, and is no measure of anything
-    apart = None if task.trial.kind == "user" or plain is None else distance(found["end"], plain["end"])
+    apart = None if task.trial.kind == "user" or plain is None else distance(found["end"], plain.get("end", ()))
     yield head.row("end_distance", apart)
 
 

@@ -1,29 +1,27 @@
 """One trial of a hard case: did the engine get through, how deep, how much energy from nothing, and where did all end?"""
 
 import math
-import time
-from dataclasses import dataclass
+from contextlib import closing
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.engine import Engine, FrameRecord, Settings
-from avatarsim.errors import InvalidInput, MissingPackage, StartOverlaps, described
-from avatarsim.scene.tracker import checked
+from avatarsim.engine import FrameRecord
+from avatarsim.errors import InvalidInput, described
 from reference.judging.judge import Judge
 from runfiles.record import Recording
-from runfiles.table import Status
 from scenarios import catalog
 from scenarios.engines import opened
-from scenarios.job import Job
+from scenarios.job import Job, State
 from scenarios.measure.bodies.energy import energy
 from scenarios.measure.frames import not_finite
 from scenarios.measure.side import wrong_side
-from scenarios.run.accuracy import gathered
-from scenarios.scenario import Scenario
+from scenarios.run.accuracy import Prepared, gathered, show
+from scenarios.scenario import REFUSAL, Scenario
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.hard_cases.plan import Trial
-from scenarios.studies.hard_cases.variation import Varied, varied
+from scenarios.studies.hard_cases.variation import Variation, Varied, varied
 
 Array = NDArray[np.float64]
 
@@ -61,46 +59,41 @@ def tried(task: Task) -> Entry:
 
     What an engine does wrong is its state, and never ends the study.
     """
-    scenario, frames = catalog.get(task.case), list[FrameRecord]()
-
-    def ended(state: Status, note: str) -> Entry:
-        return {"state": state, "note": note, "frames": len(frames), "values": {}, "end": []}
-
+    scenario, change = catalog.get(task.case), task.trial.change
+    job = Job(task.case, task.engine, task.preset, change.seed)
     try:
-        case = varied(scenario, task.seconds, task.trial.change)
+        case = varied(scenario, task.seconds, change)
     except InvalidInput as error:
-        return ended("cannot-say", f"there is no such scene: {described(error)}")
-    try:
-        engine = opened(task.engine)
-        silence = engine.cannot_say(case.scene)
-        if "scene" in silence:
-            return ended("cannot-say", silence["scene"])
-        try:
-            options = _options(engine, task, case)
-            if options is None:
-                return ended("cannot-say", "it has no solver step of a set length")
-            if not _run(engine, task, case, options, frames):
-                return ended("not-measured", f"not through after {LATE:g} s")
-        finally:
-            engine.close()
-    except MissingPackage as error:
-        return ended("not-measured", str(error))
-    except StartOverlaps as error:
-        return ended("refused", described(error))
-    except Exception as error:
-        # an engine may raise anything: that is its result
-        return ended("crashed", described(error))
-    return {"state": "measured", "note": "", "frames": len(frames) - 1, **_judged(task, scenario, case, frames)}
+        return _without("cannot-say", f"there is no such scene: {described(error)}")
+    options = _options(job, case, change)
+    if options is None:
+        return _without("cannot-say", "it has no solver step of a set length")
+    # a start that the change has made overlap may be refused
+    timed = replace(scenario, dt=case.dt, frames=len(case.samples), short=None, expects={REFUSAL: True})
+    prepared = Prepared(timed, case.scene, case.samples.__getitem__)
+    shown = show(replace(job, options=options), prepared, inside=False, latest=LATE)
+    if shown.state != "measured":
+        return _without(shown.state, shown.note, len(shown.frames))
+    judged = _judged(job, change, scenario, case, shown.frames)
+    return {"state": "measured", "note": "", "frames": len(shown.frames) - 1, **judged}
 
 
-def _options(engine: Engine, task: Task, case: Varied) -> dict[str, object] | None:
+def _without(state: State, note: str, frames: int = 0) -> Entry:
+    return {"state": state, "note": note, "frames": frames, "values": {}, "end": []}
+
+
+def _options(job: Job, case: Varied, change: Variation) -> dict[str, object] | None:
     """Options by which the solver's step is the one that is asked for, and the preset's lengths are of a world of that size, from
     what the preset sets in this very scene; None for an engine that has no such step."""
-    change = task.trial.change
     if change.step == 1.0 and change.scale == 1.0:
         return {}
-    engine.load(case.scene, Settings(task.preset, seed=change.seed), case.dt)
-    told = engine.settings_as_run()
+    try:
+        with closing(opened(job.engine)) as engine:
+            engine.load(case.scene, job.settings(engine), case.dt)
+            told = engine.settings_as_run()
+    except Exception:
+        # the run finds it again
+        return {}
     found = {name: value[0] if isinstance(value := told[name], tuple) else value for name in (STEP, *LENGTHS) if name in told}
     options: dict[str, object] = {}
     for name in LENGTHS if change.scale != 1.0 else ():
@@ -112,21 +105,12 @@ def _options(engine: Engine, task: Task, case: Varied) -> dict[str, object] | No
     return {**options, STEP: change.step * step} if isinstance(step, float) else None
 
 
-def _run(engine: Engine, task: Task, case: Varied, options: dict[str, object], frames: list[FrameRecord]) -> bool:
-    """Show all frames; False where they do not come within LATE."""
-    begun = time.monotonic()
-    frames.append(engine.load(case.scene, Settings(task.preset, options, task.trial.change.seed), case.dt))
-    for sample in case.samples:
-        if time.monotonic() - begun > LATE:
-            return False
-        frames.append(engine.advance(checked(sample, case.scene.avatars), case.dt))
-    return True
-
-
-def _judged(task: Task, scenario: Scenario, case: Varied, frames: list[FrameRecord]) -> dict[str, object]:
+def _judged(
+    job: Job, change: Variation, scenario: Scenario, case: Varied, frames: list[FrameRecord],
+) -> dict[str, object]:
     """Figures and end of a run that came to its end, brought back to where the case is."""
-    about, samples = Job(task.case, task.engine, task.preset), [case.scene.first_sample, *case.samples]
-    recording = task.trial.change.elsewhere.back(gathered(about, scenario, case.scene, samples, frames, {}))
+    samples = [case.scene.first_sample, *case.samples]
+    recording = change.elsewhere.back(gathered(job, scenario, case.scene, samples, frames, {}))
     values: dict[str, float] = {"not_finite_frames": _value(not_finite(recording)["not_finite_frames"])}
     if values["not_finite_frames"]:
         return {"values": values, "end": []}

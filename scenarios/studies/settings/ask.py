@@ -11,9 +11,8 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from avatarsim.running.processes import Died
 from runfiles.table import Row
-from scenarios.job import Job, Outcome, reuses_process
+from scenarios.job import reuses_process
 from scenarios.run.progress import Progress
 from scenarios.run.sweep_scenes import SWEEP_SCENES
 from scenarios.run.timed_worker import TimedWorkers
@@ -97,7 +96,7 @@ class Sweep:
         todo = sorted((cell for cell in cells if cell not in self.errors), key=lambda cell: cell.job.scenario)
         by_key = {key_of(NAME, cell.job): cell for cell in todo}
         jobs = {key: cell.job for key, cell in by_key.items()}
-        for key, entry in answers(measure.errors, jobs, self.request, self.checkpoint, NAME, reuses_process, _died):
+        for key, entry in answers(measure.errors, jobs, self.request, self.checkpoint, NAME, reuses_process):
             self.errors[by_key[key]] = entry
 
     def _clock(self, cells: Sequence[Cell]) -> None:
@@ -137,10 +136,6 @@ class Sweep:
             timed = self.times.get(cell)
             if timed is not None and timed["p50"] is None:
                 yield f"{cell.scenario} {cell.setting.run} was not timed: {timed['note']}"
-
-
-def _died(job: Job, how: Died) -> Entry:
-    return measure.entry_of(Outcome(job, "crashed", str(how)))
 
 
 STUDY = Study(NAME, lambda request: Sweep(request).ask(), lambda scenario: scenario.name in SWEEP_SCENES)
