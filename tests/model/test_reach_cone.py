@@ -66,7 +66,7 @@ def boundary(cone: ReachCone, count: int = 4000) -> np.ndarray:
 @given(st.sampled_from(sorted(CONES)), SEEDS)
 def test_the_excess_is_the_judges(name: str, seed: int) -> None:
     limb = direction(seed)
-    found, judged = reach_excess(SKELETONS[name], 1, limb), beyond_cone(CONES[name], np.array(limb))
+    found, judged = reach_excess(SKELETONS[name], 1, limb), beyond_cone(CONES[name], np.array([limb]))[0]
     assert found >= 0.0 and is_in_reach(SKELETONS[name], 1, limb) == (found == 0.0)
     assert found == pytest.approx(judged, abs=1e-11)
 
@@ -75,7 +75,7 @@ def test_the_excess_is_the_judges(name: str, seed: int) -> None:
 def test_nothing_inside_is_nearer_than_the_nearest_direction_inside(name: str, seed: int) -> None:
     limb, skel = direction(seed), SKELETONS[name]
     nearest = nearest_in_reach(skel, 1, limb, MOST)
-    assert beyond_cone(CONES[name], np.array(nearest)) <= 2e-12
+    assert beyond_cone(CONES[name], np.array([nearest])) <= 2e-12
     if is_in_reach(skel, 1, limb):
         assert nearest == limb
     else:
@@ -90,7 +90,7 @@ def test_with_a_swing_cone_the_nearest_direction_is_inside_both(name: str, most:
     limits = SwingTwist((0.0, 0.0, 1.0), (0.1, 0.0, 0.995), MOST, (-WHOLE, WHOLE))
     skel, limb, centre = skel_of(limits, CONES[name]), direction(seed), np.array(limits.centre)
     nearest = nearest_in_reach(skel, 1, limb, most)
-    assert beyond_cone(CONES[name], np.array(nearest)) <= 2e-12
+    assert beyond_cone(CONES[name], np.array([nearest])) <= 2e-12
     assert np.arctan2(np.linalg.norm(np.cross(nearest, centre)), nearest @ centre) <= most + 2e-12
     rng = np.random.default_rng(seed)
     around = np.array(nearest) + angle_between(nearest, limb) * rng.normal(size=(2000, 3))
@@ -125,7 +125,7 @@ def test_a_rotation_is_brought_into_polygon_cone_and_twist_at_once(name: str, se
     swing, twist = swing_twist(limits, shown)
     limb = Rotation.from_quat(shown[0], scalar_first=True).apply(limits.axis)
     assert swing[0] <= limits.swing + 1e-9 and -0.4 - 1e-9 <= twist[0] <= 0.6 + 1e-9
-    assert beyond_cone(CONES[name], limb) <= 1e-11
+    assert beyond_cone(CONES[name], limb[None]) <= 1e-11
     again = inside_cone(skel, 1, inside)
     assert np.allclose(again, inside, atol=1e-8)
 

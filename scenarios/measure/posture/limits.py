@@ -17,47 +17,16 @@ NO_ARC = 1e-12
 """Length [rad] below which an edge is a point: no plane through the origin holds it and nothing else."""
 
 
-def _inside(cone: ReachCone, direction: Array) -> bool:
-    """Whether `direction` is in one of the spherical triangles (visible point, edge), which together are the polygon."""
-    seen, starts = np.array(cone.visible_point), cone.vertices
-    ends = np.roll(starts, -1, axis=0)
-    # three planes through the origin bound each triangle; counter-clockwise edges have the inside on their left
-    first = np.cross(seen, starts) @ direction >= 0.0
-    edge = np.cross(starts, ends) @ direction >= 0.0
-    second = np.cross(ends, seen) @ direction >= 0.0
-    return bool((first & edge & second).any())
+def beyond_cone(cone: ReachCone, directions: Array) -> Array:
+    """Angles (F,) [rad] from unit directions (F, 3), in the parent's frame, to the cone; 0 inside; nan for nan.
 
-
-def _angle_to_edge(start: Array, end: Array, direction: Array) -> float:
-    """Angle [rad] from `direction` to the nearest point of the great arc from start to end."""
-    normal = np.cross(start, end)
-    length = float(np.linalg.norm(normal))
-    if length > NO_ARC:
-        normal /= length
-        # within the lune of the arc the nearest point is the foot on its great circle, else one of its ends
-        if np.cross(normal, start) @ direction >= 0.0 and np.cross(end, normal) @ direction >= 0.0:
-            across = float(normal @ direction)
-            return abs(float(np.arctan2(across, np.linalg.norm(direction - across * normal))))
-    ends = (start, end)
-    return min(float(np.arctan2(np.linalg.norm(np.cross(p, direction)), p @ direction)) for p in ends)
-
-
-def beyond_cone(cone: ReachCone, direction: Array) -> float:
-    """Angle [rad] from the unit `direction` (3,), in the parent's frame, to the cone; 0 inside; nan for nan."""
-    if not np.isfinite(direction).all():
-        return float("nan")
-    if _inside(cone, direction):
-        return 0.0
-    ends = np.roll(cone.vertices, -1, axis=0)
-    return min(_angle_to_edge(a, b, direction) for a, b in zip(cone.vertices, ends, strict=True))
-
-
-def beyond_cone_each(cone: ReachCone, directions: Array) -> Array:
-    """(F,) the same for many directions (F, 3) at once; `beyond_cone` is its plain twin."""
+    Inside is each direction in one of the spherical triangles (visible point, edge), which together are the polygon.
+    """
     sound = np.asarray(np.isfinite(directions).all(axis=1))
     limbs = np.where(sound[:, None], directions, 0.0)
     seen, starts = np.array(cone.visible_point), cone.vertices
     ends = np.roll(starts, -1, axis=0)
+    # three planes through the origin bound each triangle; counter-clockwise edges have the inside on their left
     first, edge, second = (cross(a, b) @ limbs.T >= 0.0 for a, b in ((seen, starts), (starts, ends), (ends, seen)))
     outside = ~(first & edge & second).any(axis=0)
     beyond = np.zeros(len(limbs))
@@ -141,7 +110,7 @@ def reach_cone_excess(scene: Scene, orientations: Array) -> Array:
     for place in places(scene):
         if isinstance(place.joint, Ball) and place.joint.cone is not None:
             limbs = rotation.rotate(relative(place, orientations), limb_axis(place.joint, place.joint.cone, place))
-            worst = np.maximum(worst, beyond_cone_each(place.joint.cone, limbs))
+            worst = np.maximum(worst, beyond_cone(place.joint.cone, limbs))
     return worst
 
 

@@ -183,10 +183,11 @@ def test_a_reach_cone_goes_through_the_four_ends_of_the_table(name: str) -> None
     for end, degrees in zip(ends(found, side), (found.forward, found.backward, found.outward, found.inward), strict=True):
         if degrees <= WIDEST_REACH:
             assert np.abs(cone.vertices - end).max(axis=1).min() < 1e-12
-    assert beyond_cone(cone, np.array(found.axis)) == 0.0
+    assert beyond_cone(cone, np.array([found.axis])) == 0.0
     # half-way between two ends an ellipse is nearer than both together
     both = tilted(found, side, found.forward / np.sqrt(2.0), -found.inward / np.sqrt(2.0))
-    assert beyond_cone(cone, both) < np.radians(2.0) < beyond_cone(cone, tilted(found, side, found.forward, -found.inward))
+    near, far = beyond_cone(cone, np.stack([both, tilted(found, side, found.forward, -found.inward)]))
+    assert near < np.radians(2.0) < far
 
 
 def test_every_ball_of_the_humanoid_has_its_reach_cone() -> None:

@@ -81,10 +81,11 @@ def test_no_joints_no_limits() -> None:
 def test_beyond_a_corner_the_distance_is_to_the_corner() -> None:
     corners = np.eye(3)
     cone = ReachCone(corners, (1.0, 1.0, 1.0))
-    assert beyond_cone(cone, np.array([1.0, 1.0, 1.0]) / np.sqrt(3.0)) == 0.0
+    inside = np.full(3, 1.0 / np.sqrt(3.0))
     away = np.array([np.cos(0.2), -np.sin(0.2) / np.sqrt(2.0), -np.sin(0.2) / np.sqrt(2.0)])
-    assert beyond_cone(cone, away) == pytest.approx(0.2, abs=1e-12)
-    assert np.isnan(beyond_cone(cone, np.full(3, np.nan)))
+    found = beyond_cone(cone, np.stack([inside, away, np.full(3, np.nan), corners[0]]))
+    assert found == pytest.approx([0.0, 0.2, np.nan, 0.0], abs=1e-12, nan_ok=True) and found[0] == 0.0
+    assert beyond_cone(cone, np.zeros((0, 3))).shape == (0,)
 
 
 def test_whole_turns_are_no_excess() -> None:
