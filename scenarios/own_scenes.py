@@ -177,7 +177,7 @@ class OwnScene:
             name=self.name, title=f"A user's own scene: {files}.",
             judged="Overlap, numbers and limits, as promised; all else is measured without a bound.",
             build=lambda: _parts(self)[0], motion=motion, frames=frames, short=min(frames, QUICK),
-            bounds=(NO_OVERLAP, FINITE, *limits), everyday=True, family=self.name,
+            bounds=(NO_OVERLAP, FINITE, *limits), everyday=True,
         )
 
 

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
+from typing import Required, TypedDict
 
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.checks import Vector, positive
@@ -107,6 +108,21 @@ EXPECTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 with this key have."""
 
 
+class Fields(TypedDict, total=False):
+    """Fields of a scenario that are handed on by what builds it."""
+
+    frames: Required[int]
+    short: int | None
+    dt: float
+    bounds: tuple[Bound, ...]
+    regions: tuple[Region, ...]
+    metrics: tuple[str, ...]
+    expects: Mapping[str, object]
+    everyday: bool
+    family: str
+    scale: float
+
+
 @dataclass(frozen=True, eq=False)
 class Scenario:
     """One question to every engine.
@@ -118,7 +134,7 @@ class Scenario:
     metrics              figures beyond the standard list
     expects              known facts of the motion, by the keys of `EXPECTS`
     everyday             flag: it is in short tables, and timed without a filter
-    family               scene that this is a variant of; in the catalogue the file of the scene, by default
+    family               scene that this is a variant of, or a name that several share; by default it is none
     scale                size of its world, where it is a larger or smaller copy
     """
 

@@ -1,6 +1,7 @@
 """Scenarios of loose bodies and of led hands, and the regions that they share."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
+from typing import Unpack
 
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import TABLE_1, Body, PairTable
@@ -8,7 +9,7 @@ from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import EARTH, Scene
 from scenarios.motion.rigid_hands import Places, hands_at, led
 from scenarios.motion.untracked import untracked
-from scenarios.scenario import INFINITE, RENDERED, Bound, Region, Scenario
+from scenarios.scenario import INFINITE, RENDERED, Fields, Region, Scenario
 
 
 def above(height: float, *bodies: str, reason: str = "nothing falls through the floor") -> Region:
@@ -28,24 +29,21 @@ def each_alone(names: Iterable[str]) -> tuple[tuple[str], ...]:
 
 def undriven(
     name: str, title: str, judged: str, bodies: Callable[[], Iterable[Body]], materials: PairTable = TABLE_1, *,
-    frames: int, bounds: tuple[Bound, ...], short: int | None = None, dt: float = RENDERED, gravity: Vector = EARTH,
-    regions: tuple[Region, ...] = (), metrics: tuple[str, ...] = (), expects: Mapping[str, object] | None = None,
-    everyday: bool = False, family: str = "", scale: float = 1.0,
+    gravity: Vector = EARTH, **fields: Unpack[Fields],
 ) -> Scenario:
     """Return a scene of fixed and loose bodies without a user."""
+    motion = untracked(fields.get("dt", RENDERED))
     return Scenario(
-        name, title, judged, lambda: Scene(name, tuple(bodies()), materials=materials, gravity=gravity), untracked(dt),
-        frames, short, dt, bounds, regions, metrics, expects or {}, everyday=everyday, family=family, scale=scale,
+        name, title, judged, lambda: Scene(name, tuple(bodies()), materials=materials, gravity=gravity), motion, **fields
     )
 
 
 def led_hands(
     name: str, title: str, judged: str, bodies: Callable[[], Iterable[Body]], hands: Callable[[], tuple[Avatar, ...]],
-    places: Places, materials: PairTable = TABLE_1, *, frames: int, bounds: tuple[Bound, ...], short: int | None = None,
-    regions: tuple[Region, ...] = (), expects: Mapping[str, object] | None = None, family: str = "",
+    places: Places, materials: PairTable = TABLE_1, **fields: Unpack[Fields],
 ) -> Scenario:
     """Return a scene of bodies, and of rigid hands whose users are at `places`."""
     return Scenario(
         name, title, judged, lambda: Scene(name, tuple(bodies()), hands(), materials, start=hands_at(places(0.0))), led(places),
-        frames, short, RENDERED, bounds, regions, expects=expects or {}, family=family,
+        **fields,
     )

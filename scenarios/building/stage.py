@@ -1,6 +1,7 @@
 """Floor and endless walls for scenes with one avatar, the regions that go with them, and scenes of a humanoid."""
 
 from collections.abc import Callable
+from typing import Unpack
 
 from avatarsim.scene.body import Body
 from avatarsim.scene.scene import Scene
@@ -10,7 +11,7 @@ from scenarios.building.avatars.standing import standing
 from scenarios.building.cases import fixture
 from scenarios.building.promises import AVATAR
 from scenarios.building.scenes import above
-from scenarios.scenario import INFINITE, RENDERED, Bound, Motion, Region, Scenario
+from scenarios.scenario import INFINITE, Fields, Motion, Region, Scenario
 
 SPAN = 20.0
 """Width of floor and walls [m]: no motion leads round them within a scene, so their far side is the wrong side."""
@@ -47,15 +48,15 @@ def before_wall(face: float, *bodies: str, axis: int = 0) -> Region:
 
 def with_human(
     name: str, title: str, judged: str, motion: Callable[[Scene, int], Motion],
-    bodies: Callable[[], tuple[Body, ...]] = lambda: (floor(),), at: tuple[float, ...] = (), *, frames: int,
-    region: Region, short: int | None = None, bounds: tuple[Bound, ...] = AVATAR, family: str = "", everyday: bool = False,
+    bodies: Callable[[], tuple[Body, ...]] = lambda: (floor(),), at: tuple[float, ...] = (), *, region: Region,
+    **fields: Unpack[Fields],
 ) -> Scenario:
-    """Return a scene of the humanoid with its root `at` x, y [m] and heading [rad]."""
+    """Return a scene of the humanoid with its root `at` x, y [m] and heading [rad], by default with the promises of AVATAR."""
 
     def build() -> Scene:
         human = humanoid()
         return Scene(name, bodies(), (human,), start=standing(human, *at))
 
-    return Scenario(
-        name, title, judged, build, motion, frames, short, RENDERED, bounds, (region,), family=family, everyday=everyday
-    )
+    fields.setdefault("bounds", AVATAR)
+    fields["regions"] = (region,)
+    return Scenario(name, title, judged, build, motion, **fields)

@@ -1,9 +1,5 @@
-"""Catalogue: all scenes by name. One file per scene, found on disk: each exports SCENARIO or SCENARIOS.
+"""Catalogue: all scenes by name. One file per scene, found on disk: each exports SCENARIO or SCENARIOS."""
 
-The scenes of one file are variants of one scene: a family, unless a scene names its own.
-"""
-
-from dataclasses import replace
 from functools import cache
 from importlib import import_module
 from pkgutil import walk_packages
@@ -25,7 +21,7 @@ def _found() -> MappingProxyType[str, Scenario]:
         for scenario in several if several is not None else (exports.SCENARIO,):
             if scenario.name in found:
                 raise InvalidInput("name of a scenario", scenario.name, "names that occur once only")
-            found[scenario.name] = replace(scenario, family=scenario.family or module.name.rpartition(".")[2])
+            found[scenario.name] = scenario
     return MappingProxyType(dict(sorted(found.items())))
 
 

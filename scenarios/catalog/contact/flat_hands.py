@@ -72,7 +72,7 @@ def lifted(
     """The scene with a box of `mass` [kg] that a hand lifts off two posts."""
     return led_hands(
         name, title, judged, lambda: on_posts(mass), lambda: (driven("hand", Box((0.14, 0.2, 0.02)), 0.5, "hand"),), places,
-        one_law(0.0, friction, ("wood", "box"), ("box", "hand")), frames=frames, short=short, family=name,
+        one_law(0.0, friction, ("wood", "box"), ("box", "hand")), frames=frames, short=short,
         bounds=(*SOUND, KEEPS_MOVING, KEEPS_TIME, *bounds), regions=(region,), expects=expects,
     )
 
@@ -131,7 +131,7 @@ SCENARIOS = (
         lambda: (slab(2.0, 2.0, "wood", "table"), loose("coin", COIN, "coin", COIN_MASS, (*AT, 0.5 * COIN_THICK + LAID))),
         lambda: (driven("hand", Box(PALM), 0.5, "hand"),),
         lambda time: ((0.0, 0.0, COIN_THICK + 0.5 * PALM[2] + OVER - (OVER + DEEP) * eased(time, 0.1, 0.9)),),
-        one_law(0.0, 0.5, ("wood", "coin"), ("coin", "hand")), frames=1800, short=120, family="press_coin",
+        one_law(0.0, 0.5, ("wood", "coin"), ("coin", "hand")), frames=1800, short=120,
         bounds=(
             *SOUND, replace(KEEPS_MOVING, limit=15.0, reason="while its user goes on into the coin the palm has nowhere to go"),
             Bound("pressed_sideways_max", 1e-5, "pressed straight down within friction's cone nothing slides"),

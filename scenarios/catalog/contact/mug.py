@@ -97,7 +97,7 @@ def lifted(
         return Scene(name, (slab(4.0, 4.0), mug), (hand(),), materials, start=at(0.0), attached=attached)
 
     return Scenario(
-        name, title, judged, build, by_time(at), frames, short, bounds=(*SOUND, *bounds), family=name,
+        name, title, judged, build, by_time(at), frames, short, bounds=(*SOUND, *bounds),
         regions=(
             Region(("mug",), (-wide, -wide, 0.0), (0.6, wide, 0.4), "the mug is neither shot away nor pressed into the floor"),
         ),

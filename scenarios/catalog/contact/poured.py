@@ -83,7 +83,7 @@ def heap(names: tuple[str, ...]) -> Iterator[Body]:
 def poured(
     name: str, title: str, judged: str, bodies: Callable[[], Iterator[Body]], materials: tuple[str, str],
     law: tuple[float, float], frames: int, short: int, falls: dict[str, float], half: float, high: float,
-    family: str, settled: tuple[Bound, ...] = (), piles: tuple[Pile, ...] = (),
+    family: str = "", settled: tuple[Bound, ...] = (), piles: tuple[Pile, ...] = (),
 ) -> Scenario:
     """A scene of bodies that fall into a container, whose materials are that of the container and theirs."""
     names, (walls, own) = tuple(falls), materials
@@ -109,11 +109,11 @@ def of(count: int, frames: int, short: int, settled: tuple[Bound, ...] = (), hei
 SCENARIOS = (
     poured(
         "coins", "Thirty coins fall into a tray.", "Overlap, time kept, energy.", coins, ("tray", "coin"), (0.2, 0.3), 480, 75,
-        {name: 0.01 + 0.3 * k * PITCH for k, name in enumerate(COINS)}, 0.5 * TRAY, HIGH, "coins",
+        {name: 0.01 + 0.3 * k * PITCH for k, name in enumerate(COINS)}, 0.5 * TRAY, HIGH,
     ),
     poured(
         "funnel", "A block of 125 balls runs through a funnel.", "Overlap, time kept, energy.", funnel, ("wall", "ball"),
-        (0.3, 0.2), 480, 36, dict.fromkeys(BALLS, 0.15), 0.7, 2.0, "funnel",
+        (0.3, 0.2), 480, 36, dict.fromkeys(BALLS, 0.15), 0.7, 2.0,
     ),
     of(50, 480, 108, (Bound("pile_height_error_max", 15.0, "a heap that hangs in the air is three times as high"),), (0.0258,)),
     of(100, 300, 45),

@@ -105,7 +105,7 @@ SCENARIOS = (
     undriven(
         "dominoes", "Forty dominoes topple one another.",
         "How fast the wave runs and how many it reaches; overlap, time kept, energy.", dominoes,
-        one_law(0.2, 0.3, ("floor", "domino"), ("domino", "domino")), frames=300, short=105, family="dominoes",
+        one_law(0.2, 0.3, ("floor", "domino"), ("domino", "domino")), frames=300, short=105,
         bounds=(
             *CROWD, GAINS_NOTHING, Bound("wave_speed_error", 3.3, "0.91 m/s, give or take 0.03"),
             Bound("wave_missing", 0.0, "the wave runs to the end"),
@@ -118,7 +118,7 @@ SCENARIOS = (
     led_hands(
         "jenga", "A stick pushes a block out of a tower.", "That the block comes out and the tower stands; overlap.",
         tower, lambda: (driven("stick", Box((0.06, 0.012, 0.008)), 0.3, "stick"),), at_block,
-        one_law(0.0, 0.3, ("floor", "block"), ("block", "block"), ("block", "stick")), frames=240, short=96, family="jenga",
+        one_law(0.0, 0.3, ("floor", "block"), ("block", "block"), ("block", "stick")), frames=240, short=96,
         bounds=(
             *CROWD, replace(KEEPS_MOVING, limit=5.0),
             Bound("travel_missing", 0.0, "the block is pushed out, less a spring's lag against friction"),
@@ -134,7 +134,7 @@ SCENARIOS = (
         "sweep", "A hand sweeps thirty things off a table.",
         "Overlap, time kept; that all are swept, and that the hand stays with its user.",
         on_table, lambda: (driven("hand", Box(HAND), 0.5, "hand"),), sweeping,
-        one_law(0.1, 0.4, ("wood", "thing"), ("thing", "thing"), ("thing", "hand")), frames=300, short=140, family="sweep",
+        one_law(0.1, 0.4, ("wood", "thing"), ("thing", "thing"), ("thing", "hand")), frames=300, short=140,
         bounds=(
             *CROWD, KEEPS_MOVING,
             Bound("travel_missing", 0.0, "the hand comes to all of them and pushes each; one may slip past after 0.1 m"),

@@ -1,6 +1,5 @@
 """Rigid hands and balls are led into walls: ten centimetres deep, a box between, as fast as 20 m/s, and round in a bowl."""
 
-from collections.abc import Callable
 from math import cos, pi, sin
 
 import numpy as np
@@ -106,26 +105,15 @@ def stirring() -> list[Key]:
     ]
 
 
-def scenario(
-    name: str, title: str, judged: str, build: Callable[[], Scene], motion: Callable[[Scene, int], Motion], frames: int,
-    short: int | None, regions: tuple[Region, ...], bounds: tuple[Bound, ...] = (), expects: dict[str, object] | None = None,
-) -> Scenario:
-    """A scene of a rigid hand that meets a wall."""
-    return Scenario(
-        name, title, judged, build, motion, frames, short, bounds=(*HAND, *bounds), regions=regions, expects=expects or {},
-        family=name,
-    )
-
-
 SCENARIOS = (
-    scenario(
+    Scenario(
         "driven_10cm_wall", "A driven ball is led ten centimetres into a wall, along it, and back.",
         "Overlap while it is held, offset once the way is free.",
         lambda: Scene("driven_10cm_wall", (wall_ahead(FACE),), (driven("hand", Sphere(RADIUS), 0.46),),
                       start=hands_at((at_ball(0.0, 0.0),))),
-        led_through(BALL_KEYS, 180), 180, None, (before(FACE + 0.5 * THICK, "hand"),),
+        led_through(BALL_KEYS, 180), 180, bounds=HAND, regions=(before(FACE + 0.5 * THICK, "hand"),),
     ),
-    scenario(
+    Scenario(
         "squeeze", "A driven hand presses a box against a wall, further than there is room.",
         "Overlap; that the box stays in the room and the hand on its side of it; where the box ends; energy.",
         lambda: Scene(
@@ -134,28 +122,32 @@ SCENARIOS = (
             (driven("hand", Box(PALM), 0.46),), start=hands_at((at_palm(FIRST, 0.0),)),
         ),
         led_through(PALM_KEYS, 300), 300, 150,
-        (
+        regions=(
             Region(("box",), (0.0, -0.5, 0.0), (BOX_FACE, 0.5, 2.0 * EDGE),
                    "the box can be pushed to the wall, but neither through it, nor into the floor, nor thrown over the hand"),
             before(BOX_FACE + 0.5 * THICK, "hand"),
         ),
-        (Bound("travel_missing", 0.0, "the box is pushed to the wall, 15 cm; a hand that meets nothing leaves it there"),),
-        {"travel": {"box": BOX_FACE - 0.5 * EDGE - BOX_AT - 0.01}},
+        bounds=(
+            *HAND,
+            Bound("travel_missing", 0.0, "the box is pushed to the wall, 15 cm; a hand that meets nothing leaves it there"),
+        ),
+        expects={"travel": {"box": BOX_FACE - 0.5 * EDGE - BOX_AT - 0.01}},
     ),
-    scenario(
+    Scenario(
         "thin_wall_hand", "A rigid hand is driven through a wall of two millimetres, at 2 to 20 m/s.",
         "The right side of the wall, sub-steps included; overlap.",
         lambda: Scene(
             "thin_wall_hand", (fixture("wall", Box((THIN, SPAN, HIGH)), "wood", (0.5 * THIN, 0.0, 0.5 * HIGH)),),
             (rigid_hand(),), start=turned_hand((START, 0.0, 0.5 * HIGH), 0.0),
         ),
-        thrusts, FRAMES, None, (before(0.5 * THIN, "hand", reason="the wall is endless: there is no way behind it"),),
+        thrusts, FRAMES, bounds=HAND,
+        regions=(before(0.5 * THIN, "hand", reason="the wall is endless: there is no way behind it"),),
     ),
-    scenario(
+    Scenario(
         "hand_in_bowl", "A rigid hand stirs in a bowl, pressed into its bottom and its side.",
         "Overlap; that the hand stays on the inside; that it follows.",
         lambda: Scene("hand_in_bowl", (bowl(),), (rigid_hand(),), start=in_bowl(0.0, 0.0, DEPTH + 0.15, 0.0)),
-        keyed(stirring(), 240), 240, None,
-        (Region(("hand",), (-RIM, -RIM, 0.0), (RIM, RIM, INFINITE), "the hand goes neither through side nor bottom"),),
+        keyed(stirring(), 240), 240, bounds=HAND,
+        regions=(Region(("hand",), (-RIM, -RIM, 0.0), (RIM, RIM, INFINITE), "the hand goes neither through side nor bottom"),),
     ),
 )

@@ -86,7 +86,7 @@ SCENARIOS = (
             loose("box", BOX, "wood", 1.0, FROM["box"], velocity=THROWN, spin=SPIN),
             loose("falls", BALL, "wood", 1.0, (-3.0, 0.0, BALL.radius + HEIGHT)),
         ),
-        frames=90, family="free_flight",
+        frames=90,
         bounds=(
             *SOUND, Bound("course_error_max", 1e-9, "the parabola is exact at any frame time; only rounding is left"),
             Bound("velocity_error_max", 1e-9, "v - g t, likewise"), Bound("spin_error_max", 1e-9, "a cube keeps its spin"),
@@ -104,7 +104,7 @@ SCENARIOS = (
     undriven(
         "dzhanibekov", "A box spinning about its middle axis turns over again and again.",
         "When it turns over; angular momentum and energy.", lambda: (loose("box", TURNING, "wood", 10.0, spin=TURNS),),
-        family="dzhanibekov", gravity=NOWHERE, frames=3600, short=180,
+        gravity=NOWHERE, frames=3600, short=180,
         bounds=(
             NO_OVERLAP, FINITE,
             Bound("flip_time_error_max", 1e-6, "Euler's equations have a closed form; errors grow from flip to flip"), *KEPT,
@@ -120,7 +120,7 @@ SCENARIOS = (
             loose("rod", Capsule(0.01, 0.5), "metal", Mass(1.0, inertia=np.diag(MOMENTS)), velocity=(0.5, 0.0, 0.0),
                   spin=(3.0, 2.0, 100.0)),
         ),
-        family="slender_spin", gravity=NOWHERE, frames=3600, short=120,
+        gravity=NOWHERE, frames=3600, short=120,
         bounds=(NO_OVERLAP, FINITE, *KEPT, Bound("travel_missing", 0.0, "the rod also flies: half a metre a second")),
         expects={"isolated": (("rod",),), "elastic": (("rod",),), "nothing_touches": True, "travel": {"rod": 0.3}},
     ),
@@ -132,7 +132,7 @@ SCENARIOS = (
             loose("rod", Capsule(RADIUS, LENGTH), "rod", Mass(1.0, inertia=np.diag([ACROSS, ACROSS, 1e-4 * ACROSS])),
                   (0.0, 0.0, 0.5 * LENGTH * math.cos(START) + RADIUS + LAID), turned_by((0.0, 1.0, 0.0), START)),
         ),
-        laws({("ice", "rod"): (0.0, 0.0)}), frames=75, family="falling_rod",
+        laws({("ice", "rod"): (0.0, 0.0)}), frames=75,
         bounds=(
             *SOUND, Bound("pivot_rate_error_max", 5e-3, "energy fixes the speed; a thousandth of the 5.4 rad/s at the end"),
             Bound("pivot_missing", 0.0, "it falls: from 0.1 rad it is down after 0.85 s"),
@@ -152,7 +152,7 @@ SCENARIOS = (
             loose("top", piece(), "top", MASS, (0.0, 0.0, reach() * math.cos(LEAN) + LAID), turned_by((0.0, 1.0, 0.0), LEAN),
                   spin=(TOP_SPIN * math.sin(LEAN), 0.0, TOP_SPIN * math.cos(LEAN))),
         ),
-        laws({("table", "top"): (0.0, 0.0)}), frames=300, short=120, family="top",
+        laws({("table", "top"): (0.0, 0.0)}), frames=300, short=120,
         bounds=(
             *SOUND, KEEPS_TIME,
             Bound("axis_spin_error_max", 1.0, "no torque acts about its axis; half a percent is not seen"),

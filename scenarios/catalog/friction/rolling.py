@@ -74,7 +74,7 @@ SCENARIOS = (
         "slide_to_roll", "Three balls slide over a table until friction has them rolling.",
         "Place, velocity and spin at every frame; 5/7 of the speed at the end.", balls,
         laws({(f"cloth_{friction:g}", "table"): (0.0, friction) for friction in BALLS.values()}),
-        frames=180, short=75, family="slide_to_roll",
+        frames=180, short=75,
         bounds=(
             *SOUND, Bound("velocity_error_max", 2e-6, "5/7 v0 within 1e-6 of itself, at the time that Coulomb's law gives"),
             REACHED, SPINS, NO_ENERGY,
@@ -87,7 +87,7 @@ SCENARIOS = (
     undriven(
         "log_roll", "Two logs across a table: one slides until it rolls, one rolls from the start.",
         "Place, velocity and spin at every frame.", logs, laws({("table", "wood"): (0.0, FRICTION)}),
-        frames=180, short=75, family="log_roll",
+        frames=180, short=75,
         bounds=(
             *SOUND, Bound("velocity_error_max", 2e-6, "the closed form within 1e-6 of v0, at the time of Coulomb's law"),
             REACHED, SPINS, NO_ENERGY,

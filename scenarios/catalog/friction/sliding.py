@@ -102,7 +102,7 @@ SCENARIOS = (
     undriven(
         "triball", "Bodies on three balls slide along, one ball of each on a rough lane.",
         "How hard they brake: the load on the rough ball, from three equations of balance.", on_three,
-        laws({("rough", "ball"): (0.0, ROUGH)}, "ice"), frames=60, family="triball",
+        laws({("rough", "ball"): (0.0, ROUGH)}, "ice"), frames=60,
         bounds=(
             *SOUND, Bound("course_error_max", 2e-6, "the load fixes the braking: 1e-6 m, and 1e-6 m of air below the feet"),
             Bound("velocity_error_max", 2e-6, "as the place, over a second"), NO_ENERGY,
@@ -113,7 +113,7 @@ SCENARIOS = (
     undriven(
         "painleve", "Leaning rods slide with their lower end ahead over ever rougher floors.",
         "That the paradox ends in a number, above the floor, without more energy than before.", rods,
-        laws({(f"mu_{friction:g}", "floor"): (0.0, friction) for friction in RODS.values()}), frames=60, family="painleve",
+        laws({(f"mu_{friction:g}", "floor"): (0.0, friction) for friction in RODS.values()}), frames=60,
         bounds=(
             *SOUND, NO_ENERGY, Bound("travel_missing", 0.0, "rods fall over: the middle comes down by 0.15 m at least"),
             Bound("halted_frames", 0.0, "the paradox does not stop the world"),

@@ -75,7 +75,7 @@ SCENARIOS = (
         "incline", "Blocks on slopes of 10 to 40 degrees, with friction just below and just above what holds them.",
         "Which blocks slide and which stay, the acceleration of those that slide, and that a tall box does not tip.", bodies,
         laws({**{(name, "board"): (0.0, mu) for name, (_, mu) in CASES.items()}, ("rough", "board"): (0.0, 2.0)}),
-        frames=90, short=60, family="incline",
+        frames=90, short=60,
         bounds=(
             *SOUND, Bound("course_error_max", 2e-6, "at 0.1 degrees a block slides 9 mm or none; and 1e-6 m of air"),
             NO_ENERGY,

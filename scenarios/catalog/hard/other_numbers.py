@@ -100,7 +100,7 @@ def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scena
             ("ball", "floor"): (RESTITUTION, 0.0), ("box", "floor"): (0.0, FRICTION), ("box", "box"): (0.0, FRICTION),
             ("shot", "wall"): (1.0, 0.0),
         }),
-        frames=FRAMES, dt=dt, gravity=(0.0, 0.0, -place.scale * GRAVITY), scale=place.scale,
+        frames=FRAMES, dt=dt, family="other_numbers", gravity=(0.0, 0.0, -place.scale * GRAVITY), scale=place.scale,
         bounds=(
             *SOUND, Bound("course_error_max", 1e-7, "a body that turns at a gap of 2e-8 m is twice that off, and gravity adds"),
             Bound("drift_max", 1e-6, "bodies at rest stay where they are"), Bound("energy_gain_max", 1e-9, "energy stays"),

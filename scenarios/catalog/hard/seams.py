@@ -181,7 +181,7 @@ SCENARIOS = (
     undriven(
         "seams", "Boxes, a pile of them, balls and a log slide and roll over floors of stones laid side by side.",
         "Place and velocity at every frame; how far, and how straight.", over_stones,
-        laws({("thing", "stone"): (0.0, FRICTION), ("thing", "thing"): (0.0, 0.9)}), frames=90, family="seams",
+        laws({("thing", "stone"): (0.0, FRICTION), ("thing", "thing"): (0.0, 0.9)}), frames=90,
         bounds=(
             *SOUND, Bound("course_error_max", 3e-6, "the closed forms know of no seams; a micrometre for each box of the pile"),
             Bound("velocity_error_max", 2e-6, "no body is thrown, braked or turned aside by a seam"),
@@ -204,7 +204,7 @@ SCENARIOS = (
         "Boxes slide and balls bounce and roll over the same floor cut into 1 to 64 pieces, and into slivers.",
         "Whether a seam changes any motion.", over_cuts,
         laws({(name, "floor"): (e, FRICTION) for name, e in (("box", 0.0), ("ball", RESTITUTION), ("cloth", 0.0))}),
-        frames=75, family="split_invariance",
+        frames=75,
         bounds=(
             *SOUND, Bound("course_error_max", 2e-6, "the closed forms know of no seams; the rest is the gap of laid bodies"),
             Bound("energy_gain_max", 1e-9, "a seam adds no energy"),
@@ -216,7 +216,6 @@ SCENARIOS = (
         "worn_floor", "Boxes slide over floors whose stones are a micrometre lower one after another.",
         # at 60 frames per second the end of the last slip is found to a fifth of a millimetre only
         "How far, and how straight.", over_steps, laws({("stone", "box"): (0.0, FRICTION)}), frames=120, dt=1.0 / 240,
-        family="worn_floor",
         bounds=(
             *SOUND, Bound("stop_distance_error_max", 0.01, "v^2 / (2 mu g) to a ten-thousandth; steps are a quarter of that"),
             Bound("stop_direction_error_max", 0.01, "no step is higher on one side than on the other"),

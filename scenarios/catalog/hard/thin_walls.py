@@ -114,7 +114,7 @@ def sliver_courses() -> Iterator[Course]:
 SCENARIOS = (
     undriven(
         "tunnelling", "A hundred and twenty balls fly at a thin wall with 2 to 1000 m/s.",
-        "How many are stopped, and when each meets the wall.", balls, laws({("ball", "wall"): (1.0, 0.0)}), family="tunnelling",
+        "How many are stopped, and when each meets the wall.", balls, laws({("ball", "wall"): (1.0, 0.0)}),
         gravity=NOWHERE, frames=20,
         bounds=(
             *SOUND, Bound("escaped_bodies", 0.0, "a wall stops what cannot pass it, at any speed"),
@@ -125,7 +125,7 @@ SCENARIOS = (
     undriven(
         "slivers", "Boxes as thin as a thousandth of their length fly at a sheet of a millimetre and at one another.",
         "When they meet and where they go; momentum and energy of those that collide off centre.", slivers,
-        one_law(1.0, 0.0, ("sheet", "box"), ("box", "box")), family="slivers", gravity=NOWHERE, frames=FRAMES,
+        one_law(1.0, 0.0, ("sheet", "box"), ("box", "box")), gravity=NOWHERE, frames=FRAMES,
         bounds=(
             *SOUND,
             Bound("course_error_max", OFF, "they come back; the thinnest may be hit at one end of its thin edge"),

@@ -100,7 +100,7 @@ SCENARIOS = (
     undriven(
         "two_spheres", "Twelve pairs of spheres meet head on: mass ratios 1 to 1e6, restitution 0, 0.5 and 1.",
         "Velocities after the impact, and momentum.", pairs, laws({(f"e_{e:g}", f"e_{e:g}"): (e, 0.5) for _, e in PAIRS}),
-        family="two_spheres", gravity=NOWHERE, frames=60,
+        gravity=NOWHERE, frames=60,
         bounds=(
             NO_OVERLAP, FINITE,
             Bound("velocity_error_max", 1e-9, "momentum and eq. 8 fix both velocities; nothing but rounding is left"),
@@ -121,7 +121,7 @@ SCENARIOS = (
     undriven(
         "superball", "Light balls on heavy ones fall on a plate, all impacts elastic.",
         "The speed at which the light ball is thrown back, nearly three times its own.",
-        towers, one_law(1.0, 0.0, ("plate", "ball"), ("ball", "ball")), family="superball", gravity=NOWHERE, frames=60,
+        towers, one_law(1.0, 0.0, ("plate", "ball"), ("ball", "ball")), gravity=NOWHERE, frames=60,
         bounds=(
             *SOUND, Bound("velocity_error_max", 1e-9, "two elastic impacts in a stated order; nothing but rounding is left"),
             Bound("energy_drift_max", 1e-12, "elastic impacts keep the energy"),

@@ -67,7 +67,7 @@ SCENARIOS = (
     *map(at_rate, RATES),
     undriven(
         "elastic_20s", "An elastic ball bounces for twenty seconds.", "Energy, and the time and apex of every bounce.",
-        over_floor(ELASTIC, 2.0, 2.0, 0.1, 1.0), laws({("ball", "floor"): (1.0, 0.0)}), family="elastic_20s",
+        over_floor(ELASTIC, 2.0, 2.0, 0.1, 1.0), laws({("ball", "floor"): (1.0, 0.0)}),
         frames=1200, short=300,
         bounds=(
             *SOUND, Bound("energy_drift_max", 1e-10, "nothing takes or gives energy; rounding of 44 impacts and 1200 frames"),
@@ -79,7 +79,7 @@ SCENARIOS = (
     undriven(
         "zeno", "Three balls bounce until they have done so infinitely often, and lie still.",
         "When they lie still, and that they do.", over_floor(TO_REST, 4.0, 2.0, 0.05, 0.2),
-        laws({(material(drop), "floor"): (drop.restitution, 0.3) for drop in TO_REST}), family="zeno", frames=90,
+        laws({(material(drop), "floor"): (drop.restitution, 0.3) for drop in TO_REST}), frames=90,
         bounds=(
             *SOUND, Bound("zeno_end_error_max", 1e-6, "the sum of all flights is finite and known; no engine may end it early"),
             IMPACTS, Bound("drift_max", 1e-9, "a ball that lies still stays where it is"),

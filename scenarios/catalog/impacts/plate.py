@@ -110,7 +110,7 @@ SCENARIOS = (
         "oblique_bounce", "Nine spheres hit a plate under three angles with three coefficients of friction.",
         "Velocity and spin after the impact: sticking where friction suffices, sliding where it does not.", spheres,
         laws({(f"rubber_{friction:g}", "plate"): (RESTITUTION, friction) for friction in FRICTIONS}), gravity=NOWHERE,
-        frames=60, family="oblique_bounce",
+        frames=60,
         bounds=(
             *SOUND,
             Bound("velocity_error_max", 1e-6, "eqs 7 to 10 fix it; the gap at which bodies meet, 2e-8 m, moves it by 4e-7 m/s"),
@@ -123,7 +123,7 @@ SCENARIOS = (
         "rod_impact",
         "Rods fall on one end and cubes on one corner, on a smooth plate, with eight coefficients of restitution.",
         "Velocity and spin after an impact that does not go through the centre of mass.", rods,
-        laws({(f"e_{e:g}", "plate"): (e, 0.0) for e in RESTITUTIONS}), gravity=NOWHERE, frames=42, family="rod_impact",
+        laws({(f"e_{e:g}", "plate"): (e, 0.0) for e in RESTITUTIONS}), gravity=NOWHERE, frames=42,
         bounds=(
             *SOUND, Bound("velocity_error_max", 1e-6, "eq. 9 with arms fixes the velocity; 1e-6 of the speed"),
             Bound("spin_error_max", 1e-5, "as the velocity, over an arm of a tenth of a metre"), NO_ENERGY,
@@ -134,7 +134,7 @@ SCENARIOS = (
     undriven(
         "tumbling_box", "Sixteen boxes tumble over the floor, with restitution 0 to 0.9 and friction 0 to 1.",
         "Energy of every box in every frame.", boxes, laws({(name, "floor"): law for name, law in BOXES.items()}),
-        frames=240, short=90, family="tumbling_box",
+        frames=240, short=90,
         bounds=(
             *SOUND, NO_ENERGY, Bound("travel_missing", 0.0, "all come down"),
             Bound("halted_frames", 0.0, "no box hangs in the air"),

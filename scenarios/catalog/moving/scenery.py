@@ -3,7 +3,7 @@
 By equation 6 with its stiffness a lift sags by m g / K under a box. A door that cannot go on stops, and its engine reports it.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Hinge, Hinges
-from avatarsim.scene.moving import Pose, moving
+from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
@@ -69,29 +69,20 @@ def door() -> Avatar:
     return moving("door", (LEAF,), "wood", joint=Hinges((Hinge((0.0, 0.0, 1.0), -2.0, 2.0),)))
 
 
-def moved(
-    name: str, title: str, judged: str, scene: Callable[[], Scene], poses: Callable[[float], Mapping[str, Pose]], frames: int,
-    short: int | None, bounds: tuple[Bound, ...], region: Region, expects: Mapping[str, object], family: str = "",
-) -> Scenario:
-    """A scene of bodies that move by themselves along `poses`."""
-    return Scenario(
-        name, title, judged, scene, given(poses), frames, short, bounds=(*SOUND, *bounds), regions=(region,), expects=expects,
-        family=family or name,
-    )
-
-
 def closing(name: str, title: str, walls: Iterable[Body] = ()) -> Scenario:
     """A door closes on a hand."""
     start = TrackerSample(0.0, np.array([NOWHERE, USER]), np.tile(rotation.IDENTITY, (2, 1)), np.zeros(1))
-    return moved(
+    return Scenario(
         name, title, "That nothing overlaps or shakes; how far the hand is from its user once the door is open.",
         lambda: Scene(name, (slab(4.0, 4.0, "wood"), *walls), (door(), driven("hand", Sphere(0.05), 0.5, "hand")),
                       laws({("wood", "hand"): (0.0, 0.3)}), start=start),
-        lambda time: {"door": door_angle(time)}, 330, None,
-        (NO_SHAKING, KEEPS_MOVING,
-         Bound("sag_error_max", 1e-6, "half a second after the door is open the hand is where its user is")),
-        Region(("hand",), (-0.1, -1.2, 0.2), (1.2, 0.0, 0.8), "the hand stays before the door and the wall"),
-        {"sags": (Sag("hand", 0.0, AFTER),)}, "closing_door",
+        given(lambda time: {"door": door_angle(time)}), 330, family="closing_door",
+        bounds=(
+            *SOUND, NO_SHAKING, KEEPS_MOVING,
+            Bound("sag_error_max", 1e-6, "half a second after the door is open the hand is where its user is"),
+        ),
+        regions=(Region(("hand",), (-0.1, -1.2, 0.2), (1.2, 0.0, 0.8), "the hand stays before the door and the wall"),),
+        expects={"sags": (Sag("hand", 0.0, AFTER),)},
     )
 
 
@@ -137,43 +128,48 @@ def turntable() -> Scene:
 
 
 SCENARIOS = (
-    moved(
+    Scenario(
         "conveyor", "A box is laid on a running belt.", "How far the box is from where friction and the belt bring it.",
-        conveyor, lambda time: {}, 240, 120,
-        (KEEPS_TIME, Bound("course_error_max", 5e-3, "a substep of slip more or less is 4 mm of way at this speed")),
-        Region(("box",), (-2.1, -0.1, 0.0), (2.5, 0.1, 0.2), "the box stays on the belt"),
-        {"courses": (Course("box", on_belt),)},
+        conveyor, given(lambda time: {}), 240, 120,
+        bounds=(
+            *SOUND, KEEPS_TIME, Bound("course_error_max", 5e-3, "a substep of slip more or less is 4 mm of way at this speed"),
+        ),
+        regions=(Region(("box",), (-2.1, -0.1, 0.0), (2.5, 0.1, 0.2), "the box stays on the belt"),),
+        expects={"courses": (Course("box", on_belt),)},
     ),
-    moved(
+    Scenario(
         "lift", "A lift brings up a box.",
         "That the box comes along and does not slip; how far the lift is below where it should be.", lift,
-        lambda time: {"lift": ((0.0, 0.0, LOW + RISE * eased(time, 0.3, 1.3)), rotation.IDENTITY)}, 300, 110,
-        (
-            KEEPS_MOVING, KEEPS_TIME,
+        given(lambda time: {"lift": ((0.0, 0.0, LOW + RISE * eased(time, 0.3, 1.3)), rotation.IDENTITY)}), 300, 110,
+        bounds=(
+            *SOUND, KEEPS_MOVING, KEEPS_TIME,
             Bound("height_missing", 2.0 * (9.81 * LOAD / STIFFNESS), "the box comes up with the lift, less its sag m g / K"),
             Bound("grip_slip_max", 1e-4, "a box on a lift stays where it is on it"),
         ),
-        Region(("box",), (-0.1, -0.1, 0.1), (0.1, 0.1, 0.8), "the box stays on the lift"),
-        {"carried": (Carried("box", ("lift",), 0.2),)},
+        regions=(Region(("box",), (-0.1, -0.1, 0.1), (0.1, 0.1, 0.8), "the box stays on the lift"),),
+        expects={"carried": (Carried("box", ("lift",), 0.2),)},
     ),
-    moved(
+    Scenario(
         "turntable", "A turntable turns with a box on it.", "How far the box drifts on the table.", turntable,
-        lambda time: {"table": (NOWHERE, about_z(table_angle(time)))}, 600, 240,
-        (KEEPS_MOVING, KEEPS_TIME,
-         Bound("grip_slip_max", 1e-4, "friction holds it five times over: a tenth of a millimetre is not seen")),
-        Region(("box",), (-0.5, -0.5, 0.0), (0.5, 0.5, 0.2), "the box stays on the table"),
-        {"carried": (Carried("box", ("table",), 0.1),)},
+        given(lambda time: {"table": (NOWHERE, about_z(table_angle(time)))}), 600, 240,
+        bounds=(
+            *SOUND, KEEPS_MOVING, KEEPS_TIME,
+            Bound("grip_slip_max", 1e-4, "friction holds it five times over: a tenth of a millimetre is not seen"),
+        ),
+        regions=(Region(("box",), (-0.5, -0.5, 0.0), (0.5, 0.5, 0.2), "the box stays on the table"),),
+        expects={"carried": (Carried("box", ("table",), 0.1),)},
     ),
     closing("closing_door", "A door closes on a hand."),
     closing("closing_door_wall", "A door closes on a hand before a wall.", (wall(),)),
-    moved(
+    Scenario(
         "door_and_boxes", "A door swings against boxes that cannot go away.",
-        "That the door stops and the boxes come to rest.", crowded, lambda time: {"door": -min(SWINGS * time, 1.5)}, 300, 180,
-        (
-            KEEPS_TIME, Bound("travel_missing", 0.0, "the door pushes the boxes together"),
+        "That the door stops and the boxes come to rest.", crowded, given(lambda time: {"door": -min(SWINGS * time, 1.5)}),
+        300, 180,
+        bounds=(
+            *SOUND, KEEPS_TIME, Bound("travel_missing", 0.0, "the door pushes the boxes together"),
             Bound("drift_max", 1e-4, "boxes between a door at rest and walls are at rest"),
         ),
-        Region(BOXES, (0.1, -0.6, 0.0), (0.97, 0.2, 0.4), "the boxes stay between door and walls"),
-        {"rests": (Rest(BOXES, 2.0),), "travel": {"box_3": 0.01}},
+        regions=(Region(BOXES, (0.1, -0.6, 0.0), (0.97, 0.2, 0.4), "the boxes stay between door and walls"),),
+        expects={"rests": (Rest(BOXES, 2.0),), "travel": {"box_3": 0.01}},
     ),
 )

@@ -78,7 +78,7 @@ def at_rate(rate: int) -> Scenario:
             Bound("course_error_max", 1e-6, "eq. 6 in closed form at any frame time; contact is a gap of 2e-8 m"),
             Bound("velocity_error_max", 1e-9, "eq. 9 with the hand's coupled mass; nothing but rounding is left"),
         ),
-        expects={"courses": tuple(courses(1.0 / rate))},
+        expects={"courses": tuple(courses(1.0 / rate))}, family="coupling_sweep",
     )
 
 

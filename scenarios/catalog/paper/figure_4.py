@@ -39,7 +39,7 @@ SCENARIOS = (
         "Overlap; that the way out is straight up, through none of the seams inside.",
         lambda: Scene("shallow_overlap", (fixture("table", two_boxes((0.6, 0.8, 0.1), 0.0), "wood"),), (rigid_hand(),),
                       start=hands_at(((-0.1, 0.0, 0.05),))),
-        dip, 60, family="shallow_overlap",
+        dip, 60,
         bounds=(*HAND, Bound("tracker_offset_rms", DIP, "the shortest way out is straight up, as long as the hand is deep")),
         regions=(above(0.0, "hand", reason="no part of the hand is that deep"),),
     ),
@@ -53,7 +53,7 @@ SCENARIOS = (
             (0.3, (0.0, 0.05, -DEEP)), (0.9, (0.0, 0.3, -DEEP)), (1.3, (0.06, 0.2, -DEEP)), (1.7, (-0.06, 0.1, -DEEP)),
             (2.1, (0.0, 0.0, -0.5 * DEEP)), (2.5, (0.0, 0.1, 0.2)),
         ), 150),
-        150, family="opposed_normals", bounds=HAND,
+        150, bounds=HAND,
         regions=(above(0.0, "hand", reason="the ball is wider than the slot: it cannot be between the plates"),),
     ),
 )

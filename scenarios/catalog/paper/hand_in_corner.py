@@ -93,6 +93,7 @@ def in_corner(
     return Scenario(
         name, f"{what} is pressed into the corner of two walls and slides along it.",
         "Overlap; the right side of both walls; no jump along the corner.", build, sliding(turned, tip), 600, 240,
+        family="hand_in_corner",
         # tighter than the promise of every avatar's root
         bounds=(*(bound for bound in promised if bound.metric != SMOOTH.metric), SMOOTH),
         regions=(

@@ -74,16 +74,15 @@ SCENARIOS = (
         "avatar_into_wall", "An avatar moves into a wall: the extended arm and a leg are pushed back.",
         "Overlap; the right side of the wall; limits; offset from the user; jumps.", pushes(back, forward, 600),
         lambda: (floor(), wall_ahead(FACE)), frames=600, short=300, region=before_wall(FACE, "human/*"),
-        family="avatar_into_wall",
     ),
     with_human(
         "parallel_link", "A user sidesteps into a wall, an arm hanging flat along it.",
         "Overlap; the right side of the wall; how far the avatar is from its user; jumps.", pushes(away, sidestep, 600),
-        wall_beside, frames=600, short=240, region=before_wall(BESIDE, "human/*", axis=1), family="parallel_link",
+        wall_beside, frames=600, short=240, region=before_wall(BESIDE, "human/*", axis=1),
     ),
     with_human(
         "chain_order", "Arms, a leg and the neck are in contact at once; the seed is the engine's alone.",
         "Overlap; the spread of what is shown over the order in which chains are treated.", crossed,
-        lambda: (floor(), wall_ahead(CLOSE)), frames=120, region=before_wall(CLOSE, "human/*"), family="chain_order",
+        lambda: (floor(), wall_ahead(CLOSE)), frames=120, region=before_wall(CLOSE, "human/*"),
     ),
 )

@@ -94,7 +94,7 @@ def again(
     """The gallery, and the humanoid in it."""
     return with_human(
         name, title, judged, pushes(ready, push, frames), gallery, at, frames=frames, short=600, region=inside("human/*"),
-        family=family or name,
+        family=family,
     )
 
 

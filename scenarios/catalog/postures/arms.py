@@ -115,11 +115,11 @@ SCENARIOS = (
     Scenario(
         "reach_cone_edges", "Two arms are led around and far outside their reach cones, one of them concave.",
         "Excess over the reach cones, exactly zero; limits of swing and twist; overlap of the arms.", in_cones, circling,
-        600, 240, bounds=(NO_OVERLAP, FINITE, WITHIN_LIMITS, *MOVES, WITHIN_CONES), family="reach_cone_edges",
+        600, 240, bounds=(NO_OVERLAP, FINITE, WITHIN_LIMITS, *MOVES, WITHIN_CONES),
     ),
     Scenario(
         "singular_chain", "A straight arm of three hinges is stretched at a wall along its own axis.",
         "Overlap; whether the arm finds a way to fold; jumps; that it is straight again once there is room.", chain,
-        keyed(folds(), 480), 480, 240, bounds=AVATAR, regions=(before(FACE + 0.5 * THICK, "arm/*"),), family="singular_chain",
+        keyed(folds(), 480), 480, 240, bounds=AVATAR, regions=(before(FACE + 0.5 * THICK, "arm/*"),),
     ),
 )

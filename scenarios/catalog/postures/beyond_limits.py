@@ -108,7 +108,7 @@ LIMITS = "Excess over the limits of hinges, swing and twist, exactly zero; overl
 SCENARIOS = (
     Scenario(
         "limit_torture", "Every joint is asked, without rest, for radians more than it can give.", LIMITS,
-        ball_joints, swinging, 1200, 240, bounds=BOUNDS, regions=(above_floor("human/*"),), family="limit_torture",
+        ball_joints, swinging, 1200, 240, bounds=BOUNDS, regions=(above_floor("human/*"),),
     ),
     Scenario(
         "limit_torture_hinges", "Each of 21 limited hinges is asked, without rest, for two radians more than it can give.",
@@ -119,6 +119,6 @@ SCENARIOS = (
         "teleport",
         "The tracker jumps every half second to another place and posture, into walls, furniture and the body itself.",
         "Overlap, the right side of every wall, limits. The avatar may go as far as its user leaps, but through nothing.",
-        jumping, gallery, (-2.5, -1.8), frames=600, short=240, bounds=BOUNDS, region=inside("human/*"), family="teleport",
+        jumping, gallery, (-2.5, -1.8), frames=600, short=240, bounds=BOUNDS, region=inside("human/*"),
     ),
 )

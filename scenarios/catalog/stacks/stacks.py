@@ -125,7 +125,7 @@ SCENARIOS = (
     undriven(
         "stack_struck", "A ball at 6 m/s strikes a stack of ten boxes, which comes down.",
         "Overlap, energy, and that nothing halts; the time of the worst frame.", struck_stack,
-        one_law(0.3, 0.4, ("floor", "box"), ("box", "box")), family="stack_struck", frames=600, short=60,
+        one_law(0.3, 0.4, ("floor", "box"), ("box", "box")), frames=600, short=60,
         bounds=(
             *SOUND, NO_ENERGY, NEVER_HALTS,
             Bound("travel_missing", 0.0, "the stack is struck: the box in the middle goes 0.3 m at least"),
@@ -134,14 +134,14 @@ SCENARIOS = (
     ),
     undriven(
         "brick_wall", "A ball breaks a wall of bricks.", "Overlap, time kept, energy; that ball and bricks go on.", wall,
-        one_law(0.1, 0.5, ("floor", "brick"), ("brick", "brick")), family="brick_wall", frames=480, short=75,
+        one_law(0.1, 0.5, ("floor", "brick"), ("brick", "brick")), frames=480, short=75,
         bounds=(*CROWD, GAINS_NOTHING, Bound("travel_missing", 0.0, "the ball comes to the wall and goes on into it")),
         regions=(above(0.0, "brick_*", "ball"),),
         expects={"travel": {"ball": DISTANCE - RADIUS - 0.5 * DEEP + 0.1}, "alone": ((*BRICKS, "ball"),)},
     ),
     undriven(
         "balls_216", "A lattice of 216 balls lands and topples.", "Overlap, energy, and the time of the worst frame.", lattice,
-        one_law(0.3, 0.3, ("floor", "ball"), ("ball", "ball")), family="balls_216", frames=600, short=45,
+        one_law(0.3, 0.3, ("floor", "ball"), ("ball", "ball")), frames=600, short=45,
         bounds=(*SOUND, NO_ENERGY, NEVER_HALTS, Bound("travel_missing", 0.0, "every ball comes down")),
         regions=(above(0.0, "ball_*"),), expects={"alone": (BALLS,), "travel": dict.fromkeys(BALLS, 0.5 * LOW)},
     ),
