@@ -26,7 +26,6 @@ class Known:
     def __init__(self, scenario: Scenario, scene: Scene) -> None:
         self.scenario, self.scene = scenario, scene
         self._free: tuple[bytes, Flags] | None = None
-        self._contact: tuple[bytes, Flags] | None = None
 
     @cached_property
     def judge(self) -> "Judge":
@@ -44,14 +43,7 @@ class Known:
 
     def contact(self, recording: Recording) -> Flags:
         """(F+1,) True where something holds the avatar back or could: the raw posture is not free, or a link as it is shown has a
-        gap of at most NEAR to what it may not overlap. From poses alone, so the same for all engines; asked once about the same
-        bits."""
-        digest = _digest(*raw_states(recording), recording.positions, recording.orientations, recording.raw_angles)
-        if self._contact is None or self._contact[0] != digest:
-            self._contact = digest, self._in_contact(recording)
-        return self._contact[1]
-
-    def _in_contact(self, recording: Recording) -> Flags:
+        gap of at most NEAR to what it may not overlap. From poses alone, so the same for all engines."""
         contact = ~self.free(recording)
         # where the target already answers, the judge need not be asked
         asked = ~contact

@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Sphere
+from avatarsim.scene.shape import reach
 from avatarsim.spatial import rotation
 from runfiles.record import EVENTS, Recording
 from scenarios.measure.timeline import timeline
@@ -16,24 +16,6 @@ Array = NDArray[np.float64]
 REACH = 0.05
 """Distance [m] between bounding balls within which a driven link may do work on a simulated body. Such frames explain any gain,
 so they are left out; wider would leave out more, narrower would blame an engine whose margin acts at a distance."""
-
-
-def bounding_radius(pieces: tuple[Piece, ...]) -> float:
-    """Radius [m] of a ball about the body's origin that holds all pieces."""
-    return max(float(np.linalg.norm(piece.position)) + _radius(piece) for piece in pieces)
-
-
-def _radius(piece: Piece) -> float:
-    shape = piece.shape
-    if isinstance(shape, Sphere):
-        return shape.radius
-    if isinstance(shape, Capsule):
-        return shape.radius + 0.5 * shape.length
-    if isinstance(shape, Box):
-        return 0.5 * float(np.linalg.norm(shape.size))
-    if isinstance(shape, Ellipsoid):
-        return max(shape.radii)
-    return float(np.linalg.norm(shape.vertices, axis=1).max())
 
 
 def kinetic(mass: Array, inertia: Array, orientations: Array, velocities: Array, spins: Array) -> Array:
@@ -58,8 +40,8 @@ def undriven(recording: Recording, scene: Scene, bodies: list[int]) -> NDArray[n
     links = recording.positions[:, recording.links]
     if links.shape[1] == 0:
         return np.ones(recording.frames, dtype=bool)
-    own = np.array([bounding_radius(scene.bodies[k].pieces) for k in bodies])
-    theirs = np.array([bounding_radius(link.pieces) if link.pieces else 0.0 for link in scene.links])
+    own = np.array([max(map(reach, scene.bodies[k].pieces)) for k in bodies])
+    theirs = np.array([max(map(reach, link.pieces), default=0.0) for link in scene.links])
     apart = np.linalg.norm(links[:, :, None] - recording.positions[:, None, bodies], axis=-1)
     away = (apart > own[None, None] + theirs[None, :, None] + REACH).all(axis=(1, 2))
     return np.asarray(away[:-1] & away[1:])
