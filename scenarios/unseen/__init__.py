@@ -20,8 +20,7 @@ NAME = __name__
 
 @cache
 def _found() -> MappingProxyType[str, Scenario]:
-    found = [room.scenario() for room in ROOMS]
-    return MappingProxyType({scenario.name: scenario for scenario in (*found, at_rate(found[-1]))})
+    return MappingProxyType({scenario.name: scenario for scenario in (*ROOMS, at_rate(ROOMS[-1]))})
 
 
 def scenarios() -> dict[str, Scenario]:

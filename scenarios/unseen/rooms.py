@@ -1,7 +1,6 @@
 """The five rooms of the unseen motions; the motion is placed in each by its seed."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,8 +9,6 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box
 from runfiles.naming import UNSEEN_PREFIX
 from scenarios.building import gallery, stage
-from scenarios.building.avatars.humanoid import humanoid
-from scenarios.building.avatars.standing import standing
 from scenarios.building.cases import fixture
 from scenarios.building.promises import SOUND, WITHIN_CONES, WITHIN_LIMITS
 from scenarios.scenario import Motion, Region, Scenario
@@ -63,49 +60,35 @@ def door() -> tuple[Body, ...]:
     )
 
 
-@dataclass(frozen=True)
-class Room:
-    """A room called `name` of `bodies`, where the avatar starts (x, y [m], heading [rad]) and where links may be.
+def room(
+    name: str, what: str, bodies: Callable[[], tuple[Body, ...]], start: tuple[float, float, float], low: Corner, high: Corner,
+    allowed: Region,
+) -> Scenario:
+    """Return a room of `bodies`, where the avatar starts at x, y [m] and a heading [rad], and whose links stay in `allowed`.
 
     The user's ways end in the rectangle from `low` to `high` [m], which may go beyond the avatar's reach.
     """
 
-    name: str
-    what: str
-    bodies: Callable[[], tuple[Body, ...]]
-    start: tuple[float, float, float]
-    low: Corner
-    high: Corner
-    allowed: Region
-
-    def build(self) -> Scene:
-        """The room with the humanoid in it, standing free."""
-        human = humanoid()
-        return Scene(f"{UNSEEN_PREFIX}{self.name}", self.bodies(), (human,), start=standing(human, *self.start))
-
-    def motion(self, scene: Scene, seed: int) -> Motion:
-        """The motion of one seed, placed in this room."""
+    def motion(scene: Scene, seed: int) -> Motion:
         # with the room's name, so that one seed is another motion in each room
-        random = np.random.default_rng([seed, *self.name.encode()])
-        return drawn_motion(scene.avatars[0], scene.first_sample, self.start[2], self.low, self.high, FRAMES, random).motion()
+        random = np.random.default_rng([seed, *name.encode()])
+        return drawn_motion(scene.avatars[0], scene.first_sample, start[2], low, high, FRAMES, random).motion()
 
-    def scenario(self) -> Scenario:
-        """The scene with the bounds of the promises."""
-        return Scenario(
-            name=f"{UNSEEN_PREFIX}{self.name}",
-            title=f"Motions that nothing was tuned for, {self.what}: clips recombined, mirrored, time-warped, layered.",
-            judged="Overlap, limits and the right side, as promised; without a bound, how it looks: chatter, reversals, dashes.",
-            build=self.build, motion=self.motion, frames=FRAMES, bounds=PROMISES, regions=(self.allowed,),
-            metrics=("chatter_frames", "reversal_p95", "own_acceleration_rms", "dash_frames", "silent_offset_frames"),
-        )
+    return stage.with_human(
+        f"{UNSEEN_PREFIX}{name}",
+        f"Motions that nothing was tuned for, {what}: clips recombined, mirrored, time-warped, layered.",
+        "Overlap, limits and the right side, as promised; without a bound, how it looks: chatter, reversals, dashes.",
+        motion, bodies, start, frames=FRAMES, bounds=PROMISES, region=allowed,
+        metrics=("chatter_frames", "reversal_p95", "own_acceleration_rms", "dash_frames", "silent_offset_frames"),
+    )
 
 
 LINKS = "human/*"
 ABOVE = stage.above_floor(LINKS)
 ROOMS = (
-    Room("floor", "on a floor", lambda: (stage.floor(),), (0.0, 0.0, 0.0), (-2.0, -2.0), (2.0, 2.0), ABOVE),
-    Room("wall", "before an endless wall", wall, (0.0, 0.0, 0.0), (-0.8, -1.5), (0.95, 1.5), stage.before_wall(FACE, LINKS)),
-    Room("gallery", "in the gallery", gallery.gallery, (1.0, -0.8, 0.0), (-4.4, -2.4), (4.4, 2.4), gallery.inside(LINKS)),
-    Room("corridor", "in a narrow, low corridor", corridor, (0.0, 0.0, 0.0), (-0.3, -0.15), (3.5, 0.15), ABOVE),
-    Room("door", "between two rooms with a door", door, (0.0, 0.0, 0.0), (-1.0, -1.2), (3.4, 1.2), ABOVE),
+    room("floor", "on a floor", lambda: (stage.floor(),), (0.0, 0.0, 0.0), (-2.0, -2.0), (2.0, 2.0), ABOVE),
+    room("wall", "before an endless wall", wall, (0.0, 0.0, 0.0), (-0.8, -1.5), (0.95, 1.5), stage.before_wall(FACE, LINKS)),
+    room("gallery", "in the gallery", gallery.gallery, (1.0, -0.8, 0.0), (-4.4, -2.4), (4.4, 2.4), gallery.inside(LINKS)),
+    room("corridor", "in a narrow, low corridor", corridor, (0.0, 0.0, 0.0), (-0.3, -0.15), (3.5, 0.15), ABOVE),
+    room("door", "between two rooms with a door", door, (0.0, 0.0, 0.0), (-1.0, -1.2), (3.4, 1.2), ABOVE),
 )

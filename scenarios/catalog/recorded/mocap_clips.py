@@ -4,18 +4,15 @@ At 60 Hz, after half a second in which the user walks from a free posture into t
 are not the user's: tests/scenarios/raw_overlap.py lists how deep each raw motion is inside them.
 """
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from avatarsim.scene.body import Body
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box
-from scenarios.building.avatars.humanoid import humanoid
-from scenarios.building.avatars.standing import standing
 from scenarios.building.cases import fixture
 from scenarios.building.gallery import gallery, inside
-from scenarios.building.promises import AVATAR
 from scenarios.building.stage import above_floor, before_wall, floor, wall_ahead, with_human
 from scenarios.motion.mocap import load_clip, placed, retimed, upper_body_of
 from scenarios.motion.resampled import at_rate
@@ -26,8 +23,7 @@ NEAR = 2.0
 """Distance [m] from where a clip begins beyond which exhibits of many pieces are left out: none is ever met there."""
 
 
-@dataclass(frozen=True)
-class Played:
+class Played(NamedTuple):
     """A clip of `postures` at 60 Hz that begins at (x, y) [m] and faces `heading` [degrees] from the x axis."""
 
     clip: str
@@ -36,35 +32,6 @@ class Played:
     y: float
     heading: float
     what: str
-
-    @property
-    def name(self) -> str:
-        """Name of the scene."""
-        return f"mocap_{self.clip}"
-
-    def build(self) -> Scene:
-        """The gallery without far exhibits, the humanoid standing where the clip begins."""
-        human = humanoid()
-        start = standing(human, self.x, self.y, float(np.radians(self.heading)))
-        return Scene(self.name, tuple(body for body in gallery() if self.counts(body)), (human,), start=start)
-
-    def counts(self, body: Body) -> bool:
-        """True for walls, floor and all bodies of one piece, and for others that are near."""
-        away = np.hypot(body.position[0] - self.x, body.position[1] - self.y)
-        return len(body.pieces) == 1 or bool(away < NEAR)
-
-    def motion(self, scene: Scene, seed: int) -> Motion:
-        """Half a second into the clip's first posture, then the clip."""
-        clip = placed(retimed(load_clip(self.clip)), self.x, self.y, float(np.radians(self.heading)))
-        return track_of(clip, scene.avatars[0]).led_in(scene.first_sample).motion()
-
-    def scenario(self) -> Scenario:
-        """The scene with its bounds."""
-        return Scenario(
-            self.name, f"Recorded motion in the gallery, as recorded: {self.what}.",
-            "Overlap with floor, furniture and itself; limits; offset from the user; jumps.", self.build, self.motion,
-            LEAD_IN + self.postures, bounds=AVATAR, regions=(inside("human/*"),), family="mocap",
-        )
 
 
 PLAYED = (
@@ -95,6 +62,26 @@ HUG = 170.0 / 60.0
 """Time in the clip "spin" at which the upper body starts [s]: the arms close round the hips and open again within the walk."""
 
 
+def in_gallery(played: Played) -> Scenario:
+    """Return the scene of a clip in the gallery without far exhibits."""
+    at = played.x, played.y, float(np.radians(played.heading))
+
+    def counts(body: Body) -> bool:
+        """True for walls, floor and all bodies of one piece, and for others that are near."""
+        away = np.hypot(body.position[0] - played.x, body.position[1] - played.y)
+        return len(body.pieces) == 1 or bool(away < NEAR)
+
+    def motion(scene: Scene, seed: int) -> Motion:
+        track = track_of(placed(retimed(load_clip(played.clip)), *at), scene.avatars[0])
+        return track.led_in(scene.first_sample).motion()
+
+    return with_human(
+        f"mocap_{played.clip}", f"Recorded motion in the gallery, as recorded: {played.what}.",
+        "Overlap with floor, furniture and itself; limits; offset from the user; jumps.", motion,
+        lambda: tuple(filter(counts, gallery())), at, frames=LEAD_IN + played.postures, region=inside("human/*"), family="mocap",
+    )
+
+
 def low_table() -> Body:
     """A table without legs, which head and hands of the clip pass."""
     return fixture("low_table", Box((0.6, 1.2, 0.05)), "wood", (0.4 + 0.5 * 0.6, 0.0, 0.3 - 0.5 * 0.05))
@@ -119,7 +106,7 @@ PUNCH = with_human(
 )
 
 SCENARIOS = (
-    *(played.scenario() for played in PLAYED), PUNCH, at_rate(PUNCH),
+    *map(in_gallery, PLAYED), PUNCH, at_rate(PUNCH),
     with_human(
         "mocap_getup_floor", "A recorded getting up from face down, played backwards and forwards beside a low table.",
         "Overlap with floor, table and itself; nothing below the floor; limits; offset from the user; jumps.",
