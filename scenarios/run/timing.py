@@ -53,11 +53,22 @@ class Clocked:
     note: str = ""
 
 
-class TimedJob:
-    """Repeats of one job so far, from frame `first` on."""
+class Round(NamedTuple):
+    """So many repeats of so many frames from frame `first` on."""
 
-    def __init__(self, job: Job, worker: TimedWorker, first: int = 0) -> None:
-        self.job, self.worker, self.first = job, worker, first
+    repeats: int
+    first: int
+    frames: int
+
+
+WHOLE = Round(REPEATS, 0, MOST_FRAMES)
+
+
+class TimedJob:
+    """Repeats of one job so far, as its `round` plans them."""
+
+    def __init__(self, job: Job, worker: TimedWorker, plan: Round = WHOLE) -> None:
+        self.job, self.worker, self.round = job, worker, plan
         self.note, self.warmup, self.warm_frames, self.spent = "", nan, 0, 0.0
         self.repeats: list[Repeat] = []
 
@@ -95,47 +106,41 @@ class TimedJob:
         zeros = [0] * around.shape[1]
         stages = {name: np.array([repeat[1].get(name, zeros) for repeat in self.repeats], dtype=np.int64) for name in names}
         hashes = tuple(repeat[2] for repeat in self.repeats)
-        timed = Timed(around, stages, self.warmup, hashes, self.warm_frames, self.first)
+        timed = Timed(around, stages, self.warmup, hashes, self.warm_frames, self.round.first)
         return Clocked(self.job, timed, self.note or timed.protocol.said)
 
 
-def load(table: Sequence[TimedJob], counts: Sequence[int], warm: bool = False) -> list[TimedJob]:
-    """Load jobs side by side, each with frames from its first on, from the scene's to get `warm`; return those ready."""
-    waiting = [(each, count) for each, count in zip(table, counts, strict=True) if not each.note]
-    for each, count in waiting:
-        each.worker.prepare(each.job, count, 0 if warm else each.first)
-    for each, _ in waiting:
+def load(table: Sequence[TimedJob], warm: bool = False) -> list[TimedJob]:
+    """Load jobs side by side, each with its own frames, or with the scene's first to get `warm`; return those ready."""
+    waiting = [each for each in table if not each.note]
+    for each in waiting:
+        each.worker.prepare(each.job, *((WARM_FRAMES, 0) if warm else (each.round.frames, each.round.first)))
+    for each in waiting:
         each.answer()
-    return [each for each, _ in waiting if not each.note]
+    return [each for each in waiting if not each.note]
 
 
 def timed_pass(
-    jobs: Sequence[Job], full: bool, frames: Sequence[int] | None = None, workers: Sequence[TimedWorker] = (),
-    repeats: int | Sequence[int] = REPEATS, meter: Meter | None = None, firsts: Sequence[int] | None = None,
+    jobs: Sequence[Job], full: bool, plan: Sequence[Round] = (), workers: Sequence[TimedWorker] = (), meter: Meter | None = None,
 ) -> list[Clocked]:
     """Time all jobs of one scene. They warm up side by side, each on a load that is thrown away; then they take turns, one at a
     time, each repeat on a load of its own.
 
     Args:
         full: repeat slow engines as often as others.
-        frames, repeats, firsts: timed frames of each job (MOST_FRAMES), and how often, from which frame of the scene on.
+        plan: of each job, WHOLE without.
         workers: process of each job, which stays; fresh ones without.
     """
-    counts = [MOST_FRAMES] * len(jobs) if frames is None else frames
-    often = [repeats] * len(jobs) if isinstance(repeats, int) else repeats
-    begins = [0] * len(jobs) if firsts is None else firsts
     meter, table = meter or Meter(), list[TimedJob]()
     try:
         for k, job in enumerate(jobs):
-            table.append(TimedJob(job, workers[k] if workers else TimedWorker(), begins[k]))
-        for each in load(table, [WARM_FRAMES] * len(table), warm=True):
+            table.append(TimedJob(job, workers[k] if workers else TimedWorker(), plan[k] if plan else WHOLE))
+        for each in load(table, warm=True):
             each.worker.start()
         for each in table:
             each.warmed(fresh=not workers)
-        for turn in range(max(often, default=0)):
-            plan = zip(table, counts, often, strict=True)
-            again = [(each, count) for each, count, most in plan if turn < most and (full or each.spent < ENGINE_TIME)]
-            for each in load([each for each, _ in again], [count for _, count in again]):
+        for turn in range(max((each.round.repeats for each in table), default=0)):
+            for each in load([one for one in table if turn < one.round.repeats and (full or one.spent < ENGINE_TIME)]):
                 each.turn(meter)
     except BaseException:
         for each in table if not workers else ():
@@ -144,14 +149,6 @@ def timed_pass(
     for each in table if not workers else ():
         each.worker.close()
     return [each.clocked() for each in table]
-
-
-class Round(NamedTuple):
-    """So many repeats of so many frames from frame `first` on."""
-
-    repeats: int
-    first: int
-    frames: int
 
 
 def quick_timing(
@@ -168,15 +165,12 @@ def quick_timing(
     """
     gated = [(job.engine, job.preset) == GATED for job in jobs]
     if at_length:
-        plan = [Round(REPEATS, 0, MOST_FRAMES)] * len(jobs)
+        plan = [WHOLE] * len(jobs)
     elif swept:
         plan = [Round(REPEATS if promised else swept, 0, MOST_FRAMES) for promised in gated]
     else:
         plan = rounds(costs, length, meets, gated, depths)
-    return timed_pass(
-        jobs, True, frames=[each.frames for each in plan], repeats=[each.repeats for each in plan],
-        workers=[workers.at(job.run) for job in jobs], meter=meter, firsts=[each.first for each in plan],
-    )
+    return timed_pass(jobs, True, plan, [workers.at(job.run) for job in jobs], meter)
 
 
 def rounds(

@@ -78,7 +78,7 @@ def timed_in_turn(jobs: Sequence[Job], workers: TimedWorkers) -> list[Clocked]:
             if k == len(table):
                 table.append(TimedJob(job, worker))
             table[k].worker = worker
-            for ready in load([table[k]], [MOST_FRAMES]):
+            for ready in load([table[k]]):
                 ready.turn(meter)
     return [each.clocked() for each in table]
 

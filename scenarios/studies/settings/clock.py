@@ -7,7 +7,7 @@ import numpy as np
 
 from runfiles.timing_protocol import PHASE_FRAMES, Protocol
 from scenarios.run.timed_worker import TimedWorkers
-from scenarios.run.timing import Clocked, timed_pass
+from scenarios.run.timing import Clocked, Round, timed_pass
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings.cell import Cell
 
@@ -45,10 +45,8 @@ def times(
         # the first of an engine at a table has one process at all tables, the second another: starting takes longer than timing
         engines = [cell.setting.engine for cell in group]
         chairs = [f"{engine} {engines[:k].count(engine)}" for k, engine in enumerate(engines)]
-        clocked = timed_pass(
-            [cell.job for cell in group], True, frames=[cell.timed_frames for cell in group],
-            workers=[workers.at(chair) for chair in chairs], repeats=[often[cell] for cell in group],
-        )
+        plan = [Round(often[cell], 0, cell.timed_frames) for cell in group]
+        clocked = timed_pass([cell.job for cell in group], True, plan, [workers.at(chair) for chair in chairs])
         for cell, found in zip(group, clocked, strict=True):
             done(cell, time_entry(found, cell.setting.cut, errors.get(cell, {}).get("resting", ())))
 

@@ -23,6 +23,7 @@ from scenarios.run.timing import (
     MOST_FRAMES,
     ROUND_TIME,
     Clocked,
+    Round,
     compared,
     quick_timing,
     rounds,
@@ -80,7 +81,7 @@ def test_every_frame_of_every_repeat_is_timed_and_an_engine_without_times_has_a_
 
 def test_each_job_has_its_own_number_of_repeats_and_frames() -> None:
     meter, jobs = Meter(), [Job("ball_drop", "tracker", "default", seed=seed) for seed in (0, 1)]
-    found = timed_pass(jobs, True, frames=[5, 12], repeats=[3, 1], meter=meter)
+    found = timed_pass(jobs, True, [Round(3, 0, 5), Round(1, 0, 12)], meter=meter)
     assert [one.timed.around_ns.shape for one in found if one.timed] == [(3, 5), (1, 12)] and meter.seconds > 0.0
     facts = timing_facts(meter)
     named = {"warm_frames", "tail_frames", "mhz", "load_after", "busy_elsewhere", "reading_ns"}
@@ -98,8 +99,8 @@ def test_engines_are_compared_by_the_repeats_and_frames_that_all_had() -> None:
 
 def test_frames_before_the_window_run_and_are_not_timed() -> None:
     late, early = (Job("hand_over_table", "avatarsim", preset, frames=40) for preset in ("default", "paper"))
-    found = compared(timed_pass([late, early], True, frames=[10, 25], firsts=[30, 15]))
-    whole = timed_pass([late], True, frames=[40])[0].timed
+    found = compared(timed_pass([late, early], True, [Round(REPEATS, 30, 10), Round(REPEATS, 15, 25)]))
+    whole = timed_pass([late], True, [Round(REPEATS, 0, 40)])[0].timed
     for one in found:
         assert one.timed is not None and one.timed.shared == Shared(REPEATS, 30, 10) and one.timed.compared_us.shape == (10,)
     # it ends in the bits of a run that was timed from its start

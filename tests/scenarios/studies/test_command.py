@@ -1,10 +1,6 @@
 """The command `study`: finished runs are not repeated, bad input is refused at the door."""
 
 import csv
-import os
-import signal
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +11,7 @@ from scenarios.cli import study as command
 from scenarios.job import Job
 from scenarios.measure.timing import Timed
 from scenarios.run.gate import NOTHING, STOPPED, USAGE
-from scenarios.run.timing import Clocked
+from scenarios.run.timing import Clocked, Round
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import clock, measure
 
@@ -39,9 +35,9 @@ class Counted:
         values = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0}
         return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": values, "missing": {}}
 
-    def clock(self, jobs: list[Job], full: bool, frames: list[int], workers: list[object], repeats: list[int]) -> list[Clocked]:
+    def clock(self, jobs: list[Job], full: bool, plan: list[Round], workers: list[object]) -> list[Clocked]:
         self.timed += [job.preset for job in jobs]
-        shapes = zip(repeats, frames, strict=True)
+        shapes = [(each.repeats, each.frames) for each in plan]
         return [Clocked(job, Timed(np.full(shape, 5000, dtype=np.int64))) for job, shape in zip(jobs, shapes, strict=True)]
 
 
@@ -80,22 +76,6 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, counted: Cou
     before = list(counted.asked)
     assert main([*ASKED, "--out", str(tmp_path)]) == 0
     assert not set(counted.asked[4:]) & set(before) and {row["status"] for row in rows(tmp_path)} == {"info"}
-
-
-def test_a_run_that_is_killed_loses_nothing_it_had_finished(tmp_path: Path, counted: Counted) -> None:
-    script = (
-        "import os, signal, sys\nfrom scenarios.__main__ import main\nfrom scenarios.studies.settings import measure\n"
-        "asked = []\n"
-        "def errors(job):\n    asked.append(job)\n    if len(asked) == 4:\n        os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return {'run': job.run, 'state': 'measured', 'note': '', 'frames': 3, 'missing': {},\n"
-        "            'values': {'residual_overlap_max': 0.5}}\n"
-        "measure.errors = errors\nmain(sys.argv[1:])\n"
-    )
-    words = [sys.executable, "-c", script, *ASKED, "--out", str(tmp_path)]
-    assert subprocess.run(words, capture_output=True, env=os.environ.copy()).returncode == -signal.SIGKILL
-    assert main([*ASKED, "--out", str(tmp_path)]) == 0
-    kept = [row for row in rows(tmp_path) if row["metric"] == "residual_overlap_max" and row["value"] == "0.5"]
-    assert len(kept) == 3 and len(counted.asked) == len({row["options"] for row in rows(tmp_path)}) - 3
 
 
 @pytest.mark.parametrize(("words", "code"), [

@@ -13,7 +13,7 @@ from scenarios import catalog
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Timed
 from scenarios.run import sweep_scenes as phenomena
-from scenarios.run.timing import Clocked
+from scenarios.run.timing import Clocked, Round
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import ask, clock, measure, plan
 from scenarios.studies.settings.cell import Cell
@@ -56,12 +56,10 @@ class Fakes:
         self.asked.append(f"{job.scenario} {job.preset}")
         return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": VALUES, "missing": {}}
 
-    def clock(
-        self, jobs: Sequence[Job], full: bool, frames: Sequence[int], workers: object, repeats: Sequence[int],
-    ) -> list[Clocked]:
+    def clock(self, jobs: Sequence[Job], full: bool, plan: Sequence[Round], workers: object) -> list[Clocked]:
         self.timed += [f"{job.scenario} {job.preset}" for job in jobs]
         self.time += self.each * len(jobs)
-        timed = [Timed(np.full(shape, 5000, dtype=np.int64)) for shape in zip(repeats, frames, strict=True)]
+        timed = [Timed(np.full((each.repeats, each.frames), 5000, dtype=np.int64)) for each in plan]
         return [
             Clocked(job, None if job.preset == self.dead else found, "it died" if job.preset == self.dead else "")
             for job, found in zip(jobs, timed, strict=True)
