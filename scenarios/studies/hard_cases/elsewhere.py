@@ -4,7 +4,9 @@ Lengths, speeds and gravity grow with `scale`, times and masses stay: what happe
 recording that was brought back.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +21,6 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sh
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
-from scenarios.scenario import Motion
 
 Array = NDArray[np.float64]
 
@@ -117,33 +118,19 @@ class Elsewhere:
             avatars=tuple(self.avatar(avatar) for avatar in scene.avatars), start=start,
         )
 
-    def motion(self, motion: Motion, avatars: tuple[Avatar, ...]) -> Motion:
-        """The motion there."""
-        return motion if self.here else lambda frame: self.sample(motion(frame), avatars)
-
     def back(self, recording: Recording) -> Recording:
         """What was recorded there, as if it had been recorded here."""
         if self.here:
             return recording
         home, origin = np.array(rotation.conjugate(np.array(self.turn))), np.array(self.origin)
-
-        def place(there: Array) -> Array:
-            return np.asarray(rotation.rotate(home, there - origin) / self.scale)
-
-        def along(there: Array) -> Array:
-            return np.asarray(rotation.rotate(home, there) / self.scale)
-
-        def turned(there: Array) -> Array:
-            return np.asarray(rotation.multiply(home, there))
-
-        def spin(there: Array) -> Array:
-            return np.asarray(rotation.rotate(home, there))
-
-        return replace(
-            recording, positions=place(recording.positions), orientations=turned(recording.orientations),
-            velocities=along(recording.velocities), angular_velocities=spin(recording.angular_velocities),
-            raw_positions=place(recording.raw_positions), raw_orientations=turned(recording.raw_orientations),
-            inside_positions=place(recording.inside_positions), inside_orientations=turned(recording.inside_orientations),
-            inside_velocities=along(recording.inside_velocities),
-            inside_angular_velocities=spin(recording.inside_angular_velocities),
-        )
+        ways: Mapping[str, Callable[[Array], Array]] = {
+            "positions": lambda there: rotation.rotate(home, there - origin) / self.scale,
+            "orientations": lambda there: rotation.multiply(home, there),
+            "velocities": lambda there: rotation.rotate(home, there) / self.scale,
+            "angular_velocities": lambda there: rotation.rotate(home, there),
+        }
+        found: dict[str, Any] = {}
+        for name, way in ways.items():
+            fields = (field for field in (name, f"inside_{name}", f"raw_{name}") if hasattr(recording, field))
+            found |= {field: np.asarray(way(getattr(recording, field))) for field in fields}
+        return replace(recording, **found)
