@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,8 @@ SLOWEST = "frame_time_max"
 """Slowest of all frames that were timed."""
 
 
-@dataclass(frozen=True)
-class Shared:
-    """What every engine of a scene was timed over: so many repeats, and so many frames from frame `first` of the scene on."""
+class Round(NamedTuple):
+    """So many repeats of so many frames from frame `first` of the scene on."""
 
     repeats: int
     first: int
@@ -49,7 +49,7 @@ class Timed:
     hashes: tuple[str, ...] = ()
     warm_frames: int = 0
     first: int = 0
-    shared: Shared | None = None
+    shared: Round | None = None
 
     @property
     def protocol(self) -> Protocol:

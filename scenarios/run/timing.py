@@ -8,14 +8,13 @@ so that an engine that carries anything from scene to scene is found.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import nan
-from typing import NamedTuple
 
 import numpy as np
 
 from runfiles.naming import GATED
 from runfiles.timing_protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES, WARM_FRAMES
 from scenarios.job import Job
-from scenarios.measure.timing import Shared, Timed
+from scenarios.measure.timing import Round, Timed
 from scenarios.run.machine import Meter, clock, load_average, reading_ns
 from scenarios.run.timed_worker import Repeat, TimedWorker, TimedWorkers
 
@@ -51,14 +50,6 @@ class Clocked:
     job: Job
     timed: Timed | None
     note: str = ""
-
-
-class Round(NamedTuple):
-    """So many repeats of so many frames from frame `first` on."""
-
-    repeats: int
-    first: int
-    frames: int
 
 
 WHOLE = Round(REPEATS, 0, MOST_FRAMES)
@@ -226,5 +217,5 @@ def compared(found: Sequence[Clocked]) -> list[Clocked]:
         return list(found)
     repeats = min(timed.around_ns.shape[0] for timed in every)
     first, last = max(timed.first for timed in every), min(timed.first + timed.around_ns.shape[1] for timed in every)
-    shared = Shared(repeats, first, max(0, last - first))
+    shared = Round(repeats, first, max(0, last - first))
     return [each if each.timed is None else replace(each, timed=replace(each.timed, shared=shared)) for each in found]

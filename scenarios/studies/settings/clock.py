@@ -6,8 +6,9 @@ from types import MappingProxyType
 import numpy as np
 
 from runfiles.timing_protocol import PHASE_FRAMES, Protocol
+from scenarios.measure.timing import Round
 from scenarios.run.timed_worker import TimedWorkers
-from scenarios.run.timing import Clocked, Round, timed_pass
+from scenarios.run.timing import Clocked, timed_pass
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings.cell import Cell
 

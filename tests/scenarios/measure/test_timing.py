@@ -7,7 +7,7 @@ import pytest
 
 from runfiles.timing_protocol import PHASE_FRAMES, REPEATS, TAIL_FRAMES
 from scenarios.measure.frames import work
-from scenarios.measure.timing import TAIL, Shared, Timed, frame_times, time_notes
+from scenarios.measure.timing import TAIL, Round, Timed, frame_times, time_notes
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import fist_scene, resting
 
@@ -90,7 +90,7 @@ def test_engines_are_compared_by_what_all_had_and_the_tail_is_of_all_that_one_ha
     around = np.full((REPEATS, TAIL_FRAMES), 9000, dtype=np.int64)
     around[0, :50], around[1, :50], around[0, 7] = 3000, 1000, 50_000
     around[:, -1] = 70_000
-    timed = Timed(around, warm_frames=30, shared=Shared(1, 0, 50))
+    timed = Timed(around, warm_frames=30, shared=Round(1, 0, 50))
     found = frame_times(timed)
     # one repeat of 50 frames: the second repeat, faster there, is not counted, which the others did not have
     assert found["frame_time_p50"] == found["frame_time_python_p50"] == found["frame_time_raw_p50"] == 3.0
@@ -130,7 +130,7 @@ def test_no_tail_is_given_below_a_95th_percentile_over_fewer_frames() -> None:
     """What is compared are the first 50 frames, and those are the dear ones."""
     around = np.full((REPEATS, 5 * TAIL_FRAMES), 1000, dtype=np.int64)
     around[:, :5] = 40_000
-    found = frame_times(Timed(around, shared=Shared(REPEATS, 0, 50)))
+    found = frame_times(Timed(around, shared=Round(REPEATS, 0, 50)))
     assert found["frame_time_p95"] == pytest.approx(40.0, rel=0.5) and found["frame_time_max"] == 40.0
     tail = found["frame_time_p99"]
     assert isinstance(tail, Missing) and "3 x 50 frames" in tail.reason and isinstance(found["frame_time_raw_p99"], Missing)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from runfiles.timing_protocol import REPEATS, TAIL_FRAMES, WARM_FRAMES
 from scenarios.catalog import get
 from scenarios.job import Job
-from scenarios.measure.timing import Shared, Timed
+from scenarios.measure.timing import Round, Timed
 from scenarios.run.machine import Meter
 from scenarios.run.timed_worker import LoadedFrames, TimedWorker, TimedWorkers
 from scenarios.run.timing import (
@@ -23,7 +23,6 @@ from scenarios.run.timing import (
     MOST_FRAMES,
     ROUND_TIME,
     Clocked,
-    Round,
     compared,
     quick_timing,
     rounds,
@@ -93,7 +92,7 @@ def test_engines_are_compared_by_the_repeats_and_frames_that_all_had() -> None:
     found = [Clocked(Job("zeno", "tracker", "default"), Timed(np.ones(shape, dtype=np.int64))) for shape in shapes]
     none = Clocked(Job("zeno", "tracker", "default"), None, "it died")
     same = compared([*found, none])
-    assert [one.timed.shared for one in same if one.timed] == [Shared(1, 0, 46)] * 3 and same[-1] is none
+    assert [one.timed.shared for one in same if one.timed] == [Round(1, 0, 46)] * 3 and same[-1] is none
     assert compared([none]) == [none]
 
 
@@ -102,7 +101,7 @@ def test_frames_before_the_window_run_and_are_not_timed() -> None:
     found = compared(timed_pass([late, early], True, [Round(REPEATS, 30, 10), Round(REPEATS, 15, 25)]))
     whole = timed_pass([late], True, [Round(REPEATS, 0, 40)])[0].timed
     for one in found:
-        assert one.timed is not None and one.timed.shared == Shared(REPEATS, 30, 10) and one.timed.compared_us.shape == (10,)
+        assert one.timed is not None and one.timed.shared == Round(REPEATS, 30, 10) and one.timed.compared_us.shape == (10,)
     # it ends in the bits of a run that was timed from its start
     assert whole is not None and found[0].timed is not None and set(found[0].timed.hashes) == set(whole.hashes)
 
@@ -136,7 +135,7 @@ def test_an_engine_that_dies_has_a_new_process_in_the_next_scene(
             dies, raises, lives = compared(quick(scene, ("dies", "raises", "tunnels"), workers, frames=9))
             assert dies.timed is None and "signal 9" in dies.note and raises.timed is None and "lost its way" in raises.note
             # it is compared by the frames of those that are left
-            assert lives.timed is not None and lives.timed.shared == Shared(REPEATS, 0, 9) and lives.timed.warm_frames == 9
+            assert lives.timed is not None and lives.timed.shared == Round(REPEATS, 0, 9) and lives.timed.warm_frames == 9
 
 
 def test_a_pass_that_is_stopped_leaves_no_process() -> None:

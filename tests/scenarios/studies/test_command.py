@@ -9,9 +9,9 @@ import pytest
 from scenarios.__main__ import main
 from scenarios.cli import study as command
 from scenarios.job import Job
-from scenarios.measure.timing import Timed
+from scenarios.measure.timing import Round, Timed
 from scenarios.run.gate import NOTHING, STOPPED, USAGE
-from scenarios.run.timing import Clocked, Round
+from scenarios.run.timing import Clocked
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import clock, measure
 

@@ -11,9 +11,9 @@ from runfiles import ladder
 from runfiles.timing_protocol import REPEATS
 from scenarios import catalog
 from scenarios.job import Job, Outcome
-from scenarios.measure.timing import Timed
+from scenarios.measure.timing import Round, Timed
 from scenarios.run import sweep_scenes as phenomena
-from scenarios.run.timing import Clocked, Round
+from scenarios.run.timing import Clocked
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import ask, clock, measure, plan
 from scenarios.studies.settings.cell import Cell
