@@ -3,47 +3,14 @@
 import csv
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from scenarios.__main__ import main
 from scenarios.cli import study as command
-from scenarios.job import Job
-from scenarios.measure.timing import Round, Timed
 from scenarios.run.gate import NOTHING, STOPPED, USAGE
-from scenarios.run.timing import Clocked
-from scenarios.studies.checkpoint import Entry
-from scenarios.studies.settings import clock, measure
+from tests.scenarios.studies.settings.fakes import Fakes
 
 ASKED = ["study", "settings", "--filter", "stop_distance", "--engine", "mujoco", "--jobs", "0", "--frames", "3"]
-
-
-class Counted:
-    """Stands in for both passes, counts the jobs, and stops after some of them."""
-
-    def __init__(self, patch: pytest.MonkeyPatch) -> None:
-        self.asked: list[str] = []
-        self.timed: list[str] = []
-        self.stop_after = 1000
-        patch.setattr(measure, "errors", self.errors)
-        patch.setattr(clock, "timed_pass", self.clock)
-
-    def errors(self, job: Job) -> Entry:
-        if len(self.asked) == self.stop_after:
-            raise KeyboardInterrupt
-        self.asked.append(job.preset)
-        values = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0}
-        return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": values, "missing": {}}
-
-    def clock(self, jobs: list[Job], full: bool, plan: list[Round], workers: list[object]) -> list[Clocked]:
-        self.timed += [job.preset for job in jobs]
-        shapes = [(each.repeats, each.frames) for each in plan]
-        return [Clocked(job, Timed(np.full(shape, 5000, dtype=np.int64))) for job, shape in zip(jobs, shapes, strict=True)]
-
-
-@pytest.fixture
-def counted(monkeypatch: pytest.MonkeyPatch) -> Counted:
-    return Counted(monkeypatch)
 
 
 def rows(out: Path, folder: str = command.CHECKPOINTS) -> list[dict[str, str]]:
@@ -51,31 +18,31 @@ def rows(out: Path, folder: str = command.CHECKPOINTS) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
-def test_a_second_run_repeats_nothing_and_writes_the_same(tmp_path: Path, counted: Counted) -> None:
+def test_a_second_run_repeats_nothing_and_writes_the_same(tmp_path: Path, fakes: Fakes) -> None:
     words = [*ASKED, "--out", str(tmp_path)]
     assert main(words) == 0
-    first, asked = rows(tmp_path), len(counted.asked)
-    assert asked == len(counted.timed) >= 11 and {row["status"] for row in first} == {"info"}
+    first, asked = rows(tmp_path), len(fakes.asked)
+    assert asked == len(fakes.timed) >= 11 and {row["status"] for row in first} == {"info"}
     assert main(words) == 0
-    assert len(counted.asked) == asked == len(counted.timed) and rows(tmp_path) == first
+    assert len(fakes.asked) == asked == len(fakes.timed) and rows(tmp_path) == first
 
 
-def test_a_new_setting_is_run_alone(tmp_path: Path, counted: Counted) -> None:
+def test_a_new_setting_is_run_alone(tmp_path: Path, fakes: Fakes) -> None:
     main([*ASKED, "--out", str(tmp_path)])
-    counted.asked.clear()
+    fakes.asked.clear()
     mine = tmp_path / "mine.toml"
     mine.write_text('[mujoco.mine]\npreset = "tuned"\nkappa = 0.1\n')
     assert main([*ASKED, "--out", str(tmp_path), "--settings", str(mine)]) == 0
-    assert counted.asked == ["mine"] and "mine" in {row["change"] for row in rows(tmp_path)}
+    assert fakes.asked == ["stop_distance mine"] and "mine" in {row["change"] for row in rows(tmp_path)}
 
 
-def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, counted: Counted) -> None:
-    counted.stop_after = 4
-    assert main([*ASKED, "--out", str(tmp_path)]) == STOPPED and len(counted.asked) == 4
-    counted.stop_after = 1000
-    before = list(counted.asked)
+def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, fakes: Fakes) -> None:
+    fakes.stop_after = 4
+    assert main([*ASKED, "--out", str(tmp_path)]) == STOPPED and len(fakes.asked) == 4
+    fakes.stop_after = 1000
+    before = list(fakes.asked)
     assert main([*ASKED, "--out", str(tmp_path)]) == 0
-    assert not set(counted.asked[4:]) & set(before) and {row["status"] for row in rows(tmp_path)} == {"info"}
+    assert not set(fakes.asked[4:]) & set(before) and {row["status"] for row in rows(tmp_path)} == {"info"}
 
 
 @pytest.mark.parametrize(("words", "code"), [
@@ -93,7 +60,7 @@ def test_an_unknown_study_is_refused(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert "weather" in said and "hard_cases" in said
 
 
-def test_rows_go_into_the_last_comparison(tmp_path: Path, counted: Counted) -> None:
+def test_rows_go_into_the_last_comparison(tmp_path: Path, fakes: Fakes) -> None:
     (tmp_path / "latest").mkdir()
     assert main([*ASKED, "--out", str(tmp_path)]) == 0 and rows(tmp_path, "latest")
 

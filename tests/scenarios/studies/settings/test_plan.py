@@ -11,18 +11,18 @@ from runfiles import ladder
 from runfiles.timing_protocol import REPEATS
 from scenarios import catalog
 from scenarios.job import Job, Outcome
-from scenarios.measure.timing import Round, Timed
+from scenarios.measure.timing import Timed
 from scenarios.run import sweep_scenes as phenomena
 from scenarios.run.timing import Clocked
 from scenarios.studies.checkpoint import Entry
-from scenarios.studies.settings import ask, clock, measure, plan
+from scenarios.studies.settings import ask, plan
 from scenarios.studies.settings.cell import Cell
 from scenarios.studies.settings.grid import short_order
 from scenarios.studies.study import Request
+from tests.scenarios.studies.settings.fakes import VALUES, Fakes
 from tests.scenarios.studies.settings.grids import GRIDS
 
 PRESETS = {"mujoco": ("default", "tuned"), "tracker": ("default",)}
-VALUES = {"stop_distance_error_max": 1.0, "residual_overlap_max": 0.0, "course_error_max": 0.5}
 
 
 def outcome(scenario: str, preset: str, seconds: float = 1e-3, **more: object) -> Outcome:
@@ -40,35 +40,6 @@ def request(
         folder, {name: catalog.get(name) for name in scenes}, PRESETS, 0, 0, False,
         {outcome.job.stem: outcome for outcome in outcomes}, clocked or {},
     )
-
-
-class Fakes:
-    """Stand in for both passes and the clock; each timed cell takes `each` seconds."""
-
-    def __init__(self, patch: pytest.MonkeyPatch, each: float = 0.0) -> None:
-        self.asked: list[str] = []
-        self.timed: list[str] = []
-        self.time, self.each, self.dead = 0.0, each, ""
-        patch.setattr(measure, "errors", self.errors)
-        patch.setattr(clock, "timed_pass", self.clock)
-
-    def errors(self, job: Job) -> Entry:
-        self.asked.append(f"{job.scenario} {job.preset}")
-        return {"run": job.run, "state": "measured", "note": "", "frames": 3, "values": VALUES, "missing": {}}
-
-    def clock(self, jobs: Sequence[Job], full: bool, plan: Sequence[Round], workers: object) -> list[Clocked]:
-        self.timed += [f"{job.scenario} {job.preset}" for job in jobs]
-        self.time += self.each * len(jobs)
-        timed = [Timed(np.full((each.repeats, each.frames), 5000, dtype=np.int64)) for each in plan]
-        return [
-            Clocked(job, None if job.preset == self.dead else found, "it died" if job.preset == self.dead else "")
-            for job, found in zip(jobs, timed, strict=True)
-        ]
-
-
-@pytest.fixture
-def fakes(monkeypatch: pytest.MonkeyPatch) -> Fakes:
-    return Fakes(monkeypatch)
 
 
 def test_its_names_are_the_grids_and_the_presets_come_first() -> None:
