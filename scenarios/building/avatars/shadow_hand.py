@@ -11,7 +11,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from avatarsim.errors import InvalidFile
-from avatarsim.scene.avatar import Avatar
+from avatarsim.scene.avatar import Avatar, Link
 from scenarios.building.avatars.mjcf import Mjcf, named, parsed
 from scenarios.data_folder import robotics_assets
 
@@ -22,6 +22,11 @@ IGNORE = (
     ("palm", "thproximal"), ("thproximal", "thmiddle"),
 )
 """Pairs whose hulls overlap when all joints are at zero: two hinges in one place, with a knuckle or nothing between them."""
+
+
+def bends_finger(link: Link) -> bool:
+    """Return whether a link's joint bends one of the four fingers, not the thumb."""
+    return link.name.endswith(("proximal", "middle", "distal")) and not link.name.startswith("th")
 
 
 @cache

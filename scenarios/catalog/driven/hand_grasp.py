@@ -16,7 +16,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
-from scenarios.building.avatars.shadow_hand import shadow_hand
+from scenarios.building.avatars.shadow_hand import bends_finger, shadow_hand
 from scenarios.building.cases import fixture, loose, slab, turned_by
 from scenarios.building.gallery import convex_pieces
 from scenarios.building.promises import AVATAR
@@ -79,8 +79,7 @@ def _at(hand: Avatar, x: float, back: float, share: float) -> TrackerSample:
     positions, rotations = base.positions.copy(), base.rotations.copy()
     positions[0], rotations[0] = (x + REACH[0], REACH[1] + back, TOP + 0.055), SIDEWAYS
     bends = [
-        WRAP if link.name in ("thproximal", "thbase") else CLOSED
-        if link.name.endswith(("proximal", "middle", "distal")) and not link.name.startswith("th") else 0.0
+        WRAP if link.name in ("thproximal", "thbase") else CLOSED if bends_finger(link) else 0.0
         for link in hand.links if isinstance(link.joint, Hinges)
     ]
     return TrackerSample(0.0, positions, rotations, base.angles + share * np.radians(bends))

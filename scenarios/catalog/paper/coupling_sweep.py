@@ -7,17 +7,14 @@ Balls four times as heavy as their hand are caught up with again and again: the 
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Sphere
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.spatial import rotation
 from reference.closed_form import spring_state, two_spheres
 from scenarios.building.cases import NOWHERE, driven, laws, loose
 from scenarios.building.expected import Course, OfTime, steady
 from scenarios.building.promises import FINITE, MOVES, NO_OVERLAP
-from scenarios.motion.rigid_hands import by_time
+from scenarios.motion.rigid_hands import by_time, hands_at
 from scenarios.scenario import Bound, Scenario
 
 MASSES, LIGHT, HEAVY = (0.1, 0.4, 1.0, 10.0), 0.25, 4.0
@@ -42,9 +39,7 @@ def build(name: str) -> Scene:
 
 def led(time: float) -> TrackerSample:
     """Where all users are at a time [s]."""
-    count = len(CASES)
-    places = np.stack([np.full(count, SPEED * time), LANE * np.arange(count), np.zeros(count)], axis=1)
-    return TrackerSample(time, places, np.tile(rotation.IDENTITY, (count, 1)), np.zeros(0))
+    return hands_at([(SPEED * time, LANE * k, 0.0) for k in range(len(CASES))], time)
 
 
 def hand_goes(after: float, mass: float, y: float) -> OfTime:

@@ -16,7 +16,7 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.hand import rigid_hand
-from scenarios.building.avatars.shadow_hand import shadow_hand
+from scenarios.building.avatars.shadow_hand import bends_finger, shadow_hand
 from scenarios.building.cases import fixture
 from scenarios.building.promises import AVATAR, HAND
 from scenarios.building.stage import HIGH, SPAN, THICK
@@ -69,11 +69,7 @@ def _sample(hand: Avatar, time: float, turned: Array, away: float, up: float, ya
     heading = np.pi / 4.0 + yaw
     positions[0] = (away * np.cos(heading), away * np.sin(heading), up)
     rotations[0] = rotation.multiply(rotation.from_axis_angle((0.0, 0.0, 1.0), yaw), turned)
-    # hinges that bend the four fingers
-    bends = np.array([
-        link.name.endswith(("proximal", "middle", "distal")) and not link.name.startswith("th")
-        for link in hand.links if isinstance(link.joint, Hinges)
-    ], dtype=bool)
+    bends = np.array([bends_finger(link) for link in hand.links if isinstance(link.joint, Hinges)], dtype=bool)
     return TrackerSample(time, positions, rotations, np.where(bends, curl, base.angles))
 
 

@@ -17,6 +17,7 @@ from scenarios.building.cases import NOWHERE, loose
 from scenarios.building.gallery import TABLE_AT, TABLE_HEIGHT, gallery, inside
 from scenarios.building.promises import HAND
 from scenarios.building.reach import reach
+from scenarios.motion.keyframes import minimum_jerk
 from scenarios.motion.resampled import at_rate
 from scenarios.motion.rigid_hands import hands_at, turned_hand
 from scenarios.scenario import RENDERED, Bound, Motion, Scenario
@@ -70,9 +71,7 @@ def motion_over(frames: int) -> Callable[[Scene, int], Motion]:
         def sample(frame: int) -> TrackerSample:
             share = min((frame + 1) / frames, 1.0)
             k = min(int(np.searchsorted(path[:, 0], share, side="right")), len(path) - 1)
-            u = (share - path[k - 1, 0]) / (path[k, 0] - path[k - 1, 0])
-            # minimum jerk (Flash and Hogan 1985): rest to rest, with no jump in speed or acceleration
-            gone = u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
+            gone = minimum_jerk((share - path[k - 1, 0]) / (path[k, 0] - path[k - 1, 0]))
             _, x, y, z, yaw = (path[k - 1] + gone * (path[k] - path[k - 1])).tolist()
             return turned_hand((x, y, z), yaw, (frame + 1) * RENDERED)
 
