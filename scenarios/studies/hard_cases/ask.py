@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from runfiles.engines import about
 from runfiles.naming import BASELINE
 from runfiles.table import Row
 from scenarios.engines import takes_part
+from scenarios.job import Job, reuses_process
 from scenarios.studies.checkpoint import Entry, key_of
 from scenarios.studies.hard_cases.plan import CASES, trials
 from scenarios.studies.hard_cases.trial import FIGURES, LATE, Task, tried
@@ -33,7 +33,7 @@ def tasks_of(request: Request) -> list[Task]:
         if case in request.scenarios and (request.long or case not in LEFT_OUT)
     ]
     return [
-        Task(case, seconds, engine, preset, trial) for trial in changes for case, seconds in cases
+        Task(Job(case, engine, preset, trial.change.seed), seconds, trial) for trial in changes for case, seconds in cases
         for engine, presets in request.presets.items() if engine != BASELINE for preset in presets
         if takes_part(engine, preset, request.scenarios[case])
     ]
@@ -43,18 +43,20 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
     """Try everything, side by side. Returns the rows, and a sentence for each engine and preset that could not be asked."""
     tasks = {key_of(NAME, task): task for task in tasks_of(request)}
     found = dict(answers(
-        tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: about(task.engine).reuses_process, PATIENCE,
-        "not-measured",
+        tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: reuses_process(task.job), PATIENCE, "not-measured",
     ))
-    plain = {(task.case, task.run): found[key] for key, task in tasks.items() if task.trial.name == ""}
-    rows = [row for key, task in tasks.items() for row in rows_of(task, found[key], plain.get((task.case, task.run)))]
+    plain = {(task.job.scenario, task.job.run): found[key] for key, task in tasks.items() if task.trial.name == ""}
+    rows = [
+        row for key, task in tasks.items() for row in rows_of(task, found[key], plain.get((task.job.scenario, task.job.run)))
+    ]
     absent = {row.run: row.note for row in rows if row.status == "not-measured"}
     return rows, [f"{run} was not tried: {note}" for run, note in absent.items()]
 
 
 def rows_of(task: Task, found: Entry, plain: Entry | None) -> Iterator[Row]:
     """Yield the rows of a trial beside the unchanged one of its case and engine."""
-    head = Head(NAME, task.case, task.engine, task.preset, task.trial.name, seed=task.trial.change.seed, frames=found["frames"])
+    job = task.job
+    head = Head(NAME, job.scenario, job.engine, job.preset, task.trial.name, seed=job.seed, frames=found["frames"])
     if found["state"] != "measured":
         yield head.without(found["state"], found["note"])
         return

@@ -40,18 +40,11 @@ scenes of another size have them. Left as they are, 0.4 mm push a pile of ten bo
 
 @dataclass(frozen=True)
 class Task:
-    """One trial of one case by one engine and preset."""
+    """One trial of so many seconds of the case of a job."""
 
-    case: str
+    job: Job
     seconds: float
-    engine: str
-    preset: str
     trial: Trial
-
-    @property
-    def run(self) -> str:
-        """Engine and preset as tables name them."""
-        return f"{self.engine}/{self.preset}"
 
 
 def tried(task: Task) -> Entry:
@@ -59,8 +52,8 @@ def tried(task: Task) -> Entry:
 
     What an engine does wrong is its state, and never ends the study.
     """
-    scenario, change = catalog.get(task.case), task.trial.change
-    job = Job(task.case, task.engine, task.preset, change.seed)
+    job, change = task.job, task.trial.change
+    scenario = catalog.get(job.scenario)
     try:
         case = varied(scenario, task.seconds, change)
     except InvalidInput as error:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from scenarios import catalog
+from scenarios.job import Job
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.hard_cases import ask as room
 from scenarios.studies.hard_cases import trial
@@ -17,8 +18,9 @@ from scenarios.studies.hard_cases.variation import Variation
 from scenarios.studies.study import Request
 
 
-def task(engine: str, case: str = "stack_ten", change: Variation | None = None, seconds: float = 0.2) -> Task:
-    return Task(case, seconds, engine, "default", Trial("", "", change or Variation()))
+def task(engine: str, case: str = "stack_ten", change: Variation | None = None, preset: str = "default") -> Task:
+    changed = change or Variation()
+    return Task(Job(case, engine, preset, changed.seed), 0.2, Trial("", "", changed))
 
 
 def moved(one: Entry, other: Entry) -> float:
@@ -66,7 +68,7 @@ def test_a_solver_step_is_changed_from_the_preset_s_and_an_engine_without_one_is
 def test_a_margin_that_a_preset_chose_grows_with_the_world() -> None:
     """Ten boxes that MuJoCo's tuned preset holds 0.4 mm apart: at size 0.15 they end where they end at size 1."""
     changes = (None, Variation(scale=0.15))
-    assert moved(*(tried(replace(task("mujoco", change=change), preset="tuned")) for change in changes)) < 2e-4
+    assert moved(*(tried(task("mujoco", change=change, preset="tuned")) for change in changes)) < 2e-4
 
 
 def request(folder: Path, *names: str, **presets: tuple[str, ...]) -> Request:
@@ -80,8 +82,9 @@ def test_the_short_form_is_part_of_the_long_one() -> None:
 def test_every_engine_that_took_part_is_tried_in_the_cases_of_the_run(tmp_path: Path) -> None:
     presets = {"avatarsim": ("default",), "tracker": ("default",), "dies": ("a", "b")}
     tasks = tasks_of(request(tmp_path, "squeeze", "tunnelling", "ball_drop", **presets))
-    assert {(one.case, one.run) for one in tasks} == {("squeeze", run) for run in ("avatarsim/default", "dies/a", "dies/b")}
-    assert len(tasks) == len(set(tasks)) == 3 * len(SHORT)
+    assert {one.job.scenario for one in tasks} == {"squeeze"}
+    assert {one.job.run for one in tasks} == {"avatarsim/default", "dies/a", "dies/b"}
+    assert len(tasks) == len({(one.job.run, one.trial) for one in tasks}) == 3 * len(SHORT)
     long = replace(request(tmp_path, "tunnelling", avatarsim=("default",)), kept=tmp_path)
     assert len(tasks_of(long)) == len(trials())
 
