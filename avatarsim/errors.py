@@ -120,13 +120,13 @@ def likely(value: str, known: Iterable[str]) -> str:
 
 
 class StartOverlaps(AvatarsimError):
-    """The first pose overlaps; `pairs` lists (name, name, depth in metres), deepest first."""
+    """The first pose overlaps; `pairs` lists (name, name, depth in metres), deepest first, `advice` what to do."""
 
-    def __init__(self, pairs: list[tuple[str, str, float]]) -> None:
+    def __init__(self, pairs: list[tuple[str, str, float]], advice: str = "start from a pose that is free") -> None:
         self.pairs = sorted(pairs, key=lambda pair: -pair[2])
         listed = "; ".join(f"{a} in {b} by {1e3 * depth:.3g} mm" for a, b, depth in self.pairs[:8])
         more = f" and {len(self.pairs) - 8} more" if len(self.pairs) > 8 else ""
-        super().__init__(f"the first pose overlaps ({listed}{more}); start from a pose that is free")
+        super().__init__(f"the first pose overlaps ({listed}{more}); {advice}")
 
 
 class WorldsFailed(AvatarsimError):

@@ -6,6 +6,7 @@ every pair that the scene's pair filter lets through; contacts of avatars and of
 """
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +20,7 @@ from avatarsim.collision.status import NOT_FINITE, OUT_OF_ROOM
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidScene, StartOverlaps
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED
-from avatarsim.model.geometry import Shapes
+from avatarsim.model.geometry import Shapes, rest_depth
 from avatarsim.model.joint_limits import cone_excess, has_cone
 from avatarsim.model.skeleton import BALL, HINGES
 from avatarsim.model.world import World
@@ -29,21 +30,48 @@ from avatarsim.spatial.vec3 import Rows, Vec3
 from avatarsim.tolerances import NOTHING
 
 
-def overlapping_pairs(world: World, dip: float = NOTHING) -> list[tuple[str, str, float]]:
-    """Every wanted pair that overlaps, by name, with its depth [m], one entry per pair of bodies. `dip` [m]: how deep a pair with
-    a simulated body may, of a state that frames have shown: bodies at rest dip by fractions of a micrometre."""
+class Overlap(NamedTuple):
+    """Two bodies, by name, that overlap more than they may: the pieces that are deepest in each other, how deep [m] beyond what
+    they may be (`Scene.at_rest`), and the unit normal out of b into a."""
+
+    a: str
+    b: str
+    pieces: tuple[int, int]
+    depth: float
+    normal: Vec3
+
+
+def deepest_overlaps(world: World, dip: float = NOTHING) -> list[Overlap]:
+    """Every wanted pair that overlaps. `dip` [m]: how deep a pair with a simulated body may, of a state that frames have shown:
+    bodies at rest dip by fractions of a micrometre."""
     geo, poses, names, role = world.geometry, world.poses, world.scene.names, world.dynamics.role
     scratch, found = make_scratch(), []
     for a, b in meeting_pairs(world):
-        depth = 0.0
+        allowed = float(rest_depth(geo.rest, a, b))
+        deepest = Overlap(names[a], names[b], (-1, -1), 0.0, (0.0, 0.0, 0.0))
         for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
             for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
-                gap = signed_distance(poses.vertices, geo.shapes, s, t, (0.0, 0.0, 0.0), scratch)[1]
-                depth = max(depth, -gap)
+                _, gap, n, _, _ = signed_distance(poses.vertices, geo.shapes, s, t, (0.0, 0.0, 0.0), scratch)
+                if -gap - allowed > deepest.depth:
+                    deepest = deepest._replace(pieces=(s, t), depth=-gap - allowed, normal=n)
         # resting contact described in decimal numbers may be off by rounding
-        if depth > (dip if SIMULATED in (role[a], role[b]) else NOTHING):
-            found.append((names[a], names[b], depth))
+        if deepest.depth > (dip if SIMULATED in (role[a], role[b]) else NOTHING):
+            found.append(deepest)
     return found
+
+
+def overlapping_pairs(world: World, dip: float = NOTHING) -> list[tuple[str, str, float]]:
+    """Every wanted pair that overlaps, by name, with its depth [m], one entry per pair of bodies; `dip` as in
+    `deepest_overlaps`."""
+    return [(one.a, one.b, one.depth) for one in deepest_overlaps(world, dip)]
+
+
+def width(world: World, piece: int) -> float:
+    """Return the least width [m] of a piece: how deep it is in itself, since the difference with itself has all its widths."""
+    _, gap, _, _, _ = signed_distance(
+        world.poses.vertices, world.geometry.shapes, piece, piece, (0.0, 0.0, 0.0), make_scratch()
+    )
+    return -float(gap)
 
 
 def meeting_pairs(world: World, within: float = 0.0) -> list[tuple[int, int]]:
@@ -101,7 +129,8 @@ class Contact:
     point   (3,) [m] half way between the two surfaces
     normal  (3,) unit vector out of b into a
     gap     [m] distance of the surfaces at this point, along the normal: of an avatar that leans on something near the setting
-            `stand_off`, 0.2 mm; of loose bodies that rest micrometres
+            `stand_off`, 0.2 mm; of loose bodies that rest micrometres; of a pair that overlaps at home beyond the depth that it
+            may have (`Scene.at_rest`)
     force   (3,) [N] on `a`, and its opposite on `b`; nan unless it was asked for
     """
 
@@ -120,13 +149,14 @@ class Contact:
 
 @kernel
 def contact_points(
-    vertices: Rows, shapes: Shapes, a: int, b: int, within: float, scratch: Scratch, found: Manifold
+    vertices: Rows, shapes: Shapes, a: int, b: int, within: float, depth: float, scratch: Scratch, found: Manifold
 ) -> tuple[int, Vec3]:
-    """How many contact points of pieces a and b have a gap up to ``within`` [m], left in ``found``, and their normal out of b."""
+    """How many contact points of pieces a and b have a gap up to ``within`` [m], left in ``found``, and their normal out of b;
+    of a pair that overlaps at home a gap beyond the ``depth`` [m] that it may have."""
     status, gap, n, on_a, on_b = signed_distance_up_to(vertices, shapes, a, b, (0.0, 0.0, 0.0), within, scratch)
-    if status == NOT_FINITE or not (gap <= within):
+    if status == NOT_FINITE or not (gap + depth <= within):
         return 0, n
-    return manifold(vertices, shapes, a, b, n, on_a, on_b, gap, within, found)
+    return manifold(vertices, shapes, a, b, n, on_a, on_b, gap, within - depth, found)
 
 
 def contacts_of(world: World, within: float) -> tuple[Contact, ...]:
@@ -139,11 +169,12 @@ def contacts_of(world: World, within: float) -> tuple[Contact, ...]:
     geo, vertices, names = world.geometry, world.poses.vertices, world.scene.names
     scratch, found, contacts = make_scratch(), make_manifold(), []
     for a, b in meeting_pairs(world, within):
+        allowed = float(rest_depth(geo.rest, a, b))
         for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
             for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
-                count, n = contact_points(vertices, geo.shapes, s, t, float(within), scratch, found)
+                count, n = contact_points(vertices, geo.shapes, s, t, float(within), allowed, scratch, found)
                 for k in range(count):
                     point, normal = 0.5 * (found.on_a[k] + found.on_b[k]), np.array(n)
                     point.flags.writeable = normal.flags.writeable = False
-                    contacts.append(Contact(names[a], names[b], point, normal, float(found.gap[k])))
+                    contacts.append(Contact(names[a], names[b], point, normal, float(found.gap[k]) + allowed))
     return tuple(contacts)

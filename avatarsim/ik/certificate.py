@@ -4,6 +4,9 @@ For a pair there is a direction n, fixed in the world or carried by one of the t
 at the trial: a separating axis. Support functions are convex, so the pair stays apart along n while vertices move straight from
 one end to the other. The gap along a direction proves separation whatever proposed it: GJK (Gilbert, Johnson and Keerthi 1988)
 proposes, two supports decide. Every test is written so that a NaN fails it.
+
+A pair that overlaps at home may be so deep (`Scene.at_rest`): its gap is the signed distance and that depth, so that the proofs
+are those of 0 for all others. Where its cores overlap, EPA (van den Bergh 2001) proposes the direction.
 """
 
 from math import cos, inf
@@ -12,10 +15,10 @@ from avatarsim.collision.gjk import gjk
 from avatarsim.collision.signed_distance import signed_distance
 from avatarsim.collision.status import CONVERGED
 from avatarsim.collision.support import gap_along
-from avatarsim.ik.gaps import least_gap, wedged_gap
+from avatarsim.ik.gaps import least_gap, stand_off_of, wedged_gap
 from avatarsim.ik.state import BAD_QUERIES, QUERIES, SUPPORTS, IkScratch, IkState, axis_at, keep_axis, slot_of
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.geometry import Geometry, Poses, allowed_depth
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, put_row, row, scale
@@ -35,28 +38,35 @@ def cached_axis_holds(
     geo: Geometry, poses: Poses, at: int, a: int, b: int, least: float, state_out: IkState, scratch_out: IkScratch
 ) -> bool:
     """Whether the direction in a slot certifies the pair: gap > 0 at the shown state, at least `least` [m] at the trial."""
-    pairs = state_out.pairs
+    pairs, depth = state_out.pairs, allowed_depth(geo, a, b)
     n = axis_at(pairs, at)
     if not (dot(n, n) > 0.5):
         return False
     if pairs.axis_step[at] != pairs.step[0]:
         scratch_out.counts[SUPPORTS] += 1
-        pairs.axis_gap[at] = gap_along(poses.vertices, geo.shapes, a, b, n)
+        pairs.axis_gap[at] = gap_along(poses.vertices, geo.shapes, a, b, n) + depth
         pairs.axis_step[at] = pairs.step[0]
     if not (pairs.axis_gap[at] > -NOTHING):
         return False
     scratch_out.counts[SUPPORTS] += 1
-    return gap_along(scratch_out.trial.vertices, geo.shapes, a, b, n) >= least
+    return gap_along(scratch_out.trial.vertices, geo.shapes, a, b, n) + depth >= least
 
 
 @kernel
 def nearest_direction(
     geo: Geometry, poses: Poses, seed: Vec3, a: int, b: int, reach: float, scratch_out: IkScratch
 ) -> tuple[float, Vec3, int]:
-    """Gap [m], unit direction out of b into a and simplex size, exact when below `reach`; gap -inf if cores overlap."""
+    """Gap [m], unit direction out of b into a and simplex size, exact when below `reach`; gap -inf if cores overlap.
+
+    Of a pair that overlaps at home the gap is exact then as well, and the simplex size 0."""
     scratch_out.counts[QUERIES] += 1
-    rounding = geo.shapes.radius[a] + geo.shapes.radius[b]
-    status, n, distance, count = gjk(poses.vertices, geo.shapes, a, b, seed, rounding + reach, scratch_out.narrow)
+    depth = allowed_depth(geo, a, b)
+    rounding = geo.shapes.radius[a] + geo.shapes.radius[b] - depth
+    most = max(0.0, rounding + reach)
+    status, n, distance, count = gjk(poses.vertices, geo.shapes, a, b, seed, most, scratch_out.narrow)
+    if depth > 0.0 and not (dot(n, n) > 0.5):
+        status, gap, n, _, _ = signed_distance(poses.vertices, geo.shapes, a, b, seed, scratch_out.narrow)
+        distance, count = gap + geo.shapes.radius[a] + geo.shapes.radius[b], 0
     if status != CONVERGED:
         scratch_out.counts[BAD_QUERIES] += 1
     if not (dot(n, n) > 0.5):
@@ -75,6 +85,7 @@ def shown_direction(
         if not (dot(n, n) > 0.5):
             # cores that touch exactly have no nearest direction, but the one of least depth
             _, gap, n, _, _ = signed_distance(poses.vertices, geo.shapes, a, b, axis_at(pairs, at), scratch_out.narrow)
+            gap += allowed_depth(geo, a, b)
         keep_nearest(at, gap, n, state_out)
     return pairs.gap[at], row(pairs.normal, at)
 
@@ -94,7 +105,7 @@ def keep_nearest(at: int, gap: float, n: Vec3, state_out: IkState) -> None:
 def is_apart(geo: Geometry, poses: Poses, a: int, b: int, n: Vec3, scratch_out: IkScratch) -> bool:
     """Whether the pair is apart along n, or touches to rounding."""
     scratch_out.counts[SUPPORTS] += 1
-    return gap_along(poses.vertices, geo.shapes, a, b, n) > -NOTHING
+    return gap_along(poses.vertices, geo.shapes, a, b, n) + allowed_depth(geo, a, b) > -NOTHING
 
 
 @kernel
@@ -150,15 +161,15 @@ def turn_little(poses: Poses, trial: Poses, one: int, other: int) -> bool:
 
 
 @kernel
-def accepted_gap(settings: PostureSettings, gap_now: float) -> float:
-    """Smallest gap [m] accepted at the trial: `least_gap`, less for a pair that is squeezed already.
+def accepted_gap(stand_off: float, gap_now: float) -> float:
+    """Smallest gap [m] accepted at the trial of a pair with this stand-off [m]: `least_gap`, less for one that is squeezed.
 
     A squeezed pair may lose half its gap but not below `wedged_gap`, and a pair below that may not come nearer:
     standing still must always be acceptable.
     """
-    if gap_now < 2.0 * least_gap(settings.stand_off):
-        return max(0.0, max(0.5 * gap_now, min(wedged_gap(settings.stand_off), gap_now - ROUNDING)))
-    return least_gap(settings.stand_off)
+    if gap_now < 2.0 * least_gap(stand_off):
+        return max(0.0, max(0.5 * gap_now, min(wedged_gap(stand_off), gap_now - ROUNDING)))
+    return least_gap(stand_off)
 
 
 @kernel
@@ -167,11 +178,11 @@ def certify_pair(
 ) -> tuple[bool, float, Vec3, int]:
     """Whether pieces a and b hold their certificate. If not: the gap [m] and direction at the trial and the simplex size of the
     query, where a direction separates both ends; else -inf and the direction that separated at the shown state."""
-    at = slot_of(state_out.pairs, a, b)
-    if cached_axis_holds(geo, poses, at, a, b, least_gap(settings.stand_off), state_out, scratch_out):
+    at, stand_off = slot_of(state_out.pairs, a, b), stand_off_of(geo, settings.stand_off, a, b)
+    if cached_axis_holds(geo, poses, at, a, b, least_gap(stand_off), state_out, scratch_out):
         return True, 0.0, (0.0, 0.0, 0.0), 0
     gap0, n0 = shown_direction(geo, poses, at, a, b, state_out, scratch_out)
-    least = accepted_gap(settings, gap0)
+    least = accepted_gap(stand_off, gap0)
     if cached_axis_holds(geo, poses, at, a, b, least, state_out, scratch_out):
         return True, 0.0, n0, 0
     gap1, n1, simplex = nearest_direction(geo, scratch_out.trial, axis_at(state_out.pairs, at), a, b, EXACT, scratch_out)

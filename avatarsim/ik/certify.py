@@ -12,11 +12,11 @@ from avatarsim.collision.support import support
 from avatarsim.ik.broad_phase import boxes_meet, list_near_bodies, sweep_boxes
 from avatarsim.ik.certificate import accepted_gap, certify_pair
 from avatarsim.ik.constraints import add_contact, add_failed_pair, check_limits, owner_of
-from avatarsim.ik.gaps import least_gap, wedged_gap
+from avatarsim.ik.gaps import least_gap, stand_off_of, wedged_gap
 from avatarsim.ik.kinematics import carry_avatar
 from avatarsim.ik.state import PAIRS, SUPPORTS, Avatars, IkScratch, IkState, slot_of
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Geometry, Poses, may_meet
+from avatarsim.model.geometry import Geometry, Poses, allowed_depth, may_meet
 from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, turned, turned_back
@@ -56,9 +56,10 @@ def foresee_pair(
     s.counts[SUPPORTS] += 1
     on_b, _ = support(poses.vertices, geo.shapes, b, n)
     on_a = along(farthest_of(geo, s.trial, a, neg(n)), -geo.shapes.radius[a], n)
-    gap = dot(sub(on_a, along(on_b, geo.shapes.radius[b], n)), n)
-    if gap < accepted_gap(settings, gap0) and lies_in(poses.boxes, b, on_a):
-        wanted = min(settings.stand_off, max(gap0, wedged_gap(settings.stand_off))) if is_soft else settings.stand_off
+    gap = dot(sub(on_a, along(on_b, geo.shapes.radius[b], n)), n) + allowed_depth(geo, a, b)
+    stand_off = stand_off_of(geo, settings.stand_off, a, b)
+    if gap < accepted_gap(stand_off, gap0) and lies_in(poses.boxes, b, on_a):
+        wanted = min(stand_off, max(gap0, wedged_gap(stand_off))) if is_soft else stand_off
         add_contact(geo, skel, avatars, a, b, n, on_a, on_b, wanted - gap, s.trial, s.axes, s.step, s)
 
 

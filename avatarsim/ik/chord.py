@@ -33,13 +33,13 @@ from avatarsim.jit.arena import opened
 from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 from avatarsim.model.conversion import read_sample
-from avatarsim.model.geometry import POINTS, Geometry, Poses, may_meet
+from avatarsim.model.geometry import POINTS, Geometry, Poses, allowed_depth, may_meet
 from avatarsim.model.joint_limits import cone_excess, has_cone, inside_cone
 from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton, carry, place_links
 from avatarsim.model.world import World, WorldParts
 from avatarsim.spatial.tangent import columns, put_columns, step_between, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, dot, norm, row, scale, sub
-from avatarsim.tolerances import ROUNDING, SAME_DIRECTION, SLIGHT
+from avatarsim.tolerances import POSTURE_GAP, ROUNDING, SAME_DIRECTION, SLIGHT
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
@@ -54,6 +54,10 @@ SLIGHT. More: what touches takes longer to fail."""
 ROOM_MOST, ROOM_DEEPER = 1 << 20, 1 << 14
 """Pairs of pieces that may be listed as undecided for a whole way, and beside these for parts of it; what does not fit counts as
 not free."""
+
+HOME = 0.5 * POSTURE_GAP
+"""Gap [m], beyond the depth that it may have, from which a pair that overlaps at home is as good as there. Larger: rounding of a
+file makes a posture at home one that is changed; smaller: a pair is left nearer to where no step of it is proved."""
 
 PROVED, UNDECIDED, OVERLAPS = range(3)
 """What a pair of pieces is over an interval: apart; not shown to be; not apart at its begin."""
@@ -305,7 +309,9 @@ def proposed(geo: Geometry, poses: Poses, a: int, b: int, seed: Vec3, enough: fl
 def test_pair(
     geo: Geometry, skel: Skeleton, left: Poses, right: Poses, share: float, a: int, b: int, least: float, chord_out: Chord
 ) -> int:
-    """Whether pieces a and b are shown to be at least `least` [m] apart over an interval of so large a share of the way."""
+    """Whether pieces a and b are shown to be at least `least` [m] apart over an interval of so large a share of the way; less by
+    the depth that a pair may have which overlaps at home."""
+    least -= allowed_depth(geo, a, b)
     c, one, other = chord_out, geo.body[a] - skel.first, geo.body[b] - skel.first
     square = SAGITTA * share * share
     if not swept_meet(left.boxes, right.boxes, a, b, square * (c.bend[a] + c.bend[b]) + max(least, 0.0)):
@@ -424,7 +430,10 @@ def nearest_at(
     world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, within: float
 ) -> tuple[float, int, int]:
     """Smallest signed distance [m] of all pairs of pieces at a posture, negative where they overlap, and the pieces; infinite,
-    and -1, where no boxes are within `within` [m] of each other, nan where boxes of too many pairs are."""
+    and -1, where no boxes are within `within` [m] of each other, nan where boxes of too many pairs are.
+
+    Of a pair that overlaps at home the gap is that beyond the depth that it may have, and it does not count where it is hardly
+    deeper than at home."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     geo, skel = w.geometry, w.skeleton
     read_sample(positions, rotations, angles, c.hinges, c.start)
@@ -440,6 +449,10 @@ def nearest_at(
         a, b = c.pending[k, 0], c.pending[k, 1]
         most = min(best, within)
         _, gap, _, _, _ = signed_distance_up_to(c.one.vertices, geo.shapes, a, b, (0.0, 0.0, 0.0), most, c.narrow)
+        allowed = allowed_depth(geo, a, b)
+        gap += allowed
+        if allowed > 0.0 and gap >= HOME:
+            continue
         if not (gap >= best):
             best, first, second = gap, a, b
     return best, first, second

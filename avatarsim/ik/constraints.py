@@ -10,10 +10,10 @@ from math import atan2, inf
 from avatarsim.collision.gjk import closest_points
 from avatarsim.collision.support import support
 from avatarsim.ik.certificate import EXACT, keep_nearest, nearest_direction
-from avatarsim.ik.gaps import least_gap, wedged_gap
+from avatarsim.ik.gaps import least_gap, stand_off_of, wedged_gap
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch, IkState, RowKind, Touching, axis_at, slot_of
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Array, Geometry, Poses
+from avatarsim.model.geometry import Array, Geometry, Poses, allowed_depth
 from avatarsim.model.joint_limits import (
     FLAT,
     SURELY,
@@ -130,8 +130,12 @@ def add_witness_row(
     geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, missing: float, simplex: int, poses: Poses,
     axes: Rows, step: Array, scratch_out: IkScratch,
 ) -> None:
-    """Row at the closest points that the last query left in the scratch."""
-    on_a, on_b = closest_points(simplex, scratch_out.narrow)
+    """Row at the closest points that the last query left in the scratch, or at the supports along n where it left none."""
+    if simplex > 0:
+        on_a, on_b = closest_points(simplex, scratch_out.narrow)
+    else:
+        on_a, _ = support(poses.vertices, geo.shapes, a, neg(n))
+        on_b, _ = support(poses.vertices, geo.shapes, b, n)
     on_a, on_b = along(on_a, -geo.shapes.radius[a], n), along(on_b, geo.shapes.radius[b], n)
     add_contact(geo, skel, avatars, a, b, n, on_a, on_b, missing, poses, axes, step, scratch_out)
 
@@ -148,7 +152,7 @@ def add_support_row(
     on_a, _ = support(trial.vertices, geo.shapes, a, neg(n))
     on_b, _ = support(trial.vertices, geo.shapes, b, n)
     on_a, on_b = along(on_a, -geo.shapes.radius[a], n), along(on_b, geo.shapes.radius[b], n)
-    missing = wanted - dot(sub(on_a, on_b), n)
+    missing = wanted - dot(sub(on_a, on_b), n) - allowed_depth(geo, a, b)
     add_contact(geo, skel, avatars, a, b, n, on_a, on_b, missing, trial, scratch_out.axes, scratch_out.step, scratch_out)
 
 
@@ -158,9 +162,9 @@ def add_failed_pair(
     is_soft: bool, state: IkState, scratch_out: IkScratch,
 ) -> None:
     """Row for a pair that `certify_pair` has just refused, with what it returned."""
-    wanted = settings.stand_off
+    wanted = stand_off_of(geo, settings.stand_off, a, b)
     if is_soft:
-        wanted = min(wanted, max(state.pairs.gap[slot_of(state.pairs, a, b)], wedged_gap(settings.stand_off)))
+        wanted = min(wanted, max(state.pairs.gap[slot_of(state.pairs, a, b)], wedged_gap(wanted)))
     if gap > -inf:
         trial, axes, step = scratch_out.trial, scratch_out.axes, scratch_out.step
         add_witness_row(geo, skel, avatars, a, b, n, wanted - gap, simplex, trial, axes, step, scratch_out)
@@ -186,9 +190,10 @@ def add_touching(
         gap, n, simplex = nearest_direction(geo, poses, axis_at(state_out.pairs, at), a, b, EXACT, scratch_out)
         keep_nearest(at, gap, n, state_out)
         if 0.0 < gap < EXACT:
-            wanted = min(settings.stand_off, gap)
-            if not is_soft and gap <= 2.0 * least_gap(settings.stand_off):
-                wanted = settings.stand_off
+            stand_off = stand_off_of(geo, settings.stand_off, a, b)
+            wanted = min(stand_off, gap)
+            if not is_soft and gap <= 2.0 * least_gap(stand_off):
+                wanted = stand_off
             add_witness_row(
                 geo, skel, avatars, a, b, n, wanted - gap, simplex, poses, state_out.axes, scratch_out.still, scratch_out
             )

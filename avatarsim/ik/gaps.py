@@ -1,7 +1,14 @@
 """Gaps at which the certificate accepts a step, as shares of the stand-off; see `avatarsim/tolerances.py`."""
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.tolerances import LEAST_SHARE, WEDGED_SHARE
+from avatarsim.model.geometry import Geometry, allowed_depth
+from avatarsim.tolerances import LEAST_SHARE, POSTURE_GAP, WEDGED_SHARE
+
+
+@kernel
+def stand_off_of(geo: Geometry, stand_off: float, a: int, b: int) -> float:
+    """Gap [m] that the step of pieces a and b aims at: `stand_off`, of a pair that overlaps at home no more than it has there."""
+    return min(stand_off, POSTURE_GAP) if allowed_depth(geo, a, b) > 0.0 else stand_off
 
 
 @kernel

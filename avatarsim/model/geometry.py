@@ -2,7 +2,8 @@
 
 All convex pieces of a world as flat arrays, which the collision kernels read.
 
-Pair filter: which pairs of bodies may collide, by a family per body and a sparse list of excluded pairs.
+Pair filter: which pairs of bodies may collide, by a family per body and a sparse list of excluded pairs. Rest depths: how deep
+the few pairs may be that overlap at home.
 """
 
 from collections.abc import Iterable, Sequence
@@ -12,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.jit.layout import Grid, IndexLine, Matrices, Vectors
+from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.jit.record import known_as_table
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
@@ -108,6 +109,42 @@ def may_meet(wanted: PairFilter, a: int, b: int) -> bool:
     return not (left < end and wanted.never[left] == high)
 
 
+class RestDepths(NamedTuple):
+    """Depths of the m pairs of bodies that overlap at home, by ``key``, in ascending order; memory is linear in m.
+
+    bodies  (1) number of bodies
+    key     (m) a * bodies + b of bodies a < b
+    depth   (m) how deep [m] the pair may be; every other pair 0
+    """
+
+    bodies: IndexLine
+    key: IndexLine
+    depth: Line
+
+
+def rest_depths(bodies: int, pairs: Iterable[tuple[int, int, float]] = ()) -> RestDepths:
+    """Return the table of so many bodies whose ``pairs`` (body, body, depth [m]) overlap at home, in any order."""
+    known = sorted((min(a, b) * bodies + max(a, b), depth) for a, b, depth in pairs)
+    keys, depths = [key for key, _ in known], [depth for _, depth in known]
+    return RestDepths(np.array([bodies], dtype=np.int64), np.array(keys, dtype=np.int64), np.array(depths, dtype=np.float64))
+
+
+@kernel
+def rest_depth(rest: RestDepths, a: int, b: int) -> float:
+    """Return how deep [m] bodies a and b, in any order, may be. Logarithmic in the number of pairs that may be at all."""
+    left, right = 0, rest.key.shape[0]
+    if right == 0:
+        return 0.0
+    end, key = right, min(a, b) * rest.bodies[0] + max(a, b)
+    while left < right:
+        middle = (left + right) // 2
+        if rest.key[middle] < key:
+            left = middle + 1
+        else:
+            right = middle
+    return float(rest.depth[left]) if left < end and rest.key[left] == key else 0.0
+
+
 Array = NDArray[np.float64]
 
 CORNERS = np.stack(np.meshgrid(*[[-0.5, 0.5]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
@@ -122,6 +159,7 @@ class Geometry(NamedTuple):
     first_shape  (nb + 1) pieces of body b are first_shape[b] .. first_shape[b + 1]
     body         (ns) body of a piece
     wanted       pairs of bodies that must not overlap
+    rest         how deep pairs may be that overlap at home
     """
 
     shapes: Shapes
@@ -129,6 +167,7 @@ class Geometry(NamedTuple):
     first_shape: IndexLine
     body: IndexLine
     wanted: PairFilter
+    rest: RestDepths
 
 
 class Poses(NamedTuple):
@@ -185,7 +224,7 @@ def geometry(scene: Scene) -> Geometry:
     shapes = make_shapes(kinds, start, radii, sizes)
     return Geometry(
         shapes, local, np.array(first, dtype=np.int64), np.array(owners, dtype=np.int64),
-        pair_filter(scene.families, scene.skipped),
+        pair_filter(scene.families, scene.skipped), rest_depths(len(groups), scene.resting),
     )
 
 
@@ -200,6 +239,12 @@ def poses(geo: Geometry, position: Array, orientation: Array) -> Poses:
     for b in range(nb):
         place(geo, fresh, b)
     return fresh
+
+
+@kernel
+def allowed_depth(geo: Geometry, s: int, t: int) -> float:
+    """Return how deep [m] pieces s and t may be."""
+    return rest_depth(geo.rest, geo.body[s], geo.body[t])
 
 
 @kernel

@@ -20,7 +20,7 @@ from avatarsim.collision.scratch import PIECES_CAP, Scratch
 from avatarsim.collision.signed_distance import signed_distance_up_to
 from avatarsim.collision.status import CONVERGED, NOT_FINITE, OUT_OF_ROOM
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Geometry, Poses, may_meet
+from avatarsim.model.geometry import Geometry, Poses, allowed_depth, may_meet
 from avatarsim.model.joint_limits import has_cone, inside_cone
 from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton
 from avatarsim.paper.push_apart import global_penetration_depth
@@ -342,6 +342,7 @@ def link_contacts(geo: Geometry, poses: Poses, body: int, points_out: Rows, scra
                     poses.vertices, geo.shapes, a, b, ANY_DIRECTION, 0.0, scratch
                 )
                 queries += 1
+                gap += allowed_depth(geo, a, b)
                 if status == NOT_FINITE:
                     return status, 0, queries
                 if status != CONVERGED:

@@ -25,7 +25,7 @@ from avatarsim.collision.status import CANCELLING, CONVERGED, NOT_FINITE, OUT_OF
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Cube, FlagLine, IndexGrid, IndexLine
 from avatarsim.model.dynamics import DRIVEN, FIXED
-from avatarsim.model.geometry import OPEN, Geometry, PairFilter, Poses, Shapes
+from avatarsim.model.geometry import OPEN, Geometry, PairFilter, Poses, Shapes, allowed_depth, rest_depth
 from avatarsim.spatial.vec3 import Rows, Vec3, along, norm, put_row, row, scale
 from avatarsim.tolerances import SAME_DIRECTION
 
@@ -94,7 +94,7 @@ def answer_for(body: int, moved: bool, overlaps_out: Overlaps) -> None:
 
 @kernel
 def pieces_overlap(geo: Geometry, poses: Poses, s: int, t: int, overlaps_out: Overlaps) -> bool:
-    """Whether pieces s < t overlap: their signed distance is negative, or not a number."""
+    """Whether pieces s < t overlap deeper than they may: their signed distance is negative, or not a number."""
     if not boxes_meet(poses.boxes, s, t):
         return False
     remembered = t - (geo.body.shape[0] - overlaps_out.seed.shape[0])
@@ -107,7 +107,7 @@ def pieces_overlap(geo: Geometry, poses: Poses, s: int, t: int, overlaps_out: Ov
         overlaps_out.tally[DOUBTED] += 1
     if remembered >= 0:
         put_row(overlaps_out.seed[remembered], s, n)
-    return not (gap >= 0.0)
+    return not (gap + allowed_depth(geo, s, t) >= 0.0)
 
 
 @kernel
@@ -249,5 +249,5 @@ def push_apart(
     status, depth, count = global_depth(poses.vertices, geo.shapes, geo.first_shape, a, b, scratch)
     if count == 0 or status == CANCELLING or status == NOT_FINITE or status == OUT_OF_ROOM:
         return status, STAY, STAY
-    depth = lengthened(depth, stand_off)
+    depth = lengthened(depth, stand_off - rest_depth(geo.rest, a, b))
     return status, scale(depth, share_a), scale(depth, -share_b)

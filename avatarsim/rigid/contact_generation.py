@@ -15,7 +15,7 @@ from avatarsim.collision.signed_distance import signed_distance_up_to
 from avatarsim.collision.status import NOT_FINITE
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DRIVEN, FIXED, Dynamics, Velocities
-from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.geometry import Geometry, Poses, allowed_depth
 from avatarsim.rigid.contact_law import point_velocity, tangential_velocity
 from avatarsim.rigid.contacts import DRIVEN_A, DRIVEN_B, NOT_DRIVEN, POINTS_OF_PAIR, TWO_BALLS, add_contact, axis
 from avatarsim.rigid.internal_edges import forget_faces, level_seams, note
@@ -92,6 +92,8 @@ def find_points(
     shapes, vertices = geometry.shapes, poses.vertices
     memory.counts[WORK] += QUERY_WORK
     status, gap, n, on_a, on_b = signed_distance_up_to(vertices, shapes, sa, sb, (0.0, 0.0, 0.0), reach, memory.scratch)
+    depth = allowed_depth(geometry, sa, sb)
+    gap += depth
     if status == NOT_FINITE or not (gap < reach):
         return status, inf, True
     raw, before = n, contacts.used[0]
@@ -99,14 +101,14 @@ def find_points(
     # one point for both bodies keeps angular momentum to rounding; for balls, and smooth bodies on fixed ones, friction is exact
     # at each surface's own point
     own = memory.ball[a] + memory.ball[b] > 0 or (smooth and dynamics.role[a] * dynamics.role[b] == FIXED)
-    count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap, reach, found)
+    count, n = manifold(vertices, shapes, sa, sb, n, on_a, on_b, gap - depth, reach - depth, found)
     for i in range(count):
         p_a, p_b = row(found.on_a, i), row(found.on_b, i)
         if not own:
             p_a = p_b = scale((p_a[0] + p_b[0], p_a[1] + p_b[1], p_a[2] + p_b[2]), 0.5)
         arm_a, arm_b = sub(p_a, row(poses.position, a)), sub(p_b, row(poses.position, b))
         k = contacts.used[0]
-        if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, found.gap[i]):
+        if not add_contact(contacts, a, b, driven, n, arm_a, arm_b, found.gap[i] + depth):
             has_room = False
             break
         contacts.face[k] = found.face[0]

@@ -12,7 +12,7 @@ from avatarsim.collision.manifold import manifold
 from avatarsim.collision.path import acceleration
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED, Dynamics, Velocities
-from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.geometry import Geometry, Poses, allowed_depth
 from avatarsim.rigid.attached import move_together, on_links
 from avatarsim.rigid.contact_generation import boxes_apart, note_drift
 from avatarsim.rigid.contact_law import point_velocity
@@ -133,13 +133,13 @@ def add_manifold(
 ) -> bool:
     """Append a row for every point of the manifold of two pieces whose gap is below ``band`` [m]; False without room."""
     found, contacts = memory.manifold, memory.contacts
-    a, b = geometry.body[sa], geometry.body[sb]
-    count, n = manifold(poses.vertices, geometry.shapes, sa, sb, n, on_a, on_b, gap, band, found)
+    a, b, depth = geometry.body[sa], geometry.body[sb], allowed_depth(geometry, sa, sb)
+    count, n = manifold(poses.vertices, geometry.shapes, sa, sb, n, on_a, on_b, gap - depth, band - depth, found)
     friction = friction_of(dynamics, a, b)
     for i in range(count):
         k = contacts.used[0]
         p, q = row(found.on_a, i), row(found.on_b, i)
-        if not add_point(dynamics, poses, memory, a, b, driven, n, p, q, found.gap[i], friction):
+        if not add_point(dynamics, poses, memory, a, b, driven, n, p, q, found.gap[i] + depth, friction):
             return False
         if driven != NOT_DRIVEN:
             note_drift(velocities, memory, k)

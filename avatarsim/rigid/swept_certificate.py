@@ -5,6 +5,7 @@ direction separates both ends by more than these bulges it separates all that is
 carried by either body (then that body's vertices do not bulge). Where none is found the way is cut in parts (bisection).
 
 A pair that is nearer than that at the start, as those of the exact path are, may dip as these do; to stand still is certified.
+Gaps of a pair that overlaps at home are those beyond the depth that it may have.
 """
 
 from math import atan2
@@ -15,7 +16,7 @@ from avatarsim.collision.path import acceleration, spun
 from avatarsim.collision.signed_distance import signed_distance_up_to
 from avatarsim.collision.support import gap_along
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import POINTS, Geometry, Poses, place
+from avatarsim.model.geometry import POINTS, Geometry, Poses, allowed_depth, place
 from avatarsim.rigid.state import QUERY_WORK, WORK, Memory
 from avatarsim.rigid.substep_state import KNOWN
 from avatarsim.spatial.tangent import columns, put_columns, turned, turned_back
@@ -152,10 +153,11 @@ def separates(
     Both ends are a share of the substep of h seconds apart. The direction is fixed in the world, or carried by either body.
     """
     sub_, a, b = memory.substeps, geometry.body[sa], geometry.body[sb]
-    before = gap_along(start.vertices, geometry.shapes, sa, sb, n)
+    depth = allowed_depth(geometry, sa, sb)
+    before = gap_along(start.vertices, geometry.shapes, sa, sb, n) + depth
     if not (before >= least):
         return False
-    after = gap_along(end.vertices, geometry.shapes, sa, sb, n)
+    after = gap_along(end.vertices, geometry.shapes, sa, sb, n) + depth
     if after >= least:
         # a gap that is accelerated apart lies below its chord
         apart = dot(n, sub(acceleration(memory.paths, a), acceleration(memory.paths, b)))
@@ -167,7 +169,7 @@ def separates(
         if sub_.turn[carrier] == 0.0:
             continue
         carried = turned(columns(end.rotation, carrier), turned_back(columns(start.rotation, carrier), n))
-        after = gap_along(end.vertices, geometry.shapes, sa, sb, carried)
+        after = gap_along(end.vertices, geometry.shapes, sa, sb, carried) + depth
         if after >= least:
             bulge = bulge_of_carried(memory, start, end, carrier, other, h, share)
             if least_between(before, after, bulge) >= least:
@@ -180,7 +182,7 @@ def query(geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, ma
     """Gap [m], exact below ``margin``, direction and closest points of two pieces."""
     memory.counts[WORK] += QUERY_WORK
     _, gap, n, on_a, on_b = signed_distance_up_to(poses.vertices, geometry.shapes, sa, sb, NOWHERE, margin, memory.scratch)
-    return gap, n, on_a, on_b
+    return gap + allowed_depth(geometry, sa, sb), n, on_a, on_b
 
 
 @kernel

@@ -13,6 +13,7 @@ from avatarsim.scene.checks import (
     Quaternion,
     Vector,
     bounded,
+    depths,
     distinct,
     each,
     instance,
@@ -98,11 +99,11 @@ class Avatar:
     """A tree of links, parents before children, driven by a tracker.
 
     `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap because they
-    do so at rest (a shoulder in a chest). `coupled_mass` [kg] is m in eq. 6 and what a simulated body feels in an impact; by
-    default the link's own mass. `drive` replaces the engine's options `spring` and `damping` for this avatar. `size_range`
-    [m] is what its `span` must be in: a human of 1.7 km was meant in millimetres. `moves`: it is no person's but scenery that
-    moves by itself, as `moving` makes it. Raises InvalidScene for links that are no tree, names that are no links, and other
-    sizes.
+    do so at rest (a shoulder in a chest), however deep, `at_rest` those that may be no deeper [m] than stated. `coupled_mass`
+    [kg] is m in eq. 6 and what a simulated body feels in an impact; by default the link's own mass. `drive` replaces the
+    engine's options `spring` and `damping` for this avatar. `size_range` [m] is what its `span` must be in: a human of 1.7 km
+    was meant in millimetres. `moves`: it is no person's but scenery that moves by itself, as `moving` makes it. Raises
+    InvalidScene for links that are no tree, names that are no links, and other sizes.
     """
 
     name: str
@@ -113,12 +114,14 @@ class Avatar:
     size_range: tuple[float, float] = PLAUSIBLE_SIZE
     drive: Drive | None = None
     moves: bool = False
+    at_rest: tuple[tuple[str, str, float], ...] = ()
 
     def __post_init__(self) -> None:
         named("an avatar", self.name)
         each(f"links of avatar {self.name}", self.links, Link, "a Link")
         each(f"chains of avatar {self.name}", self.chains, str, "the name of a link")
         name_pairs(f"ignore of avatar {self.name}", self.ignore)
+        object.__setattr__(self, "at_rest", depths(f"at_rest of avatar {self.name}", self.at_rest))
         if not self.links:
             raise InvalidScene(f"number of links of avatar {self.name}", 0, "at least 1")
         distinct(f"link of avatar {self.name}", (link.name for link in self.links))
@@ -131,9 +134,9 @@ class Avatar:
             if isinstance(link.joint, Free) and index > 0:
                 raise InvalidScene(f"joint of link {link.name}", "Free", "Rigid, Hinges or Ball below the root")
             known.add(link.name)
-        for name in [*self.chains, *(name for both in self.ignore for name in both)]:
+        for name in [*self.chains, *(name for both in (*self.ignore, *self.at_rest) for name in both[:2])]:
             if name not in known:
-                raise InvalidScene(f"link named in chains or ignore of {self.name}", name, f"one of {sorted(known)}")
+                raise InvalidScene(f"link named in chains, ignore or at_rest of {self.name}", name, f"one of {sorted(known)}")
         if self.coupled_mass is not None:
             positive(f"coupled mass of {self.name}", self.coupled_mass)
         instance(f"moves of {self.name}", self.moves, bool, "True or False")

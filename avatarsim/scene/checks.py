@@ -92,6 +92,19 @@ def name_pairs(thing: str, pairs: object) -> None:
             raise InvalidScene(f"{thing}, entry {k}", pair, "a pair of names")
 
 
+def depths(thing: str, entries: object) -> tuple[tuple[str, str, float], ...]:
+    """Pairs of names, each with a depth [m], the same pair once; or InvalidScene."""
+    each(thing, entries, tuple, "two names and a depth [m]")
+    found = []
+    for k, entry in enumerate(cast(tuple[tuple[object, ...], ...], entries)):
+        if len(entry) != 3 or not all(isinstance(name, str) for name in entry[:2]) or entry[0] == entry[1]:
+            raise InvalidScene(f"{thing}, entry {k}", entry, "two different names and a depth [m]")
+        a, b = str(entry[0]), str(entry[1])
+        found.append((a, b, within(f"depth of {a} and {b} in {thing} [m]", entry[2], 0.0, LONGEST)))
+    distinct(f"pair in {thing}", (" and ".join(sorted(entry[:2])) for entry in found))
+    return tuple(found)
+
+
 def named(thing: str, name: object) -> None:
     """Raise InvalidScene unless `name` is a text that can be read and told apart from nothing."""
     if not isinstance(name, str) or not name.strip():

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import TABLE_1, Body, PairTable, Role
-from avatarsim.scene.checks import Vector, bounded, distinct, each, instance, name_pairs, named, require_near
+from avatarsim.scene.checks import Vector, bounded, depths, distinct, each, instance, name_pairs, named, require_near
 from avatarsim.scene.effects import CALLS, KEPT, Effects, Parts
 from avatarsim.scene.tracker import TrackerSample, checked, rest
 
@@ -29,6 +29,8 @@ class Scene:
     Canonical order, used by every array in the project: `bodies` first, then the links of each avatar.
     `start` is the avatars' first posture and must be free of overlap (default: rest posture at the origin).
     `attached` names pairs of a simulated body and the link, or moving body, that holds it from the first frame on.
+    `at_rest` names pairs of a link and another link, or a fixed or moving body, that overlap at home, and how deep [m] each may
+    be, besides those of an avatar's own `at_rest`.
     `exclude` names pairs that are never tested, `narrow` the effects that the author switches off, `require` those that the
     scene must call for, or it is refused. `force` runs effects that nothing calls for, which costs time and changes nothing:
     that is what it is there to show. Raises InvalidScene for parts that contradict one another, and InvalidSample for a start
@@ -46,6 +48,7 @@ class Scene:
     narrow: tuple[str, ...] = ()
     require: tuple[str, ...] = ()
     force: tuple[str, ...] = ()
+    at_rest: tuple[tuple[str, str, float], ...] = ()
 
     def __post_init__(self) -> None:
         named("a scene", self.name)
@@ -63,6 +66,7 @@ class Scene:
                 if name not in self.names:
                     raise InvalidScene("name in exclude", name, "a body or avatar/link of the scene")
         self._require_attached()
+        object.__setattr__(self, "at_rest", self._checked_at_rest())
         self._agree_on_effects()
         if self.start is not None:
             # in arrays, also if it was given in lists
@@ -78,6 +82,18 @@ class Scene:
             name_pairs(f"{said} of scene {self.name}", getattr(self, said))
         for said in ("narrow", "require", "force"):
             each(f"{said} of scene {self.name}", getattr(self, said), str, "the name of an effect")
+
+    def _checked_at_rest(self) -> tuple[tuple[str, str, float], ...]:
+        """Return the pairs that overlap at home, or raise InvalidScene for one that cannot: loose bodies are moved apart."""
+        thing = f"at_rest of scene {self.name}"
+        found, role = depths(thing, self.at_rest), dict(zip(self.names, self.roles, strict=True))
+        for a, b, _ in found:
+            for name in (a, b):
+                if role.get(name) not in (Role.FIXED, Role.DRIVEN):
+                    raise InvalidScene(f"name in {thing}", name, "a link, or a fixed or moving body, of the scene")
+            if Role.DRIVEN not in (role[a], role[b]):
+                raise InvalidScene(f"pair in {thing}", (a, b), "at least one link or moving body")
+        return found
 
     def _require_attached(self) -> None:
         """InvalidScene for a pair that is not a simulated body and a link, and for a body that two links hold."""
@@ -164,6 +180,31 @@ class Scene:
         wanted: NDArray[np.bool_] = (family[:, None] != family[None, :]) | (family < 0)
         np.fill_diagonal(wanted, False)
         for a, b in self.skipped:
+            wanted[a, b] = wanted[b, a] = False
+        wanted.flags.writeable = False
+        return wanted
+
+    @cached_property
+    def resting(self) -> tuple[tuple[int, int, float], ...]:
+        """Pairs of bodies, by their numbers, that overlap at home, and how deep [m] each may be: of avatars and of the scene."""
+        index = {name: k for k, name in enumerate(self.names)}
+        found = {(index[a], index[b]): depth for a, b, depth in self.at_rest}
+        first = len(self.bodies)
+        for avatar in self.avatars:
+            at = {link.name: first + k for k, link in enumerate(avatar.links)}
+            found |= {(at[a], at[b]): depth for a, b, depth in avatar.at_rest}
+            first += len(at)
+        deepest = dict[tuple[int, int], float]()
+        for (a, b), depth in found.items():
+            pair = min(a, b), max(a, b)
+            deepest[pair] = max(depth, deepest.get(pair, 0.0))
+        return tuple((a, b, depth) for (a, b), depth in sorted(deepest.items()))
+
+    @cached_property
+    def contact_filter(self) -> NDArray[np.bool_]:
+        """(n, n) symmetric: True where two bodies must not overlap at all: `pair_filter` without pairs that overlap at home."""
+        wanted = self.pair_filter.copy()
+        for a, b, _ in self.resting:
             wanted[a, b] = wanted[b, a] = False
         wanted.flags.writeable = False
         return wanted

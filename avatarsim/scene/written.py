@@ -33,7 +33,7 @@ TYPES: Mapping[str, type[Any]] = {
 UNBOUNDED = "unbounded"
 """Text for an infinite number, since JSON has none."""
 
-LATER = frozenset({"attached", "drive", "moves", "surface_velocity"})
+LATER = frozenset({"at_rest", "attached", "drive", "moves", "surface_velocity"})
 """Fields that files of earlier versions lack; they get their defaults."""
 
 TAG = "is"

@@ -64,7 +64,7 @@ def law_between(scene: Scene, a: int, b: int) -> Law:
 def contact_laws(scene: Scene, bounce: bool) -> Laws:
     """Priorities and laws of all bodies, and the pairs that must be explicit. Without `bounce` only friction
     counts."""
-    n, wanted = len(scene.names), scene.pair_filter
+    n, wanted = len(scene.names), scene.contact_filter
     classes = [(material, role) for material, role in zip(scene.material_names, scene.roles, strict=True)]
     known = sorted(set(classes), key=lambda c: (c[0], c[1].value))
     at = [known.index(c) for c in classes]

@@ -229,7 +229,7 @@ def _pairs(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]]
     n, still = len(scene.names), np.array([role is Role.FIXED for role in scene.roles])
     for a in range(n):
         for b in range(a + 1, n):
-            if not scene.pair_filter[a, b] and not (still[a] and still[b]):
+            if not scene.contact_filter[a, b] and not (still[a] and still[b]):
                 spec.add_exclude(bodyname1=f"b{a}", bodyname2=f"b{b}")
     made: list[tuple[Law, bool]] = []
     for (a, b), law in laws.explicit.items():

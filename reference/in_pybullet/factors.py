@@ -124,9 +124,9 @@ def weights(scene: Scene) -> tuple[Array, Array]:
     near = (1.0 / (1.0 + np.maximum(gap, 0.0) / (NEARBY * smaller))) ** 4
     # a driven body may go anywhere
     near = np.where(driven[:, None] | driven[None], 1.0, near)
-    bounce = near * scene.pair_filter * (moving[:, None] | moving[None])
+    bounce = near * scene.contact_filter * (moving[:, None] | moving[None])
     # a driven hand that slides is led by its user: friction there matters, but less
-    slide = near * scene.pair_filter * np.where(moving[:, None] | moving[None], 1.0, 0.05)
+    slide = near * scene.contact_filter * np.where(moving[:, None] | moving[None], 1.0, 0.05)
     return bounce, slide
 
 

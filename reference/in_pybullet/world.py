@@ -347,5 +347,5 @@ def _filter(world: World, scene: Scene) -> None:
             if still[a] and still[b]:
                 continue
             two = world.parts[b]
-            if one.body == two.body or not scene.pair_filter[a, b]:
-                say(product(one.carriers, two.carriers), bool(scene.pair_filter[a, b]))
+            if one.body == two.body or not scene.contact_filter[a, b]:
+                say(product(one.carriers, two.carriers), bool(scene.contact_filter[a, b]))

@@ -36,7 +36,8 @@ PLACED_AT_ONCE = 50_000
 class Verdict:
     """What the judge found in one state of the world.
 
-    deepest  [m] largest depth over all pairs that must not overlap; 0 when free, nan when the poses are no poses
+    deepest  [m] largest depth over all pairs that must not overlap, of a pair that overlaps at home beyond that; 0 when free, nan
+             when the poses are no poses
     pair     names of that pair, or None
     pairs    (name, name, depth [m]) of every overlapping pair of bodies, deepest first
     gap      [m] smallest distance over the pairs measured, negative when they overlap; inf when none was near
@@ -63,6 +64,9 @@ class Judge:
         self.scene = scene
         self.pieces = Pieces(scene)
         self._may_meet = scene.pair_filter[self.pieces.owner[:, None], self.pieces.owner[None, :]]
+        self._allowed = np.zeros((len(scene.names), len(scene.names)))
+        for a, b, depth in scene.resting:
+            self._allowed[a, b] = self._allowed[b, a] = depth
         self.between = Distances(self.pieces)
 
     def overlaps(self, positions: Array, orientations: Array, reach: float = 0.0) -> Verdict:
@@ -77,7 +81,7 @@ class Judge:
         """Verdicts on F states (F, n, 3) [m], (F, n, 4) at once, each as if it were asked alone."""
         verdicts = self._all_faults(positions, orientations)
         for sound, world, near in self._blocks(positions, orientations, reach):
-            distances, decided = self.between.each(*world, near)
+            distances, decided = self._beyond_rest(world, near)
             ends = np.searchsorted(near.state, np.arange(len(sound) + 1))
             for k, start, end in zip(sound, ends[:-1], ends[1:], strict=True):
                 some = slice(start, end)
@@ -125,7 +129,7 @@ class Judge:
         found = np.where(self._sound(positions, orientations).all(axis=1), np.inf, np.nan)
         for sound, world, near in self._blocks(positions, orientations, reach):
             linked = near.at(link[near.first] | link[near.second])
-            np.minimum.at(found, sound[linked.state], self.between.each(*world, linked)[0])
+            np.minimum.at(found, sound[linked.state], self._beyond_rest(world, linked)[0])
         return found
 
     def _all_faults(self, positions: Array, orientations: Array) -> list[Verdict]:
@@ -147,7 +151,14 @@ class Judge:
 
     def _where_deep(self, world: World, near: Near, deepest_only: bool) -> Array:
         """Signed distances (k,) [m] of near pairs, right where they overlap."""
-        return where_deep(near, Moves(self.pieces, *world), lambda some: self.between.each(*world, some)[0], deepest_only)
+        return where_deep(near, Moves(self.pieces, *world), lambda some: self._beyond_rest(world, some)[0], deepest_only)
+
+    def _beyond_rest(self, world: World, near: Near) -> tuple[Array, Flags]:
+        """`Distances.each`, larger by the depth that the pair may have, which overlaps at home (`Scene.at_rest`)."""
+        distances, decided = self.between.each(*world, near)
+        if self.scene.resting:
+            distances = distances + self._allowed[self.pieces.owner[near.first], self.pieces.owner[near.second]]
+        return distances, decided
 
     def _verdict(self, first: Indices, second: Indices, distances: Array, decided: int) -> Verdict:
         """What the distances (k,) [m] of pairs of pieces say of the bodies."""
@@ -171,7 +182,7 @@ class Judge:
         """Indices (k,), (k,) of the pieces of all near pairs and their signed distance (k,) [m]; poses must be sound."""
         world = self._placed(np.asarray(positions)[None], np.asarray(orientations)[None])
         near = near_pairs(self._may_meet, *self.pieces.boxes(*world), reach)
-        return near.first, near.second, self.between.each(*world, near)[0]
+        return near.first, near.second, self._beyond_rest(world, near)[0]
 
     def _placed(self, positions: Array, orientations: Array) -> World:
         """Positions (F, p, 3) [m] and turns (F, p, 3, 3) of all pieces in the world."""

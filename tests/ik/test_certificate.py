@@ -153,14 +153,14 @@ def test_a_certified_step_never_overlaps_on_its_way(seed: int, name: str) -> Non
 
 @given(st.floats(1e-12, 1.0))
 def test_the_accepted_gap_lets_a_pair_stand_still_and_a_wedged_one_come_no_nearer(gap: float) -> None:
-    least = accepted_gap(SETTINGS, gap)
+    least = accepted_gap(SETTINGS.stand_off, gap)
     assert least <= gap and least <= LEAST
     assert least >= min(gap, WEDGED) - 1e-9
 
 
 @pytest.mark.parametrize("gap", [np.nan, -np.inf, -1e-6, 0.0])
 def test_a_pair_that_is_not_apart_promises_nothing(gap: float) -> None:
-    assert not accepted_gap(SETTINGS, gap) > LEAST
+    assert not accepted_gap(SETTINGS.stand_off, gap) > LEAST
 
 
 @pytest.mark.parametrize("stand_off", [1e-5, 1e-3, 0.1])

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
-from avatarsim.scene.avatar import Drive, rigid_avatar
-from avatarsim.scene.body import Mass, solid
-from avatarsim.scene.joint import Ball, ReachCone
+from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
+from avatarsim.scene.body import Mass, fixed, solid
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, ReachCone
 from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
@@ -147,3 +147,16 @@ def test_moving_bodies_and_drives_come_back_with_and_without_a_largest_force() -
     made = Scene("moves", (), (hand, belt))
     assert written(again(made)) == written(made)
     assert again(made).avatars[0].drive == hand.drive and again(made).avatars[1].drive == belt.drive
+
+
+def test_pairs_that_overlap_at_home_come_back_and_files_without_them_are_read() -> None:
+    hinge = Link("b", "a", Hinges((Hinge((0.0, 0.0, 1.0)),)), (Piece(Sphere(0.1)),), Mass(1.0))
+    avatar = Avatar("pair", (Link("a", None, Free(), (Piece(Sphere(0.1)),), Mass(1.0)), hinge, replace(hinge, name="c")),
+                    at_rest=(("b", "c", 0.25),))
+    one = Scene("s", (fixed("wall", (Piece(Sphere(0.1)),), "wood"),), (avatar,), at_rest=(("pair/b", "wall", 0.125),))
+    back = again(one)
+    assert (back.at_rest, back.avatars[0].at_rest) == (one.at_rest, avatar.at_rest)
+    assert back.resting == ((0, 2, 0.125), (2, 3, 0.25))
+    data = written(one)
+    del data["at_rest"], data["avatars"][0]["at_rest"]
+    assert scene_from(data, "an older file").resting == ()

@@ -23,7 +23,8 @@ def still(scene: Scene) -> Scene:
     bodies = tuple(body for body in scene.bodies if body.role is Role.FIXED)
     names = {*(body.name for body in bodies), *scene.names[len(scene.bodies):]}
     exclude = tuple(pair for pair in scene.exclude if names.issuperset(pair))
-    return replace(scene, bodies=bodies, exclude=exclude, attached=(), require=(), force=())
+    at_rest = tuple(entry for entry in scene.at_rest if names.issuperset(entry[:2]))
+    return replace(scene, bodies=bodies, exclude=exclude, at_rest=at_rest, attached=(), require=(), force=())
 
 
 class OwnOverlap:

@@ -1,5 +1,7 @@
 """The judge inside scenes: what it finds, names, leaves out, and how it answers to poses that are none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -185,3 +187,35 @@ def test_gaps_of_links_are_measured_up_to_the_reach_and_negative_inside():
     at[2, 2] = 0.0, 0.3, 0.101
     assert judge.link_gaps(at[2:3], turned[2:3], 5e-3)[0] == np.inf
     assert judge.overlaps(at[2], turned[2], 5e-3).gap == pytest.approx(1e-3, abs=PROMISE)
+
+
+def resting(depth):
+    """The arm without its `ignore`, whose fore and thumb may be `depth` [m] in each other, and the thumb in the table."""
+    arm = replace(ARM, ignore=(), at_rest=(("fore", "thumb", depth),))
+    return replace(ROOM, avatars=(arm,), at_rest=(("arm/thumb", "table", 0.5 * depth),))
+
+
+@pytest.mark.parametrize("depth", [0.01, 0.08])
+def test_pairs_that_overlap_at_home_overlap_beyond_that(depth):
+    at = FREE.copy()
+    # thumb in fore: hulls of two ellipsoids with semi-axes of 50 mm along z
+    at[7] = at[5] + (0.0, 0.0, 0.1 - 0.03)
+    raw = Judge(resting(0.0)).overlaps(at, upright(at), reach=1.0)
+    found = Judge(resting(depth)).overlaps(at, upright(at), reach=1.0)
+    assert raw.pair == ("arm/fore", "arm/thumb") and raw.deepest == pytest.approx(0.03, abs=5e-3)
+    assert found.deepest == pytest.approx(max(0.0, raw.deepest - depth), abs=PROMISE)
+    assert (found.pair is None) == (depth > raw.deepest)
+    states = np.array([at, FREE, at]), np.array([upright(at)] * 3)
+    assert Judge(resting(depth)).depths(*states) == pytest.approx([found.deepest, 0.0, found.deepest], abs=PROMISE)
+    assert Judge(resting(depth)).deepest(*states) == pytest.approx(found.deepest, abs=PROMISE)
+    at[7] = 0.0, 0.0, 0.05 - 0.75 * depth
+    raw, sunk = (Judge(resting(allowed)).overlaps(at, upright(at)).deepest for allowed in (0.0, depth))
+    assert raw == pytest.approx(0.75 * depth, abs=2e-3) and sunk == pytest.approx(raw - 0.5 * depth, abs=PROMISE)
+
+
+def test_other_engines_leave_pairs_out_that_overlap_at_home():
+    scene = resting(0.01)
+    index = {name: k for k, name in enumerate(scene.names)}
+    for a, b in (("arm/fore", "arm/thumb"), ("arm/thumb", "table")):
+        assert scene.pair_filter[index[a], index[b]] and not scene.contact_filter[index[a], index[b]]
+    assert (scene.contact_filter <= scene.pair_filter).all() and scene.contact_filter.sum() == scene.pair_filter.sum() - 4
