@@ -3,13 +3,13 @@
 from collections.abc import Callable, Sequence
 
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning.result import DEFAULTS, Audit, Cleaned, Excluded, Flagged, Moved, Opinion, Options
+from avatarsim.cleaning.result import DEFAULTS, AtRest, Audit, Cleaned, Excluded, Flagged, Moved, Opinion, Options
 from avatarsim.cleaning.stream import Shield
 from avatarsim.cleaning.whole_clip import audit_motion, clean_motion
 from avatarsim.scene.body import Body
 from avatarsim.scene.motion import Motion
 
-__all__ = ["Audit", "Cleaned", "Excluded", "Flagged", "Moved", "Opinion", "Options", "Shield", "audit", "clean"]
+__all__ = ["AtRest", "Audit", "Cleaned", "Excluded", "Flagged", "Moved", "Opinion", "Options", "Shield", "audit", "clean"]
 
 
 def clean(

@@ -103,11 +103,12 @@ def scene_of(model: Model, room: Sequence[Body], options: Options) -> Scene:
     taken = {avatar.name} if len(links) == 1 else {f"{avatar.name}/{link.name}" for link in links}
     named, known = with_own_names((*own, *others), taken), taken | {body.name for body in own}
     exclude = tuple(pair for pair in model.exclude if known.issuperset(pair))
+    at_rest = tuple(entry for entry in model.at_rest if known.issuperset(entry[:2]))
     # what bodies are made of matters to impacts only, of which there are none
     made_of = sorted({body.material for body in named} | {link.material for link in links})
     law = ContactLaw(0.0, 0.0)
     materials = PairTable({(one, other): law for one in made_of for other in made_of})
-    return Scene("clean", named, (avatar,), materials, start=model.start, exclude=exclude)
+    return Scene("clean", named, (avatar,), materials, start=model.start, exclude=exclude, at_rest=at_rest)
 
 
 def is_taken(body: Body, options: Options) -> bool:

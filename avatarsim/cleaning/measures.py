@@ -5,14 +5,14 @@ Jerk: third differences of link positions over the time of a frame cubed (Flash 
 motion by it).
 """
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from itertools import islice
 
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.cleaning.chords import Chords, Pair, certified
-from avatarsim.cleaning.result import OVERLAP, Audit, Excluded, Moved
+from avatarsim.cleaning.chords import Chords, certified
+from avatarsim.cleaning.result import OVERLAP, AtRest, Audit, Excluded, Moved
 from avatarsim.cleaning.second_opinion import opinion_of
 from avatarsim.cleaning.track import Judged
 from avatarsim.scene.joint import Hinges
@@ -48,14 +48,13 @@ def high(values: Array) -> float:
 
 
 def audited(
-    chords: Chords, motion: Motion, judged: Judged, was_free: Flags, with_opinion: bool, at_rest: Iterable[Pair] = ()
+    chords: Chords, motion: Motion, judged: Judged, was_free: Flags, with_opinion: bool
 ) -> Audit:
-    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free; `at_rest`: pairs that
-    are excluded since they overlap at rest."""
+    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free."""
     jerks = jerk(chords, motion)
     deepest = int(np.argmin(judged.gap))
     depths = np.maximum(0.0, -judged.gap)
-    excluded, said = excluded_pairs(chords, motion, at_rest), []
+    excluded, said = excluded_pairs(chords, motion), []
     blind = sorted((one for one in excluded if one.depth > OVERLAP), key=lambda one: -one.depth)
     if blind:
         named = ", ".join(f"{one.a} and {one.b} ({1e3 * one.depth:.1f} mm)" for one in islice(blind, NAMED))
@@ -67,23 +66,36 @@ def audited(
     return Audit(
         depths, judged.pair[deepest] if depths[deepest] > 0.0 else None, certified(chords, motion, -OVERLAP).until,
         float(judged.beyond.max()), high(jerks[was_free]), high(jerks[~was_free]), excluded, opinion, tuple(said),
+        at_rest_pairs(chords, motion),
     )
 
 
-def excluded_pairs(chords: Chords, motion: Motion, at_rest: Iterable[Pair] = ()) -> tuple[Excluded, ...]:
+def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
     """The pairs that avatar and model exclude, besides each link and its parent, and how deep they get into each other."""
     scene, avatar, names = chords.scene, chords.scene.avatars[0], chords.scene.names
     at = {link.name: len(scene.bodies) + k for k, link in enumerate(avatar.links)}
     found = [(at[a], at[b]) for a, b in avatar.ignore] + [(names.index(a), names.index(b)) for a, b in scene.exclude]
-    pairs = np.array(sorted({(min(pair), max(pair)) for pair in found}), dtype=np.int64).reshape(-1, 2)
-    depths = np.zeros(len(pairs))
-    for frame in range(len(motion) if len(pairs) else 0):
-        depths = np.maximum(depths, -chords.gaps(motion.sample(frame), pairs))
-    resting = {frozenset(pair) for pair in at_rest}
+    pairs = sorted({(min(pair), max(pair)) for pair in found})
+    depths = deepest_of(chords, motion, pairs)
+    return tuple(Excluded(names[a], names[b], depth) for (a, b), depth in zip(pairs, depths, strict=True))
+
+
+def at_rest_pairs(chords: Chords, motion: Motion) -> tuple[AtRest, ...]:
+    """The pairs that overlap at home and must not overlap deeper, and how deep they get into each other."""
+    scene = chords.scene
+    known = [(a, b, allowed) for a, b, allowed in scene.resting if scene.pair_filter[a, b]]
+    found = deepest_of(chords, motion, [(a, b) for a, b, _ in known])
     return tuple(
-        Excluded(names[a], names[b], depth, frozenset((names[a], names[b])) in resting)
-        for (a, b), depth in zip(pairs.tolist(), depths.tolist(), strict=True)
+        AtRest(scene.names[a], scene.names[b], allowed, depth) for (a, b, allowed), depth in zip(known, found, strict=True)
     )
+
+
+def deepest_of(chords: Chords, motion: Motion, pairs: Sequence[tuple[int, int]]) -> list[float]:
+    """Deepest overlap [m] of pairs of bodies, by their numbers, in any frame; 0 for none."""
+    numbers, depths = np.array(pairs, dtype=np.int64).reshape(-1, 2), np.zeros(len(pairs))
+    for frame in range(len(motion) if pairs else 0):
+        depths = np.maximum(depths, -chords.gaps(motion.sample(frame), numbers))
+    return [float(depth) for depth in depths]
 
 
 def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:

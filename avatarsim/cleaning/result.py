@@ -49,13 +49,22 @@ DEFAULTS = Options()
 
 @dataclass(frozen=True)
 class Excluded:
-    """A pair that is excluded from contact: `depth` is its deepest overlap in any frame [m], 0 for none; `at_rest` whether it is
-    since the two overlap at rest, else by the word of the file or of the avatar."""
+    """A pair that is excluded from contact by the word of the file or of the avatar: `depth` is its deepest overlap in any frame
+    [m], 0 for none."""
 
     a: str
     b: str
     depth: float
-    at_rest: bool = False
+
+
+@dataclass(frozen=True)
+class AtRest:
+    """A pair that overlaps at home: how deep [m] it may be, and `depth`, its deepest overlap in any frame [m], 0 for none."""
+
+    a: str
+    b: str
+    allowed: float
+    depth: float
 
 
 @dataclass(frozen=True)
@@ -76,7 +85,8 @@ class Opinion:
 class Audit:
     """Measures of a motion.
 
-    depths        (F,) deepest overlap of each frame [m], 0 for none, by this project's signed distance
+    depths        (F,) deepest overlap of each frame [m], 0 for none, by this project's signed distance; of pairs that overlap at
+                  home beyond the depth that they may have
     deepest_pair  the pair of the deepest overlap, None without any
     proven        (F-1,) share of the way from each frame to the next, from its start, that is proved free of overlap: 1 is all
     limit_excess  largest angle by which a joint is outside its limits [rad]
@@ -84,7 +94,8 @@ class Audit:
     jerk_held     the same over the other frames
     excluded      the pairs that no measure and no proof looks at, since they are excluded
     opinion       of an independent library; None where it is not installed or was not asked
-    said          sentences for the user"""
+    said          sentences for the user
+    at_rest       the pairs that overlap at home"""
 
     depths: Array
     deepest_pair: tuple[str, str] | None
@@ -95,6 +106,7 @@ class Audit:
     excluded: tuple[Excluded, ...]
     opinion: Opinion | None
     said: tuple[str, ...]
+    at_rest: tuple[AtRest, ...] = ()
 
     @property
     def frames(self) -> int:

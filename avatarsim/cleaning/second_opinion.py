@@ -82,13 +82,17 @@ class Asked:
         # every wanted pair has a link in it, and links come last
         one, other = np.nonzero(wanted)
         self.pairs = np.stack([one, other], axis=1)[self.owner[other] >= first]
+        allowed = np.zeros(scene.pair_filter.shape)
+        for a, b, depth in scene.resting:
+            allowed[a, b] = allowed[b, a] = depth
+        self.allowed = allowed[self.owner[self.pairs[:, 0]], self.owner[self.pairs[:, 1]]]
         self.request = coal.DistanceRequest()
         self.request.enable_signed_distance = True
         self.request.gjk_tolerance = self.request.epa_tolerance = TOLERANCE
         self.request.epa_max_iterations = FACES
 
     def depths(self, motion: Motion) -> Array:
-        """(F,) deepest overlap [m] of each posture, 0 for none."""
+        """(F,) deepest overlap [m] of each posture, of pairs that overlap at home beyond that; 0 for none."""
         found = np.zeros(len(motion))
         for start in range(0, len(motion), AT_ONCE):
             some = slice(start, start + AT_ONCE)
@@ -112,7 +116,7 @@ class Asked:
                     shown[piece] = k
             result.clear()
             gap = coal.distance(self.shapes[i], self.placed[i], self.shapes[j], self.placed[j], self.request, result)
-            depths[k] = max(depths[k], -gap)
+            depths[k] = max(depths[k], -gap - self.allowed[pair])
         return depths
 
     def _pieces(self, links: Array, link_turns: Array) -> tuple[Array, Array]:

@@ -49,7 +49,7 @@ def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Op
     """See `avatarsim.cleaning.audit`."""
     chords = chords_of(motion, model, room, options)
     judged = Judged(chords, motion, options.margin)
-    return audited(chords, motion, judged, judged.is_free, options.opinion, model.at_rest)
+    return audited(chords, motion, judged, judged.is_free, options.opinion)
 
 
 def clean_motion(
@@ -59,14 +59,14 @@ def clean_motion(
     tell = progress or (lambda share: None)
     chords = chords_of(motion, model, room, options)
     judged = Judged(chords, motion, options.margin)
-    before = audited(chords, motion, judged, judged.is_free, options.opinion, model.at_rest)
+    before = audited(chords, motion, judged, judged.is_free, options.opinion)
     tell(0.1)
     written = Written(motion)
     follower = tracked(chords, motion, judged, options, written, lambda share: tell(0.1 + 0.4 * share))
     Smoothing(chords, follower, motion, written, judged.is_free, options).improve(lambda share: tell(0.5 + 0.4 * share))
     written.rotations = rotation.with_signs_of(written.rotations, motion.rotations, written.kind == Kind.INPUT)
     done = written.motion
-    after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion, model.at_rest)
+    after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion)
     tell(1.0)
     return Cleaned(
         done, before, after, moved(chords, motion, done), written.kind != Kind.INPUT, ~judged.is_free,

@@ -205,17 +205,26 @@ def _where(overlap: Mapping[str, Any], frames: int) -> str:
     return f"\n    deepest: {a} and {b}, in frame {overlap['frame']} of 0 to {frames - 1}"
 
 
+MEANS = {
+    "excluded": "from contact by the file, and no proof looks there",
+    "at_rest": "at home and may be no deeper",
+}
+"""What it means for pairs to be in these lists of a certificate."""
+
+
 def excluded(entry: Mapping[str, Any]) -> str:
-    """A sentence on the pairs that are excluded from contact, the same for all clips of an avatar; "" without any."""
-    pairs = entry.get("excluded", ())
+    """A sentence on the pairs that are excluded from contact, and on those that overlap at home, the same for all clips of an
+    avatar; "" without any."""
     told = []
-    for why, words in ((certificate.BY_FILE, "by the file"), (certificate.AT_REST, "since they overlap at rest")):
+    for kind, one_is, are in (
+        ("excluded", "is excluded", "are excluded"), ("at_rest", "overlaps", "overlap"),
+    ):
         # links without the name of their avatar, which of a recorded skeleton is that of its clip
-        names = [" and ".join(one[side].partition("/")[2] or one[side] for side in "ab") for one in pairs if one["why"] == why]
+        names = [" and ".join(one[side].partition("/")[2] or one[side] for side in "ab") for one in entry.get(kind, ())]
         if names:
-            told.append(f"{f'{len(names)} ' if len(names) < len(pairs) else ''}{words} ({_some(names)})")
-    count = "1 pair is" if len(pairs) == 1 else f"{len(pairs)} pairs are"
-    return f"{count} excluded from contact, and no proof looks there: {', '.join(told)}" if told else ""
+            count = f"1 pair {one_is}" if len(names) == 1 else f"{len(names)} pairs {are}"
+            told.append(f"{count} {MEANS[kind]}: {_some(names)}")
+    return "; ".join(told)
 
 
 def _deepest(one: dict[str, Any]) -> str:

@@ -22,7 +22,7 @@ from avatarsim.files import parsed_json, read_text
 from avatarsim.running.sources import code_hash, versions
 from avatarsim.scene.motion import Motion
 
-LAYOUT = 1
+LAYOUT = 2
 """Version of the layout."""
 LINES = 3
 """Levels of a certificate whose members have a line each."""
@@ -32,9 +32,6 @@ MARK = '{\n "layout": '
 LARGEST, LARGEST_WHOLE = 2**27, 2**30
 """Bytes of a clip's certificate at most, and of a folder's. An entry has some 20 kB, so this is a folder of 50,000 clips; of a
 larger one what earlier commands left undone is not read back."""
-
-BY_FILE, AT_REST = "by the file", "overlaps at rest"
-"""Why a pair is excluded from contact."""
 
 Trouble = tuple[str, str, str]
 """(name, kind, why) of what could not be done."""
@@ -74,9 +71,8 @@ def entry(
         },
         "limits": {"excess_before_rad": before.limit_excess, "excess_after_rad": after.limit_excess if after else None},
         "jerk_p95_m_s3": {"before": _jerk(before), "after": _jerk(after) if after else None},
-        "excluded": [
-            {"a": one.a, "b": one.b, "depth_m": one.depth, "why": AT_REST if one.at_rest else BY_FILE} for one in last.excluded
-        ],
+        "excluded": [{"a": one.a, "b": one.b, "depth_m": one.depth} for one in last.excluded],
+        "at_rest": [{"a": one.a, "b": one.b, "allowed_m": one.allowed, "depth_m": one.depth} for one in last.at_rest],
         "said": list(dict.fromkeys(sentences)),
     }
     if cleaned is not None:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from avatarsim.cleaning import Audit, Cleaned, Flagged, Moved, Opinion
+from avatarsim.cleaning import AtRest, Audit, Cleaned, Flagged, Moved, Opinion
 from avatarsim.cleaning.result import Excluded
 from avatarsim.clips import certificate
 from avatarsim.clips.wishes import Reading, Wishes
@@ -24,7 +24,7 @@ def audit(depth: float = 0.0, opinion: bool = True) -> Audit:
     found = Opinion("coal", FRAMES, 1, depth, 30, 0, 0.0) if opinion else None
     depths = np.array([0.0, depth, 0.0, 0.0])
     return Audit(depths, ("hand", "table") if depth else None, np.array([1.0, 0.5 if depth else 1.0, 1.0]), 0.01 * depth, 12.5,
-                 math.nan, (Excluded("a", "b", 0.02), Excluded("walk/a", "walk/c", 0.0, True)), found, ("said of the audit",))
+                 math.nan, (Excluded("a", "b", 0.02),), found, ("said of the audit",), (AtRest("walk/a", "walk/c", 0.01, 0.005),))
 
 
 def entry(**changed: Any) -> dict[str, object]:

@@ -45,7 +45,8 @@ def test_figures_stand_where_they_belong() -> None:
     assert one["jerk_p95_m_s3"]["before"] == {"where_free": 12.5, "elsewhere": None}
     assert one["moved"]["links"][1] == {"name": "arm", "rms_m": 0.02, "p95_m": 0.04} and one["changed_frames"] == 2
     assert one["held_frames"] == 1
-    assert [(pair["a"], pair["why"]) for pair in one["excluded"]] == [("a", "by the file"), ("walk/a", "overlaps at rest")]
+    assert one["excluded"] == [{"a": "a", "b": "b", "depth_m": 0.02}]
+    assert one["at_rest"] == [{"a": "walk/a", "b": "walk/c", "allowed_m": 0.01, "depth_m": 0.005}]
     assert one["flagged"][0] == {"first": 1, "last": 2, "why": "overlap", "pair": ["hand", "table"]}
     assert one["said"] == ["read so", "said of the audit"] and one["rate_hz"] == 30.0
     assert one["inputs"]["avatar"][1] == {"name": "assets/a.stl", "sha256": "2" * 64}

@@ -18,7 +18,7 @@ from avatarsim.assets.models.doors import COLLIDE
 from avatarsim.assets.models.laws import Laws
 from avatarsim.assets.models.links_of_tree import JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
-from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.model import Model, without_pairs
 from avatarsim.assets.models.pairs import Filter, Part
 from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
@@ -60,6 +60,7 @@ class Options:
     scale: float = 1.0
     collide: str = "collision"
     keyframe: str | int | None = None
+    exclude: tuple[tuple[str, str], ...] = ()
 
 
 def model_of_file(path: Path, options: Options) -> Model:
@@ -122,6 +123,8 @@ class _Reading:
                 'collide="visual" takes the shapes that are to be looked at'
             )
             raise InvalidFile(f"shapes of {self._file} that collide", 0, valid)
+        if self._options.exclude:
+            found = without_pairs(found, self._options.exclude)
         said: tuple[str, ...] = ()
         if avatar is not None or any(body.role is Role.SIMULATED for body in bodies):
             # the engine's compiler, which a room alone does without

@@ -42,6 +42,7 @@ from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Capsule, Piece, Sphere
 from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
+from avatarsim.tolerances import POSTURE_GAP
 
 Array = NDArray[np.float64]
 
@@ -50,6 +51,11 @@ SHORTEST_BONE = 2e-3
 
 TOUCHING = 1e-4
 """Gap [m] below which a pair of links counts as overlapping at rest: it would be in contact in every frame."""
+
+FLESH = 0.25
+"""Share of the thinner link's radius by which a pair that overlaps when standing may be deeper in motion. The shapes are a guess,
+and thighs and shoulders press into a trunk: in a recorded dance by 14 mm, a sixth of a thigh. Larger: an arm goes through a chest
+unseen; smaller: people who sit or shrug count as overlapping."""
 
 LEAST_MASS = 0.01
 """Mass [kg] of a link without pieces: a hundred times less than a hand, so that it weighs nothing in what is added up."""
@@ -60,9 +66,10 @@ def human(
 ) -> Model:
     """The avatar of a skeleton that stands `stature` [m] tall, of `mass` [kg].
 
-    `clip` are postures of it, the first of which is that of its recording: links that overlap in it or at rest may overlap.
-    `limits` gives joints of known name their range of motion, other joints none. Raises InvalidInput for sizes that no avatar
-    has, and for a mass that is none."""
+    `clip` are postures of it, among which a standing one is looked for where the skeleton does not stand at rest. Links that
+    overlap in a standing posture may do so as deep as there (`FLESH`): a verdict on a frame does not depend on where its clip is
+    cut. `limits` gives joints of known name their range of motion, other joints none. Raises InvalidInput for sizes that no
+    avatar has, and for a mass that is none."""
     positive(f"mass of the avatar of {skeleton.name} [kg]", mass, InvalidInput)
     positive(f"height of the skeleton of {skeleton.name} [m]", stature, InvalidInput)
     named = parts(skeleton)
@@ -76,8 +83,8 @@ def human(
              anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0))
         for k, bone in enumerate(skeleton.bones)
     )
-    ignored = _overlapping(Avatar(skeleton.name, links), clip, standing)
-    avatar = Avatar(skeleton.name, links, ignore=ignored)
+    at_rest = _overlapping(Avatar(skeleton.name, links), standing)
+    avatar = Avatar(skeleton.name, links, at_rest=at_rest)
     said = [
         f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by its joints' names "
         "and mean human bodies, not a measurement of what was recorded",
@@ -93,11 +100,10 @@ def human(
     free = [name for name, one in limits_of.items() if one is not None and one.twist == ANY_TWIST]
     if free:
         said.append(f"joints whose twist has no limit, as their frames at rest are turned about too far: {', '.join(free)}")
-    if ignored:
-        listed = ", ".join(f"{a} and {b}" for a, b in ignored)
-        said.append(f"pairs that overlap in a standing posture or in the first frame, and may: {listed}")
-    at_rest = tuple((f"{avatar.name}/{a}", f"{avatar.name}/{b}") for a, b in ignored)
-    return Model(avatar, coordinates(avatar, skeleton), (), tuple(said), at_rest=at_rest)
+    if at_rest:
+        listed = ", ".join(f"{a} and {b} by {1e3 * depth:.3g} mm" for a, b, depth in at_rest)
+        said.append(f"pairs that overlap in a standing posture, and may up to: {listed}")
+    return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
 
 
 def coordinates(avatar: Avatar, skeleton: Skeleton) -> Coordinates:
@@ -227,21 +233,29 @@ def _segment(part: Part, known: bool) -> tuple[str, str]:
     return segment, "" if segment in MIDDLE else part.side
 
 
-def _overlapping(avatar: Avatar, clip: Motion, standing: Stance | None) -> tuple[tuple[str, str], ...]:
-    """Pairs of links, not a link and its parent, that overlap in the first posture of a clip or in a standing one.
+def _overlapping(avatar: Avatar, standing: Stance | None) -> tuple[tuple[str, str, float], ...]:
+    """Pairs of links, not a link and its parent, that overlap in a standing posture, and how deep [m] they may be: as there, and
+    as far as flesh gives way.
 
     Where no standing one is known, at rest, and then those of one parent and of a parent's alone: the rest may be folded up."""
-    index = {link.name: k for k, link in enumerate(avatar.links)}
-    parent = np.array([-1 if link.parent is None else index[link.parent] for link in avatar.links])
+    links = avatar.links
+    index = {link.name: k for k, link in enumerate(links)}
+    parent = np.array([-1 if link.parent is None else index[link.parent] for link in links])
     here = np.arange(len(parent))
     above = np.where(parent >= 0, parent[parent], -1)
     near = (parent[:, None] == parent) | (above[:, None] == here) | (here[:, None] == above)
-    first, still = clip.sample(0), rest([avatar])
+    home = rest([avatar])
     if standing is not None:
-        still = replace(still, rotations=standing.rotations, angles=standing.angles)
-    found = link_gaps(avatar.links, *link_poses([avatar], still)) < TOUCHING
-    found &= near | (standing is not None)
-    found |= link_gaps(avatar.links, *link_poses([avatar], first)) < TOUCHING
-    found &= (parent[:, None] != here) & (here[:, None] != parent)
-    names = [link.name for link in avatar.links]
-    return tuple((names[a], names[b]) for a, b in np.argwhere(np.triu(found)))
+        home = replace(home, rotations=standing.rotations, angles=standing.angles)
+    gaps = link_gaps(links, *link_poses([avatar], home))
+    found = (gaps < TOUCHING) & (near | (standing is not None)) & (parent[:, None] != here) & (here[:, None] != parent)
+    thick = [max((shape.radius for shape in shapes_of(link)), default=0.0) for link in links]
+    return tuple(
+        (links[a].name, links[b].name, max(0.0, -float(gaps[a, b])) + max(POSTURE_GAP, FLESH * min(thick[a], thick[b])))
+        for a, b in np.argwhere(np.triu(found)).tolist()
+    )
+
+
+def shapes_of(link: Link) -> list[Capsule | Sphere]:
+    """The shapes of a link of a recorded skeleton."""
+    return [piece.shape for piece in link.pieces if isinstance(piece.shape, Capsule | Sphere)]

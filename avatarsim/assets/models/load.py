@@ -27,7 +27,7 @@ def load_avatar(
     couplings: str = "refuse", meshes: str | tuple[str, ...] = "hull", most_vertices: int = 128, repair: str = "auto",
     fit: float | None = None, leave: tuple[str, ...] = (), masks: bool = True, folder: str | Path | None = None,
     size_range: tuple[float, float] = PLAUSIBLE_SIZE, scale: float = 1.0, keyframe: str | int | None = None,
-    collide: str = "collision", needed: bool = True,
+    collide: str = "collision", needed: bool = True, exclude: tuple[tuple[str, str], ...] = (),
 ) -> Model:
     """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
 
@@ -51,17 +51,19 @@ def load_avatar(
     keyframe    name or number of the keyframe to start at, "qpos0" for the reference; by default the one named home, else the
                 first one, else the reference
     needed      False: a file in which nothing has joints is a room and loose bodies, and no error
+    exclude     pairs of names of links or bodies that never touch, besides those of the file
 
-    Trees with a free joint beside the avatar are loose bodies, those without joints the fixed room. Pairs that overlap at the
-    reference never touch; `said` lists them with their depths, and all else that is not as in the file.
-    Raises InvalidFile for what is refused, with file, place and what to do; UnknownName and InvalidInput for options that do not
-    fit; MissingPackage without mujoco."""
+    Trees with a free joint beside the avatar are loose bodies, those without joints the fixed room. At the start loose bodies
+    that overlap are moved apart, a free avatar is raised out of the room, and links that overlap then may be no deeper; `said`
+    lists them with their depths, and all else that is not as in the file.
+    Raises InvalidFile for what is refused, with file, place and what to do; StartOverlaps for overlaps that can be neither moved
+    apart nor guarded; UnknownName and InvalidInput for options that do not fit; MissingPackage without mujoco."""
     return model_of_file(
         Path(path),
         Options(
             avatar, True if needed else None, folder, JointWishes(fix, couplings, root),
             MeshWishes(meshes, most_vertices, repair, fit), leave, masks, size_range=size_range, scale=scale,
-            collide=collide, keyframe=keyframe,
+            collide=collide, keyframe=keyframe, exclude=exclude,
         ),
     )
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.laws import Frictions
+from avatarsim.errors import UnknownName
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.checks import Vector
@@ -30,8 +31,7 @@ class Model:
     start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar
     gravity      [m/s^2]
     frictions    of the file's geoms, whose materials bodies and links have
-    at_rest      of the pairs that never touch, by their names in a scene, those that do not since they overlap at the file's
-                 reference or, of a recorded skeleton, standing or in the first frame; the others are the file's own word"""
+    at_rest      pairs that overlap at `start` and may be no deeper, besides those of the avatar itself, as in `Scene.at_rest`"""
 
     avatar: Avatar | None
     coordinates: Coordinates | None
@@ -39,7 +39,7 @@ class Model:
     said: tuple[str, ...]
     exclude: tuple[tuple[str, str], ...] = ()
     start: TrackerSample | None = None
-    at_rest: tuple[tuple[str, str], ...] = ()
+    at_rest: tuple[tuple[str, str, float], ...] = ()
     moving: tuple[Avatar, ...] = ()
     attached: tuple[tuple[str, str], ...] = ()
     gravity: Vector = EARTH
@@ -55,13 +55,35 @@ class Model:
             start = with_moving(avatars, start, {}, rest(avatars))
         return Scene(
             name, self.bodies, avatars, self.frictions.table(), self.gravity, start=start, exclude=self.exclude,
-            attached=self.attached,
+            attached=self.attached, at_rest=self.at_rest,
         )
 
     @property
     def room(self) -> tuple[Body, ...]:
         """Bodies of the room: fixed and loose ones, and moving ones as fixed at their first poses."""
         return (*self.bodies, *(standing(one) for one in self.moving))
+
+
+def without_pairs(model: Model, pairs: Sequence[tuple[str, str]]) -> Model:
+    """Return the model in which these pairs never touch, by the names of links and bodies, or by those of its scene.
+
+    Raises UnknownName for other names."""
+    avatar, own, others = model.avatar, list[tuple[str, str]](), list[tuple[str, str]]()
+    known = {name: name for name in model.scene().names}
+    links = {} if avatar is None else {f"{avatar.name}/{link.name}": link.name for link in avatar.links}
+    known = {short: name for name, short in links.items()} | known
+    for pair in pairs:
+        for name in pair:
+            if name not in known:
+                raise UnknownName("link or body in exclude", str(name), list(known))
+        a, b = (known[name] for name in pair)
+        if a in links and b in links:
+            own.append((links[a], links[b]))
+        else:
+            others.append((a, b))
+    if avatar is not None and own:
+        avatar = replace(avatar, ignore=(*avatar.ignore, *own))
+    return replace(model, avatar=avatar, exclude=(*model.exclude, *others))
 
 
 def beside(model: Model, room: Model) -> Model:
@@ -81,9 +103,10 @@ def beside(model: Model, room: Model) -> Model:
         taken.add(name)
     bodies = tuple(replace(body, name=names[body.name]) for body in room.bodies)
     moving = tuple(replace(one, name=names[one.name]) for one in room.moving)
-    exclude, at_rest, attached = (
-        tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.at_rest, room.attached)
+    exclude, attached = (
+        tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.attached)
     )
+    at_rest = tuple((names.get(a, a), names.get(b, b), depth) for a, b, depth in room.at_rest)
     return replace(
         model, bodies=(*model.bodies, *bodies), moving=(*model.moving, *moving), exclude=(*model.exclude, *exclude),
         at_rest=(*model.at_rest, *at_rest), attached=(*model.attached, *attached),

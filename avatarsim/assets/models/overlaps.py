@@ -1,111 +1,172 @@
-"""Overlaps of a model at its reference: measured as when a scene is loaded, and taken away before it is.
+"""Overlaps of a model at home, its start: moved apart where something is loose, else guarded at the depth that they have.
 
-Depths are those of EPA (van den Bergh 2001). An avatar with a free root, and a loose body, that stand in something fixed are
-raised; what overlaps after that is excluded and said.
+Depths are those of EPA (van den Bergh 2001). An avatar with a free root that stands in something fixed is raised, and a loose
+body goes out of what it is in. A pair of links that overlaps then may be no deeper than it is, and a stand-off (`Scene.at_rest`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from avatarsim.assets.models.model import Model
-from avatarsim.model.world import build
-from avatarsim.pose_queries import overlapping_pairs
+from avatarsim.errors import StartOverlaps
+from avatarsim.model.world import World, build
+from avatarsim.pose_queries import Overlap, deepest_overlaps, width
 from avatarsim.scene.body import Role
+from avatarsim.tolerances import POSTURE_GAP
+
+Array = NDArray[np.float64]
+
+LOOSE = 'move the loose body, or what it is welded to, in the file, leave out its geoms (leave=("name", ...)), '\
+        "or start at another keyframe"
+GROUND = "give the root another height or place, start at another keyframe, or name the pair in <exclude> of the file or exclude="
+INSIDE = 'a piece lies so deep in another that no depth says when it goes through: leave it out (leave=("name", ...)), '\
+         "start at another keyframe, or let the pairs never touch: exclude="
+"""What to do about pairs that are refused: of a loose body; of a free avatar and the room; of a piece deep inside another."""
 
 MARGIN = 1e-4
-"""[m] How far above what it stood in a body is put: half of the distance that the engine keeps by itself."""
+"""[m] How far from what it stood in a body is put: half of the distance that the engine keeps by itself."""
 
 ROUNDS = 8
-"""How often a body is raised: by its depth each time, which is enough at once where what it stands in is level."""
+"""How often bodies are moved: by their depth each time, a pile from below, which is enough at once on level ground."""
 
 HIGHEST = 0.5
-"""[m] How far a body is raised at most, an avatar by its span: many files have the root of one that stands in the ground's plane.
-More: it hangs in a wall, and where it is meant to be is a guess."""
+"""[m] How far a body is moved at most, an avatar by its span: in many files its root lies in the plane of the ground. More: it
+hangs in a wall, and its right place is a guess."""
 
-Pairs = list[tuple[str, str, float]]
+SWALLOWED = 1.5
+"""Depth, as a share of the least width of the smaller piece, from which a pair is refused: that piece lies half a width below the
+surface of the other, and may go that far anywhere inside it unseen. Smaller: robots are refused whose neighbours overlap by
+design (in 92 public ones up to 1.14, of an upper arm and a forearm that rolls in it); larger: fingers that are in a thigh at
+zero angles (2.2 to 2.5) pass for guarded."""
+
+ALLOWED = POSTURE_GAP
+"""[m] How much deeper than at home a pair may be: the stand-off of the engine. At 0 standing at home is a contact."""
 
 
 def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
-    """The model without overlaps at its start, and sentences on what was done; `root_moves` says whether its avatar's root is
-    free. Bodies are raised; pairs that overlap then are in `exclude`, or in the avatar's `ignore`."""
-    raised: dict[str, float] = {}
-    stuck: set[str] = set()
-    pairs = overlapping_pairs(build(model.scene()))
+    """Return the model with loose bodies moved apart, its avatar raised and all other overlaps guarded, and sentences on that.
+
+    `root_moves` says whether the avatar's root is free. Raises StartOverlaps for what can be neither moved nor guarded.
+    """
+    shifts, stuck = dict[str, Array](), set[str]()
+    world = build(model.scene())
+    found = deepest_overlaps(world)
     for _ in range(ROUNDS):
-        lifts = {name: depth + MARGIN for name, depth in _lifts(model, pairs, root_moves).items() if name not in stuck}
-        for name in [name for name, lift in lifts.items() if raised.get(name, 0.0) + lift > _highest(model, name)]:
-            stuck.add(name)
-            lifts[name] = -raised.get(name, 0.0)
-        if not any(lifts.values()):
+        moves = {name: move for name, move in _moves(model, world, found, root_moves).items() if name not in stuck}
+        for name in moves:
+            if np.linalg.norm(shifts.get(name, 0.0) + moves[name]) > _farthest(model, name):
+                stuck.add(name)
+                moves[name] = -shifts.get(name, np.zeros(3))
+        if not any(move.any() for move in moves.values()):
             break
-        for name, lift in lifts.items():
-            raised[name] = raised.get(name, 0.0) + lift
-        model = _raised(model, lifts)
-        pairs = overlapping_pairs(build(model.scene()))
+        for name, move in moves.items():
+            shifts[name] = shifts.get(name, np.zeros(3)) + move
+        model = _moved(model, moves)
+        world = build(model.scene())
+        found = deepest_overlaps(world)
+    lengths = {name: 1e3 * float(np.linalg.norm(shift)) for name, shift in shifts.items()}
     said = []
-    if lifted := [f"{name} by {1e3 * lift:.3g} mm" for name, lift in raised.items() if lift > 0.0]:
-        said.append(f"raised at the start, to stand on what they stood in: {', '.join(lifted)}")
-    if pairs:
-        listed = ", ".join(f"{a} and {b} by {1e3 * depth:.3g} mm" for a, b, depth in sorted(pairs, key=lambda pair: -pair[2]))
-        said.append(f"{len(pairs)} pairs overlap at the reference and never touch: {listed}")
-    return _without(model, pairs), tuple(said)
+    if listed := [f"{name} by {length:.3g} mm" for name, length in lengths.items() if length > 0.0]:
+        said.append(f"moved at the start, out of what they stood in: {', '.join(listed)}")
+    return _guarded(model, world, found, root_moves, said)
 
 
-def _highest(model: Model, name: str) -> float:
-    """How far [m] the body or avatar of this name is raised at most."""
+def _farthest(model: Model, name: str) -> float:
+    """How far [m] the body or avatar of this name is moved at most."""
     return HIGHEST if model.avatar is None or name != model.avatar.name else max(HIGHEST, model.avatar.span)
 
 
-def _lifts(model: Model, pairs: Pairs, root_moves: bool) -> dict[str, float]:
-    """How deep [m] each body that may be raised, and the avatar, stand in something fixed."""
+def _roles(model: Model) -> tuple[set[str], set[str], set[str]]:
+    """Names of loose bodies, of fixed ones, and of loose ones that are attached to the avatar."""
     loose = {body.name for body in model.bodies if body.role is Role.SIMULATED}
-    fixed = {body.name for body in model.room} - loose
-    found: dict[str, float] = {}
-    for a, b, depth in pairs:
-        for one, other in ((a, b), (b, a)):
-            if other not in fixed:
-                continue
-            if one in loose:
-                found[one] = max(found.get(one, 0.0), depth)
-            elif model.avatar is not None and root_moves:
-                found[model.avatar.name] = max(found.get(model.avatar.name, 0.0), depth)
-    own = model.avatar.name if model.avatar is not None and root_moves else ""
-    together = {own, *(body for body, link in model.attached if own and (link == own or link.startswith(f"{own}/")))}
-    for body, _ in model.attached:
-        if body not in together:
-            # it keeps its place on what it is welded to
-            found.pop(body, None)
-    if own:
+    own = model.avatar.name if model.avatar is not None else None
+    held = {body for body, link in model.attached if own is not None and (link == own or link.startswith(f"{own}/"))}
+    return loose, {body.name for body in model.room} - loose, held
+
+
+def _moves(model: Model, world: World, found: Iterable[Overlap], root_moves: bool) -> dict[str, Array]:
+    """How far [m] (3,) each loose body, and the avatar, is to go: from below, so that a pile is put right at once."""
+    loose, fixed, held = _roles(model)
+    free = loose - {body for body, _ in model.attached}
+    own = model.avatar.name if model.avatar is not None and root_moves else None
+    height = dict(zip(world.scene.names, (world.poses.hulls[:, 2] + world.poses.hulls[:, 5]).tolist(), strict=True))
+    moves = dict[str, Array]()
+    lift = 0.0
+    for one in sorted(found, key=lambda one: max(height[one.a], height[one.b])):
+        a_goes, b_goes = one.a in free, one.b in free
+        if own is not None and not (a_goes or b_goes):
+            together = held | (set(world.scene.names) - loose - fixed)
+            if (one.a in fixed and one.b in together) or (one.b in fixed and one.a in together):
+                lift = max(lift, one.depth + MARGIN)
+        if not (a_goes or b_goes):
+            continue
+        upwards = a_goes and (not b_goes or height[one.a] > height[one.b])
+        goes, stays, n = (one.a, one.b, np.array(one.normal)) if upwards else (one.b, one.a, -np.array(one.normal))
+        nothing = np.zeros(3)
+        before = moves.get(goes, nothing)
+        way = one.depth + MARGIN + float(n @ (moves.get(stays, nothing) - before))
+        moves[goes] = before + max(way, 0.0) * n
+    if own is not None and lift > 0.0:
         # what is attached to the avatar is raised with it
-        if lift := max((found.get(name, 0.0) for name in together), default=0.0):
-            found |= dict.fromkeys(together, lift)
-    return found
+        moves |= dict.fromkeys((own, *sorted(held)), np.array([0.0, 0.0, lift]))
+    return moves
 
 
-def _raised(model: Model, lifts: dict[str, float]) -> Model:
-    """The model with bodies, and its avatar's start, moved up [m]."""
-    bodies = tuple(
-        replace(body, position=(*body.position[:2], body.position[2] + lifts[body.name])) if body.name in lifts else body
-        for body in model.bodies
-    )
+def _moved(model: Model, moves: dict[str, Array]) -> Model:
+    """The model with bodies, and its avatar's start, moved [m]."""
+    bodies = []
+    for body in model.bodies:
+        if body.name in moves:
+            x, y, z = (float(v) for v in np.array(body.position) + moves[body.name])
+            body = replace(body, position=(x, y, z))
+        bodies.append(body)
     start = model.start
-    if model.avatar is not None and start is not None and model.avatar.name in lifts:
+    if model.avatar is not None and start is not None and model.avatar.name in moves:
         positions = start.positions.copy()
-        positions[0, 2] += lifts[model.avatar.name]
+        positions[0] += moves[model.avatar.name]
         start = replace(start, positions=positions)
-    return replace(model, bodies=bodies, start=start)
+    return replace(model, bodies=tuple(bodies), start=start)
 
 
-def _without(model: Model, pairs: Sequence[tuple[str, str, float]]) -> Model:
-    """The model in which these pairs never touch."""
-    avatar, own, others = model.avatar, [], []
-    named = {} if avatar is None else {f"{avatar.name}/{link.name}": link.name for link in avatar.links}
-    for a, b, _ in pairs:
-        if a in named and b in named:
-            own.append((named[a], named[b]))
+def _guarded(
+    model: Model, world: World, found: Iterable[Overlap], root_moves: bool, said: list[str]
+) -> tuple[Model, tuple[str, ...]]:
+    """The model whose pairs that overlap are no deeper than now, or StartOverlaps; a welded body passes through its avatar."""
+    loose, fixed, held = _roles(model)
+    own = model.avatar.name if model.avatar is not None else ""
+    # welded bodies and the links of an avatar are one, a body that is welded to something moving and that are another
+    owner = dict(model.attached) | dict.fromkeys(held | (set(world.scene.names) - loose - fixed), own)
+    welded, guarded, refused = list[Overlap](), list[Overlap](), dict[str, list[Overlap]]()
+    for one in sorted(found, key=lambda one: -one.depth):
+        pair = {one.a, one.b}
+        if pair & loose:
+            together = owner.get(one.a, one.a) == owner.get(one.b, one.b)
+            (welded if together else refused.setdefault(LOOSE, [])).append(one)
+        elif pair & fixed and root_moves:
+            refused.setdefault(GROUND, []).append(one)
+        elif one.depth > SWALLOWED * min(width(world, one.pieces[0]), width(world, one.pieces[1])):
+            refused.setdefault(INSIDE, []).append(one)
         else:
-            others.append((a, b))
-    if avatar is not None and own:
-        avatar = replace(avatar, ignore=(*avatar.ignore, *own))
-    at_rest = (*model.at_rest, *((a, b) for a, b, _ in pairs))
-    return replace(model, avatar=avatar, exclude=(*model.exclude, *others), at_rest=at_rest)
+            guarded.append(one)
+    if refused:
+        inside = tuple((one.a, one.b) for one in refused.get(INSIDE, ()))
+        advice = "; ".join(f"{what}{inside}" if what == INSIDE else what for what in refused)
+        raise StartOverlaps([(one.a, one.b, one.depth) for some in refused.values() for one in some], advice)
+    for some, what in ((guarded, "overlap at the start and may be no deeper"), (welded, "are welded, overlap, and never touch")):
+        if some:
+            listed = ", ".join(f"{one.a} and {one.b} by {1e3 * one.depth:.3g} mm" for one in some)
+            said.append(f"{len(some)} pairs {what}: {listed}")
+    exclude = (*model.exclude, *((one.a, one.b) for one in welded))
+    avatar, own_pairs, others = model.avatar, [], list(model.at_rest)
+    links = {} if avatar is None else {f"{avatar.name}/{link.name}": link.name for link in avatar.links}
+    for one in guarded:
+        if one.a in links and one.b in links:
+            own_pairs.append((links[one.a], links[one.b], one.depth + ALLOWED))
+        else:
+            others.append((one.a, one.b, one.depth + ALLOWED))
+    if avatar is not None and own_pairs:
+        avatar = replace(avatar, at_rest=(*avatar.at_rest, *own_pairs))
+    return replace(model, avatar=avatar, exclude=exclude, at_rest=tuple(others)), tuple(said)

@@ -54,6 +54,12 @@ def stance(skeleton: Skeleton, named: Sequence[Part], clip: Motion) -> tuple[Sta
     return found, f"at {clip.times[best_frame]:.3g} s of the clip, as the skeleton is folded at rest"
 
 
+def axis_at_rest(skeleton: Skeleton, named: Sequence[Part]) -> int | None:
+    """Return the axis, 0 to 2, along which the skeleton stands with every joint at zero; None where it does not stand then."""
+    standing, _ = _upright(skeleton, named, *skeleton.still)
+    return None if standing is None else int(np.argmax(np.abs(standing.up)))
+
+
 def _upright(
     skeleton: Skeleton, named: Sequence[Part], positions: Array, rotations: Array, angles: Array
 ) -> tuple[Stance | None, float]:

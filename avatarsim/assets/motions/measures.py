@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.anthropometry import parts
+from avatarsim.assets.models.stance import axis_at_rest
 from avatarsim.assets.motions.recording import Axes, Recording
 from avatarsim.errors import InvalidFile
 
@@ -72,14 +73,18 @@ def _up(rest: Array, clip: Array) -> tuple[str, str]:
 
 
 def _height(recording: Recording) -> float:
-    """Standing height in the file's unit: from the lowest foot to the top of the head, if names tell, at rest or in the clip,
-    whichever is more: some skeletons at rest are folded up."""
-    kinds = [part.kind for part in parts(recording.skeleton)]
+    """Standing height in the file's unit: from the lowest foot to the top of the head, if names tell, at rest; of a skeleton that
+    does not stand at rest, as some are folded up, in the clip, if that is more."""
+    named = parts(recording.skeleton)
+    kinds = [part.kind for part in named]
     owners = np.array([kinds[bone] for bone in recording.skeleton.owners])
     body = np.isin(owners, ("head", "face", "neck", "foot", "toe", "shank"))
     if not (np.isin(owners, ("head", "neck")).any() and np.isin(owners, ("foot", "toe")).any()):
         body[:] = True
     rest, clip = _points(recording)
+    upright = axis_at_rest(recording.skeleton, named)
+    if upright is not None:
+        return float(np.ptp(rest[body, upright]))
     return float(max(np.ptp(rest[body, 2]), np.ptp(clip[:, body, 2], axis=1).max()))
 
 

@@ -210,9 +210,15 @@ def _said(entry: Mapping[str, Any]) -> str:
     if entry["said"]:
         found = "<h2>Said</h2>\n<ul class=soft>" + "".join(f"<li>{esc(one)}</li>" for one in entry["said"]) + "</ul>"
     if entry["excluded"]:
-        rows = [[esc(one["a"]), esc(one["b"]), esc(one["why"]), esc(length(one["depth_m"]))] for one in entry["excluded"]]
-        pairs = table(["link or body", "and", "why", "deepest overlap"], rows)
+        rows = [[esc(one["a"]), esc(one["b"]), esc(length(one["depth_m"]))] for one in entry["excluded"]]
+        pairs = table(["link or body", "and", "deepest overlap"], rows)
         found += f"<details><summary>Pairs that are excluded from contact</summary>{pairs}</details>"
+    if entry["at_rest"]:
+        rows = [
+            [esc(one["a"]), esc(one["b"]), esc(length(one["allowed_m"])), esc(length(one["depth_m"]))] for one in entry["at_rest"]
+        ]
+        pairs = table(["link or body", "and", "may overlap by", "deepest overlap"], rows)
+        found += f"<details><summary>Pairs that overlap at home</summary>{pairs}</details>"
     return found
 
 

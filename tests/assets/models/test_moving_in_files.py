@@ -51,11 +51,16 @@ def test_a_weld_of_another_pose_with_free_turns_or_without_effect_attaches_nothi
     assert not model_of(tmp_path, f'<equality><weld name="far" body1="door" body2="handle" {weld}/></equality>').attached
 
 
-def test_a_welded_tool_in_something_fixed_keeps_its_place(tmp_path: Path) -> None:
+def test_a_welded_tool_in_something_fixed_is_refused_and_in_what_carries_it_never_touches(tmp_path: Path) -> None:
+    weld = '<equality><weld body1="wrist" body2="tool"/></equality>'
     shelf = '<geom name="shelf" type="box" size=".1 .1 .04" pos=".5 0 .65"/>'
-    model = av.load_avatar(written(tmp_path, ARM + TOOL + shelf, '<equality><weld body1="wrist" body2="tool"/></equality>'))
-    tool = next(body for body in model.bodies if body.name == "tool")
-    assert tool.position == (0.5, 0.0, 0.575) and ("tool", "shelf") in {*model.exclude, *((b, a) for a, b in model.exclude)}
+    with pytest.raises(av.StartOverlaps) as error:
+        av.load_avatar(written(tmp_path, ARM + TOOL + shelf, weld))
+    assert [set(pair[:2]) for pair in error.value.pairs] == [{"shelf", "tool"}]
+    low = TOOL.replace(".575", ".565")
+    model = av.load_avatar(written(tmp_path, ARM + low, weld))
+    assert {frozenset(pair) for pair in model.exclude} >= {frozenset(("tool", f"{model.avatar.name}/wrist"))}
+    assert next(body for body in model.bodies if body.name == "tool").position == (0.5, 0.0, 0.565)
 
 
 def test_a_tool_whose_free_avatar_is_raised_goes_up_with_it(tmp_path: Path) -> None:

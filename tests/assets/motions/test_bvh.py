@@ -13,6 +13,7 @@ from avatarsim.assets.motions.bvh import BvhFile, read_bvh
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
+from avatarsim.scene.written import written as scene_data
 from avatarsim.spatial import rotation
 from tests.assets.motions.files import WALKER, bvh
 from tests.assets.motions.twins import bvh_places
@@ -49,6 +50,13 @@ def test_joints_are_where_another_library_has_them(tmp_path: Path) -> None:
     turns, places, parents, offsets, _, _ = other.get_data()
     theirs, _ = fk(turns, places[:, 0], np.where(np.arange(len(offsets))[:, None] == 0, 0.0, offsets), parents)
     assert np.abs(world(read_bvh(path, scale=0.01, up="z")) - 0.01 * theirs).max() < 1e-6
+
+
+def test_the_avatar_does_not_depend_on_where_the_clip_is_cut(tmp_path: Path) -> None:
+    values = rows(spread=60.0)
+    files = [read_bvh(written(tmp_path, bvh(WALKER, some)), scale=0.01, up="y") for some in (values, values[2:], values[4:5])]
+    one, two, three = (scene_data(file.model().avatar) for file in files)
+    assert one == two == three
 
 
 def test_numbers_come_back_bit_for_bit(tmp_path: Path) -> None:
