@@ -157,27 +157,34 @@ def solve_qp(
     skel: Skeleton, avatars: Avatars, first: int, last: int, tolerance: float, state: IkState, scratch_out: IkScratch
 ) -> None:
     """The step of members first .. last from the model of each, the rows, and the bounds; `tolerance` [m] ends the sweeps."""
-    s, r = scratch_out, scratch_out.rows
+    s = scratch_out
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = s.objective.newton[j]
     add_broken_bounds(skel, avatars, first, last, state, s)
     for _ in range(CUTS):
-        transform(avatars, s)
-        find_residuals(avatars, s)
-        before = s.counts[SWEEPS]
-        s.counts[SWEEPS] += sweep(r, FIRST_SWEEPS, tolerance)
-        if not r.is_solved[0] and not finish(tolerance, r):
-            find_residuals(avatars, s)
-            s.counts[SWEEPS] += sweep(r, SWEEPS_MOST - FIRST_SWEEPS, tolerance)
-        s.counts[PRODUCTS] += (s.counts[SWEEPS] - before) * r.used[0] // 2
-        assemble(avatars, first, last, s)
+        solve_dual(avatars, first, last, tolerance, s)
         if add_broken_bounds(skel, avatars, first, last, state, s) == 0:
             break
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
         keep_budget(skel, avatars, s.members[m], state.budget, True, s.step)
+
+
+@kernel
+def solve_dual(avatars: Avatars, first: int, last: int, tolerance: float, scratch_out: IkScratch) -> None:
+    """The step of members first .. last from the model of each and the rows that there are; `tolerance` [m] ends the sweeps."""
+    s, r = scratch_out, scratch_out.rows
+    transform(avatars, s)
+    find_residuals(avatars, s)
+    before = s.counts[SWEEPS]
+    s.counts[SWEEPS] += sweep(r, FIRST_SWEEPS, tolerance)
+    if not r.is_solved[0] and not finish(tolerance, r):
+        find_residuals(avatars, s)
+        s.counts[SWEEPS] += sweep(r, SWEEPS_MOST - FIRST_SWEEPS, tolerance)
+    s.counts[PRODUCTS] += (s.counts[SWEEPS] - before) * r.used[0] // 2
+    assemble(avatars, first, last, s)
 
 
 @kernel

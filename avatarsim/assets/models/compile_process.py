@@ -61,6 +61,9 @@ def compiled(path: Path, folder: Path, scale: float = 1.0, collide: str = "colli
     numbers |= _keyframes(model, mujoco, scale)
     kind = {"free_root": np.array(texts.free_root), "is_urdf": np.array(texts.is_robot)}
     kind["plugin_name"] = np.array(texts.plugins, dtype=np.str_)
+    # MuJoCo does not read limits of speed
+    stated = [texts.velocities.get(name, 0.0) for name in numbers["jnt_name"].tolist()]
+    kind["jnt_velocity"] = np.array(stated, dtype=np.float64)
     return {**kind, "mended_name": np.array(mended, dtype=np.str_), **numbers}
 
 

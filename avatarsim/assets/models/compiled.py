@@ -80,7 +80,8 @@ class Compiled:
     reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes that
     bodies collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within their mesh.
     `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name` which bodies had moments of
-    inertia that no solid has, `plugin_name` which plugins were left out. Frictions are those of sliding; keyframes have
+    inertia that no solid has, `plugin_name` which plugins were left out. `jnt_velocity` is the limit of speed of a URDF joint
+    [rad/s], 0 where the file states none. Frictions are those of sliding; keyframes have
     coordinates and poses of mocap bodies."""
 
     is_urdf: bool
@@ -111,6 +112,7 @@ class Compiled:
     jnt_axis: Array
     jnt_range: Array
     jnt_limited: Indices
+    jnt_velocity: Array
     qpos0: Array
     geom_type: Indices
     geom_bodyid: Indices

@@ -23,13 +23,14 @@ number of a joint that is held at the file's reference is a slot of its own, `fi
 class Slot:
     """One joint: its `name` in the file, its `kind` (of WIDTHS), the `link` that it moves, for a hinge which of the avatar's
     `hinge` angles it is, and the number `rest` that the file adds to that angle (a model's reference), or that is written for
-    what is fixed, which moves no link (-1)."""
+    what is fixed, which moves no link (-1). `speed` is the largest that the file states [rad/s], 0 where it states none."""
 
     name: str
     kind: str
     link: int
     hinge: int = -1
     rest: float = 0.0
+    speed: float = 0.0
 
 
 @dataclass(frozen=True)

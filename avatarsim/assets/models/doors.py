@@ -8,7 +8,7 @@ bodies and joints, and of URDF either visuals or collisions. What is compiled is
 import os
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from xml.parsers import expat
 
@@ -62,7 +62,7 @@ _DRIVE = re.compile(r"^[A-Za-z]:[\\/]")
 @dataclass(frozen=True)
 class Texts:
     """The XML of a model: `main` is the path of the file that was asked for, `texts` the bytes of all, by path below `folder`;
-    `plugins` are the names of those that were left out;
+    `plugins` are the names of those that were left out, `velocities` the limits of speed of URDF joints by name;
     `is_robot` says whether it is URDF, `free_root` whether it is so with no link named world, to which MuJoCo would fix it."""
 
     folder: Path
@@ -71,6 +71,7 @@ class Texts:
     free_root: bool
     is_robot: bool = False
     plugins: tuple[str, ...] = ()
+    velocities: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def bytes(self) -> int:
@@ -114,6 +115,7 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
     main = path.relative_to(folder).as_posix()
     texts: dict[str, bytes] = {}
     plugins: list[str] = []
+    velocities: dict[str, float] = {}
     waiting, left, free_root, is_robot = [(main, path)], XML_BYTES, False, False
     while waiting:
         name, place = waiting.pop()
@@ -128,9 +130,10 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
         texts[name] = scan.kept(texts[name])
         plugins += scan.plugins
         waiting += scan.found
+        velocities |= scan.velocities
         free_root |= name == main and scan.is_robot and not scan.has_world
         is_robot |= name == main and scan.is_robot
-    return Texts(folder, main, texts, free_root, is_robot, tuple(dict.fromkeys(plugins)))
+    return Texts(folder, main, texts, free_root, is_robot, tuple(dict.fromkeys(plugins)), velocities)
 
 
 def _plain(content: bytes) -> bytes:
@@ -141,7 +144,8 @@ def _plain(content: bytes) -> bytes:
 
 class _Scan:
     """One file of XML, element by element; `found` are the files of XML that it names: (path below the folder, path), `is_robot`
-    says whether it is URDF and `has_world` whether that has a link named world; `plugins` are the names of those left out."""
+    says whether it is URDF and `has_world` whether that has a link named world; `plugins` are the names of those left out,
+    `velocities` the limits of speed of its joints by name."""
 
     def __init__(self, name: str, main: PurePosixPath, folder: Path, collide: str) -> None:
         self._name, self._main, self._folder, self._collide = name, main, folder, collide
@@ -152,6 +156,7 @@ class _Scan:
         self._open: list[values.Element] = []
         self._elements = 0
         self.found: list[tuple[str, Path]] = []
+        self.velocities: dict[str, float] = {}
         self.is_robot = self.has_world = False
         # UTF-8 whatever the file says of itself, as MuJoCo's parser takes it
         self._parser = expat.ParserCreate("utf-8")
@@ -217,6 +222,8 @@ class _Scan:
                 self.plugins.append(attributes.get("plugin") or attributes.get("instance") or "without a name")
             return
         values.require(self._place, above, own)
+        if self.is_robot and tag == "limit" and above[-1].tag == "joint" and "velocity" in attributes:
+            self.velocities[above[-1].attributes.get("name", "")] = float(attributes["velocity"])
         if tag == "plugin":
             name = attributes.get("plugin") or attributes.get("name") or attributes.get("instance") or ""
             raise InvalidFile(self._place("<plugin>"), name, "shapes without plugins: a plugin is code, which is not run here")

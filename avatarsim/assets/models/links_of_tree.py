@@ -283,7 +283,7 @@ def _slots(tree: Tree, moved: dict[int, int], first_hinge: dict[int, int]) -> It
             for k in range(width):
                 yield Slot(name if width == 1 else f"{name} {k}", "fixed", -1, rest=float(model.qpos0[address + k]))
         elif kind == JointKind.HINGE:
-            yield Slot(name, "hinge", moved[j], first_hinge[j], float(model.qpos0[address]))
+            yield Slot(name, "hinge", moved[j], first_hinge[j], float(model.qpos0[address]), float(model.jnt_velocity[j]))
         else:
             yield Slot(name, kind.name.lower(), moved[j])
 

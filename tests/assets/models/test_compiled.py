@@ -24,6 +24,7 @@ def answer(**changed: object) -> bytes:
         **{f"body_{key}": np.zeros((2, 3)) for key in ("pos", "ipos", "inertia")},
         **{f"body_{key}": np.tile([1.0, 0.0, 0.0, 0.0], (2, 1)) for key in ("quat", "iquat")},
         "jnt_type": np.array([3]), "jnt_bodyid": np.array([1]), "jnt_qposadr": np.array([0]), "jnt_limited": np.array([True]),
+        "jnt_velocity": np.zeros(1),
         "jnt_pos": np.zeros((1, 3)), "jnt_axis": np.array([[0.0, 0.0, 1.0]]), "jnt_range": np.array([[-1.0, 1.0]]),
         "geom_type": np.array([2]), "geom_bodyid": np.array([1]), "geom_dataid": np.array([-1]), "geom_contype": np.array([1]),
         "geom_conaffinity": np.array([1]), "geom_pos": np.zeros((1, 3)), "geom_quat": np.array([[1.0, 0.0, 0.0, 0.0]]),

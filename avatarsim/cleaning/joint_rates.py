@@ -1,0 +1,111 @@
+"""Limits of speed and acceleration of joints, from what a user states and what a file says, as one number a group of degrees."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from avatarsim.assets.models.coordinates import Coordinates, Slot
+from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.ik.rate_limits import degree_groups
+from avatarsim.model.world import World
+from avatarsim.scene.checks import listed, positive
+
+Array = NDArray[np.float64]
+
+Rate = float | tuple[float, float] | None
+"""Limit of a joint [rad/s, or rad/s^2; of a slide m/s, m/s^2]; of a free one a pair, of its translation and its rotation, or one
+number for both; None: no limit."""
+
+Rates = float | Mapping[str, Rate] | Sequence[Rate] | Array | str | None
+"""Limits of all joints: one number for each, numbers by the joints' names, or in their order; "file": what the file states."""
+
+FILE = "file"
+"""The word for the limits that the file states."""
+
+LONGEST_STOP = 60.0
+"""[s] that braking from the largest speed may take. Longer: each call looks at all postures on the way to rest."""
+
+
+def speeds_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
+    """Speed limits (ng) of the groups of degrees [rad/s, m/s], infinite where there is none. "file": those that the file states,
+    none where it states no speed at all; a root or a ball, of which no file states one, is not limited then.
+
+    Raises InvalidInput and UnknownName for limits that do not fit, and InvalidInput where a joint has no speed in the file while
+    others have."""
+    stated = {slot.name: slot.speed for slot in _moving(coordinates) if slot.speed > 0.0}
+    if isinstance(given, str) and given == FILE:
+        if not stated:
+            return _by_groups({}, coordinates, world)
+        rates: dict[str, Rate] = {slot.name: stated.get(slot.name) for slot in _moving(coordinates)}
+        missing = [slot.name for slot in _moving(coordinates) if slot.kind not in ("free", "ball") and slot.name not in stated]
+        if missing:
+            valid = f"a velocity of each joint in the file; speed_limits={{{missing[0]!r}: ...}} adds it, None limits nothing"
+            raise InvalidInput("speed limits of the file, of joint", ", ".join(missing), valid)
+        return _by_groups(rates, coordinates, world)
+    return _by_groups(_named("speed limits", given, coordinates, stated), coordinates, world)
+
+
+def accelerations_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
+    """Acceleration limits (ng) of the groups of degrees [rad/s^2, m/s^2]. Raises what `speeds_of` raises."""
+    if isinstance(given, str) and given == FILE:
+        raise InvalidInput("acceleration limits", given, "numbers: no file states them")
+    return _by_groups(_named("acceleration limits", given, coordinates, {}), coordinates, world)
+
+
+def require_stop(speed: Array, acceleration: Array) -> None:
+    """Raise InvalidInput where braking from the largest speed would take longer than `LONGEST_STOP`."""
+    limited = np.isfinite(speed) & np.isfinite(acceleration)
+    longest = float((speed[limited] / acceleration[limited]).max(initial=0.0))
+    if longest > LONGEST_STOP:
+        raise InvalidInput("time to brake from the largest speed [s]", longest, f"up to {LONGEST_STOP:g}")
+
+
+def _moving(coordinates: Coordinates) -> list[Slot]:
+    return [slot for slot in coordinates.slots if slot.kind != "fixed"]
+
+
+def _named(thing: str, given: Rates, coordinates: Coordinates, stated: Mapping[str, float]) -> Mapping[str, Rate]:
+    """The limits by the joints' names."""
+    names = [slot.name for slot in _moving(coordinates)]
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if given is None:
+        return {}
+    if isinstance(given, Mapping):
+        for name in given:
+            if name not in names:
+                raise UnknownName(f"joint of the {thing}", str(name), names)
+        missing = [name for name in names if name not in given and name not in stated]
+        if missing:
+            raise InvalidInput(f"{thing} without joint", ", ".join(missing), "a number of each joint; None: no limit")
+        return {**stated, **given}
+    if isinstance(given, Sequence) and not isinstance(given, str):
+        if len(given) != len(names):
+            raise InvalidInput(f"number of {thing}", len(given), f"{len(names)}, one a joint: {', '.join(names)}")
+        return dict(zip(names, given, strict=True))
+    number = positive(thing, given, InvalidInput)
+    return dict.fromkeys(names, number)
+
+
+def _by_groups(rates: Mapping[str, Rate], coordinates: Coordinates, world: World) -> Array:
+    """One number a group of degrees."""
+    groups = degree_groups(world.skeleton)
+    found = np.full(len(groups), np.inf)
+    of_degree = {first: g for g, (first, _, _, _) in enumerate(groups)}
+    for slot in _moving(coordinates):
+        rate = rates.get(slot.name)
+        if rate is None:
+            continue
+        first = int(world.hinges[slot.hinge] if slot.hinge >= 0 else world.skeleton.first_dof[slot.link])
+        of = f"limit of joint {slot.name}"
+        if slot.kind == "free":
+            both = listed(rate)
+            both = both * 2 if len(both) == 1 else both
+            if len(both) != 2:
+                raise InvalidInput(of, rate, "one number, or a pair: of its translation and of its rotation")
+            for k, one in enumerate(both):
+                found[of_degree[first + 3 * k]] = np.inf if one is None else positive(of, one, InvalidInput)
+        else:
+            found[of_degree[first]] = positive(of, rate, InvalidInput)
+    return found
