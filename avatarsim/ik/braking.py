@@ -64,6 +64,10 @@ ANEW = 0.6
 """Share of the margin that dampers at the end of the braking keep. 1: pairs that are at the margin there leave the candidate no
 way to be slower than the braking; less: more certificates fail again."""
 
+OPENED = 0.5
+"""Share of the fastest opening within limits that is asked of a pair below the margin. More: rows of several pairs contradict one
+another; less: it opens slowly, and a certificate of what all but touches takes long."""
+
 DRAWN = (1.0, 0.5, 0.4)
 """Shares of the way from the braking to the last candidate that are tried, each of what the one before it left. Fewer: it brakes
 more often; more: slowest calls take longer."""
@@ -112,19 +116,22 @@ def add_dampers(
             before = s.rows.used[0]
             add_witness_row(geo, skel, b.avatars, one, other, n, least, simplex, c.one, c.axes, c.step, s)
             divide_bounds(before, steps, b)
-            drop_idle_row(before, b)
+            fit_row(before, b)
 
 
 @kernel
-def drop_idle_row(k: int, braking_out: Braking) -> None:
-    """Drop row k, the last, if it is there and no step within the bounds breaks it."""
-    s, r, least = braking_out.scratch, braking_out.scratch.rows, 0.0
+def fit_row(k: int, braking_out: Braking) -> None:
+    """Drop row k, the last, if it is there and no step within the bounds breaks it; one that opens asks for no more than a share
+    of what they allow."""
+    s, r, least, most = braking_out.scratch, braking_out.scratch.rows, 0.0, 0.0
     if k >= r.used[0]:
         return
     for j in range(s.low.shape[0]):
         rate = r.jacobian[k, j]
         if rate != 0.0:
             least += rate * (s.low[j] if rate > 0.0 else s.high[j])
+            most += rate * (s.high[j] if rate > 0.0 else s.low[j])
+    r.bound[k] = min(r.bound[k], max(0.0, OPENED * most))
     if least >= r.bound[k]:
         r.used[0] = k
 

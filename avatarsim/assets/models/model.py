@@ -1,20 +1,23 @@
 """What one file of a robot, a hand or a room gives."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.laws import Frictions
-from avatarsim.errors import UnknownName
+from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
-from avatarsim.scene.checks import Vector
+from avatarsim.scene.checks import Vector, finite_array, require_near
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import EARTH, Scene
-from avatarsim.scene.tracker import TrackerSample, rest
+from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,6 +60,45 @@ class Model:
             name, self.bodies, avatars, self.frictions.table(), self.gravity, start=start, exclude=self.exclude,
             attached=self.attached, at_rest=self.at_rest,
         )
+
+    def pose(self, q: Array) -> dict[str, tuple[Array, Array]]:
+        """Return where each link's joint is (3,) [m] and how the link is turned (4,) in the world at coordinates q (width,).
+
+        Raises InvalidInput for a model without avatar, for another width and for numbers that are not finite."""
+        avatar, coordinates = self._driven()
+        row = finite_array("generalized coordinates", q, (coordinates.width,), InvalidInput)
+        places, turns = link_poses((avatar,), coordinates.motion(row[None], np.zeros(1)).sample(0))
+        return {link.name: (places[k], turns[k]) for k, link in enumerate(avatar.links)}
+
+    def reach(self, goals: Mapping[str, ArrayLike], start: Array | None = None) -> Array:
+        """Return coordinates (width,) within limits, near `start`, that bring links' joints to `goals`, places (3,) [m] by the
+        links' names, or as near as is found. A free root stays; obstacles are not looked at: the Shield does that.
+
+        Without `start` from the model's own. Raises InvalidInput for what `pose` refuses and for goals that are no places,
+        UnknownName for names that are no links."""
+        from avatarsim.assets.models.reach import Limb
+
+        avatar, coordinates = self._driven()
+        names = {link.name: k for k, link in enumerate(avatar.links)}
+        wanted: dict[int, Array] = {}
+        for name, goal in goals.items():
+            if name not in names:
+                raise UnknownName("link to reach with", str(name), names)
+            wanted[names[name]] = finite_array(f"goal of link {name} [m]", goal, (3,), InvalidInput)
+            require_near(f"goal of link {name}", wanted[names[name]], InvalidInput)
+        if start is None:
+            begin = rest((avatar,)) if self.start is None else self.start
+        else:
+            row = finite_array("generalized coordinates to start from", start, (coordinates.width,), InvalidInput)
+            begin = coordinates.motion(row[None], np.zeros(1)).sample(0)
+        found = Limb(avatar).reach(begin, wanted)
+        motion = Motion(np.zeros(1), found.positions[None], found.rotations[None], found.angles[None])
+        return np.asarray(coordinates.rows(motion)[0])
+
+    def _driven(self) -> tuple[Avatar, Coordinates]:
+        if self.avatar is None or self.coordinates is None:
+            raise InvalidInput("avatar of the model", None, "one: a file of a robot, a hand or a skeleton")
+        return self.avatar, self.coordinates
 
     @property
     def room(self) -> tuple[Body, ...]:
