@@ -54,6 +54,7 @@ Avatars
     Free            the joint of a root that goes where its user goes
     Rigid           no motion against the parent
     Hinges, Hinge   one to three hinges that share a centre, and one of them with its limits
+    Slide           a prismatic joint with its limits
     Ball            a ball and socket
     SwingTwist      limits of a ball: a cone for the limb, an interval for the twist about it
     TrackerSample   what the user did at one instant: the posture of all avatars
@@ -110,7 +111,7 @@ if TYPE_CHECKING:
     from avatarsim.pose_queries import Contact
     from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
     from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
-    from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
+    from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, Slide, SwingTwist
     from avatarsim.scene.motion import Motion
     from avatarsim.scene.moving import moving
     from avatarsim.scene.scene import Scene
@@ -121,7 +122,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw",
     "ConvexHull", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model",
-    "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Snapshot", "Sphere", "StartOverlaps",
+    "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere", "StartOverlaps",
     "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed",
     "load_avatar", "load_motion", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
@@ -140,7 +141,7 @@ _MODULES = {
     "scene.body": ("Body", "ContactLaw", "Mass", "PairTable", "fixed", "simulated", "solid"),
     "scene.motion": ("Motion",),
     "scene.moving": ("moving",),
-    "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "SwingTwist"),
+    "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "Slide", "SwingTwist"),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),
     "scene.tracker": ("TrackerSample", "rest"),

@@ -22,7 +22,7 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import SIMULATED
 from avatarsim.model.geometry import Shapes, rest_depth
 from avatarsim.model.joint_limits import cone_excess, has_cone
-from avatarsim.model.skeleton import BALL, HINGES
+from avatarsim.model.skeleton import BALL, HINGES, SLIDE
 from avatarsim.model.world import World
 from avatarsim.scene.checks import as_number
 from avatarsim.spatial.tangent import columns
@@ -90,14 +90,15 @@ def meeting_pairs(world: World, within: float = 0.0) -> list[tuple[int, int]]:
 
 
 def require_within_limits(world: World, slack: float = 0.0) -> None:
-    """Raise InvalidScene when the first posture is beyond a joint limit, by more than `slack` [rad]: it could not be shown."""
+    """Raise InvalidScene when the first posture is beyond a joint limit, by more than `slack` [rad, m]: it could not be shown."""
     skel = world.skeleton
     for i, link in enumerate(world.scene.links):
-        if skel.kind[i] == HINGES:
+        if skel.kind[i] in (HINGES, SLIDE):
             for j in range(skel.first_dof[i], skel.first_dof[i + 1]):
                 angle, (low, high) = world.posture.angle[j], skel.limits[j]
                 if not low - slack <= angle <= high + slack:
-                    raise InvalidScene(f"start angle of a hinge of {link.name} [rad]", float(angle), f"{low:g} to {high:g}")
+                    what = "way of the slide of {} [m]" if skel.kind[i] == SLIDE else "angle of a hinge of {} [rad]"
+                    raise InvalidScene("start " + what.format(link.name), float(angle), f"{low:g} to {high:g}")
         elif skel.kind[i] == BALL and has_cone(skel, i):
             excess = cone_excess(skel, i, columns(world.posture.turn, i))
             if not excess <= slack:

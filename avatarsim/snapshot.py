@@ -33,7 +33,7 @@ from avatarsim.paper.method import PaperLoop
 from avatarsim.rehearsal import Part
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Role
-from avatarsim.scene.joint import Hinges
+from avatarsim.scene.joint import axes_of
 from avatarsim.scene.scene import Scene
 
 MAGIC = b"avatarsim\r\n\0"
@@ -267,10 +267,10 @@ def first_links(scene: Scene) -> list[tuple[Avatar, int]]:
 
 
 def tree_of(avatar: Avatar) -> list[tuple[object, ...]]:
-    """What a posture of an avatar depends on, limits aside: names and parents of links, and what their joints turn about."""
+    """What a posture of an avatar depends on, limits aside: names and parents of links, and the axes of their joints."""
     return [
         (link.name, link.parent, type(link.joint), link.anchor, link.orientation,
-         tuple(hinge.axis for hinge in link.joint.hinges) if isinstance(link.joint, Hinges) else ())
+         tuple(axis.axis for axis in axes_of(link.joint)))
         for link in avatar.links
     ]
 

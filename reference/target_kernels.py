@@ -14,8 +14,8 @@ from avatarsim.jit.kernel import kernel
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-RIGID, MOVED, TURNED, FREE = 0, 1, 2, 3
-"""Kinds of joints: none, hinges, ball, free root."""
+RIGID, MOVED, TURNED, FREE, SLID = 0, 1, 2, 3, 4
+"""Kinds of joints: none, hinges, ball, free root, slide."""
 
 BEYOND = 1e-3
 """Excess [rad] from which a motor holds: at 0, one that is asked for its very limit would hold at every step."""
@@ -54,6 +54,15 @@ def _twist(along: float, w: float) -> float:
 
 
 @kernel
+def _rotate(w: float, x: float, y: float, z: float, a: float, b: float, c: float) -> tuple[float, float, float]:
+    """The vector (a, b, c) turned by a unit quaternion."""
+    _, tx, ty, tz = _multiply(w, x, y, z, 0.0, a, b, c)
+    tw = -(x * a + y * b + z * c)
+    _, tx, ty, tz = _multiply(tw, tx, ty, tz, w, -x, -y, -z)
+    return tx, ty, tz
+
+
+@kernel
 def interpolate(roots0: Array, turns0: Array, angles0: Array, roots1: Array, turns1: Array, angles1: Array,
                 fractions: Array, roots: Array, turns: Array, angles: Array) -> int:
     """Write the postures at `fractions` (n,) between two samples into roots, turns, angles; 0 on return."""
@@ -87,12 +96,14 @@ def chain_poses(parent: Integers, kind: Integers, anchor: Array, rest: Array, fi
                     p = parent[k]
                     ox, oy, oz = positions[i, p, 0], positions[i, p, 1], positions[i, p, 2]
                     w, x, y, z = orientations[i, p, 0], orientations[i, p, 1], orientations[i, p, 2], orientations[i, p, 3]
-                _, ax, ay, az = _multiply(w, x, y, z, 0.0, anchor[k, 0], anchor[k, 1], anchor[k, 2])
-                aw = -(x * anchor[k, 0] + y * anchor[k, 1] + z * anchor[k, 2])
-                _, ax, ay, az = _multiply(aw, ax, ay, az, w, -x, -y, -z)
+                ax, ay, az = _rotate(w, x, y, z, anchor[k, 0], anchor[k, 1], anchor[k, 2])
                 px, py, pz = ox + ax, oy + ay, oz + az
                 w, x, y, z = _multiply(w, x, y, z, rest[k, 0], rest[k, 1], rest[k, 2], rest[k, 3])
-                for h in range(first[k], first[k + 1]):
+                if kind[k] == SLID:
+                    way = angles[i, first[k]]
+                    ax, ay, az = _rotate(w, x, y, z, axes[first[k], 0], axes[first[k], 1], axes[first[k], 2])
+                    px, py, pz = px + way * ax, py + way * ay, pz + way * az
+                for h in range(first[k], first[k + 1] if kind[k] == MOVED else first[k]):
                     c, s = math.cos(0.5 * angles[i, h]), math.sin(0.5 * angles[i, h])
                     w, x, y, z = _multiply(w, x, y, z, c, s * axes[h, 0], s * axes[h, 1], s * axes[h, 2])
                 if kind[k] == TURNED:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avatarsim.scene.joint import Ball, Free, Hinges
+from avatarsim.scene.joint import Ball, Free, Hinges, Slide, axes_of
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
@@ -19,6 +19,7 @@ from reference.target_kernels import (
     FREE,
     MOVED,
     RIGID,
+    SLID,
     TURNED,
     chain_poses,
     clamp_balls,
@@ -60,7 +61,7 @@ class Targets:
         names = [(avatar.name, link.name) for avatar in scene.avatars for link in avatar.links]
         index = {name: k for k, name in enumerate(names)}
         joints = [link.joint for link in links]
-        hinges = [joint.hinges if isinstance(joint, Hinges) else () for joint in joints]
+        hinges = [axes_of(joint) for joint in joints]
         parents = [(avatar.name, link.parent) for avatar in scene.avatars for link in avatar.links]
         self._parent = np.array([-1 if p[1] is None else index[p[0], p[1]] for p in parents], dtype=np.int64)
         self._kind = np.array([_kind(joint) for joint in joints], dtype=np.int64)
@@ -174,4 +175,6 @@ def _kind(joint: object) -> int:
         return FREE
     if isinstance(joint, Ball):
         return TURNED
+    if isinstance(joint, Slide):
+        return SLID
     return MOVED if isinstance(joint, Hinges) else RIGID

@@ -19,7 +19,7 @@ from avatarsim.settings import PostureSettings
 from avatarsim.simulator import AvatarsimEngine
 from scenarios.catalog import get
 from tests.stability.hostile import DT
-from tests.worlds.little_worlds import X, Z, at, hand, mixed_avatar, random_sample
+from tests.worlds.little_worlds import X, Z, at, hand, mixed_avatar, random_sample, sliding_avatar
 from tests.worlds.loaded import loaded
 
 BALL, CRATE = (Piece(Sphere(0.1)),), (Piece(Box((0.2, 0.3, 0.1))),)
@@ -61,7 +61,7 @@ def test_what_flies_goes_on_flying_while_bodies_come_and_go(preset: str) -> None
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
 def test_postures_are_carried_to_the_bit(preset: str) -> None:
-    avatar = mixed_avatar()
+    avatar = sliding_avatar() if preset == "default" else mixed_avatar()
     far = at(rest((avatar,)), (0.0, 0.0, 3.0))
     scene = Scene("a", (TABLE,), (HAND, avatar), start=_both(START, far))
     engine = loaded(scene, preset)

@@ -52,11 +52,12 @@ class Chords:
         gap, a, b = nearest_at(self.world.words, self.words, *sample_arrays(sample), within)
         return gap, self._pair(a, b)
 
-    def clipped(self, sample: TrackerSample) -> tuple[TrackerSample, float]:
-        """The posture with each joint at the nearest place within its limits, and by how much [rad] it was outside."""
+    def clipped(self, sample: TrackerSample) -> tuple[TrackerSample, tuple[float, float]]:
+        """The posture with each joint at the nearest place within its limits, and by how much the joints [rad] and the slides [m]
+        were outside at most."""
         beyond = clip_posture(self.world.words, self.words, *sample_arrays(sample))
-        if beyond == 0.0:
-            return sample, 0.0
+        if beyond == (0.0, 0.0):
+            return sample, beyond
         end = self.parts.end
         return TrackerSample(sample.time, end.root.copy(), rotation.from_matrix(end.turn), end.angle[self._hinges]), beyond
 

@@ -15,7 +15,7 @@ from avatarsim.cleaning.chords import Chords, certified
 from avatarsim.cleaning.result import OVERLAP, AtRest, Audit, Excluded, Moved
 from avatarsim.cleaning.second_opinion import opinion_of
 from avatarsim.cleaning.track import Judged
-from avatarsim.scene.joint import Hinges
+from avatarsim.scene.joint import Hinges, Slide, axes_of
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
@@ -65,8 +65,8 @@ def audited(
         said.append(why)
     return Audit(
         depths, judged.pair[deepest] if depths[deepest] > 0.0 else None, certified(chords, motion, -OVERLAP).until,
-        float(judged.beyond.max()), high(jerks[was_free]), high(jerks[~was_free]), excluded, opinion, tuple(said),
-        at_rest_pairs(chords, motion),
+        float(judged.beyond[:, 0].max()), float(judged.beyond[:, 1].max()), high(jerks[was_free]), high(jerks[~was_free]),
+        excluded, opinion, tuple(said), at_rest_pairs(chords, motion),
     )
 
 
@@ -108,20 +108,24 @@ def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
     places = [at + rotation.rotate(turns, np.broadcast_to(middles, at.shape)) for at, turns in (before, after)]
     away = np.linalg.norm(places[1] - places[0], axis=2)
     turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(motion.rotations), written.rotations))
-    names, columns = [], []
+    names, columns, slides = [], [], []
     hinge = 0
+    ways = np.abs(written.angles - motion.angles)
     for k, link in enumerate(avatar.links):
         if k in chords.turning:
             names.append(link.name)
             columns.append(np.linalg.norm(turns[:, k], axis=1))
+        elif isinstance(link.joint, Slide):
+            slides.append((link.name, hinge))
         elif isinstance(link.joint, Hinges):
             count = len(link.joint.hinges)
-            for n in range(count):
-                names.append(link.name if count == 1 else f"{link.name} {n + 1}")
-                columns.append(np.abs(written.angles[:, hinge] - motion.angles[:, hinge]))
-                hinge += 1
+            names += [link.name if count == 1 else f"{link.name} {n + 1}" for n in range(count)]
+            columns += [ways[:, hinge + n] for n in range(count)]
+        hinge += len(axes_of(link.joint))
     turned = np.array(columns).reshape(len(names), len(motion))
+    slid = ways[:, [column for _, column in slides]].T
     return Moved(
         tuple(link.name for link in avatar.links), np.sqrt(np.mean(away**2, axis=0)), np.percentile(away, HIGH, axis=0),
         tuple(names), np.sqrt(np.mean(turned**2, axis=1)), np.percentile(turned, HIGH, axis=1),
+        tuple(name for name, _ in slides), np.sqrt(np.mean(slid**2, axis=1)), np.percentile(slid, HIGH, axis=1),
     )

@@ -90,6 +90,7 @@ class Audit:
     deepest_pair  the pair of the deepest overlap, None without any
     proven        (F-1,) share of the way from each frame to the next, from its start, that is proved free of overlap: 1 is all
     limit_excess  largest angle by which a joint is outside its limits [rad]
+    slide_excess  largest way by which a slide is outside its limits [m]
     jerk_free     95th percentile of the jerk of link positions over the frames where the input was free [m/s^3]; nan without any
     jerk_held     the same over the other frames
     excluded      the pairs that no measure and no proof looks at, since they are excluded
@@ -101,6 +102,7 @@ class Audit:
     deepest_pair: tuple[str, str] | None
     proven: Array
     limit_excess: float
+    slide_excess: float
     jerk_free: float
     jerk_held: float
     excluded: tuple[Excluded, ...]
@@ -136,7 +138,7 @@ class Audit:
     @property
     def is_clean(self) -> bool:
         """Whether no frame overlaps, every way between frames is proved free, and joints are within limits."""
-        return self.overlapping == 0 and self.unproven == 0 and self.limit_excess <= 1e-9
+        return self.overlapping == 0 and self.unproven == 0 and max(self.limit_excess, self.slide_excess) <= 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +146,8 @@ class Moved:
     """How far the written motion is from the input: root mean square and 95th percentile over all frames.
 
     links      names; link_rms, link_p95 (links,) of the distance of their middles [m]
-    joints     names; joint_rms, joint_p95 (joints,) of the angle between the rotations, or of the hinge angle [rad]"""
+    joints     names; joint_rms, joint_p95 (joints,) of the angle between the rotations, or of the hinge angle [rad]
+    slides     names; slide_rms, slide_p95 (slides,) of their ways [m]"""
 
     links: tuple[str, ...]
     link_rms: Array
@@ -152,6 +155,9 @@ class Moved:
     joints: tuple[str, ...]
     joint_rms: Array
     joint_p95: Array
+    slides: tuple[str, ...]
+    slide_rms: Array
+    slide_p95: Array
 
 
 @dataclass(frozen=True)

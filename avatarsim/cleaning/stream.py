@@ -115,7 +115,7 @@ class Shield:
     def _keeps_margin(self, sample: TrackerSample) -> bool:
         """Whether a posture is free by itself."""
         gap, _ = self._chords.nearest(sample, self.options.margin)
-        return gap >= self.options.margin and self._chords.clipped(sample)[1] <= 0.0
+        return gap >= self.options.margin and self._chords.clipped(sample)[1] == (0.0, 0.0)
 
     def _begun(self, sample: TrackerSample) -> Follower:
         """The follower at the first posture."""

@@ -60,17 +60,17 @@ class Kind(IntEnum):
 
 class Judged:
     """What postures of a motion are by themselves: gap (F,) smallest signed distance [m], above `margin` where nothing is as
-    near; pair of each; beyond (F,) how far outside limits [rad]; is_free (F,)."""
+    near; pair of each; beyond (F, 2) how far outside limits joints [rad] and slides [m] are; is_free (F,)."""
 
     def __init__(self, chords: Chords, motion: Motion, margin: float) -> None:
         frames, self.margin = len(motion), margin
-        self.gap, self.beyond = np.full(frames, np.inf), np.zeros(frames)
+        self.gap, self.beyond = np.full(frames, np.inf), np.zeros((frames, 2))
         self.pair: list[Pair | None] = [None] * frames
         for k in range(frames):
             sample = motion.sample(k)
             self.gap[k], self.pair[k] = chords.nearest(sample, margin)
             self.beyond[k] = chords.clipped(sample)[1]
-        self.is_free: NDArray[np.bool_] = (self.gap >= margin) & (self.beyond <= 0.0)
+        self.is_free: NDArray[np.bool_] = (self.gap >= margin) & (self.beyond <= 0.0).all(axis=1)
 
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:

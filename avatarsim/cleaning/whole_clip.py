@@ -105,7 +105,7 @@ def flags(motion: Motion, judged: Judged, kind: NDArray[np.int64]) -> tuple[Flag
     why[kind == Kind.TRACKED] = "catching up"
     why[kind == Kind.HELD] = "held back"
     why[kind == Kind.BLENDED] = "blend"
-    why[(kind != Kind.INPUT) & (judged.beyond > 0.0)] = "limits"
+    why[(kind != Kind.INPUT) & (judged.beyond > 0.0).any(axis=1)] = "limits"
     overlap = (judged.gap < judged.margin) & ((kind == Kind.TRACKED) | (kind == Kind.BLENDED))
     why[overlap] = "overlap"
     found: list[Flagged] = []

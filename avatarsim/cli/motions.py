@@ -19,7 +19,7 @@ from avatarsim.clips.batch import Batch
 from avatarsim.clips.certificate import Trouble
 from avatarsim.clips.found import Found, found
 from avatarsim.clips.inputs import files_of, given
-from avatarsim.clips.page.layout import angle, length
+from avatarsim.clips.page.layout import length, limit_excess
 from avatarsim.clips.task import OVERLAPS, UNREADABLE, Outcome, Task
 from avatarsim.clips.whole_files import alone_in, require_ours, write_whole
 from avatarsim.clips.wishes import FLOOR, Wishes
@@ -180,7 +180,7 @@ def row(command: str, one: Outcome) -> str:
     last = verdict(entry) + (", done before" if one.kept else "")
     begin = f"{name:{WIDEST}} {entry['frames']:6}  {_deepest(overlap['before']):20} "
     if command == "audit":
-        line = f"{begin} {chords['not_certified_before']:18}  {angle(limits['excess_before_rad']):>14}  {last}"
+        line = f"{begin} {chords['not_certified_before']:18}  {limit_excess(limits, 'before'):>14}  {last}"
         return f"{line}{_where(overlap['before'], entry['frames'])}"
     ways = f"{chords['not_certified_before']} / {chords['not_certified_after']}"
     most = max((link["p95_m"] for link in entry["moved"]["links"]), default=0.0)

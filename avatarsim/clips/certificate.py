@@ -69,7 +69,10 @@ def entry(
             "chords": max(len(motion) - 1, 0), "not_certified_before": before.unproven,
             "not_certified_after": after.unproven if after else None,
         },
-        "limits": {"excess_before_rad": before.limit_excess, "excess_after_rad": after.limit_excess if after else None},
+        "limits": {
+            "excess_before_rad": before.limit_excess, "excess_after_rad": after.limit_excess if after else None,
+            "slide_excess_before_m": before.slide_excess, "slide_excess_after_m": after.slide_excess if after else None,
+        },
         "jerk_p95_m_s3": {"before": _jerk(before), "after": _jerk(after) if after else None},
         "excluded": [{"a": one.a, "b": one.b, "depth_m": one.depth} for one in last.excluded],
         "at_rest": [{"a": one.a, "b": one.b, "allowed_m": one.allowed, "depth_m": one.depth} for one in last.at_rest],
@@ -123,9 +126,11 @@ def _jerk(one: Audit) -> dict[str, object]:
 def _moved(one: Moved) -> dict[str, object]:
     links = zip(one.links, one.link_rms, one.link_p95, strict=True)
     joints = zip(one.joints, one.joint_rms, one.joint_p95, strict=True)
+    slides = zip(one.slides, one.slide_rms, one.slide_p95, strict=True)
     return {
         "links": [{"name": name, "rms_m": float(rms), "p95_m": float(p95)} for name, rms, p95 in links],
         "joints": [{"name": name, "rms_rad": float(rms), "p95_rad": float(p95)} for name, rms, p95 in joints],
+        "slides": [{"name": name, "rms_m": float(rms), "p95_m": float(p95)} for name, rms, p95 in slides],
     }
 
 

@@ -1,11 +1,12 @@
 """Continuous collision detection between two recorded postures: interval separating axes with a bound of curvature, and
 bisection.
 
-What a player shows between two postures is slerp in each joint and straight lines for roots and hinge angles. Over a share h of
-that way a point of a link leaves its straight line by at most C h^2 / 8, where C bounds its second derivative. Along a fixed
-direction n the gap of a pair is therefore at least (1 - s) g0 + s g1 - 4 s (1 - s) B at the share s of the interval, g0 and g1
-the gaps at its ends and B the bulge of both; that is never negative if sqrt(g0) + sqrt(g1) >= 2 sqrt(B). Where no direction
-shows it the interval is halved. Directions are proposed by GJK (Gilbert, Johnson and Keerthi 1988), two supports decide.
+What a player shows between two postures is slerp in each joint and straight lines for roots, hinge angles and slides. Over a
+share h of that way a point of a link leaves its straight line by at most C h^2 / 8, where C bounds its second derivative. Along
+a fixed direction n the gap of a pair is therefore at least (1 - s) g0 + s g1 - 4 s (1 - s) B at the share s of the interval, g0
+and g1 the gaps at its ends and B the bulge of both; that is never negative if sqrt(g0) + sqrt(g1) >= 2 sqrt(B). Where no
+direction shows it the interval is halved. Directions are proposed by GJK (Gilbert, Johnson and Keerthi 1988), two supports
+decide.
 
 Zhang, Redon, Lee and Kim 2007, Continuous collision detection for articulated models using Taylor models and temporal culling,
 bound the same motion by intervals of its Taylor series; here the second term alone is bounded, and convexity does the rest.
@@ -14,7 +15,8 @@ The bound: a point is carried by rotations one after the other, those of the joi
 way, each about an axis that stands still in what carries it. The second derivative of such a product is a sum of products, each
 of rotations and two generators of unit norm, with factors s_i s_j: its norm is at most S^2, S the sum of all turns. So a segment
 of length l bends by at most l S^2, and the segments of a chain add up. A pair of links is looked at in the frame of their nearest
-common ancestor, which only the joints below it move.
+common ancestor, which only the joints below it move. A slide changes its segment's vector at the constant rate d: what carries
+it turns by S, and (R v)'' = R'' v + 2 R' v' adds at most 2 S |d|, with v the longer of its two ends.
 """
 
 from math import ceil, log2, sqrt
@@ -35,10 +37,10 @@ from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 from avatarsim.model.conversion import read_sample
 from avatarsim.model.geometry import POINTS, Geometry, Poses, allowed_depth, may_meet
 from avatarsim.model.joint_limits import cone_excess, has_cone, inside_cone
-from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton, carry, place_links
+from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, Skeleton, carry, has_angles, place_links
 from avatarsim.model.world import World, WorldParts
 from avatarsim.spatial.tangent import columns, put_columns, step_between, turned, turned_back
-from avatarsim.spatial.vec3 import Vec3, add, dot, norm, row, scale, sub
+from avatarsim.spatial.vec3 import Vec3, add, along, dot, norm, row, scale, sub
 from avatarsim.tolerances import POSTURE_GAP, ROUNDING, SAME_DIRECTION, SLIGHT
 
 Array = NDArray[np.float64]
@@ -68,7 +70,7 @@ class Chord(NamedTuple):
 
     hinges       degree of every hinge angle of a sample
     ancestor     (nl, nl) nearest common ancestor of two links, the link itself included; -1 for links of two avatars
-    length       (nl) from the joint of a link's parent to its own [m]
+    length, slid (nl) from the joint of a link's parent to its own [m], of a slide at most; and how far it slides [m]
     reach        (ns) how far the core of a link's piece reaches from the link's joint [m]
     start, end   the two postures
     step         (nd) from one to the other in the tangent space; part (nd) a share of it
@@ -85,6 +87,7 @@ class Chord(NamedTuple):
     hinges: IndexLine
     ancestor: IndexGrid
     length: Line
+    slid: Line
     reach: Line
     start: Posture
     end: Posture
@@ -112,10 +115,10 @@ def make_chord(world: World) -> Chord:
     room = min(driven * ns, ROOM_MOST) + ROOM_DEEPER
     copies = [Poses(*(array.copy() for array in world.poses)) for _ in range(2)]
     return Chord(
-        world.hinges.copy(), common_ancestors(skel), np.linalg.norm(skel.anchor, axis=1), core_reaches(geo, skel),
-        empty_posture(nl, nd), empty_posture(nl, nd), np.zeros(nd), np.zeros(nd), np.zeros((nd, 3)), np.zeros(nl),
-        np.zeros(ns), copies[0], copies[1], np.zeros(max(skel.first, 1), dtype=np.int64), np.zeros((room, 2), dtype=np.int64),
-        np.zeros(DEPTH + 3, dtype=np.int64), np.zeros(DEPTH + 2), np.zeros(DEPTH + 2, dtype=np.int64),
+        world.hinges.copy(), common_ancestors(skel), np.linalg.norm(skel.anchor, axis=1), np.zeros(nl),
+        core_reaches(geo, skel), empty_posture(nl, nd), empty_posture(nl, nd), np.zeros(nd), np.zeros(nd), np.zeros((nd, 3)),
+        np.zeros(nl), np.zeros(ns), copies[0], copies[1], np.zeros(max(skel.first, 1), dtype=np.int64), np.zeros((room, 2),
+        dtype=np.int64), np.zeros(DEPTH + 3, dtype=np.int64), np.zeros(DEPTH + 2), np.zeros(DEPTH + 2, dtype=np.int64),
         make_pair_cache(driven, ns), make_scratch(),
     )
 
@@ -156,7 +159,13 @@ def measure_step(skel: Skeleton, chord_out: Chord) -> None:
             for k in range(3):
                 c.step[d + k] = w[k]
             c.turn[link] += norm(w)
-        elif kind == HINGES:
+        elif kind == SLIDE:
+            c.step[d] = c.end.angle[d] - c.start.angle[d]
+            c.slid[link] = abs(c.step[d])
+            axis = turned(columns(skel.rest, link), row(skel.axis, d))
+            ends = along(row(skel.anchor, link), c.start.angle[d], axis), along(row(skel.anchor, link), c.end.angle[d], axis)
+            c.length[link] = max(norm(ends[0]), norm(ends[1]))
+        elif has_angles(skel, link):
             for j in range(d, skel.first_dof[link + 1]):
                 c.step[j] = c.end.angle[j] - c.start.angle[j]
                 c.turn[link] += abs(c.step[j])
@@ -171,7 +180,8 @@ def bend_below(skel: Skeleton, chord: Chord, above: int, link: int, reach: float
     while k != above:
         turn = chord.turn[k] - turn0
         total += length * turn * turn
-        length, k = chord.length[k], skel.parent[k]
+        length, slid, k = chord.length[k], chord.slid[k], skel.parent[k]
+        total += 2.0 * slid * (chord.turn[k] - turn0) if k != above else 0.0
     return total
 
 
@@ -459,25 +469,29 @@ def nearest_at(
 
 
 @entry_kernel
-def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array, angles: Array) -> float:
-    """The posture with each joint at the nearest place within its limits, left in `Chord.end`: by how much [rad] it was
-    outside."""
+def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array, angles: Array) -> tuple[float, float]:
+    """The posture with each joint at the nearest place within its limits, left in `Chord.end`: by how much it was outside
+    at most, of angles [rad] and of slides [m]."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
-    skel, beyond = w.skeleton, 0.0
+    skel, beyond, slid = w.skeleton, 0.0, 0.0
     read_sample(positions, rotations, angles, c.hinges, c.start)
     read_sample(positions, rotations, angles, c.hinges, c.end)
     for link in range(skel.kind.shape[0]):
-        if skel.kind[link] == HINGES:
+        if has_angles(skel, link):
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 c.end.angle[j] = min(max(c.start.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
-                beyond = max(beyond, abs(c.end.angle[j] - c.start.angle[j]))
+                excess = abs(c.end.angle[j] - c.start.angle[j])
+                if skel.kind[link] == SLIDE:
+                    slid = max(slid, excess)
+                else:
+                    beyond = max(beyond, excess)
         elif skel.kind[link] == BALL and has_cone(skel, link):
             turn = columns(c.start.turn, link)
             excess = cone_excess(skel, link, turn)
             if excess > 0.0:
                 put_columns(c.end.turn, link, inside_cone(skel, link, turn))
                 beyond = max(beyond, excess)
-    return beyond
+    return beyond, slid
 
 
 @entry_kernel

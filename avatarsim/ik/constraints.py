@@ -2,7 +2,7 @@
 
 Limits of ball joints as rows of a step: swing, twist and reach cone of a joint that the trial takes beyond them.
 
-Hinges need none, their limits are bounds of the step. The geometry of the limits is in `model.joint_limits`.
+Hinges and slides need none, their limits are bounds of the step. The geometry of the limits is in `model.joint_limits`.
 """
 
 from math import atan2, inf
@@ -25,7 +25,7 @@ from avatarsim.model.joint_limits import (
     surely_inside,
     swing_and_twist,
 )
-from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
+from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, stepped, turned, turned_back
 from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, neg, norm, put_row, row, scale, sub
@@ -59,6 +59,10 @@ def add_lever(
             for i in range(3):
                 jacobian_out[k, d + i] += sign * n[i]
             d += 3
+        elif skel.kind[link] == SLIDE:
+            jacobian_out[k, d] += sign * dot(row(axes, d), n)
+            link = skel.parent[link]
+            continue
         # n . (axis x arm) = axis . (arm x n): one cross product for all axes of the joint
         moment = cross(sub(point, row(poses.position, skel.first + link)), n)
         for j in range(d, last):

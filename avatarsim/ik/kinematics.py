@@ -3,7 +3,16 @@
 from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array, Geometry, Poses, place
-from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton, carry_links, displace_links
+from avatarsim.model.skeleton import (
+    BALL,
+    FREE,
+    SLIDE,
+    Posture,
+    Skeleton,
+    carry_links,
+    displace_links,
+    has_angles,
+)
 from avatarsim.spatial.tangent import columns, step_between
 from avatarsim.spatial.vec3 import Rows, Vec3, row, sub
 
@@ -37,11 +46,11 @@ def try_step(
 
 @kernel
 def take_step(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, posture_out: Posture) -> None:
-    """Make posture + step the posture; hinges end within their limits, to the bit."""
+    """Make posture + step the posture; hinges and slides end within their limits, to the bit."""
     first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
     displace_links(skel, first, end, posture_out, step)
     for link in range(first, end):
-        if skel.kind[link] == HINGES:
+        if has_angles(skel, link):
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 posture_out.angle[j] = min(max(posture_out.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
 
@@ -56,7 +65,7 @@ def tangent_error(skel: Skeleton, avatars: Avatars, avatar: int, start: Posture,
             d += 3
         if kind == FREE or kind == BALL:
             put(error_out, d, step_between(columns(start.turn, link), columns(end.turn, link)))
-        elif kind == HINGES:
+        elif has_angles(skel, link):
             for j in range(d, skel.first_dof[link + 1]):
                 error_out[j] = end.angle[j] - start.angle[j]
 
@@ -70,11 +79,14 @@ def put(values_out: Array, first: int, v: Vec3) -> None:
 
 @kernel
 def parts_of(skel: Skeleton, link: int, step: Array) -> tuple[float, float]:
-    """How far a root moves [m] and how far a joint turns [rad] by a step (nd); hinges of one joint together."""
+    """How far a root or a slide moves [m] and how far a joint turns [rad] by a step (nd), hinges of one joint
+    together."""
     d, moved, turned_by = skel.first_dof[link], 0.0, 0.0
     if skel.kind[link] == FREE:
         moved = (step[d] * step[d] + step[d + 1] * step[d + 1] + step[d + 2] * step[d + 2]) ** 0.5
         d += 3
+    elif skel.kind[link] == SLIDE:
+        return abs(step[d]), 0.0
     for j in range(d, skel.first_dof[link + 1]):
         turned_by += step[j] * step[j]
     return moved, turned_by**0.5
@@ -82,7 +94,8 @@ def parts_of(skel: Skeleton, link: int, step: Array) -> tuple[float, float]:
 
 @kernel
 def longest_part(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, move: float, turn: float) -> float:
-    """The largest part of a step (nd) of an avatar: of roots in units of `move` [m], of joints in units of `turn` [rad]."""
+    """The largest part of a step (nd) of an avatar: of roots and slides in units of `move` [m], of joints in units of `turn`
+    [rad]."""
     longest = 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, step)

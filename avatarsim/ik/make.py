@@ -1,6 +1,7 @@
 """The arrays of the posture solver, made once per scene."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.ik.broad_phase import forget_near
@@ -27,7 +28,7 @@ from avatarsim.ik.state import (
     make_pair_cache,
 )
 from avatarsim.model.geometry import Geometry, Poses
-from avatarsim.model.skeleton import FREE, Posture, Skeleton
+from avatarsim.model.skeleton import FREE, SLIDE, Posture, Skeleton
 
 
 def zeros(*shape: int) -> Array:
@@ -56,6 +57,25 @@ def reaches(geo: Geometry, skel: Skeleton, poses: Poses) -> Array:
     return found
 
 
+FINGER_WEIGHT = 1e-3
+"""Weight of a sliding finger in the objective, as a share of any other link's. Larger: a finger that is blocked pulls its arm
+aside; smaller: how far a blocked finger is from its target counts for nothing beside rounding of the arm."""
+
+
+def finger_links(skel: Skeleton) -> NDArray[np.bool_]:
+    """Mark (nl) the fingers of grippers, with what is rigid with them: slides that carry no joint and that another such slide is
+    beside, on the same link that moves. A slide alone is an axis of an arm, as that of a SCARA."""
+    nl = len(skel.kind)
+    movers = np.diff(skel.first_dof) > 0
+    carrier = np.full(nl, -1)
+    for link in range(nl):
+        parent = skel.parent[link]
+        carrier[link] = parent if parent < 0 or movers[parent] else carrier[parent]
+    ends = [int(k) for k in np.flatnonzero(skel.kind == SLIDE) if not np.any(skel.related[:, k] & movers & (np.arange(nl) != k))]
+    fingers = [k for k in ends if sum(carrier[k] == carrier[other] for other in ends) > 1 and carrier[k] >= 0]
+    return np.asarray(skel.related[:, fingers].any(axis=1))
+
+
 def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses) -> tuple[Avatars, Array]:
     """What never changes of the avatars, and the mean reach (na) [m] of their links; 1 where no link has a shape."""
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
@@ -77,8 +97,13 @@ def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses) -> tuple[Avatars, 
         weight[skel.first_dof[links[0]] : skel.first_dof[links[-1] + 1]] = reach[a] ** 2 * len(links) / joints
     for link in np.flatnonzero(skel.kind == FREE):
         weight[skel.first_dof[link] : skel.first_dof[link] + 3] = 0.0
+    for link in np.flatnonzero(skel.kind == SLIDE):
+        # a metre counts as a metre: only radians are turned into metres by the reach
+        weight[skel.first_dof[link]] /= reach[avatar[link]] ** 2
+    shares = np.where(finger_links(skel), FINGER_WEIGHT, 1.0)
+    weight *= shares[joint_of]
     depth = np.array([len(one) - 1 for one in paths], dtype=np.int64)
-    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight), reach
+    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight, shares), reach
 
 
 def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
@@ -137,7 +162,7 @@ def make_solver(
     nd = int(skel.first_dof[-1])
     axes, first_link = zeros(nd, 3), np.append(np.flatnonzero(skel.parent < 0), len(skel.kind)).astype(np.int64)
     for a in range(len(first_link) - 1):
-        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, zeros(1))
+        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, zeros(1), zeros(1))
         carry_avatar(skel, spans, a, posture, zeros(nd), poses, axes)
     avatars, reach = make_avatars(geo, skel, poses)
     return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, kept)

@@ -11,7 +11,7 @@ from avatarsim.ik.kinematics import longest_part, parts_of
 from avatarsim.ik.state import Avatars, Budget, IkScratch
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array
-from avatarsim.model.skeleton import FREE, HINGES, Posture, Skeleton
+from avatarsim.model.skeleton import FREE, SLIDE, Posture, Skeleton, has_angles
 from avatarsim.settings import PostureSettings
 
 AT_REST = 0.06
@@ -47,7 +47,7 @@ def open_budget(
 def bound_step(
     skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, budget: Budget, scratch_out: IkScratch
 ) -> None:
-    """Bounds low, high (nd) of a step: what is left of the budget, and the limits of hinges."""
+    """Bounds low, high (nd) of a step: what is left of the budget, and the limits of hinges and slides."""
     low, high = scratch_out.low, scratch_out.high
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
@@ -57,11 +57,13 @@ def bound_step(
                 low[j], high[j] = -left, left
             d += 3
         left = max(0.0, budget.turn[link] - budget.turned[link])
+        if skel.kind[link] == SLIDE:
+            left = max(0.0, budget.move[link] - budget.moved[link])
         for j in range(d, last):
             low[j], high[j] = -left, left
-        if skel.kind[link] == HINGES:
+        if has_angles(skel, link):
             for j in range(d, last):
-                # a hinge beyond its limit by rounding may stay, and must not be forced
+                # a joint beyond its limit by rounding may stay, and must not be forced
                 low[j] = min(0.0, max(low[j], skel.limits[j, 0] - posture.angle[j]))
                 high[j] = max(0.0, min(high[j], skel.limits[j, 1] - posture.angle[j]))
 
@@ -88,6 +90,9 @@ def keep_budget(
         if skel.kind[link] == FREE:
             scale_by(d, d + 3, share_of(b.move[link] - b.moved[link] + slack * b.slack[0], moved), step_out)
             d += 3
+        elif skel.kind[link] == SLIDE:
+            scale_by(d, last, share_of(b.move[link] - b.moved[link] + slack * b.slack[0], moved), step_out)
+            continue
         scale_by(d, last, share_of(b.turn[link] - b.turned[link] + slack * b.slack[1], turned), step_out)
 
 

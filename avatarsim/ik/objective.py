@@ -1,12 +1,12 @@
 """Objective of a posture: Huber loss of link origins and squared joint angles; its quadratic model along the kinematic tree.
 
-    f = sum_i h(|o_i - o_i*|) + 1/2 sum_j w |a_j - a_j*|^2,   h(r) = r^2 / 2 up to d, d (r - d / 2) beyond
+    f = sum_i v_i h(|o_i - o_i*|) + 1/2 sum_j w_j |a_j - a_j*|^2,   h(r) = r^2 / 2 up to d, d (r - d / 2) beyond
 
-To first order its rates are those of a tree of point masses min(1, d / r) at the link origins whose joints have a rotor of w
-each, so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L
+To first order its rates are those of a tree of point masses v_i min(1, d / r) at the link origins whose joints have a rotor of
+w_j each, so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L
 without fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
-(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of |F| |b| bounds from above. See
-docs/posture.md.
+(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of |F| |b| bounds from above. A slide by s in what turns by w
+adds 2 F . (w x a) s, at most |F| (L |w|^2 + s^2 / L): an inertia and a mass, L the mean reach. See docs/posture.md.
 """
 
 from math import sqrt
@@ -15,9 +15,9 @@ from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array, Poses
-from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton
+from avatarsim.model.skeleton import BALL, FREE, HINGES, SLIDE, Posture, Skeleton, translations
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
-from avatarsim.spatial.vec3 import Rows, Vec3, add, cross, dot, norm, put_row, row, scale, sub
+from avatarsim.spatial.vec3 import Rows, Vec3, add, along, cross, dot, norm, put_row, row, scale, sub
 
 LOSS_RADIUS = 0.4
 """Distance beyond which an origin pulls no harder, in mean reaches of a link: 0.1 m for a human. Larger: behind a wall limbs
@@ -48,6 +48,9 @@ def locate(
             frame = columns(skel.rest, link)
         if kind == BALL:
             frame = product(frame, columns(target.turn, link))
+        elif kind == SLIDE:
+            d = skel.first_dof[link]
+            put_row(origins, link, along(row(origins, link), target.angle[d], turned(frame, row(skel.axis, d))))
         elif kind == HINGES:
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 axis, angle = turned(frame, row(skel.axis, j)), target.angle[j]
@@ -81,7 +84,7 @@ def value_of(
     total, far, d = 0.0, 0.0, LOSS_RADIUS * state.tracking.reach[avatar]
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         r = norm(sub(row(objective.origin, link), row(poses.position, skel.first + link)))
-        total += 0.5 * r * r if r <= d else d * (r - 0.5 * d)
+        total += avatars.link_weight[link] * (0.5 * r * r if r <= d else d * (r - 0.5 * d))
         far = max(far, r)
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         total += 0.5 * avatars.turn_weight[j] * objective.error[j] * objective.error[j]
@@ -101,7 +104,7 @@ def model(
     gather(skel, avatars, avatar, state, poses, objective_out)
     fall(skel, avatars, avatar, state.axes, objective_out)
     note_motions(skel, avatars, avatar, poses, state.axes, objective_out)
-    fill_metric(skel, avatars, avatar, poses, state.axes, objective_out)
+    fill_metric(skel, avatars, avatar, poses, state.axes, state.tracking.reach[avatar], objective_out)
     first, last = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
     decompose(avatars, first, last, objective_out.factor)
     solve_up(avatars, first, last, objective_out.factor, objective_out.newton)
@@ -124,7 +127,7 @@ def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses:
     for link in range(low, high):
         way = sub(row(c.aim, link), row(poses.position, bodies + link))
         square = dot(way, way)
-        n = 1.0 if square <= d * d else d / sqrt(square)
+        n = avatars.link_weight[link] * (1.0 if square <= d * d else d / sqrt(square))
         c.number[link], c.inertia[link] = n, state.bend[link]
         put_row(c.pull, link, scale(way, n))
         put_row(c.load, link, row(state.force, link))
@@ -141,6 +144,8 @@ def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses:
         first, way, load = row(c.first, link), row(c.pull, link), row(c.load, link)
         c.number[parent] += n
         c.inertia[parent] += c.inertia[link] + stretch(add(way, load), arm)
+        if skel.kind[link] == SLIDE:
+            c.inertia[parent] += norm(add(way, load)) * state.tracking.reach[avatar]
         for i in range(3):
             c.first[parent, i] += first[i] + n * arm[i]
             c.pull[parent, i] += way[i]
@@ -160,6 +165,9 @@ def fall(skel: Skeleton, avatars: Avatars, avatar: int, axes: Rows, objective_ou
             for j in range(d, d + 3):
                 c.newton[j] = dot(row(axes, j), row(c.pull, link))
             d += 3
+        elif skel.kind[link] == SLIDE:
+            c.newton[d] = dot(row(axes, d), row(c.pull, link)) + avatars.turn_weight[d] * c.error[d]
+            continue
         moment = (b[link, 1, 2] - b[link, 2, 1], b[link, 2, 0] - b[link, 0, 2], b[link, 0, 1] - b[link, 1, 0])
         for j in range(d, last):
             c.newton[j] = dot(row(axes, j), moment) + avatars.turn_weight[j] * c.error[j]
@@ -171,7 +179,7 @@ def note_motions(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, ax
     motion, root = objective_out.motion, avatars.first_link[avatar]
     for link in range(root, avatars.first_link[avatar + 1]):
         d = skel.first_dof[link]
-        moves = d + 3 if skel.kind[link] == FREE else d
+        moves = d + translations(skel, link)
         arm = sub(row(poses.position, skel.first + root), row(poses.position, skel.first + link))
         for j in range(d, skel.first_dof[link + 1]):
             axis = row(axes, j)
@@ -182,17 +190,19 @@ def note_motions(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, ax
 
 
 @kernel
-def fill_metric(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axes: Rows, objective_out: Objective) -> None:
+def fill_metric(
+    skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axes: Rows, reach: float, objective_out: Objective
+) -> None:
     """The metric M before it is factored: a row per degree, from what its motion asks of the masses that it carries."""
     c, t, root = objective_out, objective_out.second, avatars.first_link[avatar]
     path, depth, factor, motion = avatars.path, avatars.depth, objective_out.factor, objective_out.motion
     for link in range(root, avatars.first_link[avatar + 1]):
         first, moved, n = skel.first_dof[link], row(c.first, link), c.number[link]
-        moves = first + 3 if skel.kind[link] == FREE else first
+        moves = first + translations(skel, link)
         trace = t[link, 0, 0] + t[link, 1, 1] + t[link, 2, 2] + c.inertia[link]
         out = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + root))
         for j in range(first, skel.first_dof[link + 1]):
-            axis, extra = row(axes, j), 0.0
+            axis = row(axes, j)
             if j < moves:
                 force, torque = scale(axis, n), cross(moved, axis)
             else:
@@ -202,7 +212,6 @@ def fill_metric(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axe
                     trace * axis[1] - t[link, 1, 0] * axis[0] - t[link, 1, 1] * axis[1] - t[link, 1, 2] * axis[2],
                     trace * axis[2] - t[link, 2, 0] * axis[0] - t[link, 2, 1] * axis[1] - t[link, 2, 2] * axis[2],
                 )
-                extra = avatars.turn_weight[j]
             torque = add(torque, cross(out, force))
             for d in range(depth[j] + 1):
                 i = path[j, d]
@@ -210,7 +219,9 @@ def fill_metric(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axe
                     motion[i, 0] * torque[0] + motion[i, 1] * torque[1] + motion[i, 2] * torque[2]
                     + motion[i, 3] * force[0] + motion[i, 4] * force[1] + motion[i, 5] * force[2]
                 )
-            factor[j, depth[j]] += extra
+            factor[j, depth[j]] += avatars.turn_weight[j]
+        if skel.kind[link] == SLIDE:
+            factor[first, depth[first]] += norm(add(row(c.pull, link), row(c.load, link))) / reach
 
 
 @kernel

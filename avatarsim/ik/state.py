@@ -209,7 +209,8 @@ known_as_table(Tracking, TRACKING)
 class Avatars(NamedTuple):
     """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
     the degrees that carry degree j, from the root on, itself at place depth[j] of them; turn_weight (nd) [m^2] of a squared
-    angle, 0 for translations."""
+    angle, [1] of the squared way of a slide, 0 for translations of a root; link_weight (nl) of a squared distance of a link's
+    origin."""
 
     first_link: IndexLine
     first_dof: IndexLine
@@ -218,11 +219,12 @@ class Avatars(NamedTuple):
     path: IndexGrid
     depth: IndexLine
     turn_weight: Line
+    link_weight: Line
 
 
 class Budget(NamedTuple):
-    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root; turned, moved (nl) what
-    was used of these along the path so far; slack (2) [m, rad] by how much a step of the QP may leave its budget."""
+    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root or slide; turned, moved
+    (nl) what was used of these along the path so far; slack (2) [m, rad] by how much a step of the QP may leave its budget."""
 
     turn: Line
     move: Line

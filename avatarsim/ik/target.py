@@ -8,7 +8,7 @@ from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
-from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton
+from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton, has_angles
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
@@ -36,7 +36,7 @@ def clip_avatar(
                 tracking_out.is_legal[avatar] = 0
             turn = clipped
         put_columns(target_out.turn, link, turn)
-        if kind == HINGES:
+        if has_angles(skel, link):
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 angle = min(max(tracker.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
                 if angle != tracker.angle[j]:

@@ -3,7 +3,7 @@
 Forward kinematics: from a posture and a step in its tangent space to the poses of links.
 
 Tangent space: translation of a free root in the world's axes, rotation vector of roots and balls in the link's own axes (the step
-R exp(w)), angles of hinges. World axes are those of the geometric Jacobian (Featherstone 2008, chapter 4).
+R exp(w)), angles of hinges, ways of slides. World axes are those of the geometric Jacobian (Featherstone 2008, chapter 4).
 """
 
 from typing import NamedTuple
@@ -14,17 +14,17 @@ from numpy.typing import NDArray
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import FlagGrid, Grid, IndexLine, Line, Matrices, Vectors
 from avatarsim.model.geometry import Geometry, Poses, place
-from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, Hinges, ReachCone, Rigid, SwingTwist
+from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, ReachCone, Rigid, Slide, SwingTwist, axes_of
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 from avatarsim.spatial.tangent import about, columns, product, put_columns, stepped, straightened, turned
-from avatarsim.spatial.vec3 import Rows, add, put_row, row
+from avatarsim.spatial.vec3 import Rows, add, along, put_row, row
 
 Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
-RIGID, HINGES, BALL, FREE = 0, 1, 2, 3
-"""Kinds of joints. Tangent degrees of freedom: none, one per hinge, three, six (translation, then rotation)."""
+RIGID, HINGES, BALL, FREE, SLIDE = 0, 1, 2, 3, 4
+"""Kinds of joints. Tangent degrees of freedom: none, one per hinge, three, six (translation, then rotation), one."""
 
 UNLIMITED = 1e9
 """Stands for no limit [rad, m]: far beyond any angle or place, yet safe to subtract."""
@@ -39,8 +39,8 @@ class Skeleton(NamedTuple):
     first_dof  (nl + 1) tangent degrees of link i are first_dof[i] .. first_dof[i + 1]
     anchor     (nl, 3) joint centre in the parent's frame [m]
     rest       (nl, 3, 3) link frame in the parent's at zero
-    axis       (nd, 3) hinge axes in the link frame
-    limits     (nd, 2) hinge limits [rad]
+    axis       (nd, 3) axes of hinges and slides in the link frame
+    limits     (nd, 2) limits of hinges [rad] and slides [m]
     cone       (nl, 20) of a ball with limits: axis 0:3 in the link's frame, centre 3:6 in that at zero, cosine and sine of the
                swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits; what follows from these: a unit vector at
                right angles to the centre 10:13, the same through `untwist` 13:16, cosine and sine of the twist low 16:18 and
@@ -72,7 +72,8 @@ class Skeleton(NamedTuple):
 
 class Posture(NamedTuple):
     """A posture: root (nl, 3) position of free roots in the world [m]; turn (nl, 3, 3) rotation matrix of balls and free roots in
-    their parents, the world for a root; angle (nd) of hinges [rad]. Rows of links and degrees of another kind are not read."""
+    their parents, the world for a root; angle (nd) of hinges [rad], way of slides [m]. Rows of links and degrees of another kind
+    are not read."""
 
     root: Vectors
     turn: Matrices
@@ -97,11 +98,11 @@ def skeleton(scene: Scene) -> Skeleton:
         if link.parent is not None:
             parent[i] = at[avatar.name, link.parent]
         joint = link.joint
-        if isinstance(joint, Hinges):
-            kind[i] = HINGES
-            axis += [hinge.axis for hinge in joint.hinges]
+        if own := axes_of(joint):
+            kind[i] = SLIDE if isinstance(joint, Slide) else HINGES
+            axis += [one.axis for one in own]
             kept = scene.effects.limits
-            limits += [(hinge.lower, hinge.upper) if kept else (-UNLIMITED, UNLIMITED) for hinge in joint.hinges]
+            limits += [(one.lower, one.upper) if kept else (-UNLIMITED, UNLIMITED) for one in own]
         elif not isinstance(joint, Rigid):
             kind[i] = FREE if isinstance(joint, Free) else BALL
             free = 6 if isinstance(joint, Free) else 3
@@ -158,10 +159,24 @@ def wide_open(joint: Ball, polygon: ReachCone, rest: Array) -> SwingTwist:
 
 
 def hinge_dofs(skel: Skeleton) -> Index:
-    """Tangent index of every hinge, in the order of TrackerSample.angles."""
-    hinged = np.flatnonzero(skel.kind == HINGES)
+    """Tangent index of every hinge and slide, in the order of TrackerSample.angles."""
+    hinged = np.flatnonzero((skel.kind == HINGES) | (skel.kind == SLIDE))
     spans = [range(skel.first_dof[link], skel.first_dof[link + 1]) for link in hinged]
     return np.array([j for span in spans for j in span], dtype=np.int64)
+
+
+@kernel
+def has_angles(skel: Skeleton, link: int) -> bool:
+    """Return whether a link's degrees are angles of hinges or the way of a slide, each with limits of its own."""
+    return bool(skel.kind[link] == HINGES or skel.kind[link] == SLIDE)
+
+
+@kernel
+def translations(skel: Skeleton, link: int) -> int:
+    """Return how many of a link's degrees, from its first one on, are translations."""
+    if skel.kind[link] == FREE:
+        return 3
+    return 1 if skel.kind[link] == SLIDE else 0
 
 
 @kernel
@@ -190,7 +205,7 @@ def carry_links(
 ) -> None:
     """Positions and rotations of links first .. end - 1, whole avatars, at `posture` displaced by `step` (nd), and axes (nd, 3).
 
-    Hinge: angle + step. Ball and root: R exp(step), the step in the link's own axes. Root position: + step.
+    Hinge and slide: angle or way + step. Ball and root: R exp(step), the step in the link's own axes. Root position: + step.
     """
     kinds, first_dof, parents, bodies = skel.kind, skel.first_dof, skel.parent, skel.first
     anchors, rests, axis_of = skel.anchor, skel.rest, skel.axis
@@ -215,6 +230,10 @@ def carry_links(
                 frame = product(frame, stepped(columns(turns, link), (step[d], step[d + 1], step[d + 2])))
                 for i in range(3):
                     put_row(axes_out, d + i, frame[i])
+            elif kind == SLIDE:
+                axis = turned(frame, row(axis_of, d))
+                put_row(axes_out, d, axis)
+                origin = along(origin, angles[d] + step[d], axis)
             elif kind == HINGES:
                 for j in range(d, first_dof[link + 1]):
                     axis, angle = turned(frame, row(axis_of, j)), angles[j] + step[j]
@@ -242,6 +261,6 @@ def displace_links(skel: Skeleton, first: int, end: int, posture_out: Posture, s
         if kind == FREE or kind == BALL:
             frame = stepped(columns(posture_out.turn, link), (step[d], step[d + 1], step[d + 2]))
             put_columns(posture_out.turn, link, straightened(frame))
-        elif kind == HINGES:
+        elif has_angles(skel, link):
             for j in range(d, skel.first_dof[link + 1]):
                 posture_out.angle[j] += step[j]

@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 from avatarsim.counters import Tally
 from avatarsim.coupling.tracked_motion import give_to_roots, tracked_velocities
 from avatarsim.engine import Snapshot
+from avatarsim.errors import InvalidScene
 from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import entry_kernel
 from avatarsim.model.geometry import OPEN, Poses
 from avatarsim.model.world import Target, TargetParts, World, WorldParts
 from avatarsim.paper.algorithm_1 import follow_as_printed
 from avatarsim.paper.state import COUNT_NAMES, STATUS_NAMES, WORKING, PaperMemory, make_paper_memory
+from avatarsim.scene.joint import Slide
+from avatarsim.scene.scene import Scene
 from avatarsim.settings import AttractionSettings, CouplingSettings, PaperSettings
 from avatarsim.spatial.random import MODULUS
 
@@ -40,6 +43,13 @@ def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
     )
 
 
+def require_no_slides(scene: Scene) -> None:
+    """Raise InvalidScene for a slide: the method as printed turns joints only."""
+    for link in scene.links:
+        if isinstance(link.joint, Slide):
+            raise InvalidScene(f"joint of link {link.name}", "Slide", "Rigid, Hinges, Ball or Free with the preset paper")
+
+
 class PaperLoop:
     """The driven bodies of a world under method `paper`. `seed` settles the order in which chains are treated."""
 
@@ -51,6 +61,7 @@ class PaperLoop:
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
     ) -> None:
+        require_no_slides(world.scene)
         self.world = world
         self._kept, own = packed(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
         self.memory = own.memory

@@ -142,7 +142,8 @@ class Plan(NamedTuple):
     searches  a row per avatar
     node      (na, NODES + 1, w) postures of the nodes, the last of them the end of the extension. One is packed link by link in
               the scene's order, without gaps: of a free root its position (3) [m] and its rotation matrix (9) row by row, of a
-              ball its rotation matrix (9), of hinges their angles [rad]; what an avatar does not need of w is not read
+              ball its rotation matrix (9), of hinges and slides their coordinates [rad, m]; what an avatar does not need of
+              w is not read
     before    (na, NODES) the node that each was reached from, -1 at a root
     tree      (na, NODES) of each node: 0 from the shown posture, 1 from the goal, 2 of shortcuts
     path      (na, NODES) nodes from the shown posture to the goal

@@ -1,7 +1,7 @@
 """Trees of postures: nodes packed one after the other, nearest node by linear search.
 
 A linear search beats any tree of cells below some thousand nodes, and adds no state. The distance is that of the objective:
-metres of link origins, and radians as the mean reach of a link.
+metres of link origins and slides, and radians as the mean reach of a link.
 
 Samples of RRT-Connect: postures drawn from a seeded generator, places in the room and joints near a node in turn.
 
@@ -13,7 +13,7 @@ from math import inf, pi, sqrt
 from avatarsim.ik.state import Avatars
 from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton
+from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, Skeleton, has_angles
 from avatarsim.planner.state import NODES, NONE, Ghost, Plan
 from avatarsim.spatial.random import MODULUS, MULTIPLIER
 from avatarsim.spatial.tangent import columns, put_columns, stepped, turned_back
@@ -24,8 +24,8 @@ MARGIN = 4.0
 more. The room around them grows with the root of the samples drawn."""
 
 TURN, MOVE = 1.2, 3.0
-"""[rad, mean reaches] how far at most joints and root of a local sample are from those of its node. Larger: they end in what
-stands around; smaller: they stay in the trap."""
+"""[rad, mean reaches] how far at most joints, and root and slides, of a local sample are from those of its node. Larger: they
+end in what stands around; smaller: they stay in the trap."""
 
 
 @kernel
@@ -97,9 +97,10 @@ def disturb(skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost
             y = turn * (2.0 * drawn(avatar, plan_out) - 1.0)
             z = turn * (2.0 * drawn(avatar, plan_out) - 1.0)
             put_columns(target.turn, link, stepped(columns(target.turn, link), (x, y, z)))
-        elif kind == HINGES:
+        elif has_angles(skel, link):
+            most = move if kind == SLIDE else turn
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-                target.angle[j] += turn * (2.0 * drawn(avatar, plan_out) - 1.0)
+                target.angle[j] += most * (2.0 * drawn(avatar, plan_out) - 1.0)
 
 
 AIM = NODES
@@ -121,7 +122,7 @@ def put_node(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, k:
                 for j in range(3):
                     node[avatar, k, at + 3 * i + j] = posture.turn[link, i, j]
             at += 9
-        elif kind == HINGES:
+        elif has_angles(skel, link):
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 node[avatar, k, at] = posture.angle[j]
                 at += 1
@@ -142,7 +143,7 @@ def get_node(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, 
                 for j in range(3):
                     posture_out.turn[link, i, j] = node[avatar, k, at + 3 * i + j]
             at += 9
-        elif kind == HINGES:
+        elif has_angles(skel, link):
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 posture_out.angle[j] = node[avatar, k, at]
                 at += 1
@@ -180,7 +181,7 @@ def square_distance(skel: Skeleton, avatars: Avatars, avatar: int, k: int, m: in
                 trace += node[avatar, k, at + i] * node[avatar, m, at + i]
             total += avatars.turn_weight[d] * (3.0 - trace)
             at += 9
-        elif kind == HINGES:
+        elif has_angles(skel, link):
             for j in range(d, skel.first_dof[link + 1]):
                 way = node[avatar, k, at] - node[avatar, m, at]
                 total += avatars.turn_weight[j] * way * way

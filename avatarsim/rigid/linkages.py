@@ -17,7 +17,7 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.dynamics import DriveState, Dynamics, Linkage, holder_of
 from avatarsim.model.geometry import Poses
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, room_of_ball, room_of_twist, surely_inside
-from avatarsim.model.skeleton import BALL, FREE, HINGES, Skeleton, carry_links
+from avatarsim.model.skeleton import BALL, FREE, Skeleton, carry_links, has_angles, translations
 from avatarsim.rigid.attached import add_attached, carried_by, carry_attached
 from avatarsim.rigid.contacts import Contacts, impulse_of
 from avatarsim.rigid.solver import LANES, put_three
@@ -101,7 +101,7 @@ def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
         d, stop = skel.first_dof[link], skel.first_dof[link + 1]
         for j in range(d, stop):
             bounds[j, 0], bounds[j, 1] = -inf, inf
-            if skel.kind[link] == HINGES:
+            if has_angles(skel, link):
                 angle = linkage.joints.angle[j]
                 bounds[j, 0] = min(0.0, skel.limits[j, 0] - angle) / h
                 bounds[j, 1] = max(0.0, skel.limits[j, 1] - angle) / h
@@ -176,7 +176,7 @@ def fill_matrix(linkage: Linkage, poses: Poses, first: int, end: int) -> None:
 @kernel
 def moves_straight(skel: Skeleton, link: int, j: int) -> bool:
     """Return whether degree j of a link is a translation."""
-    return bool(skel.kind[link] == FREE and j < skel.first_dof[link] + 3)
+    return bool(j < skel.first_dof[link] + translations(skel, link))
 
 
 @kernel
@@ -389,7 +389,7 @@ def look_ahead(drive: DriveState, poses: Poses, memory: Memory, b: int, h: float
         d, kind = skel.first_dof[link], skel.kind[link]
         for j in range(d, skel.first_dof[link + 1]):
             linkage.step[j] = share * h * linkage.rate[j]
-            if kind == HINGES:
+            if has_angles(skel, link):
                 angle = linkage.joints.angle[j]
                 low, high = min(angle, skel.limits[j, 0]) - angle, max(angle, skel.limits[j, 1]) - angle
                 linkage.step[j] = min(max(linkage.step[j], low), high)
@@ -457,7 +457,7 @@ def scale_step(linkage: Linkage, link: int, share: float) -> None:
 def turn_joint(linkage: Linkage, link: int, times: float) -> None:
     """Add ``times`` its step to a joint."""
     skel, d = linkage.skeleton, linkage.skeleton.first_dof[link]
-    if skel.kind[link] == HINGES:
+    if has_angles(skel, link):
         for j in range(d, skel.first_dof[link + 1]):
             linkage.joints.angle[j] += times * linkage.step[j]
     elif skel.kind[link] == BALL:

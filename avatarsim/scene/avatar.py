@@ -25,7 +25,7 @@ from avatarsim.scene.checks import (
     unit_quaternion,
     within,
 )
-from avatarsim.scene.joint import Ball, Free, Hinges, Joint, Rigid
+from avatarsim.scene.joint import Ball, Free, Hinges, Joint, Rigid, Slide, axes_of
 from avatarsim.scene.shape import Piece, reach
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial import rotation
@@ -58,8 +58,8 @@ class Link:
         instance(f"mass of link {self.name}", self.mass, Mass, "a Mass, for instance solid(pieces, kg)")
         named(f"the material of link {self.name}", self.material)
         joint: object = self.joint
-        if not isinstance(joint, Free | Rigid | Hinges | Ball):
-            valid = "Free(), Rigid(), Hinges((Hinge(...), ...)) or Ball(...)"
+        if not isinstance(joint, Free | Rigid | Hinges | Slide | Ball):
+            valid = "Free(), Rigid(), Hinges((Hinge(...), ...)), Slide(...) or Ball(...)"
             raise InvalidScene(f"joint of link {self.name}", joint, valid)
         object.__setattr__(self, "anchor", place(f"anchor of link {self.name}", self.anchor))
         object.__setattr__(self, "orientation", unit_quaternion(f"orientation of link {self.name}", self.orientation))
@@ -132,7 +132,7 @@ class Avatar:
             if link.parent is not None and link.parent not in known:
                 raise InvalidScene(f"parent of link {link.name}", link.parent, f"an earlier link: {sorted(known)}")
             if isinstance(link.joint, Free) and index > 0:
-                raise InvalidScene(f"joint of link {link.name}", "Free", "Rigid, Hinges or Ball below the root")
+                raise InvalidScene(f"joint of link {link.name}", "Free", "Rigid, Hinges, Slide or Ball below the root")
             known.add(link.name)
         for name in [*self.chains, *(name for both in (*self.ignore, *self.at_rest) for name in both[:2])]:
             if name not in known:
@@ -150,7 +150,7 @@ class Avatar:
 
     @property
     def span(self) -> float:
-        """Twice the farthest that a piece can be from the root's joint with all limbs stretched [m]."""
+        """Twice the farthest that a piece can be from the root's joint with all limbs stretched and all slides at zero [m]."""
         way: dict[str, float] = {}
         farthest = 0.0
         for link in self.links:
@@ -161,8 +161,8 @@ class Avatar:
 
     @cached_property
     def hinge_count(self) -> int:
-        """Number of hinge angles of all links together."""
-        return sum(len(link.joint.hinges) for link in self.links if isinstance(link.joint, Hinges))
+        """Number of hinges and slides of all links together, which is that of the avatar's `TrackerSample.angles`."""
+        return sum(len(axes_of(link.joint)) for link in self.links)
 
 
 def rigid_avatar(name: str, pieces: tuple[Piece, ...], mass: Mass, material: str = "human") -> Avatar:

@@ -12,7 +12,7 @@ import numpy as np
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, ContactLaw, PairTable, Role
-from avatarsim.scene.joint import Ball, Hinges
+from avatarsim.scene.joint import Ball, Hinges, Slide, axes_of
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def driven(parts: Parts) -> list[str]:
 
 def jointed(parts: Parts) -> list[str]:
     """Avatars with joints that move."""
-    return [a.name for a in parts.avatars if any(isinstance(link.joint, Hinges | Ball) for link in a.links)]
+    return [a.name for a in parts.avatars if any(isinstance(link.joint, Hinges | Slide | Ball) for link in a.links)]
 
 
 def many_limbed(parts: Parts) -> list[str]:
@@ -111,9 +111,9 @@ def many_limbed(parts: Parts) -> list[str]:
 
 
 def limited(parts: Parts) -> list[str]:
-    """Links with an interval for a hinge or for swing and twist."""
+    """Links with an interval for a hinge, a slide, or swing and twist."""
     joints = [(f"{avatar.name}/{link.name}", link.joint) for avatar in parts.avatars for link in avatar.links]
-    return [name for name, joint in joints if isinstance(joint, Hinges) or (isinstance(joint, Ball) and joint.limits)]
+    return [name for name, joint in joints if axes_of(joint) or (isinstance(joint, Ball) and joint.limits)]
 
 
 def coned(parts: Parts) -> list[str]:
@@ -164,7 +164,7 @@ CALLS = (
     Call("kinematics", "an avatar's hinge or ball joint", "links of a chain give way by turning in their joints", STAYS, jointed),
     Call("self_contact", "an avatar of three links or more", "limbs must not go through each other",
          NO_OVERLAP, many_limbed),
-    Call("limits", "a limited hinge or ball joint", "a posture must stay within what the joint allows", STAYS, limited),
+    Call("limits", "a limited hinge, slide or ball joint", "a posture must stay within what the joint allows", STAYS, limited),
     Call("reach_cones", "a ball joint with a reach cone", "a limb must stay in its spherical polygon", STAYS, coned),
     Call("coupling", "an avatar together with a simulated or moving body", "what a limb gives a body, it takes: eq. 6 brings it "
          "back", BOUNCES, both),

@@ -1,4 +1,4 @@
-"""Joints of an avatar: rigid, up to three hinges that share a centre, or a native ball with swing and twist limits.
+"""Joints of an avatar: rigid, up to three hinges that share a centre, a slide, or a native ball with swing and twist limits.
 
 The paper builds a ball and socket from three planar joints with a common centre; `Hinges` says exactly that.
 `Ball` is the same joint without gimbal lock, and its limits are stated once: a cone for the limb's direction and
@@ -67,6 +67,9 @@ WIDEST_SWING = 0.95 * PI
 MANY_TURNS = 64.0 * PI
 """Widest hinge limit [rad]. A hinge without a stop gets +- this; wider would lose digits of the angle."""
 
+LONGEST_SLIDE = 1e3
+"""Farthest limit of a slide [m]. A slide without a stop gets +- this; farther would lose digits of the gaps around it."""
+
 
 @dataclass(frozen=True)
 class Hinge:
@@ -101,6 +104,24 @@ class Hinges:
         each("hinges of a joint", self.hinges, Hinge, "a Hinge(axis, lower, upper)")
         if not 1 <= len(self.hinges) <= 3:
             raise InvalidScene("number of hinges that share a centre", len(self.hinges), "1 to 3")
+
+
+@dataclass(frozen=True)
+class Slide:
+    """A prismatic joint along `axis` in the link frame, made a unit vector; `lower` and `upper` limit [m].
+
+    Raises InvalidScene for an axis without length, and for limits in the wrong order."""
+
+    axis: Vector
+    lower: float = -LONGEST_SLIDE
+    upper: float = LONGEST_SLIDE
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axis", unit_vector("slide axis", self.axis))
+        within("lower slide limit [m]", self.lower, -LONGEST_SLIDE, LONGEST_SLIDE)
+        within("upper slide limit [m]", self.upper, -LONGEST_SLIDE, LONGEST_SLIDE)
+        if not self.lower <= self.upper:
+            raise InvalidScene("slide limits (lower, upper) [m]", (self.lower, self.upper), "lower at most upper")
 
 
 @dataclass(frozen=True)
@@ -152,4 +173,16 @@ class Free:
     """Six degrees of freedom: the root of an avatar that goes where the user goes."""
 
 
-Joint = Rigid | Hinges | Ball | Free
+Joint = Rigid | Hinges | Slide | Ball | Free
+
+
+def axes_of(joint: Joint) -> tuple[Hinge | Slide, ...]:
+    """Return the hinges of a joint, or its slide: one for each number of `TrackerSample.angles`."""
+    if isinstance(joint, Hinges):
+        return joint.hinges
+    return (joint,) if isinstance(joint, Slide) else ()
+
+
+def unit_of(axis: Hinge | Slide) -> str:
+    """Return the unit of the coordinate of a hinge or a slide: rad or m."""
+    return "m" if isinstance(axis, Slide) else "rad"

@@ -14,7 +14,7 @@ from avatarsim.errors import InvalidSample, UnknownName
 from avatarsim.scene.avatar import STIFFEST, Avatar, Drive, Link
 from avatarsim.scene.body import solid
 from avatarsim.scene.checks import LONGEST, Quaternion, Vector, finite_array, parts, place, positive, unit_quaternion, within
-from avatarsim.scene.joint import Free, Hinges
+from avatarsim.scene.joint import Free, Hinges, Slide, axes_of
 from avatarsim.scene.shape import Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import CouplingSettings
@@ -27,7 +27,7 @@ Pose = tuple[Sequence[float], Sequence[float]] | ArrayLike
 def moving(
     name: str, pieces: tuple[Piece, ...], material: str, *, position: Vector = (0.0, 0.0, 0.0),
     orientation: Quaternion = rotation.IDENTITY, largest_force: float = 300.0, stiffness: float = 1e6, mass: float = 10.0,
-    damping: float | None = None, joint: Free | Hinges | None = None, surface_velocity: Vector = (0.0, 0.0, 0.0),
+    damping: float | None = None, joint: Free | Hinges | Slide | None = None, surface_velocity: Vector = (0.0, 0.0, 0.0),
 ) -> Avatar:
     """Make a body whose pose is given per frame, `advance(sample, dt, moving={name: (position, orientation)})`.
 
@@ -45,7 +45,8 @@ def moving(
                       stiffness away. 0: it stays where others push it, as a door on its hinges does
     mass              [kg] that others feel in an impact, beside the spring
     damping           [N s/m] of the spring; critical by default, of a body without stiffness that of hands
-    joint             `Hinges` for a body that turns about fixed axes, whose angles [rad] are then given instead of a pose
+    joint             `Hinges` for a body that turns about fixed axes, or a `Slide`, as of a drawer: its angles [rad] or its way
+                      [m] are then given instead of a pose
     surface_velocity  [m/s] of its surface in its frame, as of a conveyor belt
     """
     positive(f"mass of moving body {name} [kg]", mass)
@@ -69,7 +70,7 @@ def with_moving(
     Args:
         avatars: of the scene.
         sample: of all avatars, or only of those that do not move by themselves.
-        given: pose of each moving body that goes elsewhere, by name; angles are clipped to the limits of their hinges.
+        given: pose of each moving body that goes elsewhere, by name; angles and ways are clipped to the limits of their joints.
         last: the sample of the last frame, from which moving bodies that are not given keep their poses.
 
     Raises:
@@ -91,7 +92,7 @@ def with_moving(
         if avatar.name in given:
             pose = given[avatar.name]
             if avatar.hinge_count:
-                thing, limits = f"angles of moving body {avatar.name} [rad]", _limits(avatar)
+                thing, limits = f"angles [rad] or way [m] of moving body {avatar.name}", _limits(avatar)
                 given_angles = finite_array(thing, parts(pose), (avatar.hinge_count,), InvalidSample)
                 angles[hinge : hinge + avatar.hinge_count] = np.clip(given_angles, limits[:, 0], limits[:, 1])
             else:
@@ -101,9 +102,8 @@ def with_moving(
 
 
 def _limits(avatar: Avatar) -> NDArray[np.float64]:
-    """Least and largest angle of each hinge (hinges, 2) [rad]."""
-    hinges = [hinge for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
-    return np.array([(hinge.lower, hinge.upper) for hinge in hinges])
+    """Least and largest coordinate of each hinge and slide (hinges, 2) [rad, m]."""
+    return np.array([(axis.lower, axis.upper) for link in avatar.links for axis in axes_of(link.joint)])
 
 
 def _pose(name: str, pose: Pose) -> tuple[Vector, Quaternion]:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidSample
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.checks import as_number, finite_array
-from avatarsim.scene.joint import Ball, Free, Hinges
+from avatarsim.scene.joint import Ball, Free, Hinges, Slide, axes_of
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
@@ -25,11 +25,11 @@ class TrackerSample:
 
     positions  (links, 3) [m]: root position in the world; used for `Free` roots only
     rotations  (links, 4): orientation of a `Free` root in the world, of a `Ball` link against its rest orientation
-    angles     (hinges,) [rad]: all hinge angles, link by link
+    angles     (hinges,) all hinge angles [rad] and ways of slides [m], link by link
 
-    Links and hinges are those of all avatars, in the order of the scene; rows that are not used hold any numbers, rotations
-    (1, 0, 0, 0). Nothing is checked here: the engine raises InvalidSample for what is not finite, does not fit the scene's
-    avatars, or is no rotation.
+    Links, hinges and slides are those of all avatars, in the order of the scene; rows that are not used hold any numbers,
+    rotations (1, 0, 0, 0). Nothing is checked here: the engine raises InvalidSample for what is not finite, does not fit the
+    scene's avatars, or is no rotation.
     """
 
     time: float
@@ -87,15 +87,14 @@ def between(before: TrackerSample, after: TrackerSample, share: float) -> Tracke
 
 
 def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
-    """The sample at `time` [s] with all joints at zero, clipped to their hinge limits, and every root at the origin.
+    """The sample at `time` [s] with all joints at zero, clipped to the limits of hinges and slides, and every root at the origin.
 
     Moving bodies are at their first poses.
 
     What a scene starts from by default; `dataclasses.replace(rest(avatars), positions=...)` moves the roots."""
     links = sum(len(avatar.links) for avatar in avatars)
     angles = [
-        min(max(0.0, hinge.lower), hinge.upper)
-        for avatar in avatars for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges
+        min(max(0.0, axis.lower), axis.upper) for avatar in avatars for link in avatar.links for axis in axes_of(link.joint)
     ]
     positions, rotations, first = np.zeros((links, 3)), np.tile(rotation.IDENTITY, (links, 1)), 0
     for avatar in avatars:
@@ -125,7 +124,7 @@ def link_poses_each(avatars: Sequence[Avatar], samples: Sequence[TrackerSample])
 
 def poses_of_links(avatars: Sequence[Avatar], roots: Array, rotations: Array, angles: Array) -> tuple[Array, Array]:
     """Forward kinematics of postures as in `TrackerSample`: roots (..., links, 3) [m], rotations (..., links, 4), angles
-    (..., hinges) [rad]; positions (..., links, 3) [m] and orientations (..., links, 4) in the world."""
+    (..., hinges) [rad, m]; positions (..., links, 3) [m] and orientations (..., links, 4) in the world."""
     positions, orientations = np.empty(np.shape(roots)), np.empty(np.shape(rotations))
     first = hinge = 0
     for avatar in avatars:
@@ -138,14 +137,17 @@ def poses_of_links(avatars: Sequence[Avatar], roots: Array, rotations: Array, an
             origin, frame = np.zeros(3), np.array(rotation.IDENTITY)
             if link.parent is not None:
                 origin, frame = positions[..., index[link.parent], :], orientations[..., index[link.parent], :]
-            turned = rotation.multiply(frame, link.orientation)
-            if isinstance(link.joint, Hinges):
+            turned, anchor = rotation.multiply(frame, link.orientation), np.asarray(link.anchor)
+            if isinstance(link.joint, Slide):
+                anchor = anchor + np.multiply.outer(angles[..., hinge], rotation.rotate(link.orientation, link.joint.axis))
+                hinge += 1
+            elif isinstance(link.joint, Hinges):
                 for axis in link.joint.hinges:
                     turned = rotation.multiply(turned, rotation.from_axis_angle(axis.axis, angles[..., hinge]))
                     hinge += 1
             elif isinstance(link.joint, Ball):
                 turned = rotation.multiply(turned, rotations[..., k, :])
-            positions[..., k, :] = origin + rotation.rotate(frame, link.anchor)
+            positions[..., k, :] = origin + rotation.rotate(frame, anchor)
             orientations[..., k, :] = rotation.normalised(turned)
         first += len(avatar.links)
     return positions, orientations

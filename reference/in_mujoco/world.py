@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.scene.body import Mass, Role
-from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid, SwingTwist
+from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS, Ball, Free, Hinges, Rigid, Slide, SwingTwist, axes_of
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from avatarsim.scene.tracker import link_poses
@@ -114,11 +114,14 @@ def _avatars(
                     add_motor(spec, f"b{k}", True, servo)
                 if swing and limits and link.joint.limits is not None:
                     _swing_limit(spec, parent, body, k, link.anchor, link.joint.limits)
-            elif isinstance(link.joint, Hinges):
-                for stop in link.joint.hinges:
-                    joint = body.add_joint(name=f"h{hinge}", type=mujoco.mjtJoint.mjJNT_HINGE, axis=stop.axis)
-                    joint.armature = armature * _inertia_about_joint(link.mass)
-                    free = stop.lower <= -MANY_TURNS and stop.upper >= MANY_TURNS
+            elif isinstance(link.joint, Hinges | Slide):
+                slides = isinstance(link.joint, Slide)
+                for stop in axes_of(link.joint):
+                    kind = mujoco.mjtJoint.mjJNT_SLIDE if slides else mujoco.mjtJoint.mjJNT_HINGE
+                    joint = body.add_joint(name=f"h{hinge}", type=kind, axis=stop.axis)
+                    joint.armature = armature * (link.mass.mass if slides else _inertia_about_joint(link.mass))
+                    most = LONGEST_SLIDE if slides else MANY_TURNS
+                    free = stop.lower <= -most and stop.upper >= most
                     joint.limited = limits and not free
                     joint.range = [stop.lower, max(stop.upper, stop.lower + NARROWEST)]
                     if servo is not None:

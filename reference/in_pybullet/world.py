@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, Mass, Role, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid, SwingTwist
+from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS, Ball, Free, Hinges, Rigid, Slide, SwingTwist, axes_of
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import link_poses
@@ -54,9 +54,9 @@ class Part:
 class World:
     """All parts in canonical order; joints to drive.
 
-    hinges [(multibody, joint)] in the order of tracker angles; balls [(multibody, joint, link of the scene)];
-    roots [(part, link of the scene)]; lefts: link of a ball -> left, where Bullet states a turn of ours as left turn frame;
-    maximal: simulated bodies outside the multibody solver.
+    hinges [(multibody, joint)] of hinges and slides in the order of tracker angles; balls [(multibody, joint, link of the
+    scene)]; roots [(part, link of the scene)]; lefts: link of a ball -> left, where Bullet states a turn of ours as left turn
+    frame; maximal: simulated bodies outside the multibody solver.
     """
 
     client: int
@@ -311,12 +311,12 @@ def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, fra
     centre = rotation.rotate(back, link.mass.centre)
     shape = chain.shape(link, frame, centre)
     kind = pybullet.JOINT_SPHERICAL if isinstance(link.joint, Ball) else pybullet.JOINT_FIXED
-    if not isinstance(link.joint, Hinges):
+    if not isinstance(link.joint, Hinges | Slide):
         assert isinstance(link.joint, Ball | Rigid)
         turned = rotation.multiply(turn, frame)
         return chain.add(above, place, turned, kind, [0.0, 0.0, 1.0], link.mass.mass, moments, shape, centre), []
     hinges: list[int] = []
-    *before, last = link.joint.hinges
+    *before, last = axes_of(link.joint)
     for hinge in before:
         small = [BETWEEN_HINGES * float(np.mean(moments))] * 3
         above = chain.add(above, place, turn, pybullet.JOINT_REVOLUTE, hinge.axis, BETWEEN_HINGES * link.mass.mass, small, [])
@@ -324,10 +324,12 @@ def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, fra
         place, turn = np.zeros(3), IDENTITY
     axis = rotation.rotate(back, last.axis).tolist()
     turned = rotation.multiply(turn, frame)
-    index = chain.add(above, place, turned, pybullet.JOINT_REVOLUTE, axis, link.mass.mass, moments, shape, centre)
+    moves = pybullet.JOINT_PRISMATIC if isinstance(link.joint, Slide) else pybullet.JOINT_REVOLUTE
+    index = chain.add(above, place, turned, moves, axis, link.mass.mass, moments, shape, centre)
     hinges.append(index)
-    for joint, hinge in zip(hinges, link.joint.hinges, strict=True):
-        if limits and not (hinge.lower <= -MANY_TURNS and hinge.upper >= MANY_TURNS):
+    most = LONGEST_SLIDE if isinstance(link.joint, Slide) else MANY_TURNS
+    for joint, hinge in zip(hinges, axes_of(link.joint), strict=True):
+        if limits and not (hinge.lower <= -most and hinge.upper >= most):
             chain.stops[joint] = (hinge.lower, hinge.upper)
     return index, hinges
 

@@ -23,12 +23,14 @@ def motion() -> Motion:
 def audit(depth: float = 0.0, opinion: bool = True) -> Audit:
     found = Opinion("coal", FRAMES, 1, depth, 30, 0, 0.0) if opinion else None
     depths = np.array([0.0, depth, 0.0, 0.0])
-    return Audit(depths, ("hand", "table") if depth else None, np.array([1.0, 0.5 if depth else 1.0, 1.0]), 0.01 * depth, 12.5,
-                 math.nan, (Excluded("a", "b", 0.02),), found, ("said of the audit",), (AtRest("walk/a", "walk/c", 0.01, 0.005),))
+    return Audit(depths, ("hand", "table") if depth else None, np.array([1.0, 0.5 if depth else 1.0, 1.0]), 0.01 * depth, 0.0,
+                 12.5, math.nan, (Excluded("a", "b", 0.02),), found, ("said of the audit",),
+                 (AtRest("walk/a", "walk/c", 0.01, 0.005),))
 
 
 def entry(**changed: Any) -> dict[str, object]:
-    moved = Moved(("hand", "arm"), np.array([0.01, 0.02]), np.array([0.03, 0.04]), ("elbow",), np.array([0.1]), np.array([0.2]))
+    moved = Moved(("hand", "arm"), np.array([0.01, 0.02]), np.array([0.03, 0.04]), ("elbow",), np.array([0.1]), np.array([0.2]),
+                  ("finger",), np.array([0.001]), np.array([0.002]))
     cleaned = Cleaned(motion(), audit(0.03), audit(), moved, np.array([False, True, True, False]),
                       np.array([False, True, False, False]), (
         Flagged(1, 2, "overlap", ("hand", "table")), Flagged(3, 3, "blend")))

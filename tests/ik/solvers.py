@@ -1,6 +1,6 @@
 """The solver's arrays for a small world, and postures of it, for the tests of `ik`."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,14 +8,14 @@ from numpy.typing import NDArray
 from avatarsim.ik.kinematics import carry_avatar, place_avatar, take_step, tangent_error
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.state import Avatars, IkScratch, IkState
-from avatarsim.model.skeleton import FREE, Posture
+from avatarsim.model.skeleton import FREE, SLIDE, Posture
 from avatarsim.model.world import World, build, posture_of
 from avatarsim.scene.scene import Scene
-from tests.worlds.little_worlds import hand, mixed_avatar, random_sample
+from tests.worlds.little_worlds import hand, random_sample, sliding_avatar
 
 Array = NDArray[np.float64]
 
-TREES = Scene("trees", (), (mixed_avatar(), hand(), replace(mixed_avatar(), name="n")))
+TREES = Scene("trees", (), (sliding_avatar(), hand(), sliding_avatar("n")))
 """Three trees with every kind of joint and shape; the second is a root alone."""
 
 
@@ -120,6 +120,6 @@ def point_rates(found: Solver, link: int, arm: Array) -> Array:
     point = poses.position[skel.first + link] + arm
     for j, m in enumerate(found.avatars.joint_of):
         if skel.related[link, m]:
-            shifts = skel.kind[m] == FREE and j < skel.first_dof[m] + 3
+            shifts = skel.kind[m] == SLIDE or (skel.kind[m] == FREE and j < skel.first_dof[m] + 3)
             rates[:, j] = axes[j] if shifts else np.cross(axes[j], point - poses.position[skel.first + m])
     return rates

@@ -11,7 +11,7 @@ from avatarsim.model.skeleton import Posture
 from avatarsim.scene.scene import Scene
 from avatarsim.settings import PostureSettings
 from tests.ik.solvers import Solver, random_posture, solver_of
-from tests.worlds.little_worlds import hand, mixed_avatar, panel
+from tests.worlds.little_worlds import hand, panel, sliding_avatar
 
 pytestmark = [pytest.mark.boundscheck]
 SETTINGS, GAP, THICK = PostureSettings(), 0.004, 0.02
@@ -20,7 +20,7 @@ SCRATCH = make_scratch()
 
 def scene(x: float) -> Scene:
     """A tree and a hand, and a panel across x."""
-    return Scene("s", (panel(THICK, x),), (mixed_avatar(), hand()))
+    return Scene("s", (panel(THICK, x),), (sliding_avatar(), hand()))
 
 
 def before_a_panel(seed: int) -> tuple[Solver, list[tuple[int, int]]]:
@@ -30,7 +30,7 @@ def before_a_panel(seed: int) -> tuple[Solver, list[tuple[int, int]]]:
     posture.root[0], posture.root[-1] = (0.0, 0.0, 0.0), (-50.0, 0.0, 0.0)
     free.take(posture)
     geo, skel, poses = free.world.geometry, free.world.skeleton, free.world.poses
-    driven, tree = int(geo.first_shape[skel.first]), int(geo.first_shape[skel.first + 5])
+    driven, tree = int(geo.first_shape[skel.first]), int(geo.first_shape[skel.first + len(sliding_avatar().links)])
     found = solver_of(scene(float(poses.boxes[driven:tree, 3].max()) + GAP + 0.5 * THICK))
     foremost = driven + int(poses.boxes[driven:tree, 3].argmax())
     other = driven + int(poses.boxes[driven:tree, 0].argmin())

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.motion_budget import AT_REST, bound_step, keep_budget, open_budget, spend
-from avatarsim.model.skeleton import FREE, HINGES
+from avatarsim.model.skeleton import FREE, HINGES, SLIDE
 from avatarsim.settings import PostureSettings
 from tests.ik.solvers import TREES, Solver, random_posture, solver_of
 
@@ -86,7 +86,9 @@ def test_bounds_are_what_is_left_and_the_limits_of_hinges_and_always_let_stand_s
             assert s.high[d : d + 3] == pytest.approx(found.state.budget.move[link])
             d += 3
         left = max(0.0, found.state.budget.turn[link] - found.state.budget.turned[link])
+        if skel.kind[link] == SLIDE:
+            left = found.state.budget.move[link]
         assert (s.high[d:last] <= left + 1e-15).all() and (s.low[d:last] >= -left - 1e-15).all()
-        for j in range(d, last) if skel.kind[link] == HINGES else ():
+        for j in range(d, last) if skel.kind[link] in (HINGES, SLIDE) else ():
             inside = np.array([posture.angle[j] + s.low[j], posture.angle[j] + s.high[j]])
             assert (inside >= skel.limits[j, 0] - 1e-12).all() and (inside <= skel.limits[j, 1] + 1e-12).all()

@@ -7,15 +7,15 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from avatarsim.model.geometry import Poses
-from avatarsim.model.skeleton import FREE, Posture, displace, forward
+from avatarsim.model.skeleton import FREE, SLIDE, Posture, displace, forward
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from tests.stability.hostile import hinged_avatar, walls
-from tests.worlds.little_worlds import Little, hand, little, mixed_avatar, random_sample
+from tests.worlds.little_worlds import Little, hand, little, random_sample, sliding_avatar
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
-AVATARS = (mixed_avatar(), hand(), hinged_avatar())
+AVATARS = (sliding_avatar(), hand(), hinged_avatar())
 
 
 def random_world(seed: int) -> Little:
@@ -63,6 +63,8 @@ def test_axes_are_how_points_move(seed: int) -> None:
                 wanted = np.zeros(3)
             elif skel.kind[m] == FREE and j < skel.first_dof[m] + 3:
                 wanted = np.eye(3)[j - skel.first_dof[m]]
+            elif skel.kind[m] == SLIDE:
+                wanted = found.axes[j]
             else:
                 wanted = np.cross(found.axes[j], poses.vertices[rows[link]] - poses.position[first + m])
             assert rate[link] == pytest.approx(wanted, abs=1e-7)

@@ -16,7 +16,7 @@ from avatarsim.planner.tree import AIM, add_node, get_node, keep_path, nearest_n
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import rest
 from avatarsim.spatial import rotation
-from tests.worlds.little_worlds import mixed_avatar
+from tests.worlds.little_worlds import sliding_avatar
 
 pytestmark = [pytest.mark.nojit, pytest.mark.boundscheck]
 
@@ -32,7 +32,7 @@ class Little(NamedTuple):
 
 def fresh() -> Little:
     """An empty tree."""
-    avatar = mixed_avatar()
+    avatar = sliding_avatar()
     world = build(Scene("s", (), (avatar,), start=rest((avatar,))))
     solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses)
     plan, _ = make_planner(
@@ -64,11 +64,13 @@ def test_the_distance_is_that_of_the_objective_near_by() -> None:
     one, w = at.posture, at.avatars.turn_weight
     moved = Posture(one.root.copy(), one.turn.copy(), one.angle.copy())
     moved.root[0] += (0.03, 0.0, 0.04)
+    slide = at.skel.first_dof[5]
     moved.angle[at.skel.first_dof[2]] += 0.2
+    moved.angle[slide] += 0.1
     moved.turn[1] = moved.turn[1] @ rotation.to_matrix(rotation.from_axis_angle((1.0, 0.0, 0.0), 0.01))
     for k, posture in enumerate((one, moved)):
         put_node(at.skel, at.avatars, 0, posture, k, at.plan)
-    wanted = 5 * 0.05**2 + w[at.skel.first_dof[2]] * 0.2**2 + w[at.skel.first_dof[1]] * 0.01**2
+    wanted = 7 * 0.05**2 + w[slide] * 0.1**2 + w[at.skel.first_dof[2]] * 0.2**2 + w[at.skel.first_dof[1]] * 0.01**2
     assert square_distance(at.skel, at.avatars, 0, 0, 1, at.plan) == pytest.approx(wanted, rel=1e-4)
 
 

@@ -1,6 +1,6 @@
 """Small worlds with avatars, and the arrays that kernels work on."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from avatarsim.model.world import World, build
 from avatarsim.scene.avatar import Avatar, Link, rigid_avatar
 from avatarsim.scene.body import Body, fixed, solid
 from avatarsim.scene.checks import Vector
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, SwingTwist
+from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, Slide, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Piece, Sphere, ellipsoid_hull
 from avatarsim.scene.tracker import TrackerSample, rest
@@ -53,7 +53,8 @@ def piece(length: float = 0.3) -> tuple[Piece, ...]:
 
 
 def mixed_avatar() -> Avatar:
-    """Free root with a ball, a two-hinge and a rigid link in a row, and a hinge branch: every kind of joint and shape."""
+    """Free root with a ball, a two-hinge and a rigid link in a row, a hinge branch, and a slide that carries a hinge: every kind
+    of joint and shape."""
     mass = solid(piece(), 1.0)
     lean = tuple(float(v) for v in rotation.from_axis_angle(X, 0.4))
     hull = (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
@@ -70,6 +71,16 @@ def mixed_avatar() -> Avatar:
             Link("d", "root", Hinges((Hinge(Z, -1.0, 1.0),)), piece(), mass, anchor=(0.3, 0.0, 0.0)),
         ),
     )
+
+
+def sliding_avatar(name: str = "m") -> Avatar:
+    """The mixed avatar with a slide that carries a hinge: every kind of joint."""
+    mass = solid(piece(), 1.0)
+    lean = tuple(float(v) for v in rotation.from_axis_angle(X, 0.4))
+    hull = (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
+    slide = Link("e", "root", Slide((-1.0, 0.5, 0.2), -0.2, 0.9), piece(), mass, anchor=(-0.3, 0.0, 0.0), orientation=lean)
+    bend = Link("f", "e", Hinges((Hinge(Y, -1.0, 1.0),)), hull, mass, anchor=(-0.2, 0.0, 0.0))
+    return replace(mixed_avatar(), name=name, links=(*mixed_avatar().links, slide, bend))
 
 
 def random_sample(avatars: tuple[Avatar, ...], seed: int) -> TrackerSample:

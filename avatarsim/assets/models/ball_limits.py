@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.joint import Ball, Hinges, ReachCone
+from avatarsim.scene.joint import Ball, ReachCone, axes_of, unit_of
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 
@@ -21,28 +21,33 @@ NOTICED = 1e-6
 
 @dataclass(frozen=True)
 class Beyond:
-    """A joint that a clip takes beyond its limits: in how many `frames`, and by how much at `most` [rad]."""
+    """A joint that a clip takes beyond its limits: in how many `frames`, and by how much at `most` [`unit`: rad or m]."""
 
     joint: str
     frames: int
     most: float
+    unit: str = "rad"
+
+    @property
+    def said(self) -> str:
+        """The excess with its unit, for a sentence."""
+        return f"{1e3 * self.most:.1f} mm" if self.unit == "m" else f"{np.degrees(self.most):.1f} degrees"
 
 
 def beyond_limits(avatar: Avatar, motion: Motion) -> tuple[Beyond, ...]:
     """The joints that a motion of this avatar takes beyond their limits, worst first."""
     found, hinge = [], 0
     for k, link in enumerate(avatar.links):
-        excess = np.zeros(len(motion))
-        if isinstance(link.joint, Hinges):
-            for joint in link.joint.hinges:
-                angle = motion.angles[:, hinge]
-                excess = np.maximum(excess, np.maximum(joint.lower - angle, angle - joint.upper))
-                hinge += 1
-        elif isinstance(link.joint, Ball):
+        excess, unit = np.zeros(len(motion)), "rad"
+        for joint in axes_of(link.joint):
+            angle, unit = motion.angles[:, hinge], unit_of(joint)
+            excess = np.maximum(excess, np.maximum(joint.lower - angle, angle - joint.upper))
+            hinge += 1
+        if isinstance(link.joint, Ball):
             excess = ball_excess(link.joint, rotation.multiply(link.orientation, motion.rotations[:, k]))
         frames = int((excess > NOTICED).sum())
         if frames:
-            found.append(Beyond(link.name, frames, float(excess.max())))
+            found.append(Beyond(link.name, frames, float(excess.max()), unit))
     return tuple(sorted(found, key=lambda one: -one.most))
 
 

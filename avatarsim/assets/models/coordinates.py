@@ -8,22 +8,23 @@ from numpy.typing import NDArray
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.checks import real_array
-from avatarsim.scene.joint import Ball, Free, Hinges
+from avatarsim.scene.joint import Ball, Free, Slide, axes_of
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
-WIDTHS = {"free": 7, "ball": 4, "hinge": 1, "fixed": 1}
-"""Numbers of a joint: a free one has its place [m] and quaternion (w first), a ball its quaternion, a hinge its angle [rad]; each
-number of a joint that is held at the file's reference is a slot of its own, `fixed`."""
+WIDTHS = {"free": 7, "ball": 4, "hinge": 1, "slide": 1, "fixed": 1}
+"""Numbers of a joint: a free one has its place [m] and quaternion (w first), a ball its quaternion, a hinge its angle [rad], a
+slide its way [m]; each number of a joint that is held at the file's reference is a slot of its own, `fixed`."""
 
 
 @dataclass(frozen=True)
 class Slot:
-    """One joint: its `name` in the file, its `kind` (of WIDTHS), the `link` that it moves, for a hinge which of the avatar's
-    `hinge` angles it is, and the number `rest` that the file adds to that angle (a model's reference), or that is written for
-    what is fixed, which moves no link (-1). `speed` is the largest that the file states [rad/s], 0 where it states none."""
+    """One joint: its `name` in the file, its `kind` (of WIDTHS), the `link` that it moves, for a hinge or a slide which of
+    the avatar's angles it is (`hinge`), and the number `rest` that the file adds to that angle (a model's reference), or that is
+    written for what is fixed, which moves no link (-1). `speed` is the largest that the file states [rad/s, m/s], 0 where it
+    states none."""
 
     name: str
     kind: str
@@ -35,7 +36,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Coordinates:
-    """The joints of an avatar with `links` links and `hinges` hinge angles, in the file's order."""
+    """The joints of an avatar with `links` links and `hinges` hinges and slides, in the file's order."""
 
     slots: tuple[Slot, ...]
     links: int
@@ -71,7 +72,7 @@ class Coordinates:
         angles = np.zeros((frames, self.hinges))
         first = 0
         for slot in self.slots:
-            if slot.kind == "hinge":
+            if slot.hinge >= 0:
                 angles[:, slot.hinge] = q[:, first] - slot.rest
             elif slot.kind != "fixed":
                 end = first + WIDTHS[slot.kind]
@@ -90,7 +91,7 @@ class Coordinates:
             raise InvalidInput("links and hinges of a motion", shapes, f"{(self.links, self.hinges)}, as these coordinates have")
         columns: list[Array] = []
         for slot in self.slots:
-            if slot.kind == "hinge":
+            if slot.hinge >= 0:
                 columns.append(motion.angles[:, slot.hinge, None] + slot.rest)
                 continue
             if slot.kind == "fixed":
@@ -119,9 +120,8 @@ def coordinates_of(avatar: Avatar) -> Coordinates:
     for index, link in enumerate(avatar.links):
         if isinstance(link.joint, Free | Ball):
             slots.append(Slot(link.name, "free" if isinstance(link.joint, Free) else "ball", index))
-        elif isinstance(link.joint, Hinges):
-            several = len(link.joint.hinges) > 1
-            for k in range(len(link.joint.hinges)):
-                slots.append(Slot(f"{link.name}.{k}" if several else link.name, "hinge", index, hinge))
-                hinge += 1
+        for k, axis in enumerate(axes := axes_of(link.joint)):
+            kind = "slide" if isinstance(axis, Slide) else "hinge"
+            slots.append(Slot(f"{link.name}.{k}" if len(axes) > 1 else link.name, kind, index, hinge))
+            hinge += 1
     return Coordinates(tuple(slots), len(avatar.links), hinge)

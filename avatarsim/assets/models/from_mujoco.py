@@ -28,7 +28,7 @@ from avatarsim.errors import InvalidFile, InvalidInput, InvalidScene, InvalidSha
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
 from avatarsim.scene.body import Body, Role, fixed, simulated
 from avatarsim.scene.checks import within
-from avatarsim.scene.joint import Hinges
+from avatarsim.scene.joint import axes_of
 from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import EARTH
 from avatarsim.scene.tracker import TrackerSample
@@ -183,7 +183,7 @@ class _Reading:
         return tree
 
     def _start(self, tree: Tree, avatar: Avatar, coordinates: Coordinates) -> TrackerSample:
-        """The posture at the start, each hinge within its limits."""
+        """The posture at the start, each hinge and slide within its limits."""
         own = [j for j in range(len(self._m.jnt_name)) if self._m.jnt_bodyid[j] in tree.bodies]
         widths = {JointKind.FREE: 7, JointKind.BALL: 4}
         addresses = [(int(self._m.jnt_qposadr[j]), widths.get(JointKind(int(self._m.jnt_type[j])), 1)) for j in own]
@@ -191,8 +191,8 @@ class _Reading:
         if tree.is_free and not any(self._m.jnt_type[j] == JointKind.FREE for j in own):
             row = [*self._pose.root(tree.root), *row]
         posture = coordinates.motion(np.concatenate([np.zeros(0), *row])[None], np.zeros(1)).sample(0)
-        hinges = [hinge for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
-        angles = [min(max(angle, hinge.lower), hinge.upper) for angle, hinge in zip(posture.angles, hinges, strict=True)]
+        axes = [axis for link in avatar.links for axis in axes_of(link.joint)]
+        angles = [min(max(angle, axis.lower), axis.upper) for angle, axis in zip(posture.angles, axes, strict=True)]
         return replace(posture, angles=np.array(angles, dtype=np.float64))
 
     def _material_of_link(self, body: int) -> str:

@@ -17,7 +17,20 @@ from avatarsim.assets.models.pieces_of_geoms import Geoms, quaternion_of, vector
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.avatar import Link
 from avatarsim.scene.body import Mass
-from avatarsim.scene.joint import MANY_TURNS, WIDEST_SWING, Ball, Free, Hinge, Hinges, Joint, Rigid, SwingTwist
+from avatarsim.scene.joint import (
+    LONGEST_SLIDE,
+    MANY_TURNS,
+    WIDEST_SWING,
+    Ball,
+    Free,
+    Hinge,
+    Hinges,
+    Joint,
+    Rigid,
+    Slide,
+    SwingTwist,
+    axes_of,
+)
 from avatarsim.scene.shape import Piece
 from avatarsim.spatial import rotation
 
@@ -31,6 +44,9 @@ UNTURNED = np.array(rotation.IDENTITY)
 
 MOST_HINGES = 3
 """Hinges that one link may turn about."""
+
+CENTRED = (JointKind.HINGE, JointKind.BALL)
+"""Kinds of joints that have a centre; a slide's place in the file means nothing."""
 
 ROOTS = ("file", "free", "fixed")
 """How an avatar's root moves: as the file says, freely, or not at all."""
@@ -101,20 +117,15 @@ def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file:
         if name not in names:
             raise UnknownName(f"joint to fix of {file}", name, names)
     asked = set(names.values()) if wanted.fix == "all" else {names[name] for name in wanted.fix}
-    slides = [j for j in own if model.jnt_type[j] == JointKind.SLIDE]
     coupled = [j for j in _coupled(model) if j in own]
     if wanted.couplings == "leave" and coupled:
         said.append(f"couplings of joints are left out, each moves by itself: {_list(model, coupled)}")
         coupled = []
-    if refused := [j for j in slides if j not in asked]:
-        first = joint_name(model, refused[0])
-        valid = f'hinges, balls and free joints; fix=("{first}", ...) or fix="all" holds them at their reference'
-        raise InvalidFile(f"slide joints of {file}", _list(model, refused), valid)
     if refused := [j for j in coupled if j not in asked]:
         valid = ('joints that move by themselves; fix=(name, ...) or fix="all" holds these at their reference, '
                  'couplings="leave" lets each move by itself')
         raise InvalidFile(f"joints of {file} that an equality couples", _list(model, refused), valid)
-    fixed = asked & {*slides, *coupled} if wanted.fix == "all" else asked
+    fixed = asked & set(coupled) if wanted.fix == "all" else asked
     free = [j for j in own if model.jnt_type[j] == JointKind.FREE]
     if wanted.root == "fixed":
         fixed |= set(free)
@@ -144,7 +155,7 @@ def _list(model: Compiled, joints: Sequence[int]) -> str:
 
 
 def _groups(model: Compiled, tree: Tree, body: int) -> list[tuple[int, ...]]:
-    """A body's joints in the groups that one link can have: free, ball, or up to three hinges about one centre."""
+    """A body's joints in the groups that one link can have: free, ball, slide, or up to three hinges about a centre."""
     groups: list[tuple[int, ...]] = []
     for j in tree.joints[body]:
         last = groups[-1] if groups else ()
@@ -185,7 +196,7 @@ def skeleton_of(
             links.append(Link(place.name, parent, place.joint, place.pieces, place.mass, material(body), anchor, turn))
             for j in place.joints:
                 moved[j] = len(links) - 1
-                if isinstance(place.joint, Hinges):
+                if axes_of(place.joint):
                     first_hinge[j] = hinges
                     hinges += 1
     slots = tuple(_slots(tree, moved, first_hinge))
@@ -220,7 +231,7 @@ def _places(
         groups = [(), *groups]
     for k, group in enumerate(groups or [()]):
         is_last = k >= len(groups) - 1
-        centre = model.jnt_pos[group[0]] if group and model.jnt_type[group[0]] != JointKind.FREE else np.zeros(3)
+        centre = model.jnt_pos[group[0]] if group and model.jnt_type[group[0]] in CENTRED else np.zeros(3)
         joint = _joint(tree, body, group, turn if k == 0 else UNTURNED)
         name = names[body] if is_last else f"{names[body]} before {joint_name(model, groups[k + 1][0])}"
         anchor = origin + rotation.rotate(turn, centre) if k == 0 else centre - before
@@ -241,15 +252,17 @@ def _joint(tree: Tree, body: int, group: tuple[int, ...], turn: Array) -> Joint:
         return Free()
     if kind == JointKind.BALL:
         return _ball(model, body, group[0], turn)
-    return Hinges(tuple(_hinge(model, j) for j in group))
+    if kind == JointKind.SLIDE:
+        return Slide(vector_of(model.jnt_axis[group[0]]), *_limits(model, group[0], LONGEST_SLIDE))
+    return Hinges(tuple(Hinge(vector_of(model.jnt_axis[j]), *_limits(model, j, MANY_TURNS)) for j in group))
 
 
-def _hinge(model: Compiled, j: int) -> Hinge:
-    axis = vector_of(model.jnt_axis[j])
+def _limits(model: Compiled, j: int, farthest: float) -> tuple[float, float]:
+    """Limits of a hinge [rad] or a slide [m] from the reference; +- `farthest` without."""
     if not model.jnt_limited[j]:
-        return Hinge(axis)
-    low, high = np.clip(model.jnt_range[j] - model.qpos0[model.jnt_qposadr[j]], -MANY_TURNS, MANY_TURNS)
-    return Hinge(axis, float(low), float(high))
+        return -farthest, farthest
+    low, high = np.clip(model.jnt_range[j] - model.qpos0[model.jnt_qposadr[j]], -farthest, farthest)
+    return float(low), float(high)
 
 
 def _ball(model: Compiled, body: int, j: int, turn: Array) -> Ball:
@@ -282,8 +295,10 @@ def _slots(tree: Tree, moved: dict[int, int], first_hinge: dict[int, int]) -> It
             width = {JointKind.FREE: 7, JointKind.BALL: 4}.get(kind, 1)
             for k in range(width):
                 yield Slot(name if width == 1 else f"{name} {k}", "fixed", -1, rest=float(model.qpos0[address + k]))
-        elif kind == JointKind.HINGE:
-            yield Slot(name, "hinge", moved[j], first_hinge[j], float(model.qpos0[address]), float(model.jnt_velocity[j]))
+        elif j in first_hinge:
+            yield Slot(
+                name, kind.name.lower(), moved[j], first_hinge[j], float(model.qpos0[address]), float(model.jnt_velocity[j])
+            )
         else:
             yield Slot(name, kind.name.lower(), moved[j])
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.coordinates import WIDTHS, Coordinates
 from avatarsim.assets.models.model import Model
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
-from avatarsim.scene.joint import MANY_TURNS
+from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
@@ -72,8 +72,8 @@ def columns(name: str, layout: Layout, width: int, coordinates: Coordinates) -> 
     found: list[int] = []
     turned = ORDERS[layout.order]
     for slot, start in zip(coordinates.slots, starts, strict=True):
-        if slot.kind in ("hinge", "fixed"):
-            found.append(start if slot.kind == "hinge" else -1)
+        if WIDTHS[slot.kind] == 1:
+            found.append(-1 if slot.kind == "fixed" else start)
             continue
         if slot.kind == "free":
             found += [start, start + 1, start + 2]
@@ -160,6 +160,9 @@ def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Mo
             continue
         if slot.kind == "hinge":
             require_within(name, f"angle of {slot.name}", np.abs(part[:, 0]), 0.0, MANY_TURNS, "rad")
+            continue
+        if slot.kind == "slide":
+            require_within(name, f"way of {slot.name}", np.abs(part[:, 0]), 0.0, LONGEST_SLIDE, "m")
             continue
         if slot.kind == "free":
             require_within(name, f"distance of {slot.name} from the origin", np.abs(part[:, :3]).max(axis=1), 0.0, FARTHEST, "m")

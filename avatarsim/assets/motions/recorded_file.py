@@ -3,8 +3,6 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from avatarsim.assets.models.ball_limits import Beyond, beyond_limits
 from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
@@ -68,7 +66,7 @@ def said_of_limits(name: str, avatar: Avatar, motion: Motion) -> tuple[str, ...]
     beyond = beyond_limits(avatar, motion)
     if not beyond:
         return ()
-    listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {np.degrees(one.most):.1f} degrees)" for one in beyond)
+    listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {one.said})" for one in beyond)
     leaves = f"{name} itself leaves limits of joints in its {len(motion)} frames, and is clipped to them when run"
     return (f"{leaves}: {listed}",)
 

@@ -13,7 +13,7 @@ from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import euler
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.joint import Hinges
+from avatarsim.scene.joint import Hinge, axes_of
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
 
@@ -156,9 +156,8 @@ class Recording:
     def motion_within(self, avatar: Avatar) -> Motion:
         """The clip, with hinges on the turn nearest their limits: recordings count whole turns as they please."""
         angles = self.motion.angles.copy()
-        hinges = [hinge for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
-        for k, hinge in enumerate(hinges):
-            if hinge.upper - hinge.lower < 2.0 * np.pi:
+        for k, hinge in enumerate(axis for link in avatar.links for axis in axes_of(link.joint)):
+            if isinstance(hinge, Hinge) and hinge.upper - hinge.lower < 2.0 * np.pi:
                 whole = np.round((angles[:, k] - 0.5 * (hinge.lower + hinge.upper)) / (2.0 * np.pi))
                 angles[:, k] -= 2.0 * np.pi * whole
         return replace(self.motion, angles=angles)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Flagged
 from avatarsim.cleaning.result import OVERLAP
-from avatarsim.clips.page.layout import address, angle, data, esc, length, page, resource, table
+from avatarsim.clips.page.layout import address, angle, data, esc, length, limit_excess, page, resource, table
 from avatarsim.player import payload, surfaces, three_js
 from avatarsim.scene.body import Body
 from avatarsim.scene.motion import Motion
@@ -169,7 +169,7 @@ def measures(entry: Mapping[str, Any]) -> str:
     if by:
         told = [f"{length(one['frames_deepest_m'])} / {length(one['between_deepest_m'])}" if one else "—" for one in opinions]
         row("deepest overlap, in / between frames", f"second opinion, {by}", esc(told[0]), esc(told[1]))
-    row("joints outside limits, most", "", esc(angle(limits["excess_before_rad"])), esc(angle(limits["excess_after_rad"])))
+    row("joints outside limits, most", "", *(esc(limit_excess(limits, when)) for when in both))
     jerk = entry["jerk_p95_m_s3"]
     for name, key in (("where the input is free", "where_free"), ("elsewhere", "elsewhere")):
         told = [_per_cubed(jerk[when][key]) for when in both]
@@ -198,6 +198,7 @@ def _moved(entry: Mapping[str, Any]) -> str:
     for title, rows in (
         ("link", [[esc(one["name"]), esc(length(one["rms_m"])), esc(length(one["p95_m"]))] for one in links]),
         ("joint", [[esc(one["name"]), esc(angle(one["rms_rad"])), esc(angle(one["p95_rad"]))] for one in joints]),
+        ("slide", [[esc(one["name"]), esc(length(one["rms_m"])), esc(length(one["p95_m"]))] for one in entry["moved"]["slides"]]),
     ):
         if rows:
             found = table([title, "root mean square", "95th percentile"], rows)

@@ -9,6 +9,7 @@ import html
 import json
 import math
 import os
+from collections.abc import Mapping
 from importlib.resources import files as resources
 from urllib.parse import quote
 
@@ -94,6 +95,12 @@ def angle(radians: object) -> str:
     if not isinstance(radians, int | float):
         return "—"
     return "0" if abs(radians) <= ROUNDING else f"{math.degrees(radians):.3g}°"
+
+
+def limit_excess(limits: Mapping[str, object], when: str) -> str:
+    """The largest excess over limits of joints and, where slides have any, of slides; `when` is "before" or "after"."""
+    turned, slid = angle(limits[f"excess_{when}_rad"]), limits[f"slide_excess_{when}_m"]
+    return f"{turned}, {length(slid)}" if slid else turned
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.live.drive.turns import norm
-from avatarsim.scene.joint import MANY_TURNS
+from avatarsim.scene.joint import MANY_TURNS, Slide
 
 LIMB = 3
 """Links of a limb at least: thigh, shank, foot. Less: eyes would be limbs."""
@@ -129,6 +129,8 @@ def closing(tree: Tree, fingers: tuple[Finger, ...]) -> tuple[tuple[int, float, 
         for k in finger.links:
             for h, hinge in enumerate(tree.nodes[k].hinges, start=tree.nodes[k].first_angle):
                 low, high = hinge.lower, hinge.upper
+                if isinstance(hinge, Slide):
+                    continue
                 if max(-low, high) >= MANY_TURNS or not max(-low, high) > ONE_WAY * max(0.0, min(-low, high)):
                     continue
                 rest = min(max(0.0, low), high)

@@ -186,6 +186,8 @@ class Pull:
                 return None
             # the parent's axes; `above` is turned on by the link's own rest
             return rotate(poses[node.parent][1], scaled(across, 1.0 / norm(across)))
+        if node.is_slide:
+            return None
         middle = 0.5 * (node.hinges[0].lower + node.hinges[0].upper) if len(node.hinges) == 1 else 0.0
         if not ONE_SIDED < abs(middle) < MANY_TURNS:
             return None
@@ -214,7 +216,8 @@ class Pull:
         self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], goals: Sequence[Goal],
         free: dict[int, Axes], slack: dict[int, float],
     ) -> tuple[list[tuple[int, int]], Array]:
-        """(joint, number of a hinge's angle or -1 for a ball's three columns), and all columns (rows, n): turns in the world."""
+        """(joint, number of a hinge's angle or -1 for a ball's three columns), and all columns (rows, n): turns in the world,
+        ways of slides in levers."""
         owners: list[tuple[int, int]] = []
         columns: list[list[float]] = []
         for k in self.joints:
@@ -228,15 +231,17 @@ class Pull:
                 for h, hinge in enumerate(node.hinges, start=node.first_angle):
                     owners.append((k, h))
                     axes.append(scaled(rotate(turned, hinge.axis), slack[h]))
-                    turned = multiply(turned, exp(scaled(hinge.axis, posture.angles[h])))
+                    if not node.is_slide:
+                        turned = multiply(turned, exp(scaled(hinge.axis, posture.angles[h])))
             for axis in axes:
                 column: list[float] = []
                 for goal, chain in zip(goals, self.chains, strict=True):
                     reaches = k in chain
                     if goal.position is not None:
-                        column.extend(cross(axis, sub(poses[goal.link][0], place)) if reaches else (0.0, 0.0, 0.0))
+                        moved = scaled(axis, self.lever) if node.is_slide else cross(axis, sub(poses[goal.link][0], place))
+                        column.extend(moved if reaches else ZERO)
                     if goal.orientation is not None:
-                        column.extend(scaled(axis, self.lever) if reaches else (0.0, 0.0, 0.0))
+                        column.extend(scaled(axis, self.lever) if reaches and not node.is_slide else ZERO)
                 columns.append(column)
         return owners, np.array(columns).T
 
@@ -244,15 +249,17 @@ class Pull:
         self, posture: Posture, poses: dict[int, tuple[Vector, Quaternion]], owners: Sequence[tuple[int, int]],
         step: list[float], free: dict[int, Axes], slack: dict[int, float],
     ) -> float:
-        """Turn the joints, project each into its limits, and update what is free; the most [rad] that one of them has turned."""
+        """Turn the joints, project each into its limits, and update what is free; the most [rad, levers]
+        that one of them has turned or slid."""
         at, most = 0, 0.0
         for k, h in owners:
             node = self.tree.nodes[k]
             if h >= 0:
-                asked = slack[h] * step[at]
+                unit = self.lever if node.is_slide else 1.0
+                asked = slack[h] * step[at] * unit
                 hinge, wanted = node.hinges[h - node.first_angle], posture.angles[h] + asked
                 before, posture.angles[h] = posture.angles[h], min(max(wanted, hinge.lower), hinge.upper)
-                most = max(most, abs(posture.angles[h] - before))
+                most = max(most, abs(posture.angles[h] - before) / unit)
                 slack[h] *= 1.0 - _stopped(abs(posture.angles[h] - wanted), abs(asked))
                 at += 1
                 continue
@@ -279,7 +286,7 @@ def turn_about(
         turn = turned_by(rotate(conjugate(above), scaled(axis, angle)), posture.turns[k])
         was, posture.turns[k] = posture.turns[k], allowed(node.limits, node.orientation, turn)
         return norm(way(was, posture.turns[k]))
-    along = [dot(rotate(above, hinge.axis), axis) for hinge in node.hinges]
+    along = [] if node.is_slide else [dot(rotate(above, hinge.axis), axis) for hinge in node.hinges]
     best = max(range(len(along)), key=lambda h: abs(along[h]), default=-1)
     if best < 0:
         return 0.0

@@ -9,17 +9,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from avatarsim.live.drive.limits import Limits, limits_of
-from avatarsim.live.drive.turns import about, add, multiply, normalised, rotate
+from avatarsim.live.drive.turns import about, add, multiply, normalised, rotate, scaled
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.checks import Quaternion, Vector
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges
+from avatarsim.scene.joint import Ball, Free, Hinge, Slide, axes_of
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial.rotation import IDENTITY
 
 
 @dataclass(slots=True)
 class Posture:
-    """What a sample says, as lists: `roots` [m] of free links, `turns` of free links and balls, `angles` [rad] of hinges."""
+    """What a sample says, as lists: `roots` [m] of free links, `turns` of free links and balls, `angles` of hinges [rad] and
+    slides [m]."""
 
     roots: list[Vector]
     turns: list[Quaternion]
@@ -45,8 +46,8 @@ def posture_of(sample: TrackerSample) -> Posture:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A link: its parent's number or -1, its place in that, its hinges and the number of their first angle, and the limits of
-    its ball."""
+    """A link: its parent's number or -1, its place in that, its hinges, or its slide, and the number of their first angle, and
+    the limits of its ball."""
 
     name: str
     avatar: int
@@ -55,9 +56,14 @@ class Node:
     orientation: Quaternion
     is_free: bool
     is_ball: bool
-    hinges: tuple[Hinge, ...]
+    hinges: tuple[Hinge | Slide, ...]
     first_angle: int
     limits: Limits | None
+
+    @property
+    def is_slide(self) -> bool:
+        """Whether the link slides."""
+        return bool(self.hinges) and isinstance(self.hinges[0], Slide)
 
 
 class Tree:
@@ -70,7 +76,7 @@ class Tree:
             first = len(self.nodes)
             index = {link.name: first + k for k, link in enumerate(avatar.links)}
             for link in avatar.links:
-                hinges = link.joint.hinges if isinstance(link.joint, Hinges) else ()
+                hinges = axes_of(link.joint)
                 is_ball = isinstance(link.joint, Ball)
                 self.nodes.append(Node(
                     link.name, number, -1 if link.parent is None else index[link.parent], link.anchor, link.orientation,
@@ -99,7 +105,7 @@ class Tree:
         return found
 
     def moving(self, links: Iterable[int]) -> list[int]:
-        """Those of some links that turn against their parent."""
+        """Those of some links that turn or slide against their parent."""
         return [k for k in links if self.nodes[k].is_ball or self.nodes[k].hinges]
 
     def above(self, k: int, poses: dict[int, tuple[Vector, Quaternion]]) -> Quaternion:
@@ -119,9 +125,13 @@ class Tree:
             turned = multiply(frame, node.orientation)
             if node.is_ball:
                 turned = multiply(turned, posture.turns[k])
+            origin = add(place, rotate(frame, node.anchor))
             for h, hinge in enumerate(node.hinges, start=node.first_angle):
-                turned = multiply(turned, about(hinge.axis, posture.angles[h]))
-            found[k] = add(place, rotate(frame, node.anchor)), normalised(turned)
+                if isinstance(hinge, Slide):
+                    origin = add(origin, scaled(rotate(turned, hinge.axis), posture.angles[h]))
+                else:
+                    turned = multiply(turned, about(hinge.axis, posture.angles[h]))
+            found[k] = origin, normalised(turned)
         return found
 
     def pose(self, posture: Posture, link: int) -> tuple[Vector, Quaternion]:

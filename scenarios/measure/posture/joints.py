@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.scene.joint import Hinges, Joint
+from avatarsim.scene.joint import Joint, Slide, axes_of
 from avatarsim.scene.scene import Scene
 from avatarsim.spatial import rotation
 
@@ -32,7 +32,7 @@ def places(scene: Scene) -> Iterator[Place]:
     for avatar in scene.avatars:
         at = {link.name: first + k for k, link in enumerate(avatar.links)}
         for link in avatar.links:
-            count = len(link.joint.hinges) if isinstance(link.joint, Hinges) else 0
+            count = len(axes_of(link.joint))
             parent = None if link.parent is None else at[link.parent]
             yield Place(
                 link.joint, at[link.name], parent, slice(hinge, hinge + count), np.array(link.anchor), np.array(link.orientation),
@@ -74,10 +74,14 @@ def beyond(angle: Array, low: float, high: float) -> Array:
 
 
 def gaps(scene: Scene, positions: Array, orientations: Array) -> Array:
-    """(F,) largest distance [m] between a link's frame and the place on its parent where the joint holds it."""
+    """(F,) largest distance [m] between a link's frame and the place on its parent, or the line, where the joint holds it."""
     worst = np.zeros(len(positions))
     for place in places(scene):
         if place.parent is not None:
             held = positions[:, place.parent] + rotation.rotate(orientations[:, place.parent], place.anchor)
-            worst = np.maximum(worst, np.linalg.norm(positions[:, place.child] - held, axis=-1))
+            away = positions[:, place.child] - held
+            if isinstance(place.joint, Slide):
+                along = rotation.rotate(rotation.multiply(orientations[:, place.parent], place.orientation), place.joint.axis)
+                away = away - np.sum(away * along, axis=-1, keepdims=True) * along
+            worst = np.maximum(worst, np.linalg.norm(away, axis=-1))
     return worst

@@ -42,7 +42,7 @@ class Twin:
         for slot in model.coordinates.slots:
             if slot.kind == "fixed":
                 row.append(slot.rest)
-            elif slot.kind == "hinge":
+            elif slot.kind in ("hinge", "slide"):
                 j = self.joint(slot.name)
                 low, high = self.model.jnt_range[j] if self.model.jnt_limited[j] else (-3.0, 3.0)
                 row.append(rng.uniform(low, high))
@@ -69,10 +69,12 @@ class Twin:
         for body in range(1, self.model.nbody):
             name = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_BODY, body) or f"body {body}"
             own = np.flatnonzero(self.model.jnt_bodyid == body)
-            joints = [j for j in own if self.model.jnt_type[j] in (BALL, HINGE)]
+            joints = [j for j in own if self.model.jnt_type[j] in (BALL, HINGE, SLIDE)]
             if name in links:
                 turns_about = joints and not isinstance(links[name].joint, Rigid)
-                centre = self.model.jnt_pos[joints[-1]] if turns_about else np.zeros(3)
+                # a slide has no centre
+                is_centred = turns_about and self.model.jnt_type[joints[-1]] != SLIDE
+                centre = self.model.jnt_pos[joints[-1]] if is_centred else np.zeros(3)
                 there = self.data.xpos[body] + rotation.rotate(self.data.xquat[body], centre)
                 places[name] = base[0] + rotation.rotate(base[1], there)
                 turns[name] = rotation.multiply(base[1], self.data.xquat[body])

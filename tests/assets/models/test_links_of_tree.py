@@ -7,7 +7,7 @@ import pytest
 
 import avatarsim as av
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
-from avatarsim.scene.joint import MANY_TURNS, Ball, Free, Hinges, Rigid
+from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS, Ball, Free, Hinges, Rigid, Slide
 from avatarsim.spatial import rotation
 from tests.assets.models.mujoco_twin import Twin, greatest_difference
 
@@ -35,7 +35,8 @@ def random_tree(rng: np.random.Generator, depth: int = 0) -> str:
         shared = numbers(3)
         for _ in range(rng.integers(0, 6)):
             place = shared if rng.random() < 0.6 else numbers(3)
-            turn = f'axis="{numbers(3)}" ref="{rng.uniform(-1, 1)}" range="-3 3" limited="true"'
+            kind = "slide" if rng.random() < 0.3 else "hinge"
+            turn = f'type="{kind}" axis="{numbers(3)}" ref="{rng.uniform(-1, 1)}" range="-3 3" limited="true"'
             joints += f'<joint pos="{place}" {turn} armature="1"/>'
     below = "".join(random_tree(rng, depth + 1) for _ in range(rng.integers(0, 3) if depth < 4 else 0))
     return f'<body pos="{numbers(3)}" quat="{numbers(4)}">{joints}{GEOM}{below}</body>'
@@ -103,16 +104,20 @@ SLIDE = (
 )
 
 
-def test_a_slide_is_refused_by_name_or_fixed(tmp_path: Path) -> None:
-    path = written(tmp_path, SLIDE)
-    with pytest.raises(InvalidFile, match=r'slide joints of model\.xml is .rail.; valid: .*fix=\("rail", \.\.\.\) or fix="all"'):
-        av.load_avatar(path)
-    for fix in ("all", ("rail",)):
-        model = av.load_avatar(path, fix=fix)
-        assert isinstance(model.avatar.links[0].joint, Rigid) and model.said
-        # its column stays where the file has it, and holds the reference again when written
-        motion = model.coordinates.motion(np.array([[0.5, 0.25]]), np.zeros(1))
-        np.testing.assert_array_equal(model.coordinates.rows(motion), [[0.0, 0.25]])
+def test_a_slide_is_a_joint_with_limits_in_metres(tmp_path: Path) -> None:
+    model = av.load_avatar(written(tmp_path, SLIDE))
+    assert model.avatar.links[0].joint == Slide((1.0, 0.0, 0.0), -1.0, 1.0)
+    assert [slot.kind for slot in model.coordinates.slots] == ["slide", "hinge"]
+    unlimited = av.load_avatar(written(tmp_path, SLIDE.replace('range="-1 1"', "")))
+    assert unlimited.avatar.links[0].joint == Slide((1.0, 0.0, 0.0), -LONGEST_SLIDE, LONGEST_SLIDE)
+
+
+def test_a_slide_may_be_fixed_at_the_reference(tmp_path: Path) -> None:
+    model = av.load_avatar(written(tmp_path, SLIDE), fix=("rail",))
+    assert isinstance(model.avatar.links[0].joint, Rigid) and model.said
+    # its column stays where the file has it, and holds the reference again when written
+    motion = model.coordinates.motion(np.array([[0.5, 0.25]]), np.zeros(1))
+    np.testing.assert_array_equal(model.coordinates.rows(motion), [[0.0, 0.25]])
 
 
 COUPLED = '<equality><joint name="gear" joint1="b" joint2="a" polycoef="0 2 0 0 0"/></equality>'

@@ -11,6 +11,8 @@ from avatarsim.live.stages import NAMES, stage
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from tests.live.drive.stages_driven import random_sample
+from tests.worlds import little_worlds
+from tests.worlds.little_worlds import sliding_avatar
 
 number = st.floats(-3.0, 3.0)
 vectors = st.tuples(number, number, number)
@@ -51,6 +53,16 @@ def test_poses_are_those_of_the_tracker_module(name: str, seed: int) -> None:
     for k, (place, turned) in tree.poses(posture_of(sample), range(len(tree.nodes))).items():
         assert place == pytest.approx(positions[k], abs=1e-12)
         assert abs(rotation.multiply(rotation.conjugate(turned), orientations[k])[0]) == pytest.approx(1.0, abs=1e-12)
+
+
+@given(st.integers(0, 1000))
+def test_poses_of_links_that_slide_are_those_of_the_tracker_module(seed: int) -> None:
+    avatars = (sliding_avatar(),)
+    sample = little_worlds.random_sample(avatars, seed)
+    positions, _ = link_poses(avatars, sample)
+    tree = Tree(avatars)
+    for k, (place, _) in tree.poses(posture_of(sample), range(len(tree.nodes))).items():
+        assert place == pytest.approx(positions[k], abs=1e-12)
 
 
 def test_a_posture_becomes_the_sample_it_was_made_of() -> None:

@@ -10,7 +10,9 @@ from avatarsim.live.drive.pull import Goal, Pull, exterior_angle
 from avatarsim.live.drive.tree import Tree, posture_of
 from avatarsim.live.drive.turns import add, norm, sub, way
 from avatarsim.live.stages import NAMES, stage
+from avatarsim.scene.tracker import rest
 from tests.live.drive.stages_driven import driver, excess, fastest, random_sample, ticks
+from tests.worlds.little_worlds import sliding_avatar
 
 HANDLES = [(name, handle) for name in NAMES for handle in stage(name).handles[1:]]
 
@@ -111,3 +113,17 @@ def test_links_that_are_held_do_not_turn() -> None:
     pull.solve(posture, [Goal(tip, (-1.9, 0.4, 1.3))], 1.0)
     assert posture.turns[spine] == before
     assert Pull(tree, (0,), 0.2).solve(posture, [Goal(0, (0.0, 0.0, 0.0))], 1.0)
+
+
+def test_a_goal_along_a_slide_is_reached_within_its_limits() -> None:
+    avatar = sliding_avatar()
+    tree, posture = Tree((avatar,)), posture_of(rest((avatar,)))
+    slide = [node.name for node in tree.nodes].index("e")
+    wanted = posture.copy()
+    wanted.angles[3] = 0.7
+    goal, pull = tree.pose(wanted, slide)[0], Pull(tree, (slide,), 0.2)
+    for _ in range(100):
+        pull.solve(posture, [Goal(slide, goal)], 0.5)
+    assert posture.angles[3] == pytest.approx(0.7, abs=1e-4)
+    pull.solve(posture, [Goal(slide, add(goal, (-5.0, 2.5, 1.0)))], 0.5)
+    assert posture.angles[3] <= 0.9

@@ -1,0 +1,97 @@
+"""Grippers: fingers that slide stop at what they close on, open again, and leave the arm where its user has it."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import avatarsim as av
+from avatarsim.assets.models.model import Model
+from avatarsim.errors import InvalidScene
+from avatarsim.scene.joint import LONGEST_SLIDE
+
+WIDTH, OPEN, MARGIN = 0.03, 0.04, 1e-3
+"""[m] width of the box between the fingers, way of an open finger, and gap that a Shield keeps by default."""
+
+ARM = """<mujoco><compiler angle="radian"/><worldbody><body name="upper" pos="0 0 1"><joint name="shoulder" axis="0 1 0"
+range="-2 2"/><joint name="swing" axis="0 0 1" range="-2 2"/><geom type="capsule" fromto="0.05 0 0 0.25 0 0" size="0.03"/>
+<body name="lower" pos="0.3 0 0"><joint name="elbow" axis="0 1 0" range="-2 2"/><geom type="capsule" fromto="0.05 0 0 0.2 0 0"
+size="0.03"/><body name="hand" pos="0.25 0 0"><joint name="wrist" axis="0 0 1" range="-2 2"/>
+<geom type="box" size="0.02 0.06 0.02" pos="0.02 0 0"/>
+<body name="left" pos="0.08 0 0"><joint name="left" type="slide" axis="0 1 0" range="0 0.04"/>
+<geom type="box" size="0.03 0.005 0.01" pos="0 0.006 0"/></body>
+<body name="right" pos="0.08 0 0"><joint name="right" type="slide" axis="0 -1 0" range="0 0.04"/>
+<geom type="box" size="0.03 0.005 0.01" pos="0 -0.006 0"/></body>
+</body></body></body></worldbody></mujoco>"""
+
+CLOSES = np.concatenate([np.linspace(OPEN, 0.0, 40), np.zeros(30), np.linspace(0.0, OPEN, 30)])
+
+
+def arm(folder: Path) -> Model:
+    """An arm of four hinges with a gripper of two fingers, straight along x; closed fingers are 2 mm apart."""
+    path = folder / "arm.xml"
+    path.write_text(ARM, encoding="utf-8")
+    return av.load_avatar(path)
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.004])
+def test_fingers_close_on_a_box_and_open_again_and_the_arm_stays(aside: float, tmp_path: Path) -> None:
+    model = arm(tmp_path)
+    box = av.fixed("box", (av.Piece(av.Box((0.02, WIDTH, 0.02))),), "wood", (0.63, aside, 1.0))
+    shield, shown = av.Shield(model, (box,)), []
+    for way in CLOSES:
+        q = np.zeros(6)
+        q[4:] = way
+        shown.append(shield(q))
+    rows = np.array(shown)
+    # a finger's face is 1 mm off the middle when closed
+    for column, side in ((4, 1.0), (5, -1.0)):
+        at_the_box = 0.5 * WIDTH + side * aside - 1e-3
+        assert at_the_box < rows[65, column] < at_the_box + 2.0 * MARGIN
+    assert np.abs(rows[:, :4]).max() < 1e-3
+    np.testing.assert_allclose(rows[-1], [0.0] * 4 + [OPEN] * 2, atol=1e-9)
+
+
+def test_an_arm_goes_where_its_user_has_it_though_its_fingers_are_light(tmp_path: Path) -> None:
+    model = arm(tmp_path)
+    wall = av.fixed("wall", (av.Piece(av.Box((1.0, 0.1, 1.0))),), "wood", (0.5, 0.35, 1.0))
+    shield = av.Shield(model, (wall,))
+    for share in np.linspace(0.0, 1.0, 60):
+        shown = shield(np.array([0.0, share, 0.0, 0.0, OPEN, OPEN]))
+    # the wall holds the hand, and the fingers do not keep the arm from coming to it
+    assert 0.2 < shown[1] < 0.7 and not shield.is_free
+
+
+def test_a_clip_that_goes_through_a_box_is_cleaned_in_metres(tmp_path: Path) -> None:
+    model = arm(tmp_path)
+    box = av.fixed("box", (av.Piece(av.Box((0.02, WIDTH, 0.02))),), "wood", (0.63, 0.0, 1.0))
+    q = np.zeros((len(CLOSES), 6))
+    q[:, 4:] = CLOSES[:, None]
+    q[50, 4] = -0.01
+    cleaned = av.clean(model.coordinates.motion(q, np.arange(len(q)) / 60.0), model, (box,))
+    assert cleaned.after.is_clean and cleaned.after.slide_excess == 0.0 and cleaned.before.slide_excess == pytest.approx(0.01)
+    assert cleaned.before.limit_excess == 0.0
+    assert cleaned.moved.slides == ("left", "right") and len(cleaned.moved.joints) == 4
+    assert (cleaned.moved.slide_p95 > 0.01).all() and (cleaned.moved.slide_p95 < 0.02).all()
+
+
+def test_a_base_drives_far_and_turns_where_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "base.xml"
+    path.write_text(
+        '<mujoco><worldbody><body name="base" pos="0 0 0.2"><joint name="x" type="slide" axis="1 0 0"/>'
+        '<joint name="y" type="slide" axis="0 1 0"/><joint name="heading" axis="0 0 1"/><geom type="box" size="0.2 0.15 0.1"/>'
+        "</body></worldbody></mujoco>", encoding="utf-8",
+    )
+    model = av.load_avatar(path)
+    post = av.fixed("post", (av.Piece(av.Capsule(0.1, 1.0)),), "wood", (1.0, 0.0, 0.5))
+    shield, previous = av.Shield(model, (post,)), np.zeros(3)
+    for k in range(1, 240):
+        shown = shield(np.array([0.02 * k, 0.05 * np.sin(0.1 * k), 0.01 * k]))
+        assert np.abs(shown - previous).max() < 1.0
+        previous = shown
+    assert np.hypot(shown[0] - 1.0, shown[1]) > 0.2 and abs(shown[0]) < LONGEST_SLIDE
+
+
+def test_the_printed_method_refuses_slides(tmp_path: Path) -> None:
+    with av.AvatarsimEngine() as engine, pytest.raises(InvalidScene, match="Slide"):
+        engine.load(arm(tmp_path).scene(), av.Settings("paper"), dt=1 / 60)
