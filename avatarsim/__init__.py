@@ -55,6 +55,7 @@ Avatars
     Rigid           no motion against the parent
     Hinges, Hinge   one to three hinges that share a centre, and one of them with its limits
     Slide           a prismatic joint with its limits
+    Coupling        a hinge or a slide that follows another one
     Ball            a ball and socket
     SwingTwist      limits of a ball: a cone for the limb, an interval for the twist about it
     TrackerSample   what the user did at one instant: the posture of all avatars
@@ -111,7 +112,7 @@ if TYPE_CHECKING:
     from avatarsim.pose_queries import Contact
     from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
     from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable, fixed, simulated, solid
-    from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, Slide, SwingTwist
+    from avatarsim.scene.joint import Ball, Coupling, Free, Hinge, Hinges, Rigid, Slide, SwingTwist
     from avatarsim.scene.motion import Motion
     from avatarsim.scene.moving import moving
     from avatarsim.scene.scene import Scene
@@ -121,9 +122,9 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw",
-    "ConvexHull", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass", "Model",
-    "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere", "StartOverlaps",
-    "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed",
+    "ConvexHull", "Coupling", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass",
+    "Model", "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere",
+    "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed",
     "load_avatar", "load_motion", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
 ]
 
@@ -141,7 +142,7 @@ _MODULES = {
     "scene.body": ("Body", "ContactLaw", "Mass", "PairTable", "fixed", "simulated", "solid"),
     "scene.motion": ("Motion",),
     "scene.moving": ("moving",),
-    "scene.joint": ("Ball", "Free", "Hinge", "Hinges", "Rigid", "Slide", "SwingTwist"),
+    "scene.joint": ("Ball", "Coupling", "Free", "Hinge", "Hinges", "Rigid", "Slide", "SwingTwist"),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),
     "scene.tracker": ("TrackerSample", "rest"),

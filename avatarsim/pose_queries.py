@@ -104,6 +104,11 @@ def require_within_limits(world: World, slack: float = 0.0) -> None:
             if not excess <= slack:
                 thing = f"start rotation of {link.name} beyond its swing and twist limits [rad]"
                 raise InvalidScene(thing, float(excess), "0 or less")
+    for (follower, leader), (ratio, offset) in zip(skel.follow.tolist(), skel.ratio.tolist(), strict=True):
+        angle, wanted = float(world.posture.angle[follower]), ratio * float(world.posture.angle[leader]) + offset
+        if not abs(angle - wanted) <= max(slack, NOTHING):
+            link = world.scene.links[int(np.searchsorted(skel.first_dof, follower, "right")) - 1]
+            raise InvalidScene(f"start angle or way of {link.name}, which follows another joint [rad, m]", angle, f"{wanted:g}")
 
 
 def require_free(world: World, dip: float = NOTHING) -> None:

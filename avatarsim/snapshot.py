@@ -267,12 +267,13 @@ def first_links(scene: Scene) -> list[tuple[Avatar, int]]:
 
 
 def tree_of(avatar: Avatar) -> list[tuple[object, ...]]:
-    """What a posture of an avatar depends on, limits aside: names and parents of links, and the axes of their joints."""
-    return [
+    """What a posture of an avatar depends on, limits aside: names and parents of links, axes of their joints, couplings."""
+    links = [
         (link.name, link.parent, type(link.joint), link.anchor, link.orientation,
          tuple(axis.axis for axis in axes_of(link.joint)))
         for link in avatar.links
     ]
+    return [*links, avatar.couplings]
 
 
 def taken(into: NDArray[np.generic], of: NDArray[np.generic], rows: Rows) -> None:

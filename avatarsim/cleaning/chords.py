@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.result import Options
 from avatarsim.errors import InvalidInput
-from avatarsim.ik.chord import clip_posture, free_until, make_chord, nearest_at, pair_gaps
+from avatarsim.ik.chord import free_until, make_chord, nearest_at, pair_gaps
+from avatarsim.ik.clip_posture import clip_posture
 from avatarsim.jit.arena import packed
 from avatarsim.model.skeleton import BALL, FREE
 from avatarsim.model.world import build, sample_arrays

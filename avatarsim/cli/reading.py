@@ -20,7 +20,7 @@ RANGES = {
     "room_scale": (SMALLEST, LARGEST), "stature": (LEAST_STATURE, MOST_STATURE), "mass": MASSES,
 }
 """What numbers of options of readers may be, in the units of their help."""
-OF_AVATAR, OF_ROOM = ("body", "fix", "couplings", "root", "leave"), ("room_scale", "room_up")
+OF_AVATAR, OF_ROOM = ("body", "fix", "root", "leave"), ("room_scale", "room_up")
 """Options that go with an avatar's file, and with a room's."""
 
 
@@ -45,7 +45,6 @@ def reading_options(one: argparse.ArgumentParser) -> None:
     model.add_argument("--fit", type=float, metavar="M", help="most metres that a piece may be wider than the hull of its mesh")
     model.add_argument("--fix", default="", metavar="A,B,...",
                        help="hold these joints at the file's reference; all: those that an avatar cannot have")
-    model.add_argument("--couplings", choices=("refuse", "leave"), help="joints coupled by an equality (default refuse)")
     model.add_argument("--root", choices=("file", "free", "fixed"), help="whether the avatar's root moves (default: file)")
     model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
     model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
@@ -71,7 +70,7 @@ def reading_of(asked: argparse.Namespace) -> Reading:
         scale=asked.scale, up=asked.up, file_rate=asked.file_rate, quaternion=asked.quaternion, joints=asked.joints,
         mass=asked.mass, limits=not asked.no_limits,
         offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
-        asf=absolute(asked.asf), fix=_listed(asked.fix), couplings=asked.couplings, root=asked.root, leave=_listed(asked.leave),
+        asf=absolute(asked.asf), fix=_listed(asked.fix), root=asked.root, leave=_listed(asked.leave),
         folder=absolute(asked.folder), meshes=asked.meshes, repair=asked.repair,
         body=_listed(asked.body), keyframe=asked.keyframe, collide=asked.collide, fit=asked.fit,
         avatar_scale=asked.avatar_scale, room_scale=asked.room_scale, room_up=asked.room_up,

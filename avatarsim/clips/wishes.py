@@ -25,7 +25,7 @@ class Reading:
     asf             the skeleton of AMC motions
     mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
     body            names of bodies whose trees are the avatar
-    fix, couplings, root, leave, folder, meshes, repair, keyframe, collide, fit    of models, as in `load_avatar`
+    fix, root, leave, folder, meshes, repair, keyframe, collide, fit    of models, as in `load_avatar`
     avatar_scale    metres a unit of length of the avatar's model
     room_scale, room_up    of a room: metres a unit of length; of a mesh, the axis that points up"""
 
@@ -40,7 +40,6 @@ class Reading:
     mass: float | None = None
     limits: bool = True
     fix: tuple[str, ...] = ()
-    couplings: str | None = None
     root: str | None = None
     leave: tuple[str, ...] = ()
     folder: str | None = None
@@ -66,7 +65,7 @@ class Reading:
     def of_avatar(self) -> dict[str, object]:
         """Options of `load_avatar`."""
         asked = {"avatar": self.body, "fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave,
-                 "couplings": self.couplings, "root": self.root, "scale": self.avatar_scale, **self._of_model()}
+                 "root": self.root, "scale": self.avatar_scale, **self._of_model()}
         return {name: value for name, value in asked.items() if value}
 
     def _of_model(self) -> dict[str, object]:

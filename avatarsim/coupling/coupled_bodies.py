@@ -11,6 +11,7 @@ from avatarsim.ik.sqp_step import copy_poses, forget_forces
 from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
 from avatarsim.ik.target import clip_avatar, copy_posture
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import set_followers
 from avatarsim.model.dynamics import DRIVEN, DriveState, Dynamics, Velocities
 from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton
@@ -242,6 +243,7 @@ def return_coupled(
             put_columns(posture_out.turn, link, columns(drive.linkage.joints.turn, link))
         for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
             posture_out.angle[j] = drive.linkage.joints.angle[j]
+        set_followers(skel, skel.first_dof[link], skel.first_dof[link + 1], 0.0, posture_out)
         copy_posture(skel, avatars, avatar, posture_out, target_out)
         place_avatar(geo, skel, avatars, avatar, poses)
         copy_poses(geo, skel, avatars, avatar, poses, scratch_out.trial)

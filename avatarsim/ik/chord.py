@@ -36,10 +36,9 @@ from avatarsim.jit.kernel import entry_kernel, kernel
 from avatarsim.jit.layout import IndexGrid, IndexLine, Line, Vectors
 from avatarsim.model.conversion import read_sample
 from avatarsim.model.geometry import POINTS, Geometry, Poses, allowed_depth, may_meet
-from avatarsim.model.joint_limits import cone_excess, has_cone, inside_cone
 from avatarsim.model.skeleton import BALL, FREE, SLIDE, Posture, Skeleton, carry, has_angles, place_links
 from avatarsim.model.world import World, WorldParts
-from avatarsim.spatial.tangent import columns, put_columns, step_between, turned, turned_back
+from avatarsim.spatial.tangent import columns, step_between, turned, turned_back
 from avatarsim.spatial.vec3 import Vec3, add, along, dot, norm, row, scale, sub
 from avatarsim.tolerances import POSTURE_GAP, ROUNDING, SAME_DIRECTION, SLIGHT
 
@@ -466,32 +465,6 @@ def nearest_at(
         if not (gap >= best):
             best, first, second = gap, a, b
     return best, first, second
-
-
-@entry_kernel
-def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array, angles: Array) -> tuple[float, float]:
-    """The posture with each joint at the nearest place within its limits, left in `Chord.end`: by how much it was outside
-    at most, of angles [rad] and of slides [m]."""
-    w, c = opened(world, WorldParts), opened(chord, Chord)
-    skel, beyond, slid = w.skeleton, 0.0, 0.0
-    read_sample(positions, rotations, angles, c.hinges, c.start)
-    read_sample(positions, rotations, angles, c.hinges, c.end)
-    for link in range(skel.kind.shape[0]):
-        if has_angles(skel, link):
-            for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-                c.end.angle[j] = min(max(c.start.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
-                excess = abs(c.end.angle[j] - c.start.angle[j])
-                if skel.kind[link] == SLIDE:
-                    slid = max(slid, excess)
-                else:
-                    beyond = max(beyond, excess)
-        elif skel.kind[link] == BALL and has_cone(skel, link):
-            turn = columns(c.start.turn, link)
-            excess = cone_excess(skel, link, turn)
-            if excess > 0.0:
-                put_columns(c.end.turn, link, inside_cone(skel, link, turn))
-                beyond = max(beyond, excess)
-    return beyond, slid
 
 
 @entry_kernel

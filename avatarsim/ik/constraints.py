@@ -10,6 +10,7 @@ from math import atan2, inf
 from avatarsim.collision.gjk import closest_points
 from avatarsim.collision.support import support
 from avatarsim.ik.certificate import EXACT, keep_nearest, nearest_direction
+from avatarsim.ik.couplings import fold_row
 from avatarsim.ik.gaps import least_gap, stand_off_of, wedged_gap
 from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch, IkState, RowKind, Touching, axis_at, slot_of
 from avatarsim.jit.kernel import kernel
@@ -107,6 +108,7 @@ def add_contact(
         add_lever(skel, geo.body[a], 1.0, n, on_a, poses, axes, k, r.jacobian)
     if other >= 0:
         add_lever(skel, geo.body[b], -1.0, n, on_b, poses, axes, k, r.jacobian)
+    fold_row(skel, avatars, k, r)
     arm, opposite = sub(on_a, row(poses.position, geo.body[a])), sub(on_b, row(poses.position, geo.body[b]))
     put_row(r.normal, k, n)
     for i in range(3):

@@ -2,6 +2,7 @@
 
 from avatarsim.ik.state import FORWARDS, Avatars, IkScratch
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import set_followers
 from avatarsim.model.geometry import Array, Geometry, Poses, place
 from avatarsim.model.skeleton import (
     BALL,
@@ -46,13 +47,15 @@ def try_step(
 
 @kernel
 def take_step(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, posture_out: Posture) -> None:
-    """Make posture + step the posture; hinges and slides end within their limits, to the bit."""
+    """Make posture + step the posture; hinges and slides end within their limits, and followers where their leaders
+    have them, to the bit."""
     first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
     displace_links(skel, first, end, posture_out, step)
     for link in range(first, end):
         if has_angles(skel, link):
             for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
                 posture_out.angle[j] = min(max(posture_out.angle[j], skel.limits[j, 0]), skel.limits[j, 1])
+    set_followers(skel, skel.first_dof[first], skel.first_dof[end], 0.0, posture_out)
 
 
 @kernel

@@ -27,6 +27,7 @@ from avatarsim.ik.state import (
     make_contacts,
     make_pair_cache,
 )
+from avatarsim.model.couplings import elimination_parents
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.model.skeleton import FREE, SLIDE, Posture, Skeleton
 
@@ -83,7 +84,9 @@ def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses) -> tuple[Avatars, 
     first_link = np.append(roots, nl).astype(np.int64)
     avatar = np.repeat(np.arange(len(roots)), np.diff(first_link)).astype(np.int64)
     joint_of = np.repeat(np.arange(nl), np.diff(skel.first_dof)).astype(np.int64)
-    paths = [[i for i in range(j + 1) if skel.related[joint_of[j], joint_of[i]]] for j in range(nd)]
+    paths: list[list[int]] = []
+    for j, above in enumerate(elimination_parents(skel)):
+        paths.append([*(paths[above] if above >= 0 else ()), j])
     path = indices(nd, max((len(one) for one in paths), default=1))
     for j, degrees in enumerate(paths):
         path[j, : len(degrees)] = degrees

@@ -7,6 +7,7 @@ still no limb wanders; what converges at all has then long arrived.
 
 from math import inf
 
+from avatarsim.ik.couplings import fold_bounds
 from avatarsim.ik.kinematics import longest_part, parts_of
 from avatarsim.ik.state import Avatars, Budget, IkScratch
 from avatarsim.jit.kernel import kernel
@@ -66,6 +67,7 @@ def bound_step(
                 # a joint beyond its limit by rounding may stay, and must not be forced
                 low[j] = min(0.0, max(low[j], skel.limits[j, 0] - posture.angle[j]))
                 high[j] = max(0.0, min(high[j], skel.limits[j, 1] - posture.angle[j]))
+    fold_bounds(skel, avatars.first_dof[avatar], avatars.first_dof[avatar + 1], scratch_out)
 
 
 @kernel

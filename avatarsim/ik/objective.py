@@ -11,9 +11,11 @@ adds 2 F . (w x a) s, at most |F| (L |w|^2 + s^2 / L): an inertia and a mass, L 
 
 from math import sqrt
 
+from avatarsim.ik.couplings import fold_metric
 from avatarsim.ik.kinematics import parts_of
 from avatarsim.ik.state import Avatars, IkState, Objective, Tracking
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import fold
 from avatarsim.model.geometry import Array, Poses
 from avatarsim.model.skeleton import BALL, FREE, HINGES, SLIDE, Posture, Skeleton, translations
 from avatarsim.spatial.tangent import about, columns, product, put_columns, turned
@@ -106,6 +108,8 @@ def model(
     note_motions(skel, avatars, avatar, poses, state.axes, objective_out)
     fill_metric(skel, avatars, avatar, poses, state.axes, state.tracking.reach[avatar], objective_out)
     first, last = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+    fold(skel, first, last, objective_out.newton)
+    fold_metric(skel, avatars, avatar, objective_out.factor)
     decompose(avatars, first, last, objective_out.factor)
     solve_up(avatars, first, last, objective_out.factor, objective_out.newton)
     solve_down(avatars, first, last, objective_out.factor, objective_out.newton)

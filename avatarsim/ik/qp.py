@@ -19,6 +19,7 @@ from avatarsim.ik.motion_budget import keep_budget
 from avatarsim.ik.objective import solve_down, solve_up
 from avatarsim.ik.state import MOST_PRESSED, PRODUCTS, SWEEPS, Avatars, ConstraintRows, IkScratch, IkState, RowKind
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import follow_leaders
 from avatarsim.model.skeleton import FREE, Skeleton
 from avatarsim.tolerances import JUDGED, NOTHING, REGULAR
 
@@ -170,6 +171,7 @@ def solve_qp(
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
             s.step[j] = min(max(s.step[j], s.low[j]), s.high[j])
         keep_budget(skel, avatars, s.members[m], state.budget, True, s.step)
+        follow_leaders(skel, avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1], s.step)
 
 
 @kernel

@@ -11,6 +11,7 @@ Lagrangian.
 
 from avatarsim.ik.certify import certify, foresee
 from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
+from avatarsim.ik.couplings import share_budget
 from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
 from avatarsim.ik.motion_budget import bound_step, keep_budget, spend
@@ -37,6 +38,7 @@ from avatarsim.ik.state import (
 )
 from avatarsim.ik.target import largest
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import follow_leaders
 from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
@@ -188,10 +190,13 @@ def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkSt
     step, error, arrives = scratch_out.step, scratch_out.objective.error, state_out.tracking.is_legal[avatar]
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         step[j] = error[j]
+    first, end = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
     keep_budget(skel, avatars, avatar, state_out.budget, False, step)
-    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+    share_budget(skel, first, end, step)
+    for j in range(first, end):
         if step[j] != error[j]:
             arrives = 0
+    follow_leaders(skel, first, end, step)
     state_out.tracking.has_arrived[avatar] = arrives
 
 

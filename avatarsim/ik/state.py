@@ -208,7 +208,8 @@ known_as_table(Tracking, TRACKING)
 
 class Avatars(NamedTuple):
     """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
-    the degrees that carry degree j, from the root on, itself at place depth[j] of them; turn_weight (nd) [m^2] of a squared
+    the degrees that carry degree j, and with couplings its ancestors in the elimination tree, from the root on, itself at place
+    depth[j] of them; turn_weight (nd) [m^2] of a squared
     angle, [1] of the squared way of a slide, 0 for translations of a root; link_weight (nl) of a squared distance of a link's
     origin."""
 

@@ -6,6 +6,7 @@ from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, open_budget
 from avatarsim.ik.state import Avatars, IkScratch, IkState, Tracking
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import set_followers
 from avatarsim.model.geometry import Array
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
 from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton, has_angles
@@ -16,7 +17,8 @@ from avatarsim.spatial.vec3 import put_row, row
 
 @kernel
 def clip_to_limits(skel: Skeleton, avatars: Avatars, tracker: Posture, tracking_out: Tracking, target_out: Posture) -> None:
-    """The tracker's posture with each joint at the nearest place inside its own limits; whose it is that keeps them all."""
+    """The tracker's posture with each joint at the nearest place inside its own limits, followers where their leaders have
+    them; whose it is that keeps them all."""
     for avatar in range(avatars.first_link.shape[0] - 1):
         clip_avatar(skel, avatars, avatar, tracker, tracking_out, target_out)
 
@@ -42,6 +44,8 @@ def clip_avatar(
                 if angle != tracker.angle[j]:
                     tracking_out.is_legal[avatar] = 0
                 target_out.angle[j] = angle
+    if set_followers(skel, avatars.first_dof[avatar], avatars.first_dof[avatar + 1], 0.0, target_out) > 0.0:
+        tracking_out.is_legal[avatar] = 0
 
 
 @kernel

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
 from avatarsim.jit.layout import Grid, IndexLine, Line, Matrices, Vectors
+from avatarsim.model.couplings import elimination_parents
 from avatarsim.model.geometry import OPEN, Poses
 from avatarsim.model.skeleton import Posture, Skeleton, skeleton
 from avatarsim.scene.body import Role
@@ -76,16 +77,11 @@ def make_linkage(scene: Scene) -> Linkage:
     def line() -> Array:
         return np.zeros(degrees)
 
-    above, last = np.full(degrees, -1, np.int64), np.full(links, -1, np.int64)
-    for link, parent in enumerate(skel.parent.tolist()):
-        last[link] = last[parent] if parent >= 0 else -1
-        for j in range(skel.first_dof[link], skel.first_dof[link + 1]):
-            above[j], last[link] = last[link], j
-
     joints, user = (Posture(np.zeros((links, 3)), np.zeros((links, 3, 3)), line()) for _ in range(2))
     ahead = Poses(np.zeros((bodies, 3)), np.zeros((bodies, 3, 3)), np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6)))
     return Linkage(
-        skel, joints, user, line(), line(), np.zeros((degrees, 2)), line(), above, np.zeros((degrees, 3)), np.zeros((degrees, 3)),
+        skel, joints, user, line(), line(), np.zeros((degrees, 2)), line(), elimination_parents(skel), np.zeros((degrees, 3)),
+        np.zeros((degrees, 3)),
         ahead, np.zeros((degrees, widest)), np.zeros((degrees, widest)), np.zeros(degrees, np.int64), line(), line(), line(),
         line(), np.zeros((links, 3)), np.zeros((links, 3)), np.zeros(links), np.zeros((links, 3)), np.zeros((links, 3, 3)),
     )

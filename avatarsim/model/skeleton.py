@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
-from avatarsim.jit.layout import FlagGrid, Grid, IndexLine, Line, Matrices, Vectors
+from avatarsim.jit.layout import FlagGrid, Grid, IndexGrid, IndexLine, Line, Matrices, Vectors
 from avatarsim.model.geometry import Geometry, Poses, place
 from avatarsim.scene.joint import PI, WIDEST_SWING, Ball, Free, ReachCone, Rigid, Slide, SwingTwist, axes_of
 from avatarsim.scene.scene import Scene
@@ -50,6 +50,8 @@ class Skeleton(NamedTuple):
     reach_corner (nc, 3) unit corners in the link's frame at zero, counter-clockwise seen from outside
     reach_side (nc, 3) normals of the planes through `sight` and a corner, which bound what an edge spans with it
     sight      (nl, 3) a unit direction inside the polygon that sees every edge of it
+    follow     (nf, 2) degrees that follow others: the follower, its leader
+    ratio      (nf, 2) ratio and offset [rad, m] of each: follower = ratio leader + offset
     related    (nl, nl) True at [i, m] where link m is i or one of its ancestors: degrees of m move i
     """
 
@@ -68,6 +70,8 @@ class Skeleton(NamedTuple):
     reach_side: Vectors
     sight: Vectors
     related: FlagGrid
+    follow: IndexGrid
+    ratio: Grid
 
 
 class Posture(NamedTuple):
@@ -134,8 +138,20 @@ def skeleton(scene: Scene) -> Skeleton:
         np.array([rotation.to_matrix(link.orientation) for link in links], dtype=np.float64).reshape(nl, 3, 3),
         np.array(axis, dtype=np.float64).reshape(-1, 3), np.array(limits, dtype=np.float64).reshape(-1, 2),
         cone, untwist, np.array(reach_first, dtype=np.int64), np.array(corners, dtype=np.float64).reshape(-1, 3),
-        np.array(sides, dtype=np.float64).reshape(-1, 3), sight, related,
+        np.array(sides, dtype=np.float64).reshape(-1, 3), sight, related, *couplings(scene, kind, first_dof),
     )
+
+
+def couplings(scene: Scene, kind: Index, first_dof: list[int]) -> tuple[Index, Array]:
+    """`Skeleton.follow` and `Skeleton.ratio` of a scene."""
+    angled = np.flatnonzero((kind == HINGES) | (kind == SLIDE))
+    degrees = [j for link in angled for j in range(first_dof[link], first_dof[link + 1])]
+    first, follow, ratio = 0, [], []
+    for avatar in scene.avatars:
+        follow += [(degrees[first + one.follower], degrees[first + one.leader]) for one in avatar.couplings]
+        ratio += [(one.ratio, one.offset) for one in avatar.couplings]
+        first += avatar.hinge_count
+    return np.array(follow, dtype=np.int64).reshape(-1, 2), np.array(ratio, dtype=np.float64).reshape(-1, 2)
 
 
 def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[float]:

@@ -43,8 +43,11 @@ def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
     )
 
 
-def require_no_slides(scene: Scene) -> None:
-    """Raise InvalidScene for a slide: the method as printed turns joints only."""
+def require_turning_joints(scene: Scene) -> None:
+    """Raise InvalidScene for slides and couplings: the method as printed turns joints, each by itself."""
+    for avatar in scene.avatars:
+        if avatar.couplings:
+            raise InvalidScene(f"couplings of avatar {avatar.name}", len(avatar.couplings), "0 with the preset paper")
     for link in scene.links:
         if isinstance(link.joint, Slide):
             raise InvalidScene(f"joint of link {link.name}", "Slide", "Rigid, Hinges, Ball or Free with the preset paper")
@@ -61,7 +64,7 @@ class PaperLoop:
     def __init__(
         self, world: World, settings: PaperSettings, coupling: CouplingSettings, attraction: AttractionSettings, seed: int
     ) -> None:
-        require_no_slides(world.scene)
+        require_turning_joints(world.scene)
         self.world = world
         self._kept, own = packed(PaperParts(settings, coupling, attraction, make_paper_memory(world, seed)))
         self.memory = own.memory

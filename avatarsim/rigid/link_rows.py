@@ -7,6 +7,7 @@ of a contact gives them are stored per contact, so that a sweep of the solver ne
 import math
 
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import fold, follow_leaders
 from avatarsim.model.dynamics import Dynamics, Linkage
 from avatarsim.model.geometry import Poses
 from avatarsim.rigid.contacts import AS_A, NOT_LINKED, Contacts, axis, lacks_responses, largest_across
@@ -73,7 +74,9 @@ def respond(
                 arm = row(contacts.arm_a, k) if one == 0 else row(contacts.arm_b, k)
                 force = n if one == 0 else scale(n, -1.0)
                 add_force(linkage, poses, contacts.body[k, one] - skel.first, force, cross(arm, force), linkage.pushed)
+        fold(skel, low, high, linkage.pushed)
         rates_for(linkage, low, high, linkage.pushed, linkage.gained)
+        follow_leaders(skel, low, high, linkage.gained)
         velocities_of(linkage, poses, first, end, linkage.gained, linkage.force, linkage.torque)
         for link in range(first, end):
             put_row(contacts.responses.linear[block, link - first], i, row(linkage.force, link))

@@ -14,12 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.jit.kernel import kernel
+from avatarsim.model.couplings import fold, follow_leaders
 from avatarsim.model.dynamics import DriveState, Dynamics, Linkage, holder_of
 from avatarsim.model.geometry import Poses
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, room_of_ball, room_of_twist, surely_inside
 from avatarsim.model.skeleton import BALL, FREE, Skeleton, carry_links, has_angles, translations
 from avatarsim.rigid.attached import add_attached, carried_by, carry_attached
 from avatarsim.rigid.contacts import Contacts, impulse_of
+from avatarsim.rigid.linkage_couplings import fold_limits, fold_matrix
 from avatarsim.rigid.solver import LANES, put_three
 from avatarsim.rigid.state import Memory
 from avatarsim.spatial.tangent import columns, put_columns, step_between, stepped, straightened, turned, turned_back
@@ -76,6 +78,8 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
             put_columns(linkage.joints.turn, first, columns(poses.rotation, b))
         carry_links(skel, first, end, linkage.joints, linkage.still, linkage.ahead, linkage.axes)
         bound_degrees(linkage, first, end, h)
+        low, high = skel.first_dof[first], skel.first_dof[end]
+        fold_limits(linkage, low, high)
         for i in range(skel.first_dof[first], skel.first_dof[end]):
             linkage.held[i] = 0
         put_masses(linkage, memory, first, end)
@@ -86,7 +90,9 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
         sum_masses(linkage, poses, first, end)
         sum_momenta(linkage, poses, first, end)
         fill_matrix(linkage, poses, first, end)
-        decompose(linkage, skel.first_dof[first], skel.first_dof[end])
+        fold(skel, low, high, linkage.free_momentum)
+        fold_matrix(linkage, low, high)
+        decompose(linkage, low, high)
 
 
 @kernel
@@ -285,6 +291,7 @@ def move_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Ind
             for j in range(low, high):
                 linkage.momentum[j] = linkage.free_momentum[j]
             add_impulses(linkage, poses, memory.contacts, first, end)
+            fold(linkage.skeleton, low, high, linkage.momentum)
             rates_for(linkage, low, high, linkage.momentum, linkage.rate)
             for _ in range(high - low):
                 if not hold_at_limits(linkage, low, high):
@@ -292,6 +299,7 @@ def move_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Ind
                 changed = True
                 decompose(linkage, low, high)
                 rates_for(linkage, low, high, linkage.momentum, linkage.rate)
+            follow_leaders(linkage.skeleton, low, high, linkage.rate)
             velocities_of(linkage, poses, first, end, linkage.rate, linkage.force, linkage.torque)
             for link in range(first, end):
                 put_row(memory.linear_end, linkage.skeleton.first + link, row(linkage.force, link))
@@ -395,6 +403,7 @@ def look_ahead(drive: DriveState, poses: Poses, memory: Memory, b: int, h: float
                 linkage.step[j] = min(max(linkage.step[j], low), high)
         if kind == BALL:
             turn_ball(linkage, poses, link, d)
+    follow_leaders(skel, skel.first_dof[first], skel.first_dof[end], linkage.step)
     carry_links(skel, first, end, linkage.joints, linkage.step, linkage.ahead, linkage.axes_ahead)
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.body import Mass
@@ -25,7 +26,7 @@ from avatarsim.scene.checks import (
     unit_quaternion,
     within,
 )
-from avatarsim.scene.joint import Ball, Free, Hinges, Joint, Rigid, Slide, axes_of
+from avatarsim.scene.joint import Ball, Coupling, Free, Hinges, Joint, Rigid, Slide, axes_of, unit_of
 from avatarsim.scene.shape import Piece, reach
 from avatarsim.settings import CouplingSettings
 from avatarsim.spatial import rotation
@@ -99,11 +100,11 @@ class Avatar:
     """A tree of links, parents before children, driven by a tracker.
 
     `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap because they
-    do so at rest (a shoulder in a chest), however deep, `at_rest` those that may be no deeper [m] than stated. `coupled_mass`
-    [kg] is m in eq. 6 and what a simulated body feels in an impact; by default the link's own mass. `drive` replaces the
-    engine's options `spring` and `damping` for this avatar. `size_range` [m] is what its `span` must be in: a human of 1.7 km
-    was meant in millimetres. `moves`: it is no person's but scenery that moves by itself, as `moving` makes it. Raises
-    InvalidScene for links that are no tree, names that are no links, and other sizes.
+    do so at rest (a shoulder in a chest), however deep, `at_rest` those that may be no deeper [m] than stated. `couplings` say
+    which hinges and slides follow others. `coupled_mass` [kg] is m in eq. 6 and what a simulated body feels in an impact; by
+    default the link's own mass. `drive` replaces the engine's options `spring` and `damping` for this avatar. `size_range` [m]
+    is what its `span` must be in: a human of 1.7 km was meant in millimetres. `moves`: it is no person's but scenery that moves
+    by itself, as `moving` makes it. Raises InvalidScene for links that are no tree, names that are no links, and other sizes.
     """
 
     name: str
@@ -115,6 +116,7 @@ class Avatar:
     drive: Drive | None = None
     moves: bool = False
     at_rest: tuple[tuple[str, str, float], ...] = ()
+    couplings: tuple[Coupling, ...] = ()
 
     def __post_init__(self) -> None:
         named("an avatar", self.name)
@@ -142,11 +144,39 @@ class Avatar:
         instance(f"moves of {self.name}", self.moves, bool, "True or False")
         if self.drive is not None:
             instance(f"drive of {self.name}", self.drive, Drive, "Drive(stiffness, damping, largest_force) or None")
+        self._check_couplings()
         least, most = pair(f"size_range of avatar {self.name}", self.size_range)
         low, high = (within(f"size_range of avatar {self.name} [m]", size, 0.0, math.inf) for size in (least, most))
         object.__setattr__(self, "size_range", (low, high))
         if any(link.pieces for link in self.links):
             within(f"span [m] of avatar {self.name} (lengths are metres; size_range widens this)", self.span, low, high)
+
+    def _check_couplings(self) -> None:
+        """Raise InvalidScene for couplings of angles that are not there, of followers that lead, and for limits of a follower
+        that those of its leader let it leave."""
+        each(f"couplings of avatar {self.name}", self.couplings, Coupling, "a Coupling(follower, leader, ratio, offset)")
+        axes = [axis for link in self.links for axis in axes_of(link.joint)]
+        followers = [one.follower for one in self.couplings]
+        distinct(f"follower of avatar {self.name}", (str(number) for number in followers))
+        for one in self.couplings:
+            if one.follower >= len(axes):
+                valid = f"an angle of the avatar: 0 to {len(axes) - 1}"
+                raise InvalidScene(f"follower of a coupling of {self.name}", one.follower, valid)
+            if one.leader in followers:
+                raise InvalidScene(f"leader of a coupling of {self.name}", one.leader, "an angle that follows no other")
+            leader, follower = axes[one.leader], axes[one.follower]
+            low, high = sorted(one.ratio * limit + one.offset for limit in (leader.lower, leader.upper))
+            slack = 1e-9 * max(1.0, abs(low), abs(high))
+            if not (low >= follower.lower - slack and high <= follower.upper + slack):
+                thing = f"angle {one.follower} of {self.name} at the limits of its leader [{unit_of(follower)}]"
+                raise InvalidScene(thing, (low, high), f"within its own limits, {follower.lower:g} to {follower.upper:g}")
+
+    def with_followers(self, angles: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return angles (..., n) of this avatar with those of followers as their leaders have them."""
+        found = np.array(angles, dtype=np.float64)
+        for one in self.couplings:
+            found[..., one.follower] = one.ratio * found[..., one.leader] + one.offset
+        return found
 
     @property
     def span(self) -> float:

@@ -176,6 +176,33 @@ class Free:
 Joint = Rigid | Hinges | Slide | Ball | Free
 
 
+SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
+"""Ratios of a coupling, without their signs: beyond, what one joint shows the other cannot, in digits that are kept."""
+
+
+@dataclass(frozen=True)
+class Coupling:
+    """One hinge or slide of an avatar that follows another: its coordinate is `ratio` times the leader's plus `offset` [rad, m].
+
+    `follower` and `leader` are numbers among the avatar's angles, link by link; the leader has the lower number. Raises
+    InvalidScene for others and for a ratio of which the size is not from 0.001 to 1000."""
+
+    follower: int
+    leader: int
+    ratio: float
+    offset: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("follower", "leader"):
+            number = getattr(self, name)
+            if isinstance(number, bool) or not isinstance(number, int):
+                raise InvalidScene(f"{name} of a coupling", number, "the number of an angle of the avatar")
+        if not 0 <= self.leader < self.follower:
+            raise InvalidScene("leader of a coupling", self.leader, f"an angle before its follower's, which is {self.follower}")
+        within("size of the ratio of a coupling", abs(self.ratio), SMALLEST_RATIO, LARGEST_RATIO)
+        within("offset of a coupling [rad, m]", self.offset, -LONGEST_SLIDE, LONGEST_SLIDE)
+
+
 def axes_of(joint: Joint) -> tuple[Hinge | Slide, ...]:
     """Return the hinges of a joint, or its slide: one for each number of `TrackerSample.angles`."""
     if isinstance(joint, Hinges):

@@ -93,9 +93,10 @@ def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
 
     What a scene starts from by default; `dataclasses.replace(rest(avatars), positions=...)` moves the roots."""
     links = sum(len(avatar.links) for avatar in avatars)
-    angles = [
-        min(max(0.0, axis.lower), axis.upper) for avatar in avatars for link in avatar.links for axis in axes_of(link.joint)
-    ]
+    angles: list[float] = []
+    for avatar in avatars:
+        own = [min(max(0.0, axis.lower), axis.upper) for link in avatar.links for axis in axes_of(link.joint)]
+        angles += avatar.with_followers(np.array(own)).tolist()
     positions, rotations, first = np.zeros((links, 3)), np.tile(rotation.IDENTITY, (links, 1)), 0
     for avatar in avatars:
         if avatar.moves and isinstance(avatar.links[0].joint, Free):

@@ -17,7 +17,7 @@ import numpy as np
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.avatar import Avatar, Drive, Link
 from avatarsim.scene.body import Body, ContactLaw, Mass, PairTable
-from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, ReachCone, Rigid, Slide, SwingTwist
+from avatarsim.scene.joint import Ball, Coupling, Free, Hinge, Hinges, ReachCone, Rigid, Slide, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
@@ -25,7 +25,7 @@ from avatarsim.scene.tracker import TrackerSample
 TYPES: Mapping[str, type[Any]] = {
     kind.__name__: kind for kind in (
         Scene, Body, Avatar, Drive, Link, Mass, Piece, Sphere, Capsule, Box, Ellipsoid, ConvexHull, Rigid, Hinges, Hinge, Slide,
-        Ball, Free, SwingTwist, ReachCone, PairTable, ContactLaw, TrackerSample,
+        Coupling, Ball, Free, SwingTwist, ReachCone, PairTable, ContactLaw, TrackerSample,
     )
 }
 """The types that a scene is made of, by the names that files call them."""
@@ -33,7 +33,7 @@ TYPES: Mapping[str, type[Any]] = {
 UNBOUNDED = "unbounded"
 """Text for an infinite number, since JSON has none."""
 
-LATER = frozenset({"at_rest", "attached", "drive", "moves", "surface_velocity"})
+LATER = frozenset({"at_rest", "attached", "couplings", "drive", "moves", "surface_velocity"})
 """Fields that files of earlier versions lack; they get their defaults."""
 
 TAG = "is"

@@ -135,6 +135,11 @@ def _avatars(
                 weld.data = [0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0]
             geoms.append(_geoms(spec, body, k, link.pieces, laws))
             k += 1
+        for one in avatar.couplings:
+            first, kind = hinge - avatar.hinge_count, mujoco.mjtEq.mjEQ_JOINT
+            gear = spec.add_equality(name=f"g{first + one.follower}", type=kind, objtype=mujoco.mjtObj.mjOBJ_JOINT)
+            gear.name1, gear.name2 = f"h{first + one.follower}", f"h{first + one.leader}"
+            gear.data = [one.offset, one.ratio, *np.zeros(10)]
     return geoms
 
 

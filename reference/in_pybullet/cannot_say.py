@@ -43,6 +43,8 @@ def cannot_say(scene: Scene) -> Mapping[str, str]:
         found["shared centres"] = (
             "one joint per link: stand-in links of 0.1 % of the link's mass and inertia between hinges"
         )
+    if any(avatar.couplings for avatar in scene.avatars):
+        found["couplings"] = "each joint is led by itself: what blocks a follower does not stop its leader"
     if scene.effects.coupling:
         found["virtual coupling"] = (
             "no spring of eq. 6: after a collision a link goes back to its user as constraints and motors have it"

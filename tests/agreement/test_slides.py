@@ -2,13 +2,14 @@
 
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 
 from avatarsim.engine import Engine, Settings
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import solid
-from avatarsim.scene.joint import Hinge, Hinges, Rigid, Slide
+from avatarsim.scene.joint import Coupling, Hinge, Hinges, Rigid, Slide
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece
 from avatarsim.scene.tracker import link_poses, rest
@@ -46,6 +47,17 @@ def test_links_go_where_slides_have_them(engine: Engine, preset: str) -> None:
         record = engine.advance(replace(start, time=frame / 60.0, angles=angles), 1.0 / 60.0)
     assert record.angles == pytest.approx(asked, abs=0.02)
     assert record.shown.positions == pytest.approx(link_poses((avatar,), replace(start, angles=asked))[0], abs=0.02)
+
+
+def test_mujoco_has_a_coupling_and_pybullet_says_that_it_has_none() -> None:
+    avatar = replace(gantry(), couplings=(Coupling(2, 0, 0.5, 0.1),))
+    scene, engine = Scene("gantry", avatars=(avatar,), start=rest((avatar,))), MujocoEngine()
+    engine.load(scene, Settings("tuned"), 1.0 / 60.0)
+    model = engine._world.model
+    (gear,) = np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT)
+    assert model.eq_data[gear, :5].tolist() == [0.1, 0.5, 0.0, 0.0, 0.0]
+    assert [model.joint(int(model.eq_obj1id[gear])).name, model.joint(int(model.eq_obj2id[gear])).name] == ["h2", "h0"]
+    assert "couplings" not in engine.cannot_say(scene) and "couplings" in PybulletEngine().cannot_say(scene)
 
 
 @pytest.mark.parametrize("seed", range(3))

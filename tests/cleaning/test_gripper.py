@@ -92,6 +92,66 @@ def test_a_base_drives_far_and_turns_where_it_is(tmp_path: Path) -> None:
     assert np.hypot(shown[0] - 1.0, shown[1]) > 0.2 and abs(shown[0]) < LONGEST_SLIDE
 
 
+GEARED = ARM.replace("</worldbody>", '</worldbody><equality><joint joint1="right" joint2="left"/></equality>')
+"""The same with the right finger following the left one."""
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.004])
+def test_coupled_fingers_never_come_apart(aside: float, tmp_path: Path) -> None:
+    path = tmp_path / "geared.xml"
+    path.write_text(GEARED, encoding="utf-8")
+    model = av.load_avatar(path)
+    box = av.fixed("box", (av.Piece(av.Box((0.02, WIDTH, 0.02))),), "wood", (0.63, aside, 1.0))
+    shield, shown = av.Shield(model, (box,)), []
+    for k, way in enumerate(CLOSES):
+        q = np.array([0.0, 0.3 * np.sin(0.1 * k) * (k > 60), 0.0, 0.0, way, way])
+        shown.append(shield(q))
+    rows = np.array(shown)
+    assert (rows[:, 4] == rows[:, 5]).all()
+    # both stop where the nearer one does
+    at_the_box = 0.5 * WIDTH + aside - 1e-3
+    assert at_the_box < rows[59, 4] < at_the_box + 2.0 * MARGIN
+    np.testing.assert_allclose(rows[-1, 4:], OPEN, atol=1e-9)
+
+
+def test_a_wild_operator_keeps_a_chain_of_couplings(tmp_path: Path) -> None:
+    """Gears of two and ten to one, hinge to slide, whose followers stand before their leaders, between a wall and itself."""
+    path = tmp_path / "gears.xml"
+    coupled = (
+        '<equality><joint joint1="shoulder" joint2="elbow" polycoef="0 -1 0 0 0"/>'
+        '<joint joint1="left" joint2="wrist" polycoef="0.02 0.01 0 0 0"/><joint joint1="right" joint2="left"/></equality>'
+    )
+    path.write_text(ARM.replace("</worldbody>", f"</worldbody>{coupled}"), encoding="utf-8")
+    model = av.load_avatar(path)
+    walls = tuple(
+        av.fixed(f"wall {side}", (av.Piece(av.Box((1.5, 0.1, 1.5))),), "wood", (0.4, side * 0.4, 1.0)) for side in (-1, 1)
+    )
+    shield, rng = av.Shield(model, walls), np.random.default_rng(4)
+    q, held = np.array([0.0, 0.0, 0.0, 0.0, 0.02, 0.02]), 0
+    for k in range(200):
+        if k % 20 == 0:
+            goal = rng.uniform(-1.5, 1.5, 4)
+        q[:4] += 0.08 * (goal - q[:4])
+        row = shield(np.array([-q[2], q[1], q[2], q[3], 0.02 + 0.01 * q[3], 0.02 + 0.01 * q[3]]))
+        held += not shield.is_free
+        assert row[2] == -row[0] and row[4] == row[5] and abs(row[4] - 0.02 - 0.01 * row[3]) <= 1e-15
+        assert 0.0 <= row[4] <= 0.04 and np.abs(row[:4]).max() <= 2.0
+    assert held > 20
+
+
+def test_what_comes_apart_in_a_clip_is_cleaned(tmp_path: Path) -> None:
+    path = tmp_path / "geared.xml"
+    path.write_text(GEARED, encoding="utf-8")
+    model = av.load_avatar(path)
+    q = np.zeros((60, 6))
+    q[:, 4] = 0.02
+    q[:, 5] = 0.02 + 0.005 * np.sin(np.linspace(0.0, 6.0, 60))
+    cleaned = av.clean(model.coordinates.motion(q, np.arange(60) / 60.0), model)
+    rows = model.coordinates.rows(cleaned.motion)
+    assert np.abs(rows[:, 5] - rows[:, 4]).max() <= 1e-12 and cleaned.before.slide_excess > 0.004
+    assert cleaned.after.is_clean
+
+
 def test_the_printed_method_refuses_slides(tmp_path: Path) -> None:
     with av.AvatarsimEngine() as engine, pytest.raises(InvalidScene, match="Slide"):
         engine.load(arm(tmp_path).scene(), av.Settings("paper"), dt=1 / 60)

@@ -13,7 +13,7 @@ from tests.clips.made import bvh
 
 SAID = {
     'fix=("elbow", ...) or fix="all" holds': ("fix", "fix"), 'leave=("geom 0 of world",) leaves it out': ("leave",),
-    'fix=(name, ...) or couplings="leave"': ("fix", "couplings"), 'folder="/a b" allows it': ("folder",),
+    'folder="/a b" allows it': ("folder",),
     "rate= does": ("file-rate",), "skeleton= names": ("asf",), "limits=False leaves joints free": ("no-limits",),
     'offsets="mean" for': ("offsets",), 'quaternion="xyzw" says': ("quaternion",), "repair='remesh' to wrap": ("repair",),
     'meshes="hull" takes': ("meshes",),

@@ -248,7 +248,7 @@ def doors() -> tuple[Door, ...]:
 
 def public_model(folder: Path, path: Path) -> object:
     """Avatar, room and loose bodies of an MJCF or URDF file."""
-    return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all", couplings="leave"))
+    return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all"))
 
 
 def damaged_of_run(data: bytes, rng: random.Random) -> bytes:

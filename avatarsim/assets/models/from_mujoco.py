@@ -99,7 +99,7 @@ class _Reading:
         if chosen is not None:
             tree = self._tree(chosen)
             skeleton = skeleton_of(tree, self._names, self._geoms, self._masses, self._material_of_link)
-            avatar = Avatar(self._title, skeleton.links, size_range=self._options.size_range)
+            avatar = Avatar(self._title, skeleton.links, size_range=self._options.size_range, couplings=skeleton.couplings)
             avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
             start = self._start(tree, avatar, skeleton.coordinates)
         bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
@@ -193,7 +193,7 @@ class _Reading:
         posture = coordinates.motion(np.concatenate([np.zeros(0), *row])[None], np.zeros(1)).sample(0)
         axes = [axis for link in avatar.links for axis in axes_of(link.joint)]
         angles = [min(max(angle, axis.lower), axis.upper) for angle, axis in zip(posture.angles, axes, strict=True)]
-        return replace(posture, angles=np.array(angles, dtype=np.float64))
+        return replace(posture, angles=avatar.with_followers(np.array(angles, dtype=np.float64)))
 
     def _material_of_link(self, body: int) -> str:
         """The material of the link that carries a body."""

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.models.compiled import Compiled, EqualityKind, JointKind
+from avatarsim.assets.models.compiled import Compiled, JointKind
 from avatarsim.assets.models.coordinates import Coordinates, Slot
+from avatarsim.assets.models.joint_couplings import Line, curved, lines, narrowed
 from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.pieces_of_geoms import Geoms, quaternion_of, vector_of
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
@@ -22,6 +23,7 @@ from avatarsim.scene.joint import (
     MANY_TURNS,
     WIDEST_SWING,
     Ball,
+    Coupling,
     Free,
     Hinge,
     Hinges,
@@ -54,18 +56,15 @@ ROOTS = ("file", "free", "fixed")
 
 @dataclass(frozen=True)
 class JointWishes:
-    """What a user asks of joints that an avatar cannot have: names to `fix` at their reference, or "all"; whether `couplings` are
-    refused or left out; how the `root` moves."""
+    """What a user asks of joints: names to `fix` at their reference, or "all" for those that an avatar cannot have; how the
+    `root` moves."""
 
     fix: tuple[str, ...] | str = ()
-    couplings: str = "refuse"
     root: str = "file"
 
     def __post_init__(self) -> None:
         if self.root not in ROOTS:
             raise UnknownName("root", str(self.root), ROOTS)
-        if self.couplings not in ("refuse", "leave"):
-            raise UnknownName("couplings", str(self.couplings), ("refuse", "leave"))
         names = isinstance(self.fix, tuple) and all(isinstance(name, str) for name in self.fix)
         if not names and self.fix != "all":
             raise InvalidInput("fix", self.fix, 'a tuple of names of joints, or "all"')
@@ -76,13 +75,15 @@ class Tree:
     """Bodies below one body of the world, or several, `bodies` from the root on, parents first, and the joints that move them.
 
     `joints` [body] are the numbers of its joints that move, in the order in which they act; `fixed` those of the tree that are
-    held at their reference. `is_free` says whether the root goes anywhere, `weld` [body] is the first of the bodies that it is
-    rigid with (0: the world)."""
+    held at their reference; `lines` how joints follow others, `limits` of hinges and slides [rad, m]. `is_free` says whether the
+    root goes anywhere, `weld` [body] is the first of the bodies that it is rigid with (0: the world)."""
 
     model: Compiled
     bodies: tuple[int, ...]
     joints: dict[int, tuple[int, ...]]
     fixed: tuple[int, ...]
+    lines: dict[int, Line]
+    limits: dict[int, tuple[float, float]]
     is_free: bool
     weld: dict[int, int]
     said: tuple[str, ...]
@@ -117,15 +118,12 @@ def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file:
         if name not in names:
             raise UnknownName(f"joint to fix of {file}", name, names)
     asked = set(names.values()) if wanted.fix == "all" else {names[name] for name in wanted.fix}
-    coupled = [j for j in _coupled(model) if j in own]
-    if wanted.couplings == "leave" and coupled:
-        said.append(f"couplings of joints are left out, each moves by itself: {_list(model, coupled)}")
-        coupled = []
-    if refused := [j for j in coupled if j not in asked]:
-        valid = ('joints that move by themselves; fix=(name, ...) or fix="all" holds these at their reference, '
-                 'couplings="leave" lets each move by itself')
-        raise InvalidFile(f"joints of {file} that an equality couples", _list(model, refused), valid)
-    fixed = asked & set(coupled) if wanted.fix == "all" else asked
+    bent = curved(model, own)
+    if refused := {j: powers for j, powers in bent.items() if j not in asked}:
+        told = ", ".join(f"{joint_name(model, j)} ({powers})" for j, powers in refused.items())
+        valid = 'straight lines, c2 = c3 = c4 = 0; fix=(name, ...) or fix="all" holds these joints at their reference'
+        raise InvalidFile(f"polynomials of coupled joints of {file}", told, valid)
+    fixed = asked & set(bent) if wanted.fix == "all" else asked
     free = [j for j in own if model.jnt_type[j] == JointKind.FREE]
     if wanted.root == "fixed":
         fixed |= set(free)
@@ -141,13 +139,11 @@ def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file:
     for b in bodies:
         moves = joints[b] or (is_free and b == bodies[0])
         weld[b] = b if moves else weld[int(model.body_parentid[b])]
-    return Tree(model, bodies, joints, tuple(sorted(fixed)), is_free, weld, tuple(said))
-
-
-def _coupled(model: Compiled) -> list[int]:
-    """Joints that an equality of joints makes follow another."""
-    of_joints = (model.eq_type == EqualityKind.JOINT) & (model.eq_active0 != 0)
-    return sorted({int(j) for j in model.eq_obj1id[of_joints]})
+    found = lines(model, own, sorted(fixed), file)
+    limits = narrowed(found, {j: _limits(model, j) for j in own if j not in fixed}, {j: joint_name(model, j) for j in own}, file)
+    if found:
+        said.append(f"coupled joints follow others: {_list(model, sorted(found))}")
+    return Tree(model, bodies, joints, tuple(sorted(fixed)), found, limits, is_free, weld, tuple(said))
 
 
 def _list(model: Compiled, joints: Sequence[int]) -> str:
@@ -169,10 +165,11 @@ def _groups(model: Compiled, tree: Tree, body: int) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Links of a tree, coordinates of its joints, and which link carries which body."""
+    """Links of a tree, coordinates of its joints and couplings of their angles, and which link carries which body."""
 
     links: tuple[Link, ...]
     coordinates: Coordinates
+    couplings: tuple[Coupling, ...]
     link_of: dict[int, str]
 
 
@@ -200,7 +197,12 @@ def skeleton_of(
                     first_hinge[j] = hinges
                     hinges += 1
     slots = tuple(_slots(tree, moved, first_hinge))
-    return Skeleton(tuple(links), Coordinates(slots, len(links), hinges), {body: names[body] for body in tree.bodies})
+    couplings = tuple(
+        Coupling(first_hinge[j], first_hinge[line.leader], line.ratio, line.offset)
+        for j, line in sorted(tree.lines.items()) if line.leader >= 0
+    )
+    coordinates = Coordinates(slots, len(links), hinges)
+    return Skeleton(tuple(links), coordinates, couplings, {body: names[body] for body in tree.bodies})
 
 
 @dataclass(frozen=True, eq=False)
@@ -253,12 +255,13 @@ def _joint(tree: Tree, body: int, group: tuple[int, ...], turn: Array) -> Joint:
     if kind == JointKind.BALL:
         return _ball(model, body, group[0], turn)
     if kind == JointKind.SLIDE:
-        return Slide(vector_of(model.jnt_axis[group[0]]), *_limits(model, group[0], LONGEST_SLIDE))
-    return Hinges(tuple(Hinge(vector_of(model.jnt_axis[j]), *_limits(model, j, MANY_TURNS)) for j in group))
+        return Slide(vector_of(model.jnt_axis[group[0]]), *tree.limits[group[0]])
+    return Hinges(tuple(Hinge(vector_of(model.jnt_axis[j]), *tree.limits[j]) for j in group))
 
 
-def _limits(model: Compiled, j: int, farthest: float) -> tuple[float, float]:
-    """Limits of a hinge [rad] or a slide [m] from the reference; +- `farthest` without."""
+def _limits(model: Compiled, j: int) -> tuple[float, float]:
+    """Limits of a hinge [rad] or a slide [m] from the reference, the widest without."""
+    farthest = LONGEST_SLIDE if model.jnt_type[j] == JointKind.SLIDE else MANY_TURNS
     if not model.jnt_limited[j]:
         return -farthest, farthest
     low, high = np.clip(model.jnt_range[j] - model.qpos0[model.jnt_qposadr[j]], -farthest, farthest)

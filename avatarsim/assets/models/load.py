@@ -24,7 +24,7 @@ MESHES = (".obj", *BY_TRIMESH)
 
 def load_avatar(
     path: str | Path, *, avatar: str | tuple[str, ...] | None = None, root: str = "file", fix: tuple[str, ...] | str = (),
-    couplings: str = "refuse", meshes: str | tuple[str, ...] = "hull", most_vertices: int = 128, repair: str = "auto",
+    meshes: str | tuple[str, ...] = "hull", most_vertices: int = 128, repair: str = "auto",
     fit: float | None = None, leave: tuple[str, ...] = (), masks: bool = True, folder: str | Path | None = None,
     size_range: tuple[float, float] = PLAUSIBLE_SIZE, scale: float = 1.0, keyframe: str | int | None = None,
     collide: str = "collision", needed: bool = True, exclude: tuple[tuple[str, str], ...] = (),
@@ -35,9 +35,8 @@ def load_avatar(
                 table); by default the tree with the most joints
     root        "file": free where the file has a free joint, and in URDF, which has no word for it, unless its root is named
                 "world"; "free"; "fixed"
-    fix         names of joints to hold at the file's reference, or "all" for those that an avatar cannot have (slides, and joints
-                that an equality couples); otherwise these are refused by name
-    couplings   "leave": joints that an equality couples move by themselves
+    fix         names of joints to hold at the file's reference, or "all" for those that an avatar cannot have: that an equality
+                makes follow another along a curve; otherwise these are refused by name
     meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` says,
                 which takes seconds for a mesh and is kept; or the names of those meshes to decompose
     most_vertices   of a piece of a mesh, which encloses the mesh's hull; what that adds is in `said`
@@ -61,7 +60,7 @@ def load_avatar(
     return model_of_file(
         Path(path),
         Options(
-            avatar, True if needed else None, folder, JointWishes(fix, couplings, root),
+            avatar, True if needed else None, folder, JointWishes(fix, root),
             MeshWishes(meshes, most_vertices, repair, fit), leave, masks, size_range=size_range, scale=scale,
             collide=collide, keyframe=keyframe, exclude=exclude,
         ),

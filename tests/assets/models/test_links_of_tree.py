@@ -1,13 +1,15 @@
 """Trees of bodies as links: where they are, how they turn, how far, and what is refused or fixed instead."""
 
+from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
 import avatarsim as av
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
-from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS, Ball, Free, Hinges, Rigid, Slide
+from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS, Ball, Free, Hinge, Hinges, Rigid, Slide, axes_of
 from avatarsim.spatial import rotation
 from tests.assets.models.mujoco_twin import Twin, greatest_difference
 
@@ -120,17 +122,76 @@ def test_a_slide_may_be_fixed_at_the_reference(tmp_path: Path) -> None:
     np.testing.assert_array_equal(model.coordinates.rows(motion), [[0.0, 0.25]])
 
 
-COUPLED = '<equality><joint name="gear" joint1="b" joint2="a" polycoef="0 2 0 0 0"/></equality>'
-FINGERS = f'<body><joint name="a"/>{GEOM}<body pos="0.2 0 0"><joint name="b"/>{GEOM}</body></body>'
+def coupled(folder: Path, *equalities: str, limits: str = "") -> Path:
+    """Four hinges in a row, a to d, and equalities among them."""
+    body = ""
+    for name in "dcba":
+        limit = f'range="{limits}"' if limits and name == "d" else ""
+        body = f'<body pos="0.2 0 0"><joint name="{name}" axis="0 1 0" ref="0.1" {limit}/>{GEOM}{body}</body>'
+    rest = "".join(f'<joint joint1="{one[0]}" joint2="{one[1]}" polycoef="{one[2:]}"/>' for one in equalities)
+    return written(folder, body, f"<equality>{rest}</equality>")
 
 
-def test_coupled_joints_are_refused_fixed_or_left(tmp_path: Path) -> None:
-    path = written(tmp_path, FINGERS, COUPLED)
-    with pytest.raises(InvalidFile, match=r"joints of model\.xml that an equality couples is 'b'; .*couplings=\"leave\""):
-        av.load_avatar(path)
-    fixed, left = av.load_avatar(path, fix="all"), av.load_avatar(path, couplings="leave")
-    assert fixed.coordinates is not None and fixed.coordinates.hinges == 1
-    assert left.coordinates is not None and left.coordinates.hinges == 2
+def test_a_joint_that_an_equality_couples_follows_the_other_counted_from_the_reference(tmp_path: Path) -> None:
+    path = coupled(tmp_path, "ba 0.3 2 0 0 0")
+    model = av.load_avatar(path)
+    assert model.avatar.couplings == (av.Coupling(1, 0, 2.0, 0.3),)
+    mujoco_model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(mujoco_model)
+    q = model.coordinates.rows(replace(model.coordinates.motion(np.zeros((1, 4)), np.zeros(1)), angles=model.start.angles[None]))
+    data.qpos[:] = q[0]
+    mujoco.mj_forward(mujoco_model, data)
+    # what the equality misses in MuJoCo is nothing
+    np.testing.assert_allclose(data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY], 0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize(("equalities", "couplings"), [
+    (("ab 0.3 2 0 0 0",), {1: (0, 0.5, -0.15)}),
+    (("ba 0 2 0 0 0", "cb 0.1 -1 0 0 0"), {1: (0, 2.0, 0.0), 2: (0, -2.0, 0.1)}),
+    (("bc 0 0.5 0 0 0", "dc 0 2 0 0 0"), {2: (1, 2.0, 0.0), 3: (1, 4.0, 0.0)}),
+    (("ba 0 2 0 0 0", "cb 0 2 0 0 0", "ca 0 4 0 0 0"), {1: (0, 2.0, 0.0), 2: (0, 4.0, 0.0)}),
+])
+def test_couplings_in_a_row_or_a_ring_follow_the_first_joint(
+    equalities: tuple[str, ...], couplings: dict[int, tuple[int, float, float]], tmp_path: Path
+) -> None:
+    model = av.load_avatar(coupled(tmp_path, *equalities))
+    found = {one.follower: (one.leader, one.ratio, one.offset) for one in model.avatar.couplings}
+    assert found.keys() == couplings.keys()
+    for follower, wanted in couplings.items():
+        assert found[follower] == pytest.approx(wanted)
+
+
+def test_a_joint_that_follows_nothing_or_what_is_fixed_stands_still(tmp_path: Path) -> None:
+    body = f'<body><joint name="a" axis="0 1 0"/>{GEOM}<body pos="0.2 0 0"><joint name="b" axis="0 1 0"/>{GEOM}</body></body>'
+    alone = av.load_avatar(written(tmp_path, body, '<equality><joint joint1="b" polycoef="0.2 0 0 0 0"/></equality>'))
+    assert alone.avatar.couplings == () and alone.avatar.links[1].joint == Hinges((Hinge((0.0, 1.0, 0.0), 0.2, 0.2),))
+    led = av.load_avatar(coupled(tmp_path, "ba 0.3 2 0 0 0", "cb 0 1 0 0 0"), fix=("b",))
+    joints = [link.joint for link in led.avatar.links]
+    assert led.avatar.couplings == () and isinstance(joints[1], Rigid)
+    # what led the fixed joint goes on, and what follows it stands
+    assert [joint.hinges[0].lower for joint in joints if isinstance(joint, Hinges)][:2] == [-MANY_TURNS, 0.0]
+
+
+def test_limits_of_a_follower_narrow_its_leaders(tmp_path: Path) -> None:
+    model = av.load_avatar(coupled(tmp_path, "da 0 -2 0 0 0", limits="-0.1 0.7"))
+    leader, follower = (axes_of(model.avatar.links[k].joint)[0] for k in (0, 3))
+    assert (leader.lower, leader.upper) == pytest.approx((-0.3, 0.1))
+    assert (follower.lower, follower.upper) == pytest.approx((-0.2, 0.6))
+
+
+@pytest.mark.parametrize(("equalities", "thing"), [
+    (("ba 0 1 0.5 0 0",), "c2=0.5"), (("ba 0 2 0 0 0", "ba 0 1 0 0 0"), "coupling"),
+])
+def test_couplings_that_are_no_straight_lines_or_contradict_are_refused(
+    equalities: tuple[str, ...], thing: str, tmp_path: Path
+) -> None:
+    with pytest.raises(InvalidFile, match=thing):
+        av.load_avatar(coupled(tmp_path, *equalities))
+
+
+def test_a_joint_that_follows_a_curve_may_be_fixed(tmp_path: Path) -> None:
+    model = av.load_avatar(coupled(tmp_path, "ba 0 1 0.5 0 0"), fix="all")
+    assert model.coordinates is not None and model.coordinates.hinges == 3 and model.avatar.couplings == ()
 
 
 @pytest.mark.parametrize(("file", "root", "is_free"), [
@@ -175,7 +236,7 @@ def test_the_root_of_urdf_is_free_unless_the_file_fixes_it(tmp_path: Path) -> No
 
 @pytest.mark.parametrize(("options", "error", "said"), [
     ({"root": "loose"}, UnknownName, "root is 'loose'"), ({"fix": ("b",)}, UnknownName, "joint to fix of model.xml is 'b'"),
-    ({"fix": "a"}, InvalidInput, "fix is 'a'"), ({"couplings": "keep"}, UnknownName, "couplings is 'keep'"),
+    ({"fix": "a"}, InvalidInput, "fix is 'a'"),
     ({"avatar": "none"}, UnknownName, "body of model.xml to be the avatar is 'none'"),
     ({"meshes": "boxes"}, UnknownName, "meshes is 'boxes'"), ({"leave": ("g",)}, UnknownName, "geom in leave is 'g'"),
     *(({"most_vertices": most}, InvalidInput, "vertices") for most in (-1, 3, 8.5, "x")),

@@ -32,6 +32,7 @@ LOADED: dict[str, tuple[tuple[str, ...], dict[str, Any], tuple[int, int]]] = {
     "fetch": ((*ROBOTICS, "fetch", "pick_and_place.xml"), {"folder": ROBOTICS}, (30, 15)),
     "pybullet humanoid": ((*BULLET, "humanoid", "humanoid.urdf"), {}, (16, 4)),
     "kuka iiwa": ((*BULLET, "kuka_iiwa", "model.urdf"), {"root": "fixed"}, (8, 7)),
+    "xarm 6": ((*BULLET, "xarm", "xarm6_with_gripper.urdf"), {"root": "fixed"}, (15, 12)),
     "r2d2": ((*BULLET, "r2d2.urdf"), {}, (16, 8)),
     "laikago": ((*BULLET, "laikago", "laikago_toes_limits.urdf"), {}, (17, 12)),
     "mini cheetah": ((*BULLET, "mini_cheetah", "mini_cheetah.urdf"), {}, (17, 12)),
@@ -58,7 +59,6 @@ def test_links_are_where_mujoco_has_the_bodies_and_frames_run(name: str) -> None
 
 REFUSED: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "a height field": (("mujoco", "testdata", "model.xml"), {}, r"type of geom 1 of world.*leave=\(\"geom 1 of world\",\)"),
-    "couplings": ((*BULLET, "xarm", "xarm6_with_gripper.urdf"), {}, r"an equality couples.*couplings=\"leave\""),
     "what is no XML": ((*BULLET, "husky", "husky.urdf"), {}, r"husky\.urdf, line 97, is '.*valid: 3 finite numbers"),
     "files elsewhere": (
         (*ROBOTICS, "hand", "reach.xml"), {}, r'meshdir of <compiler> in .*xml, line \d+,.*folder=".*/envs/assets"',
