@@ -32,8 +32,9 @@ def test_arguments_become_options_that_the_command_takes(sentence: str) -> None:
 
 MODEL = """<mujoco><worldbody>{}<body name="a"><joint name="swing"/><geom name="g" size="0.1"/>
 <body name="b" pos="0 0 1"><joint name="lift" type="slide"/><geom size="0.1" pos="0 0 1"/></body></body></worldbody></mujoco>"""
+CURVE = '<equality><joint joint1="lift" joint2="swing" polycoef="0 1 1 0 0"/></equality>'
 BAD = {
-    "slides.xml": MODEL.format(""),
+    "curve.xml": MODEL.format("").replace("</worldbody>", f"</worldbody>{CURVE}"),
     "wrong.xml": MODEL.format("").replace('size="0.1"', 'size="-1"'),
     "hole.obj": obj_text((ell()[0], ell()[1][1:])), "none.obj": None, "text.obj": "v a b c\n", "text.bvh": "no motion",
     "none.bvh": None, "none.live": None, "text.live": "no recording",
@@ -54,11 +55,11 @@ def folder(tmp_path: Path) -> Path:
 @pytest.mark.parametrize("words", [
     *(f"{command} good.bvh {option} {name}" for command in ("clean -o out", "audit") for option, name in (
         ("--room", "hole.obj"), ("--room", "none.obj"), ("--room", "text.obj"),
-        ("--avatar", "slides.xml"), ("--avatar", "wrong.xml"), ("--avatar", "hole.obj"),
+        ("--avatar", "curve.xml"), ("--avatar", "wrong.xml"), ("--avatar", "hole.obj"),
     )),
     *(f"{command} {name}" for command in ("clean -o out", "audit") for name in ("none.bvh", "text.bvh")),
     *(f"live --no-browser --avatar {words}" for words in (
-        "slides.xml", "wrong.xml", "good.xml --room hole.obj", "good.xml --room text.obj", "good.xml --motion text.bvh",
+        "curve.xml", "wrong.xml", "good.xml --room hole.obj", "good.xml --room text.obj", "good.xml --motion text.bvh",
     )),
     "replay none.live", "replay text.live", "pieces hole.obj", "pieces none.obj", "pieces text.obj",
 ])
@@ -100,5 +101,5 @@ def test_numbers_out_of_range_are_wrong_usage(
 
 def test_options_of_readers_reach_live(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(folder)
-    words = "live --no-browser --port 0 --seconds 0.2 --avatar slides.xml --fix lift"
+    words = "live --no-browser --port 0 --seconds 0.2 --avatar curve.xml --fix lift"
     assert main(words.split()) == 0
