@@ -6,6 +6,7 @@ obstacles are known here: the Shield and the engine keep the avatar out of them.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +24,9 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial.tangent import columns, put_columns
 
 Array = NDArray[np.float64]
+
+MATERIAL = "human"
+"""A material that every scene knows."""
 
 STEPS = 60
 """Steps at most. Fewer: goals out of reach end farther from the nearest posture; a goal in reach takes some ten."""
@@ -47,7 +51,9 @@ class Limb:
     """The links of an avatar, alone in the world."""
 
     def __init__(self, avatar: Avatar) -> None:
-        self._skel: Skeleton = skeleton(Scene("reach", (), (avatar,)))
+        # shapes and what they are made of play no part
+        bare = replace(avatar, links=tuple(replace(link, pieces=(), material=MATERIAL) for link in avatar.links))
+        self._skel: Skeleton = skeleton(Scene("reach", (), (bare,)))
         self._hinges = hinge_dofs(self._skel)
         links, degrees = len(avatar.links), int(self._skel.first_dof[-1])
         nothing = np.zeros((0, 3)), np.zeros((0, 6)), np.zeros((0, 6))
