@@ -17,6 +17,7 @@ from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.decompose import Wishes
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Options, Shield, clean
+from avatarsim.cleaning.joint_rates import Rates
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError
 from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
@@ -187,7 +188,7 @@ def cleaning_doors() -> list[SearchStrategy[Asked]]:
                 opinion=st.booleans()),
         v.asked(cleaned, avatar=v.avatars, bodies=st.lists(v.bodies, max_size=3), moves=st.lists(v.seeds, min_size=1, max_size=6),
                 step=v.lengths, options=options),
-        v.asked(shielded, rows=rows, rate=st.floats(10.0, 100.0), options=options),
+        v.asked(shielded, rows=rows, rate=st.floats(10.0, 100.0), options=options, speed=v.rates, acceleration=v.rates),
     ]
 
 
@@ -205,9 +206,9 @@ def cleaned(avatar: Avatar, bodies: list[Body], moves: list[int], step: float, o
     return found.motion.positions
 
 
-def shielded(rows: list[object], rate: float, options: Options) -> object:
+def shielded(rows: list[object], rate: float, options: Options, speed: Rates, acceleration: Rates) -> object:
     """A stream of coordinates that goes on after a row that is refused. Raises Unsound for what comes out and is no posture."""
-    shield, shown = Shield(model(), (FLOOR,), rate, options), np.zeros(12)
+    shield, shown = Shield(model(), (FLOOR,), rate, options, speed, acceleration), np.zeros(12)
     for row in rows if isinstance(rows, list) else [rows]:
         with suppress(AvatarsimError):
             shown = shield(row)  # type: ignore[arg-type]

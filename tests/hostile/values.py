@@ -80,6 +80,10 @@ anything: Any = st.recursive(
 """Anything at all."""
 
 lengths = st.floats(0.02, 0.5)
+rates = st.one_of(
+    st.none(), st.floats(0.1, 20.0), st.lists(st.floats(0.1, 20.0), min_size=3, max_size=3),
+    st.fixed_dictionaries({"trunk": st.tuples(*[st.floats(0.1, 5.0)] * 2), "left": st.none(), "right": st.just(2.0)}),
+)
 vectors = st.tuples(*[st.floats(-3.0, 3.0)] * 3)
 names = st.one_of(st.sampled_from(("a", "b", "hand", "x" * 200, "Ä/ö", "a b", "\n", "..")), st.text(min_size=1, max_size=6))
 seeds = st.integers(0, 999)
