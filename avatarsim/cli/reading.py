@@ -20,7 +20,7 @@ RANGES = {
     "room_scale": (SMALLEST, LARGEST), "stature": (LEAST_STATURE, MOST_STATURE), "mass": MASSES,
 }
 """What numbers of options of readers may be, in the units of their help."""
-OF_AVATAR, OF_ROOM = ("body", "fix", "root", "leave"), ("room_scale", "room_up")
+OF_AVATAR, OF_ROOM = ("body", "fix", "root", "leave", "exclude"), ("room_scale", "room_up")
 """Options that go with an avatar's file, and with a room's."""
 
 
@@ -47,6 +47,7 @@ def reading_options(one: argparse.ArgumentParser) -> None:
                        help="hold these joints at the file's reference; all: those that an avatar cannot have")
     model.add_argument("--root", choices=("file", "free", "fixed"), help="whether the avatar's root moves (default: file)")
     model.add_argument("--leave", default="", metavar="A,B,...", help="leave out these geoms")
+    model.add_argument("--exclude", default="", metavar="A:B,...", help="pairs of links or bodies that never touch")
     model.add_argument("--folder", metavar="DIR", type=path_option, help="folder in which all files of a model must lie")
     model.add_argument("--meshes", choices=("hull", "decompose"), help="meshes by their hulls (default), or by convex pieces")
     model.add_argument("--repair", choices=REPAIRS, help="of open or crossing surfaces of meshes (default auto)")
@@ -66,13 +67,17 @@ def reading_of(asked: argparse.Namespace) -> Reading:
         for name in names:
             if getattr(asked, name) and getattr(asked, what) is None:
                 raise InvalidInput(f"--{name.replace('_', '-')}", getattr(asked, name), f"an option beside --{what}")
+    exclude = _listed(asked.exclude)
+    for pair in exclude:
+        if not all(pair.partition(":")):
+            raise InvalidInput("--exclude", pair, "two names with a colon between")
     return Reading(
         scale=asked.scale, up=asked.up, file_rate=asked.file_rate, quaternion=asked.quaternion, joints=asked.joints,
         mass=asked.mass, limits=not asked.no_limits,
         offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
         asf=absolute(asked.asf), fix=_listed(asked.fix), root=asked.root, leave=_listed(asked.leave),
         folder=absolute(asked.folder), meshes=asked.meshes, repair=asked.repair,
-        body=_listed(asked.body), keyframe=asked.keyframe, collide=asked.collide, fit=asked.fit,
+        body=_listed(asked.body), keyframe=asked.keyframe, collide=asked.collide, fit=asked.fit, exclude=exclude,
         avatar_scale=asked.avatar_scale, room_scale=asked.room_scale, room_up=asked.room_up,
     )
 

@@ -26,6 +26,7 @@ class Reading:
     mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
     body            names of bodies whose trees are the avatar
     fix, root, leave, folder, meshes, repair, keyframe, collide, fit    of models, as in `load_avatar`
+    exclude         pairs of names that never touch, each with a colon between
     avatar_scale    metres a unit of length of the avatar's model
     room_scale, room_up    of a room: metres a unit of length; of a mesh, the axis that points up"""
 
@@ -52,6 +53,7 @@ class Reading:
     keyframe: str | None = None
     collide: str | None = None
     fit: float | None = None
+    exclude: tuple[str, ...] = ()
 
     def of_motion(self) -> dict[str, object]:
         """Options for readers of motions, by the readers' names."""
@@ -65,6 +67,7 @@ class Reading:
     def of_avatar(self) -> dict[str, object]:
         """Options of `load_avatar`."""
         asked = {"avatar": self.body, "fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave,
+                 "exclude": tuple((a, b) for a, _, b in (pair.partition(":") for pair in self.exclude)),
                  "root": self.root, "scale": self.avatar_scale, **self._of_model()}
         return {name: value for name, value in asked.items() if value}
 

@@ -97,6 +97,9 @@ def test_excluded_pairs_and_those_that_overlap_at_home_are_certified(tmp_path: P
         assert [(pair["a"], pair["b"]) for pair in one["excluded"]] == [("stick/arm", "stick/tail")]
         (pair,) = one["at_rest"]
         assert (pair["a"], pair["b"]) == ("stick/base", "stick/hand") and pair["allowed_m"] > 0.0
+    main([*line[:-1], str(tmp_path / "other"), "--exclude", "base:hand"])
+    one = json.loads((tmp_path / "other" / "audit.json").read_text())["clips"][0]
+    assert ("stick/base", "stick/hand") in [(pair["a"], pair["b"]) for pair in one["excluded"]] and one["at_rest"] == []
 
 
 def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -223,6 +226,7 @@ CLEAN = ["clean", "a.bvh", "-o", "out"]
     (["clean", "a.bvh", "-o", "/proc/out"], "output folder"), (["clean", "a.bvh", "-o", "."], "no file that is read"),
     (["clean", "empty", "-o", "out"], "folders with clips"), (["audit"], "required"), (["audit", "a.bvh", "--force"], "--force"),
     (["tidy"], "tidy"), ([*CLEAN, "--fix", "all"], "beside --avatar"), ([*CLEAN, "--room-up", "y"], "beside --room"),
+    ([*CLEAN, "--avatar", "x.xml", "--exclude", "a"], "--exclude"),
 ])
 def test_wrong_usage_is_a_sentence_and_code_2(
     words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -193,7 +193,8 @@ def test_a_recording_brings_its_own_skeleton(boxes: str, tmp_path: Path) -> None
 
 def test_pairs_that_a_room_keeps_apart_stay_apart_under_new_names(boxes: str, arm: tuple[str, str], tmp_path: Path) -> None:
     stuck = tmp_path / "stuck.xml"
-    stuck.write_text(BOXES.format(height=0.15).replace('pos="0 0 1"', 'pos="0 0 0.3"').replace('pos="0', 'pos="3'))
+    apart = '</worldbody><contact><exclude body1="a" body2="ball"/></contact>'
+    stuck.write_text(BOXES.format(height=0.15).replace('pos="0', 'pos="3').replace("</worldbody>", apart))
     own_scenes.take_files([boxes], arm[0], str(stuck), None, 1.0)
     (scenario,) = catalog.scenarios().values()
     assert ("room_a", "room_ball") in {tuple(sorted(pair)) for pair in scenario.build().exclude}

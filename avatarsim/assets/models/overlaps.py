@@ -70,7 +70,7 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
     lengths = {name: 1e3 * float(np.linalg.norm(shift)) for name, shift in shifts.items()}
     said = []
     if listed := [f"{name} by {length:.3g} mm" for name, length in lengths.items() if length > 0.0]:
-        said.append(f"moved at the start, out of what they stood in: {', '.join(listed)}")
+        said.append(f"raised or moved at the start, out of what they stood in: {', '.join(listed)}")
     return _guarded(model, world, found, root_moves, said)
 
 
