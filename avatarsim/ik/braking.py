@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from avatarsim.ik.certificate import nearest_direction
 from avatarsim.ik.chord import Chord, go_along, list_pairs, put_at
 from avatarsim.ik.constraints import add_witness_row, along_row, check_limits, clear_row
+from avatarsim.ik.gaps import stand_off_of
 from avatarsim.ik.kinematics import take_step
 from avatarsim.ik.qp import BOUND, BUDGET, CUTS, add_bound, has_bound, solve_dual
 from avatarsim.ik.rate_limits import (
@@ -112,7 +113,7 @@ def add_dampers(
         if dot(n, n) > 0.5:
             keep_axis(b.pairs, at, n)
         if -inf < gap < REACH:
-            least = min(margin - gap, steps * opening)
+            least = min(stand_off_of(geo, margin, one, other) - gap, steps * opening)
             before = s.rows.used[0]
             add_witness_row(geo, skel, b.avatars, one, other, n, least, simplex, c.one, c.axes, c.step, s)
             divide_bounds(before, steps, b)

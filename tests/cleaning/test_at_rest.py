@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from avatarsim.assets.models.coordinates import coordinates_of
 from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning import Options, audit, clean
+from avatarsim.cleaning import Options, Shield, audit, clean
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.written import written as scene_data
 from avatarsim.spatial import rotation
@@ -42,6 +43,20 @@ def test_links_go_no_deeper_than_at_home_and_postures_at_home_stay_as_they_are(k
     assert still.sum() > 15 and not done.changed[: int(np.flatnonzero(~still)[0]) - 4].any()
     shown = [done.motion.sample(frame) for frame in range(60)]
     assert depth_by_directions(model.avatar, shown) <= home + 2e-4 + 1e-6 and HOME > 0.0
+
+
+@pytest.mark.parametrize("rates", [None, 8.0])
+def test_a_shield_holds_still_at_home_and_lets_nothing_deeper(rates: float | None) -> None:
+    home = depth_by_directions(jointed(LINKS[0]), [bent(np.zeros(5))])
+    avatar = jointed(LINKS[0], allowed=home + 2e-4)
+    model = Model(avatar, coordinates_of(avatar), (), (), start=bent(np.zeros(5)))
+    shield = Shield(model, rate=60.0, options=OPTIONS, speed_limits=rates and 2.0, acceleration_limits=rates)
+    still = [shield(np.zeros(5)) for _ in range(10)]
+    assert np.abs(still).max() < 1e-12
+    shares = np.sin(np.linspace(0.0, np.pi, 60))
+    found = np.array([shield(share * np.array([0.0, -0.3, 0.0, 0.3, 0.0])) for share in shares])
+    assert depth_by_directions(avatar, [bent(angles) for angles in found]) <= home + 2e-4 + 1e-6
+    assert np.abs(found[:, [1, 3]]).max() < 0.2
 
 
 def test_a_frame_is_called_the_same_wherever_its_clip_is_cut() -> None:
