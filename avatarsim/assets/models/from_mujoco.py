@@ -155,7 +155,9 @@ class _Reading:
                 'lets a body without joints go where its user goes'
             )
             raise InvalidFile(f"joints of {self._file}", 0, valid)
-        return forest[int(np.argmax(counts))]
+        # of as many joints the tree that is free to go
+        everything = [int(np.isin(self._m.jnt_bodyid, bodies).sum()) for bodies in forest]
+        return forest[max(range(len(forest)), key=lambda k: (counts[k], everything[k]))]
 
     def _tree_with(self, name: str, forest: list[tuple[int, ...]]) -> tuple[int, ...]:
         """The tree that has a body of this name."""
