@@ -118,7 +118,8 @@ def _texts(found: Judged, damage: list[str]) -> Iterator[tuple[str, str]]:
     yield SUMMARY, markdown(run, found.checks, found.changes, found.losses, damage)
     files = [name for name in FILES if name == SUMMARY or (run.folder / name).exists()]
     files += beside.keys() & {"bench.html"}
-    changes = next((one for one in found.changes if one.since != "baseline"), None)
+    # those since the last run; of a first run those since the baseline
+    changes = next(iter(found.changes), None)
     pictures = {name: one for name in shown if (one := stills[name])}
     yield PAGE, page(run, found.checks, changes, tables, found.losses, pictures, replayed, instants, damage, files)
 

@@ -1,6 +1,6 @@
 """Strip charts: a dot per scene, a row per engine, filled where the figure compares engines."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from reports.charts import marks
@@ -22,7 +22,7 @@ class Strip:
     metric     on the axis
     low, high  ends of the axis; dots outside lie on them
     ticks      labels of the axis by value
-    rule       value of a dashed line, and its label; None without
+    rules      values of dashed lines, and their labels
     """
 
     title: str
@@ -31,18 +31,18 @@ class Strip:
     low: float
     high: float
     ticks: Mapping[float, str]
-    rule: tuple[float, str] | None = None
+    rules: tuple[tuple[float, str], ...] = ()
 
 
 STRIPS: Mapping[str, Strip] = {
     "overlap": Strip("Overlap left", "deepest, per scene", "residual_overlap_max", 1e-9, 1.0,
-                     {1e-9: "0", 1e-6: "1 µm", 1e-3: "1 mm", 1.0: "1 m"}, (1e-6, "limit")),
+                     {1e-9: "0", 1e-6: "1 µm", 1e-3: "1 mm", 1.0: "1 m"}, ((1e-6, "limit"),)),
     "bounce": Strip("Bounce error", "rebound speed ratio", "restitution_error_max", 1e-7, 1.0,
                     {1e-7: "0", 1e-5: "10⁻⁵", 1e-3: "0.001", 1e-1: "0.1"}),
     "limits": Strip("Beyond joint limits", "largest angle", "joint_limit_excess_max", 1e-3, 200.0,
                     {1e-3: "0°", 0.1: "0.1°", 1.0: "1°", 10.0: "10°", 100.0: "100°"}),
-    "time": Strip("Frame time", "95th percentile", "frame_time_p95", 0.1, 2e4,
-                  {0.1: "0.1 µs", 10.0: "10 µs", 1e3: "1 ms"}, (1e6 / 90.0, "90 Hz")),
+    "time": Strip("Frame time", "95th percentile", "frame_time_p95", 0.1, 1e5,
+                  {0.1: "0.1 µs", 10.0: "10 µs", 1e3: "1 ms", 1e5: "0.1 s"}, ((2e3, "2 ms "), (1e6 / 90.0, "90 Hz"))),
 }
 """The four quantities that the comparison is about."""
 
@@ -70,7 +70,7 @@ def strip(run: Run, chart: Strip, described: str, named: bool = True) -> Spec:
             {"aggregate": [{"op": "median", "field": "value", "as": "middle"}], "groupby": ["label", "engine"]},
         ]
     }
-    layers = [dots, median, *_rule(chart.rule)]
+    layers = [dots, median, *_rules(chart.rules)]
     return marks.chart(described, ROW * len(order), layers, _dots(run, chart), params=[{"name": "near", "value": ""}])
 
 
@@ -91,12 +91,16 @@ def _dots(run: Run, chart: Strip) -> list[Spec]:
     ]
 
 
-def _rule(rule: tuple[float, str] | None) -> list[Spec]:
-    """Return a dashed line with its label above; an invisible label keeps all charts at one height."""
-    value, text = rule or (1.0, " ")
-    data, x = {"data": {"values": [{"at": value, "text": text}]}}, number("at")
+def _rules(rules: Sequence[tuple[float, str]]) -> list[Spec]:
+    """Return dashed lines with their labels above; an invisible label keeps all charts at one height."""
+    values = [{"at": value, "text": text, "left": k + 1 < len(rules)} for k, (value, text) in enumerate(rules or [(1.0, " ")])]
+    data, x = {"data": {"values": values}}, number("at")
+    label = {"x": x, "y": {"value": 0}, "text": name("text")}
     return [
-        data | layer("rule", {"x": x}, strokeDash=[4, 3], color="@alarm", opacity=1 if rule else 0),
-        data | layer("text", {"x": x, "y": {"value": 0}, "text": name("text")}, baseline="bottom", dy=-3, fontSize=11,
-                     color="@alarm"),
+        data | layer("rule", {"x": x}, strokeDash=[4, 3], color="@alarm", opacity=1 if rules else 0),
+        *(
+            data | layer("text", label, baseline="bottom", align=align, dy=-3, fontSize=11, color="@alarm")
+            | {"transform": [{"filter": f"datum.left == {test}"}]}
+            for align, test in (("right", "true"), ("center" if len(rules) < 2 else "left", "false"))
+        ),
     ]

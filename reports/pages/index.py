@@ -69,7 +69,7 @@ def page(
         shown_first=next((name for name in stills if name in run.avatars), ""), strips=strips.STRIPS,
         has_settings=settings is not None, has_cases=cases is not None, has_effects=effects is not None, levels=LEVELS,
         laws=[] if law is None else list(dict.fromkeys(law.law)), lines=lines,
-        figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit", ""))[:8],
+        figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit") or "")[:8],
         machine=f"{info.get('cpus', '')} × {info.get('cpu', '')}",
         versions=" · ".join(f"{about(name).label} {version}" for name, version in versions.items() if name in engines),
         repeats=dict(info.get("timing") or {}).get("repeats", 3), changes=changes and changes.of(run.gated), address=address,

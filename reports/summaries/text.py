@@ -114,7 +114,7 @@ def markdown(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
     for title, content in blocks(run, checks, changes, losses):
         lines += ["", f"**{title}**", *(["```", *content, "```"] if content else [])]
     refused = ", ".join(sorted(set(checks.refused.scenario)))
-    commit, started = str(info.get("commit", ""))[:8], str(info.get("started", ""))[:10]
+    commit, started = str(info.get("commit") or "")[:8], str(info.get("started", ""))[:10]
     tail = [f"{commit}, {started}, {info.get('cpus', '')} × {info.get('cpu', '')}"]
     tail += [f"Refused as expected: {refused}"] if refused else []
     return "\n".join([*lines, "", ". ".join([*tail, "[Report](index.html) · [figures](results.csv)"]), ""])
