@@ -176,6 +176,7 @@ class IkLoop:
         planner = make_planner(
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )
+        self.settings = settings
         self.words, own = packed(IkParts(coupled, trackers, settings, *solver, *planner))
         self.trackers, self.avatars, self.state, self.working = own.trackers, own.avatars, own.state, own.working
         self.plan, self.ghost = own.plan, own.ghost
@@ -244,6 +245,10 @@ class IkLoop:
     def watch(self, moving: Index) -> None:
         """From now on look only at bodies that `moving` (nb) names: the upper loop keeps which moved in its last frame."""
         self._moving = moving
+
+    def look_at_all(self) -> None:
+        """In the next frame look at all bodies, since fixed ones were put elsewhere."""
+        self._known = NOT_KNOWN
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
         """Impulses (nb, 3) [N s] go into the coupling; a driven body held by what is `moving` (nb) now goes on."""

@@ -16,18 +16,18 @@ from avatarsim.attaching import attach, attach_at_start, attached, gripped, rele
 from avatarsim.batch import Shown
 from avatarsim.contact_forces import contacts_with_forces, felt
 from avatarsim.engine import FrameRecord, Settings, Snapshot
-from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSample, InvalidSnapshot, NotCopied, UnknownName
+from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.lower_loop import IkLoop
-from avatarsim.model.conversion import read_sample
-from avatarsim.model.world import Array, build, sample_arrays, shown_again, shown_poses, shown_sample
+from avatarsim.model.world import Array, build, shown_again, shown_poses, shown_sample
+from avatarsim.placing import place_bodies, put_avatars
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
-from avatarsim.scene.checks import as_number, require_near
+from avatarsim.scene.checks import as_number
 from avatarsim.scene.moving import Pose
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, checked
+from avatarsim.scene.tracker import TrackerSample
 from avatarsim.settings import Chosen, meanings
 from avatarsim.snapshot import Identity, carry_loops, carry_poses, identity, kept_by, read, shared, written
 from avatarsim.tolerances import JUDGED, NOTHING
@@ -288,11 +288,14 @@ class AvatarsimEngine:
             frames = self._running()
             return shown_sample(frames.world, frames.time)
 
-    def put(self, sample: TrackerSample, user: TrackerSample | None = None) -> FrameRecord:
+    def put(
+        self, sample: TrackerSample, user: TrackerSample | None = None, bodies: Mapping[str, Pose] | None = None
+    ) -> FrameRecord:
         """Put the avatars elsewhere between two frames; returns what is shown there. Time goes on.
 
         Forward kinematics of `sample`; contacts and paths are forgotten. The users are where `user` has them, by default at
         `sample` as well: what they move from there on is followed at once, and a difference that is left is caught up with.
+        Fixed bodies go where `bodies` has them, as in `place`.
         Takes some tens of microseconds and the check of near pairs, where `reset` builds the scene anew.
 
         Raises InvalidSample for what does not fit the avatars or is farther away than 1e8 m, StartOverlaps where they would
@@ -300,34 +303,24 @@ class AvatarsimEngine:
         `paper`, whose coupling would take the way there for a motion of the users. If it raises, the engine is what it was.
         """
         with self._alone():
-            frames = self._running()
-            world = frames.world
             # what is no sample may count as false
-            asked = sample if user is None else user
-            for one in (sample, asked):
-                checked(one, world.scene.avatars)
-            require_near("roots of the posture", sample_arrays(sample)[0], InvalidSample)
-            if not frames.driven or not isinstance(frames.lower, IkLoop) or frames.effects.dynamics:
-                valid = "one with avatars and without moving bodies, loaded with the preset default and with overlaps removed"
-                raise InvalidInput("scene to put avatars in", world.scene.name, valid)
-            posture, first = world.posture, world.skeleton.first
-            piece = int(world.geometry.first_shape[first])
-            firsts = first, first, int(world.geometry.shapes.start[piece]), piece, first
-            before = [array.copy() for array in posture], [a[k:].copy() for a, k in zip(world.poses, firsts, strict=True)]
-            try:
-                read_sample(*sample_arrays(sample), world.hinges, posture)
-                frames.lower.show()
-                require_within_limits(world, NOTHING)
-                require_free(world)
-            except AvatarsimError:
-                for array, kept in zip(posture, before[0], strict=True):
-                    array[...] = kept
-                for array, k, kept in zip(world.poses, firsts, before[1], strict=True):
-                    array[k:] = kept
-                raise
-            frames.target.read(asked)
-            frames.lower.stand(frames.target)
-            frames.passed = ()
+            put_avatars(self._running(), sample, sample if user is None else user, bodies or {})
+            if bodies:
+                self._before = shown_poses(self._running().world)
+            return self._record({}, {}, ())
+
+    def place(self, poses: Mapping[str, Pose]) -> FrameRecord:
+        """Put fixed bodies elsewhere between two frames, `{"box": (position, orientation)}`; returns what is shown there.
+
+        Avatars stay where they are and keep what they touch: led on by small steps a body pushes them. Loaded again, or by
+        `reset`, all bodies begin where the scene has them.
+
+        Raises UnknownName for what is no fixed body, InvalidSample for a pose that is none, StartOverlaps where an avatar would
+        overlap, and InvalidInput as `put`. If it raises, the engine is what it was.
+        """
+        with self._alone():
+            place_bodies(self._running(), poses)
+            self._before = shown_poses(self._running().world)
             return self._record({}, {}, ())
 
     def snapshot(self) -> bytes:

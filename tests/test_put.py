@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, InvalidScene, StartOverlaps
+from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, InvalidScene, StartOverlaps, UnknownName
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
@@ -130,6 +130,31 @@ def test_scenes_whose_bodies_move_and_the_printed_method_refuse() -> None:
 
 
 BALL = (Piece(Sphere(0.1)),)
+
+
+def test_a_fixed_body_that_is_put_on_pushes_what_it_touches() -> None:
+    wall, avatar = fixed("wall", (Piece(Box((0.1, 1.0, 1.0))),), "wood", (-0.5, 0.0, 0.0)), hand(BALL)
+    engine = loaded(Scene("pushed", (wall,), (avatar,)))
+    still = rest((avatar,))
+    for x in np.arange(-0.5, -0.1, 4e-5):
+        placed = engine.place({"wall": ((float(x), 0.0, 0.0), rotation.IDENTITY)})
+        shown = engine.advance(still, DT).shown.positions
+        assert placed.shown.positions[0, 0] == shown[0, 0] == x and shown[1, 0] - shown[0, 0] >= 0.15
+    assert shown[1, 0] == pytest.approx(0.05, abs=1e-3)
+    before = engine.posture()
+    with pytest.raises(StartOverlaps, match="wall in hand"):
+        engine.place({"wall": ((0.0, 0.0, 0.0), rotation.IDENTITY)})
+    with pytest.raises(UnknownName, match="fixed body"):
+        engine.place({"hand": ((0.0, 0.0, 0.0), rotation.IDENTITY)})
+    with pytest.raises(InvalidSample, match="position of fixed body wall"):
+        engine.place({"wall": ((np.nan, 0.0, 0.0), rotation.IDENTITY)})
+    with pytest.raises(StartOverlaps):
+        engine.put(before, bodies={"wall": ((0.0, 0.0, 0.0), rotation.IDENTITY)})
+    record = engine.advance(still, DT)
+    assert record.shown.positions[0] == pytest.approx((-0.1, 0.0, 0.0), abs=1e-4)
+    # avatar and body at once, where neither alone could go
+    moved = engine.put(at(still, (1.0, 0.0, 0.0)), bodies={"wall": ((0.0, 0.0, 0.0), rotation.IDENTITY)})
+    assert moved.shown.positions == pytest.approx(np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]))
 
 
 def test_an_overlapping_start_names_its_pairs_deepest_first() -> None:

@@ -96,7 +96,7 @@ def with_moving(
                 given_angles = finite_array(thing, parts(pose), (avatar.hinge_count,), InvalidSample)
                 angles[hinge : hinge + avatar.hinge_count] = np.clip(given_angles, limits[:, 0], limits[:, 1])
             else:
-                positions[link], rotations[link] = _pose(avatar.name, pose)
+                positions[link], rotations[link] = checked_pose(f"moving body {avatar.name}", pose)
         link, hinge = link + len(avatar.links), hinge + avatar.hinge_count
     return TrackerSample(sample.time, positions, rotations, angles)
 
@@ -106,13 +106,12 @@ def _limits(avatar: Avatar) -> NDArray[np.float64]:
     return np.array([(axis.lower, axis.upper) for link in avatar.links for axis in axes_of(link.joint)])
 
 
-def _pose(name: str, pose: Pose) -> tuple[Vector, Quaternion]:
-    """A checked position and orientation."""
+def checked_pose(name: str, pose: Pose) -> tuple[Vector, Quaternion]:
+    """Return a checked position and orientation of a body. Raises InvalidSample."""
     if not isinstance(pose, tuple | list) or len(pose) != 2:
-        raise InvalidSample(f"pose of moving body {name}", pose, "a pair of position [m] and orientation (w, x, y, z)")
+        raise InvalidSample(f"pose of {name}", pose, "a pair of position [m] and orientation (w, x, y, z)")
     return (
-        place(f"position of moving body {name}", pose[0], InvalidSample),
-        unit_quaternion(f"orientation of moving body {name}", pose[1], InvalidSample),
+        place(f"position of {name}", pose[0], InvalidSample), unit_quaternion(f"orientation of {name}", pose[1], InvalidSample),
     )
 
 
