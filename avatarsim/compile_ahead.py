@@ -25,7 +25,7 @@ import numba
 import numpy as np
 
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning import Options, clean
+from avatarsim.cleaning import Carried, Options, clean
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.console import Progress
@@ -44,6 +44,7 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, SwingTwist
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample, rest
@@ -190,6 +191,11 @@ def compile_cleaning() -> None:
     )
     model = Model(replace(scene.avatars[0], ignore=(("root", "tip"),)), None, scene.bodies, ())
     clean(motion, model, options=Options(opinion=False))
+    # a body far below that is carried, and put on in between
+    box = moving("carried", (Piece(Box((0.1, 0.1, 0.1))),), "wood")
+    places = np.linspace((0.0, 0.0, -9.0), (0.1, 0.0, -9.0), 3)[:, None]
+    poses = Motion(motion.times, places, np.tile((1.0, 0.0, 0.0, 0.0), (3, 1, 1)), np.zeros((3, 0)))
+    clean(motion, model, options=Options(opinion=False), carried=(Carried(box, poses),))
 
 
 def compile_harness() -> None:

@@ -5,7 +5,7 @@ The kernels, the method and its source are those of `avatarsim.ik.chord`.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,29 +16,38 @@ from avatarsim.errors import InvalidInput
 from avatarsim.ik.chord import free_until, make_chord, nearest_at, pair_gaps
 from avatarsim.ik.clip_posture import clip_posture
 from avatarsim.jit.arena import packed
+from avatarsim.model.conversion import mix_samples
 from avatarsim.model.skeleton import BALL, FREE
 from avatarsim.model.world import build, sample_arrays
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, ContactLaw, PairTable, Role
+from avatarsim.scene.carried import Carried
 from avatarsim.scene.checks import instance, listed
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 Pair = tuple[str, str]
+Named = TypeVar("Named", Body, Avatar)
 
 
 class Chords:
-    """Queries of postures of the avatars of `scene`, whose bodies are all fixed."""
+    """Queries of postures of the avatars of `scene`, whose bodies are all fixed.
+
+    Moving bodies are avatars in it: their ways, straight lines and slerp, are those of free roots. free_roots, turning: links of
+    the others with free roots, and with free roots or balls; given: links of moving bodies, whose poses no query changes."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.world = scene, build(scene)
         self.words, self.parts = packed(make_chord(self.world))
         self._owner, self._hinges = self.world.geometry.body, self.world.hinges
         kinds = self.world.skeleton.kind
-        self.free_roots, self.turning = np.flatnonzero(kinds == FREE), np.flatnonzero((kinds == FREE) | (kinds == BALL))
+        moves = np.repeat([avatar.moves for avatar in scene.avatars], [len(avatar.links) for avatar in scene.avatars])
+        self.given, is_free = np.flatnonzero(moves), (kinds == FREE) & ~moves
+        self.free_roots, self.turning = np.flatnonzero(is_free), np.flatnonzero(is_free | ((kinds == BALL) & ~moves))
 
     def free_until(self, before: TrackerSample, after: TrackerSample, least: float = 0.0) -> tuple[float, Pair | None]:
         """Share of the way between two postures, from its begin, over which all pairs are proved to be at least `least` [m]
@@ -60,7 +69,16 @@ class Chords:
         if beyond == (0.0, 0.0):
             return sample, beyond
         end = self.parts.end
-        return TrackerSample(sample.time, end.root.copy(), rotation.from_matrix(end.turn), end.angle[self._hinges]), beyond
+        clipped = TrackerSample(sample.time, end.root.copy(), rotation.from_matrix(end.turn), end.angle[self._hinges])
+        return self.with_given(clipped, sample), beyond
+
+    def with_given(self, sample: TrackerSample, other: TrackerSample) -> TrackerSample:
+        """The posture with moving bodies where another one has them."""
+        if not self.given.size:
+            return sample
+        positions, rotations = sample.positions.copy(), sample.rotations.copy()
+        positions[self.given], rotations[self.given] = other.positions[self.given], other.rotations[self.given]
+        return TrackerSample(sample.time, positions, rotations, sample.angles)
 
     def gaps(self, sample: TrackerSample, pairs: NDArray[np.int64]) -> Array:
         """(m,) signed distance [m] of pairs (m, 2) of bodies by their numbers, some number above 0 where they are apart."""
@@ -73,6 +91,24 @@ class Chords:
             return None
         names, (first, second) = self.scene.names, sorted((int(self._owner[a]), int(self._owner[b])))
         return names[first], names[second]
+
+
+def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
+    """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it: `scene.tracker.between`, up to
+    rounding, compiled, since a motion is cleaned in many small parts."""
+    first, last = sample_arrays(before), sample_arrays(after)
+    mixed = tuple(np.empty_like(array) for array in first)
+    mix_samples(*first, *last, float(share), *mixed)
+    return TrackerSample(before.time + share * (after.time - before.time), *mixed)
+
+
+def difference(chords: Chords, one: TrackerSample, other: TrackerSample) -> float:
+    """The largest difference of two postures in any joint or root [rad, m]; of turns, which are small where it matters, the
+    chord's."""
+    a, b = one.rotations[chords.turning], other.rotations[chords.turning]
+    turns = 2.0 * np.minimum(np.abs(a - b), np.abs(a + b))
+    parts = (turns, one.positions[chords.free_roots] - other.positions[chords.free_roots], one.angles - other.angles)
+    return max([float(np.abs(part).max()) for part in parts if part.size], default=0.0)
 
 
 class Certified(NamedTuple):
@@ -89,14 +125,17 @@ def certified(chords: Chords, motion: Motion, least: float = 0.0) -> Certified:
     return Certified(np.array([share for share, _ in found], dtype=np.float64), tuple(pair for _, pair in found))
 
 
-def scene_of(model: Model, room: Sequence[Body], options: Options) -> Scene:
-    """The scene in which a model's avatar is cleaned: its own bodies and the room's, loose ones fixed where they are or left out.
+def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried] = ()) -> Scene:
+    """The scene in which a model's avatar is cleaned: its own bodies and the room's, loose ones fixed where they are or left out,
+    and what it carries.
 
     Raises InvalidInput for a model without avatar, and for what is none or no bodies."""
     instance("model to clean with", model, Model, "a Model, as load_avatar gives", InvalidInput)
     instance("options of cleaning", options, Options, "Options(margin, blend, ...)", InvalidInput)
     for body in listed(room):
         instance("body of the room", body, Body, "a Body, for instance those of load_room(path).bodies", InvalidInput)
+    for one in listed(carried):
+        instance("what is carried", one, Carried, "Carried(body, motion)", InvalidInput)
     avatar = model.avatar
     if not isinstance(avatar, Avatar):
         raise InvalidInput("avatar of the model", avatar, "one: a file of a robot, a hand or a skeleton")
@@ -106,11 +145,16 @@ def scene_of(model: Model, room: Sequence[Body], options: Options) -> Scene:
     named, known = with_own_names((*own, *others), taken), taken | {body.name for body in own}
     exclude = tuple(pair for pair in model.exclude if known.issuperset(pair))
     at_rest = tuple(entry for entry in model.at_rest if known.issuperset(entry[:2]))
+    moving = with_own_names((one.body for one in carried), taken | {body.name for body in named})
+    avatars = (avatar, *moving)
     # what bodies are made of matters to impacts only, of which there are none
-    made_of = sorted({body.material for body in named} | {link.material for link in links})
+    made_of = sorted({body.material for body in named} | {link.material for one in avatars for link in one.links})
     law = ContactLaw(0.0, 0.0)
     materials = PairTable({(one, other): law for one in made_of for other in made_of})
-    return Scene("clean", named, (avatar,), materials, start=model.start, exclude=exclude, at_rest=at_rest)
+    start = model.start
+    if start is not None and moving:
+        start = with_moving(avatars, start, {}, rest(avatars))
+    return Scene("clean", named, avatars, materials, start=start, exclude=exclude, at_rest=at_rest)
 
 
 def is_taken(body: Body, options: Options) -> bool:
@@ -123,9 +167,9 @@ def standing(body: Body) -> Body:
     return replace(body, role=Role.FIXED, mass=None, velocity=(0.0, 0.0, 0.0), angular_velocity=(0.0, 0.0, 0.0))
 
 
-def with_own_names(bodies: Iterable[Body], taken: set[str]) -> tuple[Body, ...]:
+def with_own_names(bodies: Iterable[Named], taken: set[str]) -> tuple[Named, ...]:
     """The bodies with a number behind names that are taken or occur before."""
-    known, found = set(taken), list[Body]()
+    known, found = set(taken), list[Named]()
     for body in bodies:
         name, count = body.name, 1
         while name in known:

@@ -172,7 +172,7 @@ class Smoothing:
         d = faded(d, smooth, is_input[some], half) if is_compact else smooth
         trial = self._tracked(part_of(displaced(self.chords, motion, some, d), some), old, bool(is_input[first]))
         kept = is_input[some] if is_compact else is_input[some] & (np.arange(len(old)) == len(old) - 1)
-        if np.any(trial.kind[kept] != Kind.INPUT):
+        if np.any(trial.kind[kept] != Kind.INPUT) or np.any(trial.kind == Kind.CROSSED):
             return False
         # every way between its frames was proved free as it was written
         if not self._is_smoother(trial.motion, old, some, is_compact):

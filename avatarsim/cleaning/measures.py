@@ -15,6 +15,7 @@ from avatarsim.cleaning.chords import Chords, certified
 from avatarsim.cleaning.result import OVERLAP, AtRest, Audit, Excluded, Moved
 from avatarsim.cleaning.second_opinion import opinion_of
 from avatarsim.cleaning.track import Judged
+from avatarsim.scene.carried import of_avatar
 from avatarsim.scene.joint import Hinges, Slide, axes_of
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
@@ -31,8 +32,11 @@ NAMED = 8
 
 
 def jerk(chords: Chords, motion: Motion) -> Array:
-    """(F, links) [m/s^3] size of the third difference of link positions about each frame; nan where there are too few frames."""
-    positions, _ = poses_of_links(chords.scene.avatars, motion.positions, motion.rotations, motion.angles)
+    """(F, links) [m/s^3] size of the third difference of positions of the avatar's links about each frame; nan where there are
+    too few frames."""
+    avatar = chords.scene.avatars[0]
+    own = of_avatar(motion, avatar)
+    positions, _ = poses_of_links((avatar,), own.positions, own.rotations, own.angles)
     found = np.full(positions.shape[:2], np.nan)
     if len(motion) >= 4:
         third = np.linalg.norm(np.diff(positions, 3, axis=0), axis=2) * motion.rate**3
@@ -99,9 +103,10 @@ def deepest_of(chords: Chords, motion: Motion, pairs: Sequence[tuple[int, int]])
 
 
 def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
-    """How far the written motion is from the input."""
+    """How far the written motion of the avatar is from the input."""
     avatar = chords.scene.avatars[0]
-    before, after = (poses_of_links(chords.scene.avatars, one.positions, one.rotations, one.angles) for one in (motion, written))
+    motion, written = of_avatar(motion, avatar), of_avatar(written, avatar)
+    before, after = (poses_of_links((avatar,), one.positions, one.rotations, one.angles) for one in (motion, written))
     middles = np.array([
         np.mean([piece.position for piece in link.pieces], axis=0) if link.pieces else np.zeros(3) for link in avatar.links
     ])

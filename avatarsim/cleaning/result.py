@@ -164,8 +164,9 @@ class Moved:
 class Flagged:
     """A run of frames, `first` to `last`, both included, that differ from the input, and `why`: "overlap" (the input overlaps or
     comes nearer than the margin), "blend" (giving way before or after contact), "limits" (outside joint limits), "held back" (the
-    way from the frame before was not free), "catching up" (on the way back to the input), "unreachable" (held off for longer
-    than a second). `pair` is the nearest pair of the input in that run, where one caused it."""
+    way from the frame before was not free), "pushed" (a carried body came into the frame before, and no way out was proved),
+    "catching up" (on the way back to the input), "unreachable" (held off for longer than a second). `pair` is the nearest pair of
+    the input in that run, where one caused it."""
 
     first: int
     last: int

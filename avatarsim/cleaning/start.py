@@ -6,13 +6,16 @@ that overlaps itself.
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from avatarsim.cleaning.chords import Chords
-from avatarsim.cleaning.track import Follower, between, difference
+from avatarsim.cleaning.chords import Chords, between, difference
 from avatarsim.errors import StartOverlaps
 from avatarsim.scene.tracker import TrackerSample
+
+if TYPE_CHECKING:
+    from avatarsim.cleaning.track import Follower
 
 LIFTS = (0.0, *(1e-3 * 2.0**k for k in range(13)))
 """[m] how far a root is moved, to 4 m: a doubling finds a place of any size in as many looks."""
@@ -33,7 +36,8 @@ def candidates(chords: Chords, sample: TrackerSample) -> Iterator[TrackerSample]
     clipped, _ = chords.clipped(sample)
     at_rest = replace(chords.scene.first_sample, positions=sample.positions)
     at_rest = replace(at_rest, rotations=at_rest.rotations.copy())
-    at_rest.rotations[chords.free_roots] = sample.rotations[chords.free_roots]
+    kept = [*chords.free_roots, *chords.given]
+    at_rest.rotations[kept] = sample.rotations[kept]
     at_rest, _ = chords.clipped(at_rest)
     has_root = len(chords.free_roots) > 0
     for share in SHARES:
@@ -42,7 +46,7 @@ def candidates(chords: Chords, sample: TrackerSample) -> Iterator[TrackerSample]
             for direction in DIRECTIONS if lift > 0.0 else DIRECTIONS[:1]:
                 positions = mixed.positions.copy()
                 positions[chords.free_roots] += lift * np.array(direction)
-                yield replace(mixed, positions=positions)
+                yield chords.with_given(replace(mixed, positions=positions), sample)
 
 
 def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> TrackerSample:
@@ -61,7 +65,7 @@ def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> Tracke
     raise StartOverlaps([(*(pair or ("", "")), -gap)])
 
 
-def approach(follower: Follower, sample: TrackerSample) -> TrackerSample:
+def approach(follower: "Follower", sample: TrackerSample) -> TrackerSample:
     """Lead the user from where the avatar is to `sample`, and wait until nothing moves any more; where the avatar is then."""
     start = follower.shown
     follower.is_input = False

@@ -5,6 +5,9 @@ The engine certifies its own steps along straight lines of vertices; a player sh
 written is reached from the one before by a way that `Chords` has proved (adaptive step size control: the largest of the sub-steps
 that holds, else a part of the first). A frame of the input that is free itself, and to which the way is free, is written as it
 is.
+
+Bodies that are carried are fixed ones to the engine, put on in steps so small that no gap is used up in one; what they push gives
+way between. The way from frame to frame is proved with both in motion.
 """
 
 from dataclasses import replace
@@ -14,15 +17,20 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.cleaning.chords import Chords, Pair
+from avatarsim.cleaning.chords import Chords, Pair, between, difference
 from avatarsim.cleaning.result import Options
+from avatarsim.cleaning.start import free_posture
 from avatarsim.engine import Settings
-from avatarsim.errors import AvatarsimError
-from avatarsim.model.conversion import mix_samples
-from avatarsim.model.world import sample_arrays
+from avatarsim.errors import AvatarsimError, StartOverlaps
+from avatarsim.model.geometry import piece_points
+from avatarsim.scene.body import fixed
+from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Ellipsoid, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.simulator import AvatarsimEngine
+from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 
@@ -40,6 +48,14 @@ GROWTH, LEVELS = 3.0, 4
 foot dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is
 released."""
 
+PUSHED, FINEST = 0.2, 256
+"""Way that a carried body goes between two sub-steps at most, in gaps that are kept, and sub-steps of a frame at most. The engine
+accepts a quarter of the gap (tolerances.LEAST_SHARE): more than that in one go could pass it. More sub-steps: faster bodies push
+what they meet, and frames take longer; fewer: they leave no proved way, and the frame is flagged."""
+
+PARTS = (0.5, 0.25, 0.0)
+"""Shares of the first sub-step that are tried where a carried body has moved on and the whole of it is not reached."""
+
 CATCH_UP = {"catch_up_turn": 6.25, "catch_up_move": 2.5}
 """[rad/s, m/s] how fast what was held off comes back, half of what the engine does live, where a user waits for it: a clip is
 looked at, and a limb that snaps back is seen."""
@@ -56,6 +72,8 @@ class Kind(IntEnum):
     """An earlier posture on the way to that, since the rest of the way was not proved free."""
     BLENDED = 3
     """That of a target which gives way before or after contact."""
+    CROSSED = 4
+    """A free posture to which no way was proved, since a carried body came into the last one."""
 
 
 class Judged:
@@ -73,24 +91,6 @@ class Judged:
         self.is_free: NDArray[np.bool_] = (self.gap >= margin) & (self.beyond <= 0.0).all(axis=1)
 
 
-def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
-    """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it: `scene.tracker.between`, up to
-    rounding, compiled, since a motion is cleaned in many small parts."""
-    first, last = sample_arrays(before), sample_arrays(after)
-    mixed = tuple(np.empty_like(array) for array in first)
-    mix_samples(*first, *last, float(share), *mixed)
-    return TrackerSample(before.time + share * (after.time - before.time), *mixed)
-
-
-def difference(chords: Chords, one: TrackerSample, other: TrackerSample) -> float:
-    """The largest difference of two postures in any joint or root [rad, m]; of turns, which are small where it matters, the
-    chord's."""
-    a, b = one.rotations[chords.turning], other.rotations[chords.turning]
-    turns = 2.0 * np.minimum(np.abs(a - b), np.abs(a + b))
-    parts = (turns, one.positions[chords.free_roots] - other.positions[chords.free_roots], one.angles - other.angles)
-    return max([float(np.abs(part).max()) for part in parts if part.size], default=0.0)
-
-
 class Follower:
     """The avatar as it follows postures: `shown` is what was written last, `is_input` whether that is the input itself."""
 
@@ -98,6 +98,8 @@ class Follower:
         self.chords, self.options = chords, options
         self.shown, self.is_input = start, is_input
         self._engines: dict[int, AvatarsimEngine] = {}
+        self._avatar, self._carried = chords.scene.avatars[0], chords.scene.avatars[1:]
+        self._reach = [max((norm_of(piece) for piece in one.links[0].pieces), default=0.0) for one in self._carried]
         self._level, self._since, self._at = 0, 0.0, -1
 
     def load_all(self) -> None:
@@ -124,6 +126,8 @@ class Follower:
         tried: list[TrackerSample] = []
         for level in range(self._level, LEVELS):
             tried = self._steps(level, before, after, duration)
+            if not tried:
+                continue
             if is_free and difference(self.chords, tried[-1], after) < ARRIVED and self._reaches(after):
                 self.shown, self.is_input, self._level, self._at = after, True, 0, -1
                 return Kind.INPUT
@@ -140,19 +144,68 @@ class Follower:
             self._engines[level] = AvatarsimEngine()
             options = {"stand_off": self.options.margin * GROWTH**level, "around": 0, **CATCH_UP}
             settings = Settings(options=options, seed=self.options.seed)
-            self._engines[level].load(replace(self.chords.scene, start=self.shown), settings, 1.0 / SUB_STEPS)
+            self._engines[level].load(self._scene(), settings, 1.0 / SUB_STEPS)
         if self._at != level:
-            self._engines[level].put(self.shown, user)
+            self._put(self._engines[level], self.shown, user)
         self._at = level
         return self._engines[level]
 
+    def _scene(self) -> Scene:
+        """The scene as an engine has it: what is carried is fixed where it is shown."""
+        scene = self.chords.scene
+        if not self._carried:
+            return replace(scene, start=self.shown)
+        poses = self._poses(self.shown)
+        bodies = [fixed(one.name, one.links[0].pieces, one.links[0].material, *poses[one.name]) for one in self._carried]
+        return replace(scene, bodies=(*scene.bodies, *bodies), avatars=(self._avatar,), start=self._own(self.shown))
+
+    def _own(self, sample: TrackerSample) -> TrackerSample:
+        """The avatar's part of a posture."""
+        if not self._carried:
+            return sample
+        links, hinges = len(self._avatar.links), self._avatar.hinge_count
+        return TrackerSample(sample.time, sample.positions[:links], sample.rotations[:links], sample.angles[:hinges])
+
+    def _whole(self, own: TrackerSample, other: TrackerSample) -> TrackerSample:
+        """A posture of the avatar, with what is carried where `other` has it."""
+        if not self._carried:
+            return own
+        links = len(self._avatar.links)
+        positions = np.concatenate([own.positions, other.positions[links:]])
+        return TrackerSample(own.time, positions, np.concatenate([own.rotations, other.rotations[links:]]), own.angles)
+
+    def _poses(self, sample: TrackerSample) -> dict[str, tuple[Vector, Quaternion]]:
+        """Poses of what is carried, by name."""
+        links = enumerate(self._carried, len(self._avatar.links))
+        return {one.name: (tuple(sample.positions[k].tolist()), tuple(sample.rotations[k].tolist())) for k, one in links}
+
+    def _put(self, engine: AvatarsimEngine, sample: TrackerSample, user: TrackerSample) -> None:
+        """Put the avatar and what is carried at `sample`, and the user at `user`."""
+        engine.put(self._own(sample), self._own(user), self._poses(sample))
+
+    def _count(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> int:
+        """Sub-steps on the way between two postures."""
+        count = max(1, ceil(duration * SUB_STEPS - 1e-6))
+        for k, reach in enumerate(self._reach, len(self._avatar.links)):
+            turn = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(before.rotations[k]), after.rotations[k]))
+            way = float(np.linalg.norm(after.positions[k] - before.positions[k]) + np.linalg.norm(turn) * reach)
+            count = max(count, min(FINEST, ceil(way / (PUSHED * self.options.margin * GROWTH**level))))
+        return count
+
     def _steps(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> list[TrackerSample]:
-        """The engine's sub-states on the way."""
-        engine, count = self._engine(level, before), max(1, ceil(duration * SUB_STEPS - 1e-6))
-        tried = []
-        for k in range(1, count + 1):
-            engine.advance(after if k == count else between(before, after, k / count), duration / count)
-            tried.append(engine.posture())
+        """The engine's sub-states on the way; none where a carried body cannot go on without an overlap."""
+        tried: list[TrackerSample] = []
+        try:
+            engine, count = self._engine(level, before), self._count(level, before, after, duration)
+            for k in range(1, count + 1):
+                user = after if k == count else between(before, after, k / count)
+                if self._carried:
+                    engine.place(self._poses(user))
+                engine.advance(self._own(user), duration / count)
+                tried.append(self._whole(engine.posture(), after))
+        except StartOverlaps:
+            self._at = -1
+            return []
         return tried
 
     def _reaches(self, sample: TrackerSample) -> bool:
@@ -160,6 +213,8 @@ class Follower:
 
     def _hold_back(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
         """Write the last of the engine's sub-states that is reached on a free way, or a part of the way to the first."""
+        if self._carried:
+            return self._give_way(tried, user)
         engine = self._engines[self._at]
         for sample in tried[-2::-1]:
             if self._reaches(sample):
@@ -178,6 +233,26 @@ class Follower:
             pass
         engine.put(self.shown, user)
         return Kind.HELD
+
+    def _give_way(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
+        """The same where carried bodies have moved on, so that the last posture may be free no more: then one is written that is
+        free, without a proved way to it."""
+        self._at, shown = -1, self._whole(self._own(self.shown), user)
+        parts = [self.chords.clipped(between(shown, one, share))[0] for one in (tried[0] if tried else shown,) for share in PARTS]
+        for sample in (*tried[-2::-1], *parts):
+            if self._reaches(sample):
+                self.shown = sample
+                return Kind.HELD
+        free = (one for one in (*tried[-1:], shown) if self.chords.nearest(one, 0.0)[0] > 0.0)
+        self.shown = next(free, None) or free_posture(self.chords, user, self.options.margin)
+        return Kind.CROSSED
+
+
+def norm_of(piece: Piece) -> float:
+    """How far a piece reaches from the origin of its body at most [m]."""
+    _, points, radius = piece_points(piece)
+    lengths = np.linalg.norm(points, axis=1)
+    return radius + float(lengths.sum() if isinstance(piece.shape, Ellipsoid) else lengths.max())
 
 
 class Written:

@@ -14,6 +14,7 @@ from avatarsim.cleaning.start import approach, free_posture
 from avatarsim.cleaning.track import Follower, Judged, Kind, Written, track
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.body import Body
+from avatarsim.scene.carried import Carried, joined, of_avatar
 from avatarsim.scene.checks import FARTHEST, instance
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -24,16 +25,19 @@ UNREACHED = 1.0
 """[s] after which a free input that was not reached again counts as unreachable: catching up takes less."""
 
 
-def chords_of(motion: Motion, model: Model, room: Sequence[Body], options: Options) -> Chords:
-    """Queries in the scene of a model and a room, after the motion was found to fit the avatar."""
-    scene = scene_of(model, room, options)
-    require_fit(scene, motion)
-    return Chords(scene)
+def chords_of(
+    motion: Motion, model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried]
+) -> tuple[Chords, Motion]:
+    """Queries in the scene of a model, a room and what is carried, and the motion of avatar and carried bodies, which fits."""
+    scene = scene_of(model, room, options, carried)
+    instance("motion to clean", motion, Motion, "a Motion, as a motion file gives", InvalidInput)
+    whole = joined(motion, carried)
+    require_fit(scene, whole)
+    return Chords(scene), whole
 
 
 def require_fit(scene: Scene, motion: Motion) -> None:
     """Raise InvalidInput for a motion of another avatar, with rotations that are none, or off the world; it names the frame."""
-    instance("motion to clean", motion, Motion, "a Motion, as a motion file gives", InvalidInput)
     away = np.abs(motion.positions).reshape(len(motion), -1).max(axis=1, initial=0.0)
     if not (away <= FARTHEST).all():
         frame = int(np.argmax(away))
@@ -45,19 +49,20 @@ def require_fit(scene: Scene, motion: Motion) -> None:
             raise InvalidInput(f"{error.thing}, in frame {frame} of the motion", error.value, error.valid) from error
 
 
-def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Options) -> Audit:
+def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried]) -> Audit:
     """See `avatarsim.cleaning.audit`."""
-    chords = chords_of(motion, model, room, options)
+    chords, motion = chords_of(motion, model, room, options, carried)
     judged = Judged(chords, motion, options.margin)
     return audited(chords, motion, judged, judged.is_free, options.opinion)
 
 
 def clean_motion(
-    motion: Motion, model: Model, room: Sequence[Body], options: Options, progress: Callable[[float], None] | None
+    motion: Motion, model: Model, room: Sequence[Body], options: Options, progress: Callable[[float], None] | None,
+    carried: Sequence[Carried],
 ) -> Cleaned:
     """See `avatarsim.cleaning.clean`."""
     tell = progress or (lambda share: None)
-    chords = chords_of(motion, model, room, options)
+    chords, motion = chords_of(motion, model, room, options, carried)
     judged = Judged(chords, motion, options.margin)
     before = audited(chords, motion, judged, judged.is_free, options.opinion)
     tell(0.1)
@@ -69,8 +74,8 @@ def clean_motion(
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion)
     tell(1.0)
     return Cleaned(
-        done, before, after, moved(chords, motion, done), written.kind != Kind.INPUT, ~judged.is_free,
-        flags(motion, judged, written.kind),
+        of_avatar(done, chords.scene.avatars[0]), before, after, moved(chords, motion, done), written.kind != Kind.INPUT,
+        ~judged.is_free, flags(motion, judged, written.kind),
     )
 
 
@@ -105,6 +110,7 @@ def flags(motion: Motion, judged: Judged, kind: NDArray[np.int64]) -> tuple[Flag
     why[kind == Kind.TRACKED] = "catching up"
     why[kind == Kind.HELD] = "held back"
     why[kind == Kind.BLENDED] = "blend"
+    why[kind == Kind.CROSSED] = "pushed"
     why[(kind != Kind.INPUT) & (judged.beyond > 0.0).any(axis=1)] = "limits"
     overlap = (judged.gap < judged.margin) & ((kind == Kind.TRACKED) | (kind == Kind.BLENDED))
     why[overlap] = "overlap"
