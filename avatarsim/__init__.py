@@ -65,6 +65,7 @@ Files
 -----
     load_avatar     avatar, room and loose bodies of an MJCF or URDF file (needs the extra `assets`)
     load_room       a room from such a file, from a mesh, or the word "floor"
+    load_object     the object of a motion file, such as a box, with its shape and its recorded poses
     load_motion     a motion file: BVH, AMC, npz, csv, the 44 columns of DeepMimic; and how to write it again
     Model           what these give: the avatar, its coordinates in the file's order, the bodies, what was done on the way
 
@@ -102,7 +103,7 @@ from avatarsim.version import VERSION as __version__
 
 if TYPE_CHECKING:
     from avatarsim.assets.meshes import pieces_of_mesh
-    from avatarsim.assets.models.load import load_avatar, load_room
+    from avatarsim.assets.models.load import load_avatar, load_object, load_room
     from avatarsim.assets.models.model import Model
     from avatarsim.assets.motions.load import load_motion
     from avatarsim.cleaning import Shield, audit, clean
@@ -125,14 +126,15 @@ __all__ = [
     "ConvexHull", "Coupling", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass",
     "Model", "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere",
     "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed",
-    "load_avatar", "load_motion", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar", "simulated", "solid",
+    "load_avatar", "load_motion", "load_object", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar", "simulated",
+    "solid",
 ]
 
 _MODULES = {
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
     "assets.meshes": ("pieces_of_mesh",),
-    "assets.models.load": ("load_avatar", "load_room"),
+    "assets.models.load": ("load_avatar", "load_object", "load_room"),
     "assets.models.model": ("Model",),
     "assets.motions.load": ("load_motion",),
     "cleaning": ("Shield", "audit", "clean"),

@@ -16,10 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from avatarsim.assets.models.load import FLOOR
-from avatarsim.assets.models.model import Model, beside, followed_by
+from avatarsim.assets.models.model import Model, beside, followed_by, with_carried
 from avatarsim.clips.wishes import Reading
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.scene.carried import joined
 from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion as Recording
 from avatarsim.scene.scene import Scene
@@ -143,9 +144,11 @@ class OwnScene:
         # here and not above: to list the catalogue needs no compiler
         from avatarsim.cleaning.chords import Chords
         from avatarsim.cleaning.start import free_posture
+        from avatarsim.clips.inputs import carried_in
 
         model, *rooms = self.models
-        together = reduce(beside, rooms, model)
+        carried = () if self.recorded is None else carried_in(self.recorded, self.reading)
+        together = with_carried(reduce(beside, rooms, model), carried)
         scene = together.scene(self.name)
         if model.avatar is None:
             if self.motion:
@@ -154,7 +157,8 @@ class OwnScene:
         chords = Chords(scene)
         if self.recorded is None:
             return replace(scene, start=free_posture(chords, scene.first_sample, MARGIN)), None
-        recorded = followed_by(self.recorded.motion(model), together.moving).resampled(1.0 / RENDERED)
+        recorded = joined(self.recorded.motion(model), carried)
+        recorded = followed_by(recorded, together.moving[len(carried) :]).resampled(1.0 / RENDERED)
         start = free_posture(chords, recorded.sample(0), MARGIN)
         track = Track(recorded.positions, recorded.rotations, recorded.angles).led_in(start)
         return replace(scene, start=start), track

@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from avatarsim.assets.models.doors import MODELS
-from avatarsim.assets.models.model import Model, beside
+from avatarsim.assets.models.model import Model, beside, with_carried
 from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.start import free_posture
 from avatarsim.cli.option_words import in_words
@@ -29,6 +29,7 @@ from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
 from avatarsim.live.stages import Stage, stage, staged
 from avatarsim.live.view.depth import Depth, still
+from avatarsim.scene.carried import joined
 from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -82,7 +83,13 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
         print(f"avatarsim: {in_words(said, 'live')}", file=sys.stderr)
     if model.avatar is None:
         raise InvalidFile(f"avatar in {asked.avatar.name}", "none", "a file with joints; a room goes with --room")
-    scene = reduce(beside, rooms, model).scene(asked.avatar.stem)
+    together = reduce(beside, rooms, model)
+    if asked.motion and reading.object_file is not None:
+        # of the first clip: the scene has one object
+        from avatarsim.clips.inputs import carried_in, options_for, read
+
+        together = with_carried(together, carried_in(read(asked.motion[0], options_for(asked.motion[0], reading))[0], reading))
+    scene = together.scene(asked.avatar.stem)
     own = staged(scene, f"{model.avatar.name}: {len(model.avatar.links)} links, {len(scene.names)} bodies and links")
     start = free_posture(Chords(still(own.scene)), own.scene.first_sample, MARGIN)
     return replace(own, scene=replace(own.scene, start=start)), model
@@ -91,14 +98,18 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
 def clips_of(
     paths: Sequence[Path], scene: Scene, model: Model | None, reading: Reading = AS_FOUND
 ) -> Mapping[str, Motion]:
-    """The motions of files for an avatar, by the files' names. Raises InvalidFile for what cannot be read or does not fit."""
-    from avatarsim.clips.inputs import options_for, read
+    """The motions of files for an avatar, with the objects of them that the scene has, by the files' names.
+
+    Raises InvalidFile for what cannot be read or does not fit."""
+    from avatarsim.clips.inputs import carried_in, options_for, read
 
     clips = {}
     for path in paths:
         if model is None:
             raise InvalidFile(f"motion {path.name}", scene.name, "one beside --avatar, whose joints it moves")
-        clips[path.name] = read(path, options_for(path, reading))[0].motion(model)
+        file = read(path, options_for(path, reading))[0]
+        motion, known = file.motion(model), [one.name for one in scene.avatars[1:2]]
+        clips[path.name] = joined(motion, [one for one in carried_in(file, reading) if one.body.name in known])
     return clips
 
 

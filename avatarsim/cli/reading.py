@@ -17,7 +17,8 @@ MASSES = (1e-3, 1e4)
 """Masses [kg] of a human that a recorded skeleton gets, dolls and giants included."""
 RANGES = {
     "file_rate": (LOWEST, HIGHEST), "scale": (SMALLEST, LARGEST), "avatar_scale": (SMALLEST, LARGEST),
-    "room_scale": (SMALLEST, LARGEST), "stature": (LEAST_STATURE, MOST_STATURE), "mass": MASSES,
+    "room_scale": (SMALLEST, LARGEST), "object_scale": (SMALLEST, LARGEST),
+    "stature": (LEAST_STATURE, MOST_STATURE), "mass": MASSES,
 }
 """What numbers of options of readers may be, in the units of their help."""
 OF_AVATAR, OF_ROOM = ("body", "fix", "root", "leave", "exclude"), ("room_scale", "room_up")
@@ -37,6 +38,10 @@ def reading_options(one: argparse.ArgumentParser) -> None:
     motion.add_argument("--joints", metavar="A,B,...", help="names of a trajectory's joints, where it has none")
     motion.add_argument("--offsets", metavar="FILE", help="rest joints of an SMPL body; or the word mean, of BVH")
     motion.add_argument("--stature", type=float, metavar="M", help="height of an SMPL body without offsets")
+    motion.add_argument("--object", metavar="FILE", type=path_option,
+                        help="shape of the object that motions have poses of: MJCF, URDF or a mesh")
+    motion.add_argument("--object-scale", type=float, metavar="M",
+                        help="metres a unit of length of it (default: as the motion states it, else 1)")
     model = one.add_argument_group("how models are read")
     model.add_argument("--body", default="", metavar="A,B,...",
                        help="bodies whose trees are the avatar (default: the tree with the most joints)")
@@ -63,7 +68,7 @@ def reading_of(asked: argparse.Namespace) -> Reading:
             within(f"--{name.replace('_', '-')}", getattr(asked, name), least, most, InvalidInput)
     # a scene of one's own may hold the avatar
     of_avatar = () if getattr(asked, "own_scene", False) else OF_AVATAR
-    for what, names in (("avatar", (*of_avatar, "avatar_scale")), ("room", OF_ROOM)):
+    for what, names in (("avatar", (*of_avatar, "avatar_scale")), ("room", OF_ROOM), ("object", ("object_scale",))):
         for name in names:
             if getattr(asked, name) and getattr(asked, what) is None:
                 raise InvalidInput(f"--{name.replace('_', '-')}", getattr(asked, name), f"an option beside --{what}")
@@ -79,6 +84,7 @@ def reading_of(asked: argparse.Namespace) -> Reading:
         folder=absolute(asked.folder), meshes=asked.meshes, repair=asked.repair,
         body=_listed(asked.body), keyframe=asked.keyframe, collide=asked.collide, fit=asked.fit, exclude=exclude,
         avatar_scale=asked.avatar_scale, room_scale=asked.room_scale, room_up=asked.room_up,
+        object_file=absolute(asked.object), object_scale=asked.object_scale,
     )
 
 

@@ -9,15 +9,17 @@ from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
 from avatarsim.assets.models import doors
-from avatarsim.assets.models.load import load_avatar, load_room
+from avatarsim.assets.models.load import load_avatar, load_object, load_room
 from avatarsim.assets.models.mesh_files import candidates
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.load import READERS, load_motion
 from avatarsim.assets.motions.motion_file import MotionFile
+from avatarsim.assets.motions.object_poses import PLACES, TURNS
 from avatarsim.clips.whole_files import sha256_of
 from avatarsim.clips.wishes import FLOOR, Reading, Wishes
 from avatarsim.errors import InvalidFile
 from avatarsim.files import check
+from avatarsim.scene.carried import Carried
 
 FILE_BYTES = 2**28
 """Bytes of a motion file at most; readers have limits of their own, this one is for hashing what is read."""
@@ -116,7 +118,20 @@ def motion_files(path: Path, reading: Reading) -> Hashes:
     beside = [skeleton_of(path, reading)] if suffix == ".amc" else []
     if reading.offsets is not None and suffix == ".npz" and reading.offsets != MEAN:
         beside.append(Path(reading.offsets))
-    return tuple(_hashed(one, one.name) for one in [path, *beside] if one is not None)
+    shape = () if reading.object_file is None else _files(Path(reading.object_file), None)
+    return (*(_hashed(one, one.name) for one in [path, *beside] if one is not None), *shape)
+
+
+def carried_in(file: MotionFile, reading: Reading) -> tuple[Carried, ...]:
+    """The object of a motion file, where its shape is known. Raises InvalidFile for a shape without poses."""
+    if file.object is None:
+        if reading.object_file is not None:
+            valid = f"a motion with one of {', '.join(PLACES)} and one of {', '.join(TURNS)}"
+            raise InvalidFile(f"poses of the object {Path(reading.object_file).name}", None, valid)
+        return ()
+    if reading.object_file is None and file.object.size is None:
+        return ()
+    return (load_object(file.object, reading.object_file, scale=reading.object_scale),)
 
 
 def skeleton_of(path: Path, reading: Reading) -> Path | None:

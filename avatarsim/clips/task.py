@@ -14,13 +14,14 @@ from avatarsim.assets.models.model import Model
 from avatarsim.cleaning import Audit, Cleaned, audit, clean
 from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
-from avatarsim.clips.inputs import files_of, given, motion_files, options_for, options_of, read
+from avatarsim.clips.inputs import carried_in, files_of, given, motion_files, options_for, options_of, read
 from avatarsim.clips.page.clip_page import Shown, clip_page
 from avatarsim.clips.page.layout import GENERATOR
 from avatarsim.clips.whole_files import beside, moved, put, require_ours, sha256_of, write_whole
 from avatarsim.clips.wishes import OPTIONS, Wishes
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.scene.body import Body
+from avatarsim.scene.carried import Carried
 from avatarsim.scene.motion import Motion
 
 CERTIFICATES, PAGES = "certificates", "pages"
@@ -73,6 +74,7 @@ class _Clip:
     def __init__(self, task: Task) -> None:
         self.task, self.wishes = task, task.wishes
         self.place, self.path = task.clip.place, task.clip.path
+        self.carried: tuple[Carried, ...] = ()
         self.asked = options_for(task.clip.path, task.wishes.reading)
 
     def done(self, progress: Callable[[float], None] | None) -> Outcome:
@@ -87,15 +89,17 @@ class _Clip:
         model = _model(avatar, file.model(), self.path)
         motion = file.motion(model)
         said = [*(room.said if room else ()), *model.said, *file.said]
+        self.carried = carried_in(file, self.wishes.reading)
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
+            self.carried = tuple(one.resampled(self.wishes.rate) for one in self.carried)
         bodies = room.room if room else ()
         told = (*(f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
         if self.task.out is None:
-            before = audit(motion, model, bodies, self.wishes.cleaning)
+            before = audit(motion, model, bodies, self.wishes.cleaning, self.carried)
             measured = certificate.entry(self.place, file.format, key, motion, before, said=said)
             return Outcome(self.place, measured, said=told)
-        cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress)
+        cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress, self.carried)
         entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, bodies, said)
         return Outcome(self.place, entry, said=told)
 
@@ -114,7 +118,7 @@ class _Clip:
             self._require_free(target, outputs["motion"][1])
             entry = certificate.entry(self.place, format_, key, motion, cleaned.before, after, cleaned, said, outputs)
             if self.wishes.page:
-                shown = Shown(model, bodies, motion, back, cleaned.before, after, cleaned.flagged)
+                shown = Shown(model, bodies, motion, back, cleaned.before, after, cleaned.flagged, self.carried)
                 page = page_of(self.place)
                 require_ours(out / page, GENERATOR, self.task.force, page)
                 write_whole(out / page, clip_page(entry, shown, page))
@@ -137,7 +141,7 @@ class _Clip:
         same = all(np.array_equal(getattr(back, name), getattr(cleaned.motion, name)) for name in kept)
         if same:
             return back, cleaned.after
-        found = audit(back, model, bodies, self.wishes.cleaning)
+        found = audit(back, model, bodies, self.wishes.cleaning, self.carried)
         # over the frames where the input was free, which is not to be seen in what was written; rounding moves no digit of it
         return back, replace(found, jerk_free=cleaned.after.jerk_free, jerk_held=cleaned.after.jerk_held)
 

@@ -28,6 +28,7 @@ class Reading:
     fix, root, leave, folder, meshes, repair, keyframe, collide, fit    of models, as in `load_avatar`
     exclude         pairs of names that never touch, each with a colon between
     avatar_scale    metres a unit of length of the avatar's model
+    object_file, object_scale   file with the shape of the object that motions have poses of, and its metres a unit of length
     room_scale, room_up    of a room: metres a unit of length; of a mesh, the axis that points up"""
 
     scale: float | None = None
@@ -54,6 +55,8 @@ class Reading:
     collide: str | None = None
     fit: float | None = None
     exclude: tuple[str, ...] = ()
+    object_file: str | None = None
+    object_scale: float | None = None
 
     def of_motion(self) -> dict[str, object]:
         """Options for readers of motions, by the readers' names."""
@@ -103,7 +106,7 @@ class Wishes:
     def told(self) -> dict[str, object]:
         """All of it as JSON holds it, files by their names: a certificate says nothing of a machine."""
         reading = {field.name: getattr(self.reading, field.name) for field in fields(Reading)}
-        for name in ("asf", "folder", "offsets"):
+        for name in ("asf", "folder", "offsets", "object_file"):
             if reading[name] is not None:
                 reading[name] = Path(reading[name]).name
         return {

@@ -8,13 +8,14 @@ from pathlib import Path
 from typing import Any
 
 import jsonschema
+import numpy as np
 import pytest
 
 from avatarsim.assets.motions.load import load_motion
 from avatarsim.cli import main
 from avatarsim.cli.motions import verdict
 from avatarsim.clips import certificate
-from tests.clips.made import bvh, content, csv, robot
+from tests.clips.made import bvh, carrying, content, csv, robot
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -79,6 +80,29 @@ def test_a_robot_from_its_model_with_a_table_of_coordinates(tmp_path: Path) -> N
     assert [file["name"] for file in one["inputs"]["avatar"]] == ["robot.xml"]
     assert not (tmp_path / "out" / "pages").exists()
     assert len((tmp_path / "out" / "a.csv").read_text().splitlines()) == 19
+
+
+def test_a_robot_is_cleaned_against_the_box_of_its_clip(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, model = carrying(tmp_path / "carry.npz"), robot(tmp_path)
+    (tmp_path / "cube.xml").write_text('<mujoco><worldbody><geom type="box" size="1 1 1"/></worldbody></mujoco>')
+    shape = ("--object", tmp_path / "cube.xml", "--object-scale", "0.05")
+    assert ended("audit", path, "--avatar", model, "--workers", "0") == 0
+    assert ended("audit", path, "--avatar", model, "--workers", "0", *shape) == 1
+    assert clean(path, "--avatar", model, "-o", tmp_path / "out", *shape) == 0
+    (one,) = certified(tmp_path / "out")["clips"]
+    assert one["overlap"]["before"]["pair"] == ["stick/arm", "cube"] and one["overlap"]["before"]["frames"] > 0
+    assert [file["name"] for file in one["inputs"]["motion"]] == ["carry.npz", "cube.xml"]
+    assert one["is_clean"] and one["changed_frames"] > 0
+    with np.load(tmp_path / "out" / "carry.npz") as written, np.load(path) as read:
+        assert np.array_equal(written["object_pos_w"], read["object_pos_w"]) and not np.array_equal(written["qpos"], read["qpos"])
+    assert ended("audit", tmp_path / "out" / "carry.npz", "--avatar", model, "--workers", "0", *shape) == 0
+    carrying(tmp_path / "sized.npz", object_size=(0.1, 0.1, 0.1))
+    assert ended("audit", tmp_path / "sized.npz", "--avatar", model, "--workers", "0") == 1
+    capsys.readouterr()
+    csv(tmp_path / "none.csv")
+    assert ended("audit", tmp_path / "none.csv", "--avatar", model, "--workers", "0", *shape) == 3
+    assert "object" in capsys.readouterr().err
+    assert ended("audit", path, "--avatar", model, "--object-scale", "2") == 2
 
 
 def test_excluded_pairs_and_those_that_overlap_at_home_are_certified(tmp_path: Path) -> None:

@@ -63,6 +63,17 @@ def csv(path: Path, frames: int = 10) -> Path:
     return path
 
 
+def carrying(path: Path, frames: int = 12, **entries: object) -> Path:
+    """A trajectory of the robot, and the poses of a cube of 0.1 m that comes into its arm."""
+    share = np.linspace(0.0, 1.0, frames)
+    rows = np.zeros((frames, 8))
+    rows[:, 2], rows[:, 3] = 0.6, 1.0
+    places = np.stack([0.3 + 0.0 * share, 0.0 * share, 0.35 + 0.25 * share], axis=1)
+    turns = np.tile((1.0, 0.0, 0.0, 0.0), (frames, 1))
+    np.savez(path, fps=30, qpos=rows, object_pos_w=places, object_quat_w=turns, object_name="cube", **entries)
+    return path
+
+
 def content(folder: Path) -> dict[str, bytes]:
     """All files below a folder, by their paths."""
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}

@@ -16,6 +16,7 @@ from avatarsim.scene.scene import Scene
 from scenarios import catalog, own_scenes
 from scenarios.__main__ import main
 from scenarios.cli.plan import scenarios as offered
+from tests.clips.made import carrying, robot
 from tests.live.small import plan, pushed
 
 HOUSE = Path(__file__).resolve().parents[2]
@@ -71,6 +72,16 @@ def test_a_motion_drives_the_avatar_from_a_free_start(arm: tuple[str, str]) -> N
     scene = scenario.build()
     held = scenario.motion(scene, 0)(30)
     assert held.angles.tolist() == scene.first_sample.angles.tolist() and held.time == pytest.approx(31 / 60)
+
+
+def test_the_object_of_a_motion_is_a_moving_body(tmp_path: Path) -> None:
+    path = carrying(tmp_path / "carry.npz", object_size=(0.1, 0.1, 0.1))
+    own_scenes.take_files([str(robot(tmp_path))], None, None, str(path), 60.0)
+    (scenario,) = catalog.scenarios().values()
+    scene = scenario.build()
+    assert [avatar.name for avatar in scene.avatars] == ["stick", "cube"] and scene.avatars[1].moves
+    motion = scenario.motion(scene, 0)
+    assert motion(scenario.frames - 1).positions[2] == pytest.approx((0.3, 0.0, 0.6), abs=0.02)
 
 
 def test_an_avatar_goes_into_a_room_of_another_file(boxes: str, arm: tuple[str, str]) -> None:

@@ -11,6 +11,7 @@ from avatarsim.assets.models.laws import Frictions
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
+from avatarsim.scene.carried import Carried
 from avatarsim.scene.checks import Vector, finite_array, require_near
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.moving import with_moving
@@ -154,6 +155,15 @@ def beside(model: Model, room: Model) -> Model:
         at_rest=(*model.at_rest, *at_rest), attached=(*model.attached, *attached),
         gravity=room.gravity if model.gravity == EARTH else model.gravity, frictions=model.frictions | room.frictions,
     )
+
+
+def with_carried(model: Model, carried: Sequence[Carried]) -> Model:
+    """Return a model with bodies that are carried as the first of its moving ones, at their first poses."""
+    taken = {body.name for body in model.room}
+    for one in carried:
+        if one.body.name in taken:
+            raise InvalidInput("name of what is carried", one.body.name, f"another one than those of {sorted(taken)}")
+    return replace(model, moving=(*(one.body for one in carried), *model.moving))
 
 
 def followed_by(motion: Motion, moving: Sequence[Avatar]) -> Motion:

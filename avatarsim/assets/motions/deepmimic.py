@@ -10,7 +10,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -165,6 +165,7 @@ class DeepMimic:
     content: Mapping[str, Any]
     notes: list[str] = field(default_factory=list)
     format: str = "deepmimic"
+    object: ClassVar[None] = None
 
     @property
     def said(self) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from typing import Protocol
 
 from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.object_poses import ObjectPoses
 from avatarsim.scene.motion import Motion
 
 
@@ -16,6 +17,10 @@ class MotionFile(Protocol):
     @property
     def said(self) -> tuple[str, ...]:
         """Sentences for the user: units guessed, columns left alone."""
+
+    @property
+    def object(self) -> ObjectPoses | None:
+        """The poses of an object beside the motion; None without any."""
 
     def model(self) -> Model | None:
         """The avatar that the file brings itself (a skeleton); None where it needs a model."""

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import ClassVar
 
 from avatarsim.assets.models.ball_limits import Beyond, beyond_limits
 from avatarsim.assets.models.from_skeleton import human
@@ -32,6 +33,7 @@ class RecordedFile:
     said: tuple[str, ...]
     mass: float
     limits: bool
+    object: ClassVar[None] = None
 
     @cached_property
     def _model(self) -> Model:

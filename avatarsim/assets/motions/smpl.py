@@ -21,6 +21,7 @@ from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import matching
 from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, opened, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
+from avatarsim.assets.motions.object_poses import ObjectPoses, at_times, object_of, said_of
 from avatarsim.assets.motions.recorded_file import POSTURES, said_of_limits
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.joint import MANY_TURNS
@@ -89,7 +90,10 @@ def of_archive(archive: Archive, rate: float | None = None, choices: Choices = C
         notes.append(f"{name}: left out, {matching.shortened(archive.left_out)}: Python objects (a pickle) are not read")
     times = times_of(archive, len(poses), rate)
     caps.require_frames(name, len(poses), len(skeleton.bones))
-    return SmplFile(archive, times, poses.reshape(len(poses), -1, 3), trans, skeleton, pelvis, choices, notes)
+    found = object_of(archive, times, "wxyz", np.array(TURNS[up or "z"]))
+    poses = poses.reshape(len(poses), -1, 3)
+    notes += said_of(name, found)
+    return SmplFile(archive, times, poses, trans, skeleton, pelvis, choices, notes, object=found)
 
 
 def _of_parts(archive: Archive) -> Array:
@@ -137,6 +141,7 @@ class SmplFile:
     choices: Choices
     notes: list[str] = field(default_factory=list)
     format: str = "npz"
+    object: ObjectPoses | None = None
 
     @property
     def said(self) -> tuple[str, ...]:
@@ -243,7 +248,8 @@ class SmplFile:
         trans[moved] = place[moved]
         if same_times and (poses == self.poses).all() and (trans == self.trans).all():
             return packed(self.archive.arrays, self.archive.packed)
-        return self._packed(poses.reshape(len(poses), -1), trans, {} if same_times else restated(self.archive, motion))
+        return self._packed(poses.reshape(len(poses), -1), trans, {} if same_times else
+                            restated(self.archive, motion) | at_times(self.archive, self.times, motion.times))
 
     def _packed(self, poses: Array, trans: Array, times: Mapping[str, AnyArray]) -> bytes:
         """The archive with these poses, whole and in parts, as the file has them."""

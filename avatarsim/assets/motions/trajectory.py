@@ -17,6 +17,7 @@ from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions import derived, matching
 from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
+from avatarsim.assets.motions.object_poses import ObjectPoses, at_times, object_of, said_of
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
@@ -74,6 +75,7 @@ class Trajectory:
     layout: matching.Layout
     store: Store
     notes: list[str] = field(default_factory=list)
+    object: ObjectPoses | None = None
 
     @property
     def said(self) -> tuple[str, ...]:
@@ -149,7 +151,7 @@ class ArrayStore:
         was, now = self._entries(changed.was), self._entries(changed.now)
         anew = derived.written_anew(archive, changed.model, changed.before, changed.after, was, now)
         if changed.stayed is None:
-            anew |= restated(archive, changed.after)
+            anew |= restated(archive, changed.after) | at_times(archive, changed.before.times, changed.after.times)
         lasting = None if changed.stayed is None else _lasting(changed.stayed)
         for key, values in anew.items():
             recorded = archive.arrays[key]
@@ -216,7 +218,11 @@ def of_archive(archive: Archive, rate: float | None, quaternion: str | None, joi
     table = np.concatenate([tables[part.key] for part in parts], axis=1)
     notes += _fates(archive, {part.key for part in parts})
     times = times_of(archive, len(table), rate)
-    return Trajectory(archive.name, "npz", times, table, matching.Layout(names, order), ArrayStore(archive, parts), notes)
+    found = object_of(archive, times, order)
+    store = ArrayStore(archive, parts)
+    return Trajectory(
+        archive.name, "npz", times, table, matching.Layout(names, order), store, notes + said_of(archive.name, found), found
+    )
 
 
 def _other(order: str) -> str:

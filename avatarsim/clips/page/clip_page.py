@@ -16,6 +16,7 @@ from avatarsim.cleaning.result import OVERLAP
 from avatarsim.clips.page.layout import address, angle, data, esc, length, limit_excess, page, resource, table
 from avatarsim.player import payload, surfaces, three_js
 from avatarsim.scene.body import Body
+from avatarsim.scene.carried import Carried, joined
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.shape import Piece
 from avatarsim.scene.tracker import poses_of_links
@@ -42,7 +43,8 @@ MOMENTS = 120
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What a page shows: the avatar and room, the input and what was written, their measures, and what was flagged."""
+    """What a page shows: the avatar, room and what is carried, the input and what was written, their measures, and what was
+    flagged."""
 
     model: Model
     room: Sequence[Body]
@@ -51,6 +53,7 @@ class Shown:
     audit_before: Audit
     audit_after: Audit
     flagged: Sequence[Flagged]
+    carried: Sequence[Carried] = ()
 
 
 def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
@@ -227,24 +230,27 @@ def replay(name: str, shown: Shown, moments: Sequence[payload.Moment]) -> dict[s
     """Return what the player plays: the cleaned motion, the input as its ghost, the room, captions of frames in overlap."""
     avatar = shown.model.avatar
     assert avatar is not None
-    surface = [surfaces.surface(link.pieces, CORNERS) for link in avatar.links]
+    avatars = (avatar, *(one.body for one in shown.carried))
+    surface = [surfaces.surface(link.pieces, CORNERS) for one in avatars for link in one.links]
     links = [k for k, (_, triangles) in enumerate(surface) if len(triangles)]
     frames = len(shown.before)
-    step = -(-frames * len(avatar.links) * 14 // NUMBERS)
+    step = -(-frames * len(surface) * 14 // NUMBERS)
     at = np.array(sorted({*range(0, frames, max(step, 1)), frames - 1, *(one.state for one in moments)}))
     both = []
-    for motion in (shown.before, shown.after):
-        places, turns = poses_of_links((avatar,), motion.positions[at], motion.rotations[at], motion.angles[at])
+    for motion in (joined(shown.before, shown.carried), joined(shown.after, shown.carried)):
+        places, turns = poses_of_links(avatars, motion.positions[at], motion.rotations[at], motion.angles[at])
         both.append(payload.Poses(places[:, links], turns[:, links]))
     room = room_of([*shown.model.room, *shown.room])
+    own = sum(k < len(avatar.links) for k in links)
     bodies = [payload.Drawn("driven", surface[k]) for k in links] + [payload.Drawn("fixed", one) for one in room]
+    ghost = "before", range(own), payload.Poses(both[0].positions[:, :own], both[0].orientations[:, :own])
     view = payload.View(
         "after", "#7b9cc4", both[1], captions(shown, at),
         moments=[replace(one, state=int(np.searchsorted(at, one.state))) for one in moments],
     )
     return payload.payload(
         bodies, {len(links) + k: (np.zeros(3), np.array(rotation.IDENTITY)) for k in range(len(room))},
-        shown.before.times[at] - shown.before.times[0], [view], 0, ("before", range(len(links)), both[0]), lambda *_: AZIMUTH,
+        shown.before.times[at] - shown.before.times[0], [view], 0, ghost, lambda *_: AZIMUTH,
         name=name, frames=at.tolist(), calm=_caption(0.0, 0.0), ground=True, opens=view.moments[0].state if moments else 0,
     )
 

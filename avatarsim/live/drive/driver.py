@@ -6,6 +6,7 @@ through every change of source: by hand one goes on from what is shown, and clip
 """
 
 from dataclasses import dataclass
+from itertools import accumulate
 from math import hypot
 
 import numpy as np
@@ -198,15 +199,18 @@ class Driver:
         return ""
 
     def play(self, motion: Motion, at: ArrayLike | None = None) -> None:
-        """Play a motion of the first avatar from its beginning; `at` (3,) [m]: where its root begins, None for as recorded.
+        """Play a motion of the first avatar, or of the first few, from its beginning; `at` (3,) [m]: where its root begins, None
+        for as recorded.
 
         It ends at its last frame, with `take_over`, or when a drag or a key takes over. Raises InvalidSample where its links or
         hinges are not the avatar's, its rotations have no length, or `at` is no place."""
-        avatar = self._scene.avatars[0]
-        if motion.positions.shape[1] != len(avatar.links):
-            raise InvalidSample("links of the motion", motion.positions.shape[1], f"{len(avatar.links)}, as the avatar has")
-        if motion.angles.shape[1] != avatar.hinge_count:
-            raise InvalidSample("hinges of the motion", motion.angles.shape[1], f"{avatar.hinge_count}, as the avatar has")
+        avatars = self._scene.avatars
+        links = list(accumulate(len(one.links) for one in avatars))
+        hinges = list(accumulate(one.hinge_count for one in avatars))
+        if motion.positions.shape[1] not in links:
+            raise InvalidSample("links of the motion", motion.positions.shape[1], f"{links[0]}, as the avatar has")
+        if motion.angles.shape[1] != hinges[links.index(motion.positions.shape[1])]:
+            raise InvalidSample("hinges of the motion", motion.angles.shape[1], f"{hinges[0]}, as the avatar has")
         lengths = np.linalg.norm(motion.rotations, axis=2)
         if not (np.abs(lengths - 1.0) <= 1e-6).all():
             frame = int(np.argmax(np.abs(lengths - 1.0).max(axis=1)))
@@ -450,8 +454,9 @@ class Driver:
             share = min(max(float((clip.time - times[frame]) / (times[frame + 1] - times[frame])), 0.0), 1.0)
         own = posture_of(clip.motion.between(frame, share))
         found = self._base.copy()
-        found.roots[: self._first] = [add(root, clip.shift) for root in own.roots]
-        found.turns[: self._first], found.angles[: len(own.angles)] = own.turns, own.angles
+        count = len(own.roots)
+        found.roots[:count] = [add(root, clip.shift) for root in own.roots]
+        found.turns[:count], found.angles[: len(own.angles)] = own.turns, own.angles
         return within_limits(self._tree, found)
 
     def _played(self, clip: _Clip, dt: float) -> None:

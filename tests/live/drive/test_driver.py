@@ -14,6 +14,7 @@ from avatarsim.live.stages import stage
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import fixed, solid
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.moving import moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Piece, Sphere
 from avatarsim.scene.tracker import TrackerSample
@@ -140,6 +141,17 @@ def test_a_tracker_is_followed_exactly_once_the_change_is_over() -> None:
         shown = one.tick(DT)
     assert shown.rotations == pytest.approx(wanted.rotations, abs=1e-6)
     assert shown.positions[0] == pytest.approx(wanted.positions[0])
+
+
+def test_a_clip_takes_what_it_carries_along() -> None:
+    box = moving("box", BALL, "wood", position=(2.0, 0.0, 1.0))
+    scene = replace(HAND, avatars=(HAND.avatars[0], box), start=None, bodies=())
+    one, first = Driver(scene), scene.first_sample
+    positions = np.tile(first.positions, (3, 1, 1))
+    positions[1:, -1] = (2.0, 0.1, 1.0)
+    motion = Motion(np.array([0.0, 0.5, 1.0]), positions, np.tile(first.rotations, (3, 1, 1)), np.tile(first.angles, (3, 1)))
+    one.play(motion)
+    assert ticks(one, 120)[-1].positions[-1] == pytest.approx((2.0, 0.1, 1.0))
 
 
 def test_a_clip_is_played_to_its_end_and_taken_over_where_it_is() -> None:
