@@ -16,7 +16,7 @@ from avatarsim.assets import caps
 from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.assets.motions import euler
 from avatarsim.assets.motions.recording import Axes
-from avatarsim.assets.motions.text import lines_of, number, quoted, readable, vector, without_mark
+from avatarsim.assets.motions.text import lines_of, number, numbered, numbers_in, quoted, readable, vector
 from avatarsim.errors import InvalidFile
 from avatarsim.spatial import rotation
 
@@ -131,12 +131,8 @@ def read_asf(path: str | Path) -> Asf:
 
 def _lines(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """(line, text) without comments and what is empty; lines count from 1."""
-    for number_of, line in enumerate(lines, 1):
-        if len(line) > caps.LINE:
-            raise InvalidFile(f"length of line {number_of} of {name}", len(line), f"up to {caps.LINE} characters")
-        said = (line if number_of > 1 else without_mark(line)).partition("#")[0].strip()
-        if said:
-            yield number_of, said
+    said = ((line, text.partition("#")[0].strip()) for line, text in numbered(name, lines))
+    return ((line, text) for line, text in said if text)
 
 
 def _units(name: str, lines: list[tuple[int, str]]) -> tuple[float | None, float]:
@@ -166,9 +162,7 @@ def angle_unit(at: str, word: str) -> float:
 
 
 def _triple(at: str, words: list[str]) -> tuple[float, float, float]:
-    if len(words) < 3:
-        raise InvalidFile(f"numbers in {at}", len(words), "3")
-    return number(at, words[0]), number(at, words[1]), number(at, words[2])
+    return vector(numbers_in(at, words[:3], 3, "3"))
 
 
 def _order(at: str, word: str) -> str:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from avatarsim.assets import caps
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.motions.asf import DOFS, Asf, AsfBone, angle_unit, read_asf
+from avatarsim.assets.motions.asf import DOFS, Asf, angle_unit, read_asf
 from avatarsim.assets.motions.measures import SHORTEST, TALLEST, guessed, standing
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
-from avatarsim.assets.motions.text import in_bytes, lines_of, number, quoted, without_mark
+from avatarsim.assets.motions.text import in_bytes, lines_of, numbered, numbers_in, quoted
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 
@@ -116,12 +116,12 @@ def _beside(path: Path) -> Path:
 def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:
     """How many lines stand before the first frame, and the unit of angle [rad]: the file's own, else its skeleton's."""
     angle = asf.angle
-    for k, line in enumerate(lines):
-        said = quoted(without_mark(line).strip()).lower()
+    for line, text in numbered(name, lines):
+        said = quoted(text.strip()).lower()
         if said.startswith(":") and said[1:4] in ("deg", "rad"):
-            angle = angle_unit(f"line {k + 1} of {name}", said[1:])
-        elif said and not said.startswith((":", "#")):
-            return k, angle
+            angle = angle_unit(f"line {line} of {name}", said[1:])
+        elif not said.startswith((":", "#")):
+            return line - 1, angle
     raise InvalidFile(f"end of {name}", "before the first frame", "a line with the number of a frame")
 
 
@@ -130,36 +130,33 @@ def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list
     bones = {bone.name: bone for bone in asf.bones}
     order = dict[str, slice]()
     rows: list[Array] = []
-    row: Array | None = None
+    values: Array | None = None
     seen: set[str] = set()
     first = 0
-    for line, text in enumerate(lines[head:], head + 1):
-        if not text or text.isspace() or text.startswith("#"):
+    for line, text in numbered(name, lines, head):
+        if text.startswith("#"):
             continue
-        at = f"line {line} of {name}"
-        if len(text) > caps.LINE:
-            raise InvalidFile(f"length of {at}", len(text), f"up to {caps.LINE} characters")
-        words = text.split()
+        at, words = f"line {line} of {name}", text.split()
         if len(words) == 1 and words[0].isdecimal():
             _require_whole(name, order, seen, len(rows), line)
             first = _frame_number(at, words[0], len(rows), first)
-            row = np.empty(sum(columns.stop - columns.start for columns in order.values()))
-            rows.append(row)
+            values = np.empty(sum(columns.stop - columns.start for columns in order.values()))
+            rows.append(values)
             seen = set()
             continue
         bone = bones.get(words[0])
-        if row is None or bone is None or words[0] in seen:
+        if values is None or bone is None or words[0] in seen:
             valid = f"the number of a frame, or a bone of {asf.name}, once a frame"
             raise InvalidFile(f"first word of {at}", quoted(words[0]), valid)
         seen.add(words[0])
-        numbers = _numbers(at, words, bone)
+        numbers = numbers_in(at, words[1:], len(bone.dof), f"{len(bone.dof)}: {' '.join(bone.dof)}", f"numbers of {bone.name}")
         if len(rows) == 1:
-            order[words[0]] = slice(len(row), len(row) + len(numbers))
-            row = rows[0] = np.concatenate([row, numbers])
+            order[words[0]] = slice(len(values), len(values) + len(numbers))
+            values = rows[0] = np.concatenate([values, numbers])
         elif words[0] not in order:
             raise InvalidFile(f"bone in {at}", words[0], "one that the first frame has numbers for")
         else:
-            row[order[words[0]]] = numbers
+            values[order[words[0]]] = numbers
     _require_whole(name, order, seen, len(rows), len(lines))
     missing = [bone.name for bone in asf.bones if bone.dof and bone.name not in order]
     if missing:
@@ -181,20 +178,6 @@ def _frame_number(at: str, word: str, frames: int, first: int) -> int:
     if frames and int(word) != first + frames:
         raise InvalidFile(f"number of a frame in {at}", int(word), f"{first + frames}, after the one before")
     return first if frames else int(word)
-
-
-def _numbers(at: str, words: list[str], bone: AsfBone) -> Array:
-    """The numbers of a bone's line."""
-    if len(words) - 1 != len(bone.dof):
-        raise InvalidFile(f"numbers of {bone.name} in {at}", len(words) - 1, f"{len(bone.dof)}: {' '.join(bone.dof)}")
-    try:
-        found = np.array(words[1:], dtype=np.float64)
-    except ValueError:
-        found = np.full(len(bone.dof), np.nan)
-    if not (np.abs(found) <= caps.NUMBER).all():
-        for word in words[1:]:
-            number(at, word)
-    return found
 
 
 def _tracks(asf: Asf, order: dict[str, slice]) -> tuple[Track, ...]:

@@ -19,7 +19,7 @@ from avatarsim.assets.models.skeleton import Bone, Skeleton
 from avatarsim.assets.motions.measures import guessed
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
-from avatarsim.assets.motions.text import in_bytes, lines_of, number, quoted, readable, vector, without_mark
+from avatarsim.assets.motions.text import in_bytes, lines_of, number, numbered, numbers_in, quoted, readable, vector
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 
@@ -125,10 +125,8 @@ def read_bvh(
 
 def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
     """(line, statement) of a hierarchy, braces by themselves; lines count from 1."""
-    for line, text in enumerate(lines, 1):
-        if len(text) > caps.LINE:
-            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {caps.LINE} characters")
-        for piece in re.split(r"([{}])", text if line > 1 else without_mark(text)):
+    for line, text in numbered(name, lines):
+        for piece in re.split(r"([{}])", text):
             if piece.strip():
                 yield line, piece.strip()
 
@@ -197,10 +195,7 @@ def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack:
 def _offset(at: str, words: list[str], joints: list[_Joint], stack: list[int]) -> None:
     """An OFFSET line: of a joint, or of the end site within one."""
     top = stack[-1]
-    found = tuple(number(at, word) for word in words[1:4])
-    if len(words) != 4:
-        raise InvalidFile(f"numbers after OFFSET in {at}", len(words) - 1, "3")
-    place = found[0], found[1], found[2]
+    place = vector(numbers_in(at, words[1:], 3, "3", "numbers after OFFSET"))
     if top == END:
         joints[stack[-2]].tips.append(place)
     elif joints[top].offset is not None:
@@ -244,7 +239,7 @@ def _complete(name: str, joints: list[_Joint]) -> list[_Joint]:
 
 def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tuple[Array, str]:
     """The numbers (F, columns) and the frame time as it is written. Raises InvalidFile."""
-    rest = [(k, line) for k, line in enumerate(lines[first:], first + 1) if line and not line.isspace()]
+    rest = list(numbered(name, lines, first))
     count, at_count = _said(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
     step, at_step = _said(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
     if not (re.fullmatch(r"\+?\d{1,12}", count) and 1 <= int(count) <= caps.FRAMES):
@@ -255,7 +250,11 @@ def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tu
     seconds = number(at_step, step)
     if not (0.0 < seconds <= LONGEST_STEP or (seconds == 0.0 and len(rows) == 1)):
         raise InvalidFile(f"frame time in {at_step} [s]", quoted(step), f"above 0, up to {LONGEST_STEP:g}")
-    return table(name, rows, sum(len(joint.channels or ()) for joint in joints)), step
+    columns = sum(len(joint.channels or ()) for joint in joints)
+    values, valid = np.empty((len(rows), columns)), f"{columns}, as many as there are channels"
+    for k, (line, text) in enumerate(rows):
+        values[k] = numbers_in(f"line {line} of {name}", text.split(), columns, valid)
+    return values, step
 
 
 def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: str) -> tuple[str, str]:
@@ -267,25 +266,6 @@ def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: s
     if not found:
         raise InvalidFile(f"line {line} of {name}", text.strip()[:80], valid)
     return found[1], f"line {line} of {name}"
-
-
-def table(name: str, rows: list[tuple[int, str]], columns: int) -> Array:
-    """The numbers (rows, columns) of rows (line, text). InvalidFile names the line that has others than so many numbers."""
-    found = np.empty((len(rows), columns))
-    for k, (line, text) in enumerate(rows):
-        if len(text) > caps.LINE:
-            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {caps.LINE} characters")
-        words = text.split()
-        if len(words) != columns:
-            raise InvalidFile(f"numbers in line {line} of {name}", len(words), f"{columns}, as many as there are channels")
-        try:
-            found[k] = words
-        except ValueError:
-            found[k] = np.nan
-        if "_" in text or not (np.abs(found[k]) <= caps.NUMBER).all():
-            for word in words:
-                number(f"line {line} of {name}", word)
-    return found
 
 
 def _carried(joints: list[_Joint], values: Array) -> int:

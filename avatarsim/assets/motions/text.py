@@ -1,5 +1,6 @@
 """Numbers and texts of untrusted files: what a word says, if it says a number that means anything."""
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -47,9 +48,15 @@ def readable(text: str) -> str:
         return text
 
 
-def without_mark(line: str) -> str:
-    """A first line without the byte order mark that some editors put there."""
-    return line.removeprefix(MARK)
+def numbered(name: str, lines: Sequence[str], first: int = 0) -> Iterator[tuple[int, str]]:
+    """(number, text) of lines that are not blank, behind the `first` ones; numbers count from 1. The byte order mark that some
+    editors write is left out. Raises InvalidFile for a line that is too long."""
+    for line, text in enumerate(lines[first:], first + 1):
+        if len(text) > caps.LINE:
+            raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {caps.LINE} characters")
+        text = text.removeprefix(MARK) if line == 1 else text
+        if text and not text.isspace():
+            yield line, text
 
 
 def number(at: str, word: str) -> float:
@@ -60,6 +67,20 @@ def number(at: str, word: str) -> float:
         found = np.nan
     if not abs(found) <= caps.NUMBER:
         raise InvalidFile(f"number in {at}", quoted(word), f"a finite number from {-caps.NUMBER:g} to {caps.NUMBER:g}")
+    return found
+
+
+def numbers_in(at: str, words: Sequence[str], count: int, valid: str, of: str = "numbers") -> Array:
+    """The numbers (count,) of a line; InvalidFile for another count of them, and as `number`."""
+    if len(words) != count:
+        raise InvalidFile(f"{of} in {at}", len(words), valid)
+    try:
+        found = np.array(words, dtype=np.float64)
+    except ValueError:
+        found = np.full(count, np.nan)
+    if not (np.abs(found) <= caps.NUMBER).all() or any("_" in word for word in words):
+        for word in words:
+            number(at, word)
     return found
 
 
