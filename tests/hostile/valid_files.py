@@ -83,7 +83,8 @@ def trajectory() -> Files:
     bodies = np.tile(q[:, None, :3], (1, 2, 1)), np.tile(q[:, None, 3:7], (1, 2, 1))
     np.savez(
         stream, fps=np.array([50]), joint_pos=q, joint_names=np.array(JOINTS), body_names=np.array(["world", "pelvis"]),
-        body_pos_w=bodies[0], body_quat_w=bodies[1], joint_vel=np.gradient(q, axis=0)[:, :-1],
+        body_pos_w=bodies[0], body_quat_w=bodies[1], joint_vel=np.gradient(q, axis=0)[:, :-1], object_pos_w=q[:, :3],
+        object_quat_w=q[:, 3:7], object_name="box", object_size=np.full(3, 0.2),
     )
     np.savez(other, fps=30.0, root_pos=q[:, :3], root_rot=q[:, 3:7], dof_pos=q[:, 7:].astype(np.float32))
     return {"robot.npz": stream.getvalue(), "apart.npz": other.getvalue()}

@@ -102,18 +102,18 @@ class _Boxes:
 
     def touch_hull(self) -> NDArray[np.bool_]:
         """Boxes that no face of their hull cuts off."""
-        return self._heights(np.abs, self.half) <= 0.0
+        return self._heights(self.half) <= 0.0
 
     def middle_in_hull(self) -> NDArray[np.bool_]:
-        return self._heights(np.abs, 0.0 * self.half) <= 0.0
+        return self._heights(0.0 * self.half) <= 0.0
 
-    def _heights(self, size: Callable[[Array], Array], half: Array) -> Array:
+    def _heights(self, half: Array) -> Array:
         """Largest signed height over the hull's planes of the lowest corner of each box."""
         found = np.zeros(len(self.owner))
         for k in np.unique(self.owner):
             own = np.flatnonzero(self.owner == k)
             planes = self.hulls[k].planes
-            lowest = self.middle[own] @ planes[:, :3].T + planes[:, 3] - half[own] @ size(planes[:, :3]).T
+            lowest = self.middle[own] @ planes[:, :3].T + planes[:, 3] - half[own] @ np.abs(planes[:, :3]).T
             found[own] = lowest.max(axis=1)
         return found
 

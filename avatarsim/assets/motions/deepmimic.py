@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from avatarsim.assets import caps
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions import matching
 from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST
+from avatarsim.assets.motions.recording import Axes
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
 from avatarsim.scene.avatar import Avatar
@@ -46,6 +46,9 @@ blend of quaternions leaves them: from 0.58 (kick) to 1.12 (backflip). Further o
 LEGS = 0.83
 """Length [m] of thigh and shank of the body that the clips are of. The model that pybullet ships is four times as large."""
 
+Y_UP = Axes(1.0, 1.0, "y")
+"""Axes of the files' numbers."""
+
 UPRIGHT = (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)
 """Turns the file's axes (y up) into ours (z up): a quarter turn about x."""
 
@@ -64,24 +67,6 @@ class Clip:
     root_positions: Array
     rotations: Mapping[str, Array]
     angles: Mapping[str, Array]
-
-
-def z_up(vector: ArrayLike) -> Array:
-    """(x, y, z) with y up, shape (..., 3), in our axes: x forward, y left, z up."""
-    v = np.asarray(vector, dtype=np.float64)
-    return np.stack([v[..., 0], -v[..., 2], v[..., 1]], axis=-1)
-
-
-def z_up_rotation(quaternion: ArrayLike) -> Array:
-    """The same turn, (w, x, y, z) with y up, shape (..., 4), in our axes."""
-    q = np.asarray(quaternion, dtype=np.float64)
-    return np.concatenate([q[..., :1], z_up(q[..., 1:])], axis=-1)
-
-
-def y_up(vector: ArrayLike) -> Array:
-    """The inverse of `z_up`, shape (..., 3)."""
-    v = np.asarray(vector, dtype=np.float64)
-    return np.stack([v[..., 0], v[..., 2], -v[..., 1]], axis=-1)
 
 
 def read_clip(path: Path) -> Clip:
@@ -106,14 +91,14 @@ def read_deepmimic(path: str | Path) -> "DeepMimic":
             for k in np.flatnonzero(~((lengths >= SHORTEST) & (lengths <= LONGEST))):
                 thing = f"length of the {link} quaternion in frame {k} of {path.name}"
                 raise InvalidFile(thing, float(lengths[k]), f"{SHORTEST:g} to {LONGEST:g}, before it is made 1")
-            rotations[link] = rotation.normalised(z_up_rotation(rows[link]))
+            rotations[link] = rotation.normalised(Y_UP.turned(rows[link]))
     _require_plausible(path.name, frames, rows)
     clip = Clip(
         name=path.stem.removeprefix("humanoid3d_"),
         wraps=content.get("Loop") == "wrap",
         # a frame's step says how long it stands until the next one
         times=np.concatenate([[0.0], np.cumsum(frames[:-1, 0])]),
-        root_positions=z_up(frames[:, 1:4]),
+        root_positions=Y_UP.vectors(frames[:, 1:4]),
         rotations=rotations,
         angles={link: rows[link][:, 0].copy() for link, width in LAYOUT if width == 1},
     )
@@ -222,7 +207,7 @@ class DeepMimic:
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
         steps = self.frames[:, 0] if same_times else np.diff(motion.times, append=2.0 * motion.times[-1] - motion.times[-2])
         stayed = (coordinates.rows(motion) == coordinates.rows(before)).all(axis=1) if same_times else None
-        columns = [steps[:, None], y_up(motion.positions[:, slots["root"].link])]
+        columns = [steps[:, None], Y_UP.in_file(motion.positions[:, slots["root"].link])]
         first = 4
         for joint, width in LAYOUT:
             slot = slots[joint]
@@ -232,7 +217,7 @@ class DeepMimic:
             else:
                 turns = motion.rotations[:, slot.link]
                 own = _to_axes(turns, joint == "root") if flat else turns
-                turns = np.concatenate([own[:, :1], y_up(own[:, 1:])], axis=1)
+                turns = Y_UP.turned_in_file(own)
                 recorded = self.frames[:, first - 4 : first]
                 signed = rotation.continuous(turns) if stayed is None else rotation.with_signs_of(turns, recorded, stayed)
                 columns.append(signed)
@@ -244,14 +229,14 @@ class DeepMimic:
 
 def _of_axes(turns: Array, root: bool) -> Array:
     """Rotations of a clip, z up, for an avatar whose links are drawn with y up."""
-    own = np.concatenate([turns[:, :1], y_up(turns[:, 1:])], axis=1)
+    own = Y_UP.turned_in_file(turns)
     return rotation.multiply(np.array(UPRIGHT), own) if root else own
 
 
 def _to_axes(turns: Array, root: bool) -> Array:
     """The inverse of `_of_axes`."""
     own = rotation.multiply(rotation.conjugate(np.array(UPRIGHT)), turns) if root else turns
-    return z_up_rotation(own)
+    return Y_UP.turned(own)
 
 
 def _slots(name: str, coordinates: Coordinates, avatar: Avatar) -> dict[str, Slot]:

@@ -44,7 +44,7 @@ def guessed(
         up, reason = _up(rest, clip)
         said.append(f"up axis guessed of {thing}: {up}, by {reason}; up= says it")
     if scale is None:
-        height = _height(made(Axes(1.0, angle, up)))
+        height = standing(made(Axes(1.0, angle, up)))
         fitting = [unit for unit in UNITS if SHORTEST <= unit * height <= TALLEST]
         if not fitting:
             found = ", ".join(f"{unit * height:.3g} m in {name}" for unit, name in UNITS.items())
@@ -72,9 +72,9 @@ def _up(rest: Array, clip: Array) -> tuple[str, str]:
     return "y", "custom, as its extents along y and z are alike"
 
 
-def _height(recording: Recording) -> float:
-    """Standing height in the file's unit: from the lowest foot to the top of the head, if names tell, at rest; of a skeleton that
-    does not stand at rest, as some are folded up, in the clip, if that is more."""
+def standing(recording: Recording) -> float:
+    """Standing height in the recording's unit: from the lowest foot to the top of the head, if names tell, at rest; in the clip
+    where the skeleton does not stand at rest, as some are folded up, and that is more."""
     named = parts(recording.skeleton)
     kinds = [part.kind for part in named]
     owners = np.array([kinds[bone] for bone in recording.skeleton.owners])
@@ -86,8 +86,3 @@ def _height(recording: Recording) -> float:
     if upright is not None:
         return float(np.ptp(rest[body, upright]))
     return float(max(np.ptp(rest[body, 2]), np.ptp(clip[:, body, 2], axis=1).max()))
-
-
-def standing(recording: Recording) -> float:
-    """Standing height [m] of a recording's skeleton."""
-    return _height(recording)

@@ -12,7 +12,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.assets.motions.deepmimic import z_up
+from avatarsim.assets.motions.deepmimic import Y_UP
 from avatarsim.errors import InvalidFile, described
 from avatarsim.files import read_bytes
 from avatarsim.scene.avatar import Avatar, Link
@@ -53,7 +53,7 @@ def _links(robot: Element) -> Iterator[Link]:
         root, element = parent == "base", elements[name]
         pieces = tuple(map(_piece, element.findall("collision")))
         mass = solid(pieces, float(_part(element, "inertial/mass").attrib["value"]))
-        x, y, z = z_up(np.zeros(3) if root else _vector(_part(joint, "origin"), "xyz") * SCALE).tolist()
+        x, y, z = Y_UP.vectors(np.zeros(3) if root else _vector(_part(joint, "origin"), "xyz") * SCALE).tolist()
         yield Link(name, None if root else parent, Free() if root else _joint(joint, name), pieces, mass, anchor=(x, y, z))
 
 
@@ -64,14 +64,14 @@ def _joint(joint: Element, name: str) -> Joint:
     if kind == "spherical":
         return Ball(ball_limits(name), reach_cone(name))
     if kind == "revolute":
-        x, y, z = z_up(_vector(_part(joint, "axis"), "xyz")).tolist()
+        x, y, z = Y_UP.vectors(_vector(_part(joint, "axis"), "xyz")).tolist()
         return Hinges((Hinge((x, y, z), *hinge_limits(name)),))
     raise ValueError(f"joint {name} is {kind}, not fixed, spherical or revolute")
 
 
 def _piece(collision: Element) -> Piece:
     geometry, origin = _part(collision, "geometry"), _part(collision, "origin")
-    x, y, z = z_up(_vector(origin, "xyz") * SCALE).tolist()
+    x, y, z = Y_UP.vectors(_vector(origin, "xyz") * SCALE).tolist()
     # turns by roll about x, then pitch about y, then yaw about z, all fixed axes
     angles = zip(np.eye(3), _vector(origin, "rpy"), strict=True)
     roll, pitch, yaw = (rotation.from_axis_angle(axis, angle) for axis, angle in angles)
