@@ -19,6 +19,10 @@ BATCH = 8
 GROWTH = (1.2, 4.0)
 """Least and most factor by which the number of vertices grows when the hull sticks out too far."""
 
+SEARCHED = 5_000_000
+"""Vertices times points of a hull up to which `fit` is searched for: 20 s. More: a larger hull takes minutes; fewer: it stays
+whole, with more vertices to query."""
+
 ROUNDING = 1e-12
 """Relative scaling beyond what was computed, so that rounding leaves no vertex outside."""
 
@@ -31,7 +35,8 @@ def enclosing(hull: Hull, most: int, name: str, fit: float | None = None) -> tup
     `most` is returned as it is.
 
     Args:
-        fit: largest distance that may be added, in the hull's unit; where `most` vertices add more, there are more of them.
+        fit: largest distance that may be added, in the hull's unit; where `most` vertices add more, there are more of them, up
+            to all.
     """
     points = hull.points[hull.used]
     while len(points) > most:
@@ -42,6 +47,8 @@ def enclosing(hull: Hull, most: int, name: str, fit: float | None = None) -> tup
             return around, added
         # the distance added falls about as the number of vertices grows
         most = int(most * np.clip(added / fit, *GROWTH)) + 1
+        if most * len(points) > SEARCHED:
+            break
     return hull, 0.0
 
 

@@ -101,10 +101,22 @@ def compiled_by_mujoco(
 
 
 def _swap_shapes(spec: Any) -> None:
-    """Let shapes collide that are to be looked at, in place of those that collide."""
+    """Let shapes collide that are to be looked at, in place of those that collide of their body.
+
+    A body without any keeps its own; the world's, such as a floor, are both, and stay."""
     spec.compiler.discardvisual = False
-    for geom in spec.geoms:
-        geom.contype = geom.conaffinity = 0 if geom.contype or geom.conaffinity else 1
+    named = {name for pair in spec.pairs for name in (pair.geomname1, pair.geomname2)}
+    off = set[str]()
+    for body in spec.bodies:
+        seen = [geom for geom in body.geoms if not (geom.contype or geom.conaffinity or geom.name in named)]
+        for geom in body.geoms if seen and body.name != "world" else ():
+            geom.contype = geom.conaffinity = 0
+            off.add(geom.name)
+        for geom in seen:
+            geom.contype = geom.conaffinity = 1
+    for pair in list(spec.pairs):
+        if {pair.geomname1, pair.geomname2} & off:
+            spec.delete(pair)
 
 
 def _compiled(spec: Any, mujoco: Any) -> Any:
@@ -135,16 +147,35 @@ def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
     for name in (
         "body_parentid body_mocapid body_pos body_quat body_mass body_ipos body_iquat body_inertia jnt_type jnt_bodyid jnt_pos "
         "jnt_axis jnt_range jnt_limited jnt_qposadr qpos0 geom_type geom_bodyid geom_pos geom_quat geom_size geom_contype "
-        "geom_conaffinity geom_dataid geom_priority exclude_signature pair_geom1 pair_geom2 eq_type eq_objtype eq_obj1id "
-        "eq_obj2id eq_data eq_active0"
+        "geom_conaffinity geom_dataid geom_priority geom_condim exclude_signature pair_geom1 pair_geom2 eq_type eq_objtype "
+        "eq_obj1id eq_obj2id eq_data eq_active0"
     ).split():
         found[name] = getattr(model, name)
-    found["gravity"] = model.opt.gravity.copy()
+    weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    found["gravity"] = np.zeros(3) if weightless else model.opt.gravity.copy()
     # sliding: torsion and rolling have no part in a contact of points
-    found["geom_friction"], found["pair_friction"] = model.geom_friction[:, 0], model.pair_friction[:, 0]
+    found["geom_friction"], found["pair_friction"] = model.geom_friction[:, 0].copy(), model.pair_friction[:, 0].copy()
+    if model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE:
+        found["geom_friction"][:] = found["pair_friction"][:] = model.opt.o_friction[0]
+    # a contact of one dimension has a normal alone
+    found["pair_friction"][model.pair_dim == 1] = 0.0
+    found["unread_name"] = np.array(_unread(model, mujoco), dtype=np.str_)
     found["flexes"] = np.array(model.nflex)
     found["model_name"] = np.array(bytes(model.names).split(b"\0")[0].decode("utf-8", "replace"))
     return found | _meshes(model, mujoco)
+
+
+def _unread(model: Any, mujoco: Any) -> list[str]:
+    """Return what the file states on motion and contacts that has no counterpart here."""
+    option, disabled = model.opt, mujoco.mjtDisableBit
+    loose = np.isin(model.body_rootid, model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE])
+    stated = {
+        "a flag that disables all contacts": option.disableflags & (disabled.mjDSBL_CONTACT | disabled.mjDSBL_CONSTRAINT),
+        "a flag that lets parent and child touch": option.disableflags & disabled.mjDSBL_FILTERPARENT,
+        "wind, density or viscosity of a medium": option.density or option.viscosity or option.wind.any(),
+        "gravity compensation of loose bodies": (model.body_gravcomp[loose] != 0.0).any(),
+    }
+    return [said for said, is_stated in stated.items() if is_stated]
 
 
 def _keyframes(model: Any, mujoco: Any, scale: float) -> dict[str, Any]:
@@ -153,7 +184,9 @@ def _keyframes(model: Any, mujoco: Any, scale: float) -> dict[str, Any]:
     for kind, address in zip(model.jnt_type, model.jnt_qposadr, strict=True):
         if kind in (kinds.mjJNT_FREE, kinds.mjJNT_SLIDE):
             qpos[:, address : address + (3 if kind == kinds.mjJNT_FREE else 1)] *= scale
-    return {"key_qpos": qpos, "key_mpos": scale * model.key_mpos, "key_mquat": model.key_mquat}
+    turns = model.key_mquat.reshape(-1, 4).copy()
+    turns[~turns.any(axis=1)] = 1.0, 0.0, 0.0, 0.0
+    return {"key_qpos": qpos, "key_mpos": scale * model.key_mpos, "key_mquat": turns.reshape(model.key_mquat.shape)}
 
 
 def _meshes(model: Any, mujoco: Any) -> dict[str, Any]:

@@ -7,7 +7,7 @@ bodies and joints, and of URDF either visuals or collisions. What is compiled is
 
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from xml.parsers import expat
@@ -116,16 +116,17 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
     texts: dict[str, bytes] = {}
     plugins: list[str] = []
     velocities: dict[str, float] = {}
-    waiting, left, free_root, is_robot = [(main, path)], XML_BYTES, False, False
+    waiting: list[tuple[str, Path, tuple[values.Element, ...]]] = [(main, path, ())]
+    left, free_root, is_robot = XML_BYTES, False, False
     while waiting:
-        name, place = waiting.pop()
+        name, place, around = waiting.pop()
         if name in texts:
             continue
         if len(texts) == XML_FILES:
             raise InvalidFile(f"files of XML of {path.name}", f"more than {XML_FILES}", f"up to {XML_FILES}")
         texts[name] = _plain(read_bytes(place, f"model {name}", "a readable file of XML", left))
         left -= len(texts[name])
-        scan = _Scan(name, PurePosixPath(main).parent, folder, collide)
+        scan = _Scan(name, PurePosixPath(main).parent, folder, collide, around)
         scan.read(texts[name])
         texts[name] = scan.kept(texts[name])
         plugins += scan.plugins
@@ -143,32 +144,43 @@ def _plain(content: bytes) -> bytes:
 
 
 class _Scan:
-    """One file of XML, element by element; `found` are the files of XML that it names: (path below the folder, path), `is_robot`
-    says whether it is URDF and `has_world` whether that has a link named world; `plugins` are the names of those left out,
-    `velocities` the limits of speed of its joints by name."""
+    """One file of XML, element by element, whose root stands for the elements `around` where another file includes it.
 
-    def __init__(self, name: str, main: PurePosixPath, folder: Path, collide: str) -> None:
+    `found` are the files of XML that it names: (path below the folder, path, elements around), `is_robot` says whether it is URDF
+    and `has_world` whether that has a link named world; `plugins` are the names of those left out, `velocities` the limits of
+    speed of its joints by name."""
+
+    def __init__(
+        self, name: str, main: PurePosixPath, folder: Path, collide: str, around: tuple[values.Element, ...] = ()
+    ) -> None:
         self._name, self._main, self._folder, self._collide = name, main, folder, collide
+        self._around = around
         self.plugins: list[str] = []
+        self._links, self._seen = 0, frozenset[int]()
         self._blank: list[tuple[int, int]] = []
         self._blank_from = self._blank_depth = -1
         self._ended = False
         self._open: list[values.Element] = []
         self._elements = 0
-        self.found: list[tuple[str, Path]] = []
+        self.found: list[tuple[str, Path, tuple[values.Element, ...]]] = []
         self.velocities: dict[str, float] = {}
         self.is_robot = self.has_world = False
         # UTF-8 whatever the file says of itself, as MuJoCo's parser takes it
         self._parser = expat.ParserCreate("utf-8")
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
-        self._parser.CharacterDataHandler = self._text
+        # whatever comes next ends a blanked element: text, and also what the compiler would read as text
+        self._parser.CharacterDataHandler = self._next
+        self._parser.StartCdataSectionHandler = self._next
+        self._parser.ProcessingInstructionHandler = self._next
         self._parser.StartDoctypeDeclHandler = self._doctype
         self._parser.EntityDeclHandler = self._doctype
 
     def read(self, content: bytes) -> None:
         """Scan the whole text; InvalidFile where it is no XML, or names what it may not."""
         try:
+            if self._collide == "visual":
+                self._seen = _links_with_visuals(content, self._doctype)
             self._parser.Parse(content, True)
         except expat.ExpatError as error:
             raise InvalidFile(f"model {self._name}", f"cut off or not XML: {error}", "a whole file of XML in UTF-8") from error
@@ -194,9 +206,15 @@ class _Scan:
         if not above:
             return False
         if above[0].tag == "robot":
-            other = COLLIDE[1 - COLLIDE.index(self._collide)]
-            return tag == "material" or (tag == other if above[-1].tag == "link" else len(above) == 1 and tag in FOREIGN)
+            if above[-1].tag == "link" and tag in COLLIDE:
+                # a link that has no visuals keeps its collisions
+                return tag != self._collide and (tag == "visual" or self._links - 1 in self._seen)
+            return tag == "material" or (len(above) == 1 and tag in FOREIGN)
         return tag == "extension" or (tag == "plugin" and above[-1].tag in MOVED_BY_PLUGIN)
+
+    def _above(self) -> tuple[values.Element, ...]:
+        """Return the elements that are open; the root of an included file gives way to those around it."""
+        return (*self._around, *self._open[1:]) if self._around and self._open else tuple(self._open)
 
     def _place(self, what: str) -> str:
         return f"{what} in {self._name}, line {self._parser.CurrentLineNumber},"
@@ -207,16 +225,17 @@ class _Scan:
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._settle()
         self._elements += 1
-        above, own = tuple(self._open), values.Element(tag, attributes)
+        above, own = self._above(), values.Element(tag, attributes)
         self._open.append(own)
         if len(self._open) > DEEPEST_XML:
             raise InvalidFile(self._place("depth of elements"), len(self._open), f"up to {DEEPEST_XML}")
         if self._elements > ELEMENTS:
             raise InvalidFile(self._place("number of elements"), self._elements, f"up to {ELEMENTS}")
         self.is_robot |= not above and tag == "robot"
+        self._links += tag == "link"
         self.has_world |= [one.tag for one in self._open] == ["robot", "link"] and attributes.get("name") == "world"
         if self._blank_from < 0 and self._is_left_out(tag, above):
-            self._blank_from, self._blank_depth = self._parser.CurrentByteIndex, len(above)
+            self._blank_from, self._blank_depth = self._parser.CurrentByteIndex, len(self._open) - 1
         if self._blank_from >= 0:
             if tag == "plugin" and above[0].tag != "robot":
                 self.plugins.append(attributes.get("plugin") or attributes.get("instance") or "without a name")
@@ -233,7 +252,7 @@ class _Scan:
             if key.startswith("file") or key in ("assetdir", "meshdir", "texturedir"):
                 self._path(tag, key, value)
 
-    def _text(self, text: str) -> None:
+    def _next(self, *found: str) -> None:
         self._settle()
 
     def _end(self, tag: str) -> None:
@@ -248,9 +267,29 @@ class _Scan:
             # as MuJoCo: beside the model that was asked for, and else beside the file that names it
             bases = dict.fromkeys([self._main, PurePosixPath(self._name).parent])
             name, place = existing(thing, [base / value for base in bases], self._folder)
-            self.found.append((name, place))
+            around = self._above()[:-1] if tag == "include" else ()
+            self.found.append((name, place, around))
         elif key in ("assetdir", "meshdir"):
             inside(thing, self._main / value, self._folder)
+
+
+def _links_with_visuals(content: bytes, refuse: Callable[..., None]) -> frozenset[int]:
+    """Return the numbers, in their order, of elements called link that have one called visual; `refuse` is given a DOCTYPE."""
+    parser = expat.ParserCreate("utf-8")
+    parser.StartDoctypeDeclHandler = refuse
+    links, above, found = 0, list[str](), set[int]()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal links
+        links += tag == "link"
+        if tag == "visual" and above and above[-1] == "link":
+            found.add(links - 1)
+        above.append(tag)
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = lambda tag: above.pop()
+    parser.Parse(content, True)
+    return frozenset(found)
 
 
 def require_relative(thing: str, value: str) -> None:

@@ -39,8 +39,19 @@ Array = NDArray[np.float64]
 UNNAMED = "MuJoCo Model"
 """MuJoCo's name for a model that has none."""
 
+LIMIT_ROUNDING = 1e-3
+"""[rad, m] Joints this far beyond their limits at the start are not worth a sentence: files round both."""
+
 WORLD = "world"
 """What a part of the world is called whose geom has no name."""
+
+
+_SHAPES = {
+    "collision": 'at least 1: <collision> of a URDF link; contype or conaffinity of an MJCF geom, or a pair that names it; '
+                 'collide="visual" takes the shapes that are to be looked at',
+    "visual": 'at least 1: <visual> or <collision> of a URDF link, a geom of MJCF',
+}
+"""What there must be of shapes, by `Options.collide`."""
 
 
 @dataclass(frozen=True)
@@ -109,6 +120,8 @@ class _Reading:
         self._said += [*self._pose.said(), *self._geoms.said(), *self._masses.said(), *self._laws.said()]
         if self._m.plugin_name:
             self._said.append(f"plugins are left out: {', '.join(self._m.plugin_name)}")
+        if self._m.unread_name:
+            self._said.append(f"left out, though the file states it: {', '.join(self._m.unread_name)}")
         gravity = vector_of(self._m.gravity)
         if gravity != EARTH:
             self._said.append(f"gravity is {', '.join(f'{g:g}' for g in gravity)} m/s^2, as in the file")
@@ -117,12 +130,9 @@ class _Reading:
             moving=tuple(self._moving), attached=tuple(welds.values()), gravity=gravity,
             frictions=self._laws.found(),
         )
-        if not found.room and (avatar is None or not any(link.pieces for link in avatar.links)):
-            valid = (
-                'at least 1: <collision> of a URDF link; contype or conaffinity of an MJCF geom, or a pair that names it; '
-                'collide="visual" takes the shapes that are to be looked at'
-            )
-            raise InvalidFile(f"shapes of {self._file} that collide", 0, valid)
+        if not (found.room if avatar is None else any(link.pieces for link in avatar.links)):
+            of = "" if avatar is None else f"avatar {avatar.name} in "
+            raise InvalidFile(f"shapes of {of}{self._file} that collide", 0, _SHAPES[self._options.collide])
         if self._options.exclude:
             found = without_pairs(found, self._options.exclude)
         said: tuple[str, ...] = ()
@@ -144,6 +154,9 @@ class _Reading:
                 return tuple(sorted(b for bodies in chosen for b in bodies))
         jointed = self._m.jnt_bodyid[self._m.jnt_type != JointKind.FREE]
         counts = [int(np.isin(jointed, bodies).sum()) for bodies in forest]
+        if any(shaped := [count > 0 and any(map(self._geoms.of, bodies)) for count, bodies in zip(counts, forest, strict=True)]):
+            # points of deformable bodies have joints and no shapes
+            counts = [count * has_shapes for count, has_shapes in zip(counts, shaped, strict=True)]
         if max(counts, default=0) == 0 and self._options.driven is None:
             return None
         loose = [k for k, bodies in enumerate(forest) if np.isin(self._m.jnt_bodyid, bodies).any()]
@@ -195,6 +208,8 @@ class _Reading:
         posture = coordinates.motion(np.concatenate([np.zeros(0), *row])[None], np.zeros(1)).sample(0)
         axes = [axis for link in avatar.links for axis in axes_of(link.joint)]
         angles = [min(max(angle, axis.lower), axis.upper) for angle, axis in zip(posture.angles, axes, strict=True)]
+        if beyond := int((np.abs(angles - posture.angles) > LIMIT_ROUNDING).sum()):
+            self._said.append(f"{beyond} joints start at their limits, beyond which the file has them at the start")
         return replace(posture, angles=avatar.with_followers(np.array(angles, dtype=np.float64)))
 
     def _material_of_link(self, body: int) -> str:
@@ -252,16 +267,19 @@ class _Reading:
         """Pairs of links that never touch, besides parent and child: by welds, by the file's word, by masks."""
         parent = {link.name: link.parent for link in skeleton.links}
         parts = self._link_parts(tree, self._names)
-        found, masked = [], 0
+        found, masked, neighbours = [], 0, 0
         kept_apart = set(self._filter.kept_apart(parts))
         for k, two in enumerate(parts):
             for j, one in enumerate(parts[:k]):
                 apart = self._filter.apart(one, two)
+                neighbours += self._filter.states(one, two) and (apart or parent[two.name] == one.name)
                 if parent[two.name] != one.name and (apart or (j, k) in kept_apart):
                     found.append((one.name, two.name))
                     masked += not apart
         if masked:
             self._said.append(f"{masked} pairs of links never touch, as the file has it (exclude, contype, conaffinity)")
+        if neighbours:
+            self._said.append(f"{neighbours} pairs of links never touch, though the file states them: a joint or a weld has both")
         return tuple(found)
 
     def _link_parts(self, tree: Tree, names: dict[int, str]) -> list[Part]:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations_with_replacement
+from operator import itemgetter
 
 from avatarsim.assets import caps
 from avatarsim.assets.models.compiled import Compiled
@@ -12,11 +13,14 @@ from avatarsim.scene.body import TABLE_1, ContactLaw, PairTable
 
 @dataclass(frozen=True)
 class Stated:
-    """Material of a file: `base` is that of the table for restitution, `priority` decides whose friction a pair has."""
+    """Material of a file: `base` is that of the table for restitution, `priority` decides whose friction a pair has.
+
+    A pair has none where all that decide are of contacts with a normal alone (`condim` 1)."""
 
     base: str
     friction: float
     priority: int = 0
+    is_smooth: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,11 +53,17 @@ class Frictions:
         if (a, b) in self.pairs or (b, a) in self.pairs:
             friction = self.pairs.get((a, b), self.pairs.get((b, a), 0.0))
         elif one and other:
-            highest = max(one.priority, other.priority)
-            friction = max(part.friction for part in (one, other) if part.priority == highest)
+            friction = combined(one, other)
         else:
             friction = max([known.friction, *(part.friction for part in (one, other) if part)])
         return ContactLaw(known.restitution, friction)
+
+
+def combined(one: Stated, other: Stated) -> float:
+    """Return the friction of two materials by MuJoCo's rule."""
+    highest = max(one.priority, other.priority)
+    deciding = [part for part in (one, other) if part.priority == highest]
+    return 0.0 if all(part.is_smooth for part in deciding) else max(part.friction for part in deciding)
 
 
 class Laws:
@@ -62,22 +72,34 @@ class Laws:
     def __init__(self, model: Compiled, file: str) -> None:
         self._m, self._file = model, file
         self._stated: dict[str, Stated] = {}
-        self._paired = {*model.pair_geom1.tolist(), *model.pair_geom2.tolist()}
+        two = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+        self._pairs = [(*pair, float(friction)) for pair, friction in zip(two, model.pair_friction, strict=True)]
+        of_rule = {(g, h): combined(self._geom(g), self._geom(h)) for g, h, _ in self._pairs}
+        self._paired = {geom for g, h, friction in self._pairs if friction != of_rule[g, h] for geom in (g, h)}
         self._of_geom: dict[int, str] = {}
         self._mixed: list[str] = []
+
+    def _geom(self, geom: int, base: str = "") -> Stated:
+        m = self._m
+        return Stated(base, float(m.geom_friction[geom]), int(m.geom_priority[geom]), bool(m.geom_condim[geom] == 1))
+
+    def _touch(self, g: int, h: int) -> bool:
+        types, affinities = self._m.geom_contype, self._m.geom_conaffinity
+        return bool(types[g] & affinities[h] or types[h] & affinities[g])
 
     def material(self, name: str, geoms: Sequence[int], base: str) -> str:
         """Return the material of the part of that name: of its geoms' frictions the largest of the highest priority."""
         if self._m.is_urdf or not geoms:
             return base
-        priority = max(int(self._m.geom_priority[g]) for g in geoms)
-        found = {float(self._m.geom_friction[g]) for g in geoms if self._m.geom_priority[g] == priority}
+        every = {self._geom(g, base) for g in geoms}
+        priority = max(one.priority for one in every)
+        found = {one for one in every if one.priority == priority}
         if len(found) > 1:
             self._mixed.append(name)
-        stated = Stated(base, max(found), priority)
-        material = f"{base} {stated.friction:g}" + (f" over {priority}" if priority else "")
+        stated = Stated(base, max(one.friction for one in found), priority, all(one.is_smooth for one in found))
+        material = f"{base} {stated.friction:g}" + (f" over {priority}" if priority else "") + " smooth" * stated.is_smooth
         if self._paired & set(geoms):
-            # its own, since the file states the friction of a pair with it
+            # its own, since the file states another friction of a pair with it
             material = f"{material} of {name}"
             self._of_geom |= {g: material for g in geoms}
         self._stated[material] = stated
@@ -87,11 +109,19 @@ class Laws:
 
     def found(self) -> Frictions:
         """Return all materials so far."""
+        stated = {frozenset((g, h)): friction for g, h, friction in sorted(self._pairs, key=itemgetter(2))}
+        geoms: dict[str, list[int]] = {}
+        for geom, material in self._of_geom.items():
+            geoms.setdefault(material, []).append(geom)
         pairs: dict[tuple[str, str], float] = {}
-        for g, h, friction in zip(self._m.pair_geom1, self._m.pair_geom2, self._m.pair_friction, strict=True):
-            if g in self._of_geom and h in self._of_geom:
-                pair = self._of_geom[g], self._of_geom[h]
-                pairs[pair] = max(pairs.get(pair, 0.0), float(friction))
+        for one, other in {(self._of_geom.get(g), self._of_geom.get(h)) for g, h, _ in self._pairs}:
+            if one is not None and other is not None:
+                # of other geoms of the two, which may touch too, by the rule
+                found = [
+                    stated.get(frozenset((g, h)), combined(self._geom(g), self._geom(h)))
+                    for g in geoms[one] for h in geoms[other] if frozenset((g, h)) in stated or self._touch(g, h)
+                ]
+                pairs[one, other] = max(found)
         return Frictions(self._stated, pairs)
 
     def said(self) -> tuple[str, ...]:

@@ -77,9 +77,13 @@ class Filter:
         """Whether two parts never touch since they are rigid with one another, or one is jointed to the other."""
         return one.weld == other.weld or one.above == other.weld or other.above == one.weld
 
+    def states(self, one: Part, other: Part) -> bool:
+        """Return whether the file states a pair of geoms of two parts."""
+        return bool(self._stated) and any((min(g, h), max(g, h)) in self._stated for g in one.geoms for h in other.geoms)
+
     def meet(self, one: Part, other: Part) -> bool:
         """Whether the file lets any geom of one part touch any of the other."""
-        if self._stated and any((min(g, h), max(g, h)) in self._stated for g in one.geoms for h in other.geoms):
+        if self.states(one, other):
             return True
         if self._excluded and all(
             (min(a, b) << BITS) + max(a, b) in self._excluded for a in one.bodies for b in other.bodies

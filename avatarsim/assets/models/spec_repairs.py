@@ -29,7 +29,7 @@ FLAT = 2
 
 def bare(spec: Any, mujoco: Any) -> None:
     """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, actuator
-    and sensor, and no memory for a simulation. Raises InvalidFile for too many keyframes."""
+    and sensor, no tuple that may name them, and no memory for a simulation. Raises InvalidFile for too many keyframes."""
     if len(spec.keys) > caps.KEYFRAMES:
         raise InvalidFile("number of keyframes", len(spec.keys), f"up to {caps.KEYFRAMES}")
     for texture in spec.textures:
@@ -39,7 +39,7 @@ def bare(spec: Any, mujoco: Any) -> None:
         texture.height = FLAT if texture.type == mujoco.mjtTexture.mjTEXTURE_2D else 6 * FLAT
     for field in spec.hfields:
         field.file, field.nrow, field.ncol, field.userdata = "", FLAT, FLAT, [0.0] * FLAT**2
-    for unread in (*spec.skins, *spec.actuators, *spec.sensors):
+    for unread in (*spec.skins, *spec.tuples, *spec.actuators, *spec.sensors):
         spec.delete(unread)
     for key in spec.keys:
         # of actuators that are gone

@@ -1,6 +1,7 @@
 """Start of a model file: its reference, or one of its keyframes."""
 
 from dataclasses import dataclass
+from operator import index
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,12 +59,14 @@ def chosen(model: Compiled, keyframe: str | int | None, file: str) -> StartPose:
         return StartPose(model, -1)
     if keyframe is None:
         return StartPose(model, names.index("home") if "home" in names else 0)
-    if isinstance(keyframe, str) and keyframe in names:
+    if isinstance(keyframe, str) and keyframe and keyframe in names:
         return StartPose(model, names.index(keyframe))
     try:
-        number = int(keyframe)
+        number = int(keyframe) if isinstance(keyframe, str) else index(keyframe)
     except ValueError:
         raise UnknownName(f"keyframe of {file}", str(keyframe), [*filter(None, names), REFERENCE]) from None
+    except TypeError:
+        raise InvalidInput(f"keyframe of {file}", keyframe, "a name or a whole number") from None
     if isinstance(keyframe, bool) or not 0 <= number < len(names):
         valid = f"a name, or a number from 0 to {len(names) - 1}" if names else f"{REFERENCE}, since the file has none"
         raise InvalidInput(f"keyframe of {file}", keyframe, valid)

@@ -73,7 +73,9 @@ MJCF: Mapping[str, Mapping[str, Rule]] = {
         "range": Rule(2, lambda v: v[0] < v[1] or not any(v), ", the lower one first; or 0 0 for no limits"),
     },
     "mesh": {"scale": SCALE, "refpos": PLACE, "refquat": _direction(4)},
-    "option": {"timestep": LENGTH, "gravity": PLACE},
+    "option": {"timestep": LENGTH, "gravity": PLACE, "o_friction": _from_zero(None)},
+    "pair": {"friction": _from_zero(None)},
+    "key": {"qpos": _finite(None), "mpos": _finite(None), "mquat": _finite(None)},
     "compiler": {"boundmass": AMOUNT, "boundinertia": AMOUNT},
 }
 """Rules of MJCF by element and attribute, of what is read and of what a simulation would need."""

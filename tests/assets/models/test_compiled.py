@@ -17,7 +17,7 @@ def answer(**changed: object) -> bytes:
     names = {"body_name": ["world", "arm"], "jnt_name": ["turn"], "geom_name": ["ball"]}
     arrays: dict[str, object] = {
         **{key: np.array(value, dtype=np.str_) for key, value in names.items()},
-        **{key: np.zeros(0, dtype=np.str_) for key in ("eq_name", "mesh_name", "key_name", "plugin_name")},
+        **{key: np.zeros(0, dtype=np.str_) for key in ("eq_name", "mesh_name", "key_name", "plugin_name", "unread_name")},
         "free_root": np.array(False), "is_urdf": np.array(False), "mended_name": np.zeros(0, np.str_),
         "model_name": np.array("m"), "flexes": np.array(0), "qpos0": np.zeros(1),
         "body_parentid": np.zeros(2, np.int32), "body_mocapid": np.full(2, -1), "body_mass": np.ones(2),
@@ -29,6 +29,7 @@ def answer(**changed: object) -> bytes:
         "geom_type": np.array([2]), "geom_bodyid": np.array([1]), "geom_dataid": np.array([-1]), "geom_contype": np.array([1]),
         "geom_conaffinity": np.array([1]), "geom_pos": np.zeros((1, 3)), "geom_quat": np.array([[1.0, 0.0, 0.0, 0.0]]),
         "geom_size": np.full((1, 3), 0.1), "geom_friction": np.ones(1), "geom_priority": np.zeros(1, np.int32),
+        "geom_condim": np.full(1, 3, np.int32),
         "gravity": np.zeros(3), "pair_friction": np.zeros(0), "key_qpos": np.zeros((0, 1)), "key_mpos": np.zeros((0, 0)),
         "key_mquat": np.zeros((0, 0)),
         **{key: NONE for key in ("exclude_signature", "pair_geom1", "pair_geom2", "mesh_vertnum", "mesh_facenum")},

@@ -118,6 +118,16 @@ def test_comments_hide_nothing(tmp_path: Path) -> None:
     assert av.load_avatar(tmp_path / "good.xml").avatar is not None
 
 
+HIDDEN = '<geom name="hidden" size=".1"/>'
+
+
+@pytest.mark.parametrize("after", [f"<![CDATA[{HIDDEN}]]>", f"<![CDATA[]]><![CDATA[{HIDDEN}]]>", HIDDEN.replace("<", "&lt;")])
+@pytest.mark.parametrize("plugin", ["<plugin/>", '<plugin plugin="a>b">\n<plugin/></plugin >'])
+def test_text_after_an_element_that_is_left_out_stays_text(after: str, plugin: str, tmp_path: Path) -> None:
+    (tmp_path / "bad.xml").write_text(world(f"<body>{plugin}{after}</body><geom name='seen' size='1'/>"))
+    assert [body.name for body in av.load_room(tmp_path / "bad.xml").bodies] == ["seen"]
+
+
 def test_plugins_of_other_programs_in_urdf_are_nothing_to_it(tmp_path: Path) -> None:
     link = '<link name="a"><collision><geometry><sphere radius="1"/></geometry></collision></link>'
     (tmp_path / "robot.urdf").write_text(f'<robot name="r">{link}<gazebo><plugin name="p" filename="libp.so"/></gazebo></robot>')
