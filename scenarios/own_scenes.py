@@ -85,8 +85,8 @@ class OwnScene:
         from avatarsim.assets.models.load import load_avatar, load_room
 
         of_avatar: dict[str, Any] = self.reading.of_avatar()
-        rooms = [load_room(self.room, **self._of_room(self.room))] if self.room else []
-        as_room = partial(load_room, self.file, **{**self._of_room(self.file), "scale": self.scene_scale})
+        rooms = [load_room(self.room, **self._of_room(self.room, True))] if self.room else []
+        as_room = partial(load_room, self.file, **{**self._of_room(self.file, bool(self.avatar)), "scale": self.scene_scale})
         if self.avatar:
             return load_avatar(self.avatar, **of_avatar), as_room(), *rooms
         found, of_file = None, {**of_avatar, "scale": self.scene_scale}
@@ -102,8 +102,8 @@ class OwnScene:
                 return load_avatar(self.file, **of_file), *rooms
         return found or as_room(), *rooms
 
-    def _of_room(self, file: str) -> dict[str, Any]:
-        return self.reading.of_room(Path(file).suffix.lower() in MODELS)
+    def _of_room(self, file: str, beside_avatar: bool) -> dict[str, Any]:
+        return self.reading.of_room(Path(file).suffix.lower() in MODELS, beside_avatar)
 
     @cached_property
     def is_driven(self) -> bool:

@@ -78,7 +78,7 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
     reading = reading_of(asked)
     model = load_avatar(asked.avatar, **reading.of_avatar())  # type: ignore[arg-type]
     is_model = asked.room is not None and asked.room.suffix.lower() in MODELS
-    rooms = () if asked.room is None else (load_room(asked.room, **reading.of_room(is_model)),)  # type: ignore[arg-type]
+    rooms = () if asked.room is None else (load_room(asked.room, **reading.of_room(is_model, True)),)  # type: ignore[arg-type]
     for said in (*model.said, *(said for room in rooms for said in room.said)):
         print(f"avatarsim: {in_words(said, 'live')}", file=sys.stderr)
     if model.avatar is None:

@@ -23,6 +23,8 @@ RANGES = {
 """What numbers of options of readers may be, in the units of their help."""
 OF_AVATAR, OF_ROOM = ("body", "fix", "root", "leave", "exclude"), ("room_scale", "room_up")
 """Options that go with an avatar's file, and with a room's."""
+OF_EITHER = ("keyframe", "collide", "fit", "folder", "meshes", "repair")
+"""Options that go with one of the two."""
 
 
 def reading_options(one: argparse.ArgumentParser) -> None:
@@ -76,6 +78,10 @@ def reading_of(asked: argparse.Namespace) -> Reading:
     for pair in exclude:
         if not all(pair.partition(":")):
             raise InvalidInput("--exclude", pair, "two names with a colon between")
+    if not getattr(asked, "own_scene", False) and asked.avatar is None and asked.room is None:
+        for name in OF_EITHER:
+            if getattr(asked, name) is not None:
+                raise InvalidInput(f"--{name}", getattr(asked, name), "an option beside --avatar or --room")
     return Reading(
         scale=asked.scale, up=asked.up, file_rate=asked.file_rate, quaternion=asked.quaternion, joints=asked.joints,
         mass=asked.mass, limits=not asked.no_limits,

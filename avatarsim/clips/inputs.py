@@ -50,7 +50,7 @@ def files_of(wishes: Wishes) -> Files:
 def given(wishes: Wishes, files: Files) -> tuple[Model | None, Model | None]:
     """Avatar and room of a command, read once by each process as long as their files stay. Raises InvalidFile, InvalidInput."""
     avatar = None if wishes.avatar is None else _avatar(wishes.avatar, wishes.reading, files.avatar)
-    return avatar, None if wishes.room is None else _room(wishes.room, wishes.reading, files.room)
+    return avatar, None if wishes.room is None else _room(wishes.room, wishes.reading, avatar is not None, files.room)
 
 
 @lru_cache(maxsize=2)
@@ -62,10 +62,11 @@ def _avatar(path: Path, reading: Reading, files: Hashes) -> Model:
 
 
 @lru_cache(maxsize=2)
-def _room(path: Path, reading: Reading, files: Hashes) -> Model:
+def _room(path: Path, reading: Reading, beside_avatar: bool, files: Hashes) -> Model:
     if str(path) == FLOOR:
         return load_room(FLOOR)
-    return load_room(path, **reading.of_room(path.suffix.lower() in doors.MODELS))  # type: ignore[arg-type]
+    is_model = path.suffix.lower() in doors.MODELS
+    return load_room(path, **reading.of_room(is_model, beside_avatar))  # type: ignore[arg-type]
 
 
 def _hashed(path: Path, name: str) -> tuple[str, str]:

@@ -78,9 +78,11 @@ class Reading:
         return {"folder": self.folder, "keyframe": self.keyframe, "collide": self.collide, "meshes": self.meshes,
                 "repair": self.repair, "fit": self.fit}
 
-    def of_room(self, is_model: bool) -> dict[str, object]:
-        """Options of `load_room`, for a model or for a mesh."""
+    def of_room(self, is_model: bool, beside_avatar: bool) -> dict[str, object]:
+        """Options of `load_room`, for a model or for a mesh; `beside_avatar`, the keyframe is one of the avatar's file."""
         asked = {"scale": self.room_scale, **self._of_model()}
+        if beside_avatar:
+            asked["keyframe"] = None
         if not is_model:
             asked |= {"y_up": self.room_up == "y", "folder": None, "keyframe": None, "collide": None}
         return {name: value for name, value in asked.items() if value}

@@ -249,8 +249,10 @@ CLEAN = ["clean", "a.bvh", "-o", "out"]
     (["clean", "a.bvh", "-o", "a.bvh"], "output folder"), (["clean", "a.bvh", "-o", "a.bvh/b"], "output folder"),
     (["clean", "a.bvh", "-o", "/proc/out"], "output folder"), (["clean", "a.bvh", "-o", "."], "no file that is read"),
     (["clean", "empty", "-o", "out"], "folders with clips"), (["audit"], "required"), (["audit", "a.bvh", "--force"], "--force"),
-    (["tidy"], "tidy"), ([*CLEAN, "--fix", "all"], "beside --avatar"), ([*CLEAN, "--room-up", "y"], "beside --room"),
     ([*CLEAN, "--avatar", "x.xml", "--exclude", "a"], "--exclude"),
+    (["tidy"], "tidy"), ([*CLEAN, "--fix", "all"], "beside --avatar"),
+    ([*CLEAN, "--keyframe", "home"], "beside --avatar or --room"), ([*CLEAN, "--fit", "0.1"], "beside --avatar or --room"),
+    ([*CLEAN, "--room-up", "y"], "beside --room"),
 ])
 def test_wrong_usage_is_a_sentence_and_code_2(
     words: list[str], said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -1,13 +1,14 @@
 """Inputs are known by the hash of every file that they were read from: meshes of a model, the skeleton of an AMC file."""
 
 import hashlib
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from avatarsim.clips.inputs import files_of, given, motion_files, options_for, options_of, skeleton_of
 from avatarsim.clips.wishes import FLOOR, Reading, Wishes
-from avatarsim.errors import InvalidFile
+from avatarsim.errors import InvalidFile, UnknownName
 from tests.assets.meshes.solids import cube, obj_text
 from tests.clips.made import ROBOT, bvh
 
@@ -100,3 +101,17 @@ def test_readers_say_which_options_they_have() -> None:
     # each word of a command line is an option of some reader
     known = {name for suffix in (".amc", ".bvh", ".csv", ".npz", ".txt") for name in options_of(suffix)}
     assert set(asked) <= known
+
+
+def test_a_keyframe_is_one_of_the_avatars_file_where_there_is_one(tmp_path: Path) -> None:
+    ground = '<mujoco><worldbody><geom name="ground" type="plane" size="1 1 1"/></worldbody></mujoco>'
+    keys = '<keyframe><key name="bent" qpos="0 0 0.5 1 0 0 0 0.02"/></keyframe></mujoco>'
+    (tmp_path / "robot.xml").write_text(ROBOT.replace("</mujoco>", keys))
+    (tmp_path / "room.xml").write_text(ground)
+    wishes = Wishes(tmp_path / "robot.xml", tmp_path / "room.xml", reading=Reading(keyframe="bent"))
+    avatar, room = given(wishes, files_of(wishes))
+    assert avatar is not None and avatar.start is not None and avatar.start.angles.tolist() == [0.02]
+    assert room is not None and [body.name for body in room.bodies] == ["ground"]
+    alone = replace(wishes, avatar=None)
+    with pytest.raises(UnknownName, match="keyframe of room.xml"):
+        given(alone, files_of(alone))
