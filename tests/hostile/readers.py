@@ -210,6 +210,7 @@ def doors() -> tuple[Door, ...]:
         reader("model", 60.0, damaged_words, model, "mesh of a model", slow=True),
         # each is compiled in a process of its own, which takes half a second
         reader("avatar", 1.0, damaged_words, public_model, "mesh of an avatar", slow=True),
+        reader("avatar looked at", 0.5, damaged_words, looked_at, "mesh of an avatar", slow=True),
         reader("mesh of an avatar", 0.5, damaged, public_model, "avatar", slow=True),
         reader("mesh of a model", 30.0, damaged, lambda folder, path: finite(hull_of(path, np.full(3, 0.01), 64))),
         reader("certificate", 20.0, damaged_json, certified),
@@ -249,6 +250,13 @@ def doors() -> tuple[Door, ...]:
 def public_model(folder: Path, path: Path) -> object:
     """Avatar, room and loose bodies of an MJCF or URDF file."""
     return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all"))
+
+
+def looked_at(folder: Path, path: Path) -> object:
+    """The same by the shapes to be looked at, finely, from its first keyframe."""
+    keyed = {} if path.suffix == ".urdf" else {"keyframe": 0}
+    name = "robot.urdf" if path.suffix == ".urdf" else "robot.xml"
+    return sound(load_avatar(folder / name, fix="all", collide="visual", fit=1e-4, **keyed))
 
 
 def damaged_of_run(data: bytes, rng: random.Random) -> bytes:

@@ -47,18 +47,30 @@ def meshes(ending: str) -> Files:
 
 
 ROBOT = """<mujoco model="robot"><compiler angle="radian" meshdir="."/><include file="room.xml"/>
+<option gravity="0 0.1 -3.7" o_friction="0.5 0.5 0.1 0.1 0.1"><flag gravity="enable" override="disable"/></option>
+<default><geom friction="0.7" priority="1"/><pair friction="0.4 0.4"/></default>
 <asset><mesh name="tip" file="tip.obj" scale="0.1 0.1 0.1"/></asset><worldbody><body name="hip" pos="0 0 1"><freejoint/>
-<geom type="capsule" size="0.1 0.2"/><body name="leg" pos="0 0 -0.5"><joint name="knee" axis="0 1 0" range="-1 1"/>
+<geom name="trunk" type="capsule" size="0.1 0.2" condim="1"/>
+<geom type="box" size="0.1 0.1 0.1" contype="0" conaffinity="0"/><plugin plugin="some.cable"><config key="a" value="1"/></plugin>
+<body name="leg" pos="0 0 -0.5"><joint name="knee" axis="0 1 0" range="-1 1"/>
 <joint name="turn" type="ball" range="0 1"/><geom type="cylinder" size="0.05 0.1" pos="0 0 -0.2"/>
 <body name="foot" pos="0 0 -0.4"><joint name="rail" type="slide"/>
 <geom type="mesh" mesh="tip" euler="1 0 0"/></body></body></body>
-</worldbody><contact><exclude body1="hip" body2="foot"/></contact>
+</worldbody><contact><exclude body1="hip" body2="foot"/><pair geom1="trunk" geom2="floor" condim="4"/></contact>
+<keyframe><key name="low" qpos="3 0 1 1 0 0 0 0 0 1.5 1 0 0 0 0.2 1 0 0 0 0.1" mpos="0 3 1"/>
+<key name="home" mquat="0 1 0 0"/>
+</keyframe><extension><plugin plugin="mujoco.pid"><instance name="i"/></plugin></extension>
+<actuator><plugin plugin="mujoco.pid" instance="i" joint="knee"/><motor name="m" joint="knee"/></actuator>
+<custom><tuple name="t"><element objtype="actuator" objname="m"/></tuple></custom>
 <equality><joint joint1="knee" polycoef="0 1 0 0 0"/></equality></mujoco>"""
 
 ROOM = """<mujoco><worldbody><geom name="floor" type="plane" size="1 1 1"/><geom type="ellipsoid" size="0.1 0.2 0.3" pos="2 0 0"/>
+<body name="lead" mocap="true" pos="0 3 0"><geom size="0.1" friction="0.2"/></body>
 <body name="box" pos="3 0 1"><freejoint/><geom type="box" size="0.1 0.1 0.1"/></body></worldbody></mujoco>"""
 
-URDF = """<robot name="arm"><link name="base"><collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link>
+URDF = """<robot name="arm"><material name="grey"><color rgba="1 1 1 1"/></material><link name="base"><visual><geometry>
+<capsule radius="0.1" length="0.2"/></geometry><material name="grey"/></visual>
+<collision><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link>
 <link name="tip"><collision><origin xyz="0 0 0.2" rpy="1 0 0"/><geometry>
 <mesh filename="tip.obj" scale="0.1 0.1 0.1"/></geometry></collision>
 <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
@@ -101,7 +113,10 @@ def texts() -> Mapping[str, Files]:
         "bvh": {"walker.bvh": bvh(WALKER, np.linspace(0.0, 30.0, 60).reshape(2, 30)).encode()},
         "asf": {"07.asf": ASF.encode()}, "amc": {"07_01.amc": amc(np.linspace(0.0, 30.0, 44).reshape(2, 22)).encode()},
         "model": {"some.xml": MODEL.encode()}, "mesh of a model": {"tip.stl": meshes("stl")["cube.stl"]},
-        "avatar": {"robot.xml": ROBOT.encode(), "room.xml": ROOM.encode(), "robot.urdf": URDF.encode()},
+        **dict.fromkeys(
+            ("avatar", "avatar looked at"),
+            {"robot.xml": ROBOT.encode(), "room.xml": ROOM.encode(), "robot.urdf": URDF.encode()},
+        ),
         "mesh of an avatar": {"tip.obj": meshes("obj")["cube.obj"]}, "settings": {"mine.toml": SETTINGS.encode()},
         "certificate": {"walk.bvh.json": certificate.text(entry())},
         "certificate of a folder": {"certificate.json": certificate.text(certificate.summary("clean", [entry()], troubles))},
