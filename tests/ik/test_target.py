@@ -80,14 +80,15 @@ def test_a_target_that_rests_opens_less_and_less_and_one_that_moves_all_of_it() 
 
 def test_a_target_that_moves_lets_those_go_on_that_touch_its_avatar_and_no_others() -> None:
     """What an avatar held it may set free; one far away has nothing to do with it."""
-    found, first = solver_of(TREES), [0, 5, 6]
+    found = solver_of(TREES)
+    first = found.avatars.first_link[:-1].tolist()
     start, whole = copied(found.world.posture), SETTINGS.catch_up_turn * DT
     met(found, start)
     gone = copied(start)
     gone.root[0, 0] += 0.01
     assert met(found, gone)[first] == pytest.approx([whole, 0.0, 0.0])
     geo, skel = found.world.geometry, found.world.skeleton
-    touch(*(int(geo.first_shape[skel.first + link]) for link in (0, 5)), found.state.touching)
+    touch(*(int(geo.first_shape[skel.first + link]) for link in first[:2]), found.state.touching)
     gone.root[0, 0] += 0.01
     assert met(found, gone)[first] == pytest.approx([whole, whole, 0.0])
     found.state.touching.used[0] = 0
