@@ -24,8 +24,9 @@ from typing import TextIO, cast
 import numba
 import numpy as np
 
+from avatarsim.assets.models.coordinates import coordinates_of
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning import Carried, Options, clean
+from avatarsim.cleaning import Carried, Options, Shield, clean
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
 from avatarsim.console import Progress
@@ -189,13 +190,21 @@ def compile_cleaning() -> None:
     motion = Motion(
         np.arange(3) / 60.0, positions, np.tile(first.rotations, (3, 1, 1)), np.array([[0.0], [0.0], [1.5]])
     )
-    model = Model(replace(scene.avatars[0], ignore=(("root", "tip"),)), None, scene.bodies, ())
+    avatar = replace(scene.avatars[0], ignore=(("root", "tip"),))
+    model = Model(avatar, coordinates_of(avatar), scene.bodies, ())
     clean(motion, model, options=Options(opinion=False))
     # a body far below that is carried, and put on in between
     box = moving("carried", (Piece(Box((0.1, 0.1, 0.1))),), "wood")
     places = np.linspace((0.0, 0.0, -9.0), (0.1, 0.0, -9.0), 3)[:, None]
     poses = Motion(motion.times, places, np.tile((1.0, 0.0, 0.0, 0.0), (3, 1, 1)), np.zeros((3, 0)))
     clean(motion, model, options=Options(opinion=False), carried=(Carried(box, poses),))
+    # a stream with limits comes down to the floor, and brakes there
+    shield = Shield(model, speed_limits=1.0, acceleration_limits=10.0)
+    down = np.linspace(motion.positions[0], motion.positions[2], 40)
+    rest = np.repeat(motion.rotations[:1], 40, axis=0)
+    for row in shield.coordinates.rows(Motion(np.arange(40) / 60.0, down, rest, np.zeros((40, 1)))):
+        shield(row)
+    shield.stop()
 
 
 def compile_harness() -> None:

@@ -17,7 +17,7 @@ import numpy as np
 
 from avatarsim.assets.models.load import FLOOR
 from avatarsim.assets.models.model import Model, beside, followed_by, with_carried
-from avatarsim.clips.wishes import Reading
+from avatarsim.clips.reading import Reading
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.scene.carried import joined

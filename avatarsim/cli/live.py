@@ -18,7 +18,7 @@ from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.start import free_posture
 from avatarsim.cli.option_words import in_words
 from avatarsim.cli.reading import reading_of
-from avatarsim.clips.wishes import Reading
+from avatarsim.clips.reading import Reading
 from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage
 from avatarsim.live.messages import RATES, Array, Plan

@@ -8,7 +8,7 @@ from avatarsim.assets.models.doors import COLLIDE
 from avatarsim.assets.models.smpl_skeleton import LEAST_STATURE, MOST_STATURE
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
 from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST
-from avatarsim.clips.wishes import Reading
+from avatarsim.clips.reading import Reading
 from avatarsim.console import path_option
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.checks import within

@@ -15,8 +15,9 @@ from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.load import READERS, load_motion
 from avatarsim.assets.motions.motion_file import MotionFile
 from avatarsim.assets.motions.object_poses import PLACES, TURNS
+from avatarsim.clips.reading import Reading
 from avatarsim.clips.whole_files import sha256_of
-from avatarsim.clips.wishes import FLOOR, Reading, Wishes
+from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.errors import InvalidFile
 from avatarsim.files import check
 from avatarsim.scene.carried import Carried

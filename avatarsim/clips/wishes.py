@@ -4,88 +4,13 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from avatarsim.cleaning import Options
+from avatarsim.clips.reading import Reading
 
 OPTIONS = {"avatar": "body", "rate": "file-rate", "skeleton": "asf", "limits": "no-limits"}
 """Arguments of readers that have another name on the command line."""
 
 FLOOR = "floor"
 """The word that stands for level ground in place of a room's file."""
-
-
-@dataclass(frozen=True)
-class Reading:
-    """How files are read; None leaves it to the file, or to the reader's guess.
-
-    scale, up       metres of a unit of length, and "y" or "z", of motions
-    file_rate       frames a second of motions that state none [1/s]
-    quaternion      "wxyz" or "xyzw"
-    joints          names of a trajectory's joints, with commas between
-    offsets         a file with the rest joints of a body, or "mean" (BVH)
-    stature         [m] of a body without offsets
-    asf             the skeleton of AMC motions
-    mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
-    body            names of bodies whose trees are the avatar
-    fix, root, leave, folder, meshes, repair, keyframe, collide, fit    of models, as in `load_avatar`
-    exclude         pairs of names that never touch, each with a colon between
-    avatar_scale    metres a unit of length of the avatar's model
-    object_file, object_scale   file with the shape of the object that motions have poses of, and its metres a unit of length
-    room_scale, room_up    of a room: metres a unit of length; of a mesh, the axis that points up"""
-
-    scale: float | None = None
-    up: str | None = None
-    file_rate: float | None = None
-    quaternion: str | None = None
-    joints: str | None = None
-    offsets: str | None = None
-    stature: float | None = None
-    asf: str | None = None
-    mass: float | None = None
-    limits: bool = True
-    fix: tuple[str, ...] = ()
-    root: str | None = None
-    leave: tuple[str, ...] = ()
-    folder: str | None = None
-    meshes: str | None = None
-    repair: str | None = None
-    avatar_scale: float | None = None
-    room_scale: float | None = None
-    room_up: str | None = None
-    body: tuple[str, ...] = ()
-    keyframe: str | None = None
-    collide: str | None = None
-    fit: float | None = None
-    exclude: tuple[str, ...] = ()
-    object_file: str | None = None
-    object_scale: float | None = None
-
-    def of_motion(self) -> dict[str, object]:
-        """Options for readers of motions, by the readers' names."""
-        asked = {
-            "scale": self.scale, "up": self.up, "rate": self.file_rate, "quaternion": self.quaternion, "joints": self.joints,
-            "offsets": self.offsets, "stature": self.stature, "skeleton": self.asf,
-            "mass": self.mass, "limits": None if self.limits else False,
-        }
-        return {name: value for name, value in asked.items() if value is not None}
-
-    def of_avatar(self) -> dict[str, object]:
-        """Options of `load_avatar`."""
-        asked = {"avatar": self.body, "fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave,
-                 "exclude": tuple((a, b) for a, _, b in (pair.partition(":") for pair in self.exclude)),
-                 "root": self.root, "scale": self.avatar_scale, **self._of_model()}
-        return {name: value for name, value in asked.items() if value}
-
-    def _of_model(self) -> dict[str, object]:
-        return {"folder": self.folder, "keyframe": self.keyframe, "collide": self.collide, "meshes": self.meshes,
-                "repair": self.repair, "fit": self.fit}
-
-    def of_room(self, is_model: bool, beside_avatar: bool) -> dict[str, object]:
-        """Options of `load_room`, for a model or for a mesh; `beside_avatar`, the keyframe is one of the avatar's file."""
-        asked = {"scale": self.room_scale, **self._of_model()}
-        if beside_avatar:
-            asked["keyframe"] = None
-        if not is_model:
-            asked |= {"y_up": self.room_up == "y", "folder": None, "keyframe": None, "collide": None}
-        return {name: value for name, value in asked.items() if value}
 
 
 @dataclass(frozen=True)

@@ -24,4 +24,4 @@ def test_clips_on_a_cluster_are_of_the_same_bytes(tmp_path: Path, monkeypatch: p
         patch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]))
         with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as local:
             assert main([*words, "-o", str(tmp_path / "there"), "--scheduler", str(local.scheduler_address)]) == 3
-    assert content(tmp_path / "here") == content(tmp_path / "there") and len(content(tmp_path / "there")) == 11
+    assert content(tmp_path / "here") == content(tmp_path / "there") and len(content(tmp_path / "there")) == 12

@@ -9,7 +9,8 @@ import numpy as np
 from avatarsim.cleaning import AtRest, Audit, Cleaned, Flagged, Moved, Opinion
 from avatarsim.cleaning.result import Excluded
 from avatarsim.clips import certificate
-from avatarsim.clips.wishes import Reading, Wishes
+from avatarsim.clips.reading import Reading
+from avatarsim.clips.wishes import Wishes
 from avatarsim.scene.motion import Motion
 
 FRAMES = 4

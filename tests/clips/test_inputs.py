@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from avatarsim.clips.inputs import files_of, given, motion_files, options_for, options_of, skeleton_of
-from avatarsim.clips.wishes import FLOOR, Reading, Wishes
+from avatarsim.clips.reading import Reading
+from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.errors import InvalidFile, UnknownName
 from tests.assets.meshes.solids import cube, obj_text
 from tests.clips.made import ROBOT, bvh

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from avatarsim.clips.wishes import Reading
+from avatarsim.clips.reading import Reading
 from avatarsim.errors import InvalidFile, InvalidInput, StartOverlaps
 from avatarsim.live.orders import World
 from avatarsim.live.recording import Recorder
@@ -174,7 +174,7 @@ def test_the_command_runs_them(tmp_path: Path, boxes: str, arm: tuple[str, str])
 
 
 @pytest.mark.parametrize(("words", "named"), [
-    (["--room-scale", "2"], ["--room-scale", "2.0", "--room"]), (["--keyframe", "home"], ["--keyframe", "home", "--scene"]),
+    (["--room-scale", "2"], ["--room-scale", "2.0", "--room"]), (["--keyframe", "home"], ["--keyframe", "home"]),
     (["--scene", "x", "--room-scale", "2"], ["--room"]),
     (["--scene", "x", "--scene-scale", "nan"], ["nan"]), (["--scene", "x", "--scene-scale", "0"], ["--scene-scale", "0"]),
     (["--scene", "x", "--avatar-scale", "-1", "--avatar", "x"], ["--avatar-scale", "-1.0"]),

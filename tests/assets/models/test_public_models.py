@@ -32,7 +32,6 @@ LOADED: dict[str, tuple[tuple[str, ...], dict[str, Any], tuple[int, int]]] = {
     "fetch": ((*ROBOTICS, "fetch", "pick_and_place.xml"), {"folder": ROBOTICS}, (30, 15)),
     "pybullet humanoid": ((*BULLET, "humanoid", "humanoid.urdf"), {}, (16, 4)),
     "kuka iiwa": ((*BULLET, "kuka_iiwa", "model.urdf"), {"root": "fixed"}, (8, 7)),
-    "xarm 6": ((*BULLET, "xarm", "xarm6_with_gripper.urdf"), {"root": "fixed"}, (15, 12)),
     "r2d2": ((*BULLET, "r2d2.urdf"), {}, (16, 8)),
     "laikago": ((*BULLET, "laikago", "laikago_toes_limits.urdf"), {}, (17, 12)),
     "mini cheetah": ((*BULLET, "mini_cheetah", "mini_cheetah.urdf"), {}, (17, 12)),
