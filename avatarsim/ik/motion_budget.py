@@ -101,7 +101,7 @@ def keep_budget(
 @kernel
 def share_of(left: float, wanted: float) -> float:
     """The share of what is wanted that is left."""
-    return 1.0 if wanted <= left else max(left, 0.0) / wanted
+    return 1.0 if wanted <= max(left, 0.0) else max(left, 0.0) / wanted
 
 
 @kernel

@@ -11,6 +11,7 @@ from benchmarks.timing import take_turns
 
 def test_contenders_take_turns_without_collecting_garbage() -> None:
     calls: list[str] = []
+    gc.enable()
 
     def called(name: str) -> bool:
         calls.append(name)
