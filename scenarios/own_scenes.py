@@ -44,7 +44,7 @@ DRIVEN = ".live"
 MARGIN = 1e-3
 """Free space [m] about the first posture, as in cleaning."""
 AS_FOUND = Reading()
-"""How files are read where no option says otherwise."""
+"""Options of readers by default."""
 PathLike = str | Path | None
 """Path of a file; None for none."""
 
@@ -59,7 +59,7 @@ class OwnScene:
 
     seconds      length without a motion, and longest length with one
     scene_scale  metres a unit of length of the file
-    reading      how all files are read
+    reading      options of readers
     """
 
     name: str

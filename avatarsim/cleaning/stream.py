@@ -113,7 +113,7 @@ class Shield:
         return row
 
     def _keeps_margin(self, sample: TrackerSample) -> bool:
-        """Whether a posture is free by itself."""
+        """Return True for a posture that is free and within limits."""
         gap, _ = self._chords.nearest(sample, self.options.margin)
         return gap >= self.options.margin and self._chords.clipped(sample)[1] == (0.0, 0.0)
 

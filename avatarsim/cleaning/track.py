@@ -249,7 +249,7 @@ class Follower:
 
 
 def norm_of(piece: Piece) -> float:
-    """How far a piece reaches from the origin of its body at most [m]."""
+    """Return the largest distance [m] of a piece's points from the origin of its body."""
     _, points, radius = piece_points(piece)
     lengths = np.linalg.norm(points, axis=1)
     return radius + float(lengths.sum() if isinstance(piece.shape, Ellipsoid) else lengths.max())

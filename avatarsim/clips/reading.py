@@ -1,11 +1,11 @@
-"""How files of motions and models are read, by the options of a command."""
+"""Options of a command for reading motions and models."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Reading:
-    """How files are read; None leaves it to the file, or to the reader's guess.
+    """Options of readers; None: as the file states, or as the reader guesses.
 
     scale, up       metres of a unit of length, and "y" or "z", of motions
     file_rate       frames a second of motions that state none [1/s]

@@ -66,7 +66,7 @@ ANEW = 0.6
 way to be slower than the braking; less: more certificates fail again."""
 
 OPENED = 0.5
-"""Share of the fastest opening within limits that is asked of a pair below the margin. More: rows of several pairs contradict one
+"""Share of the fastest opening within limits for a pair below the margin. More: rows of several pairs contradict one
 another; less: it opens slowly, and a certificate of what all but touches takes long."""
 
 DRAWN = (1.0, 0.5, 0.4)
@@ -78,7 +78,7 @@ SOLVED = 1e-3
 
 
 class Outcome(IntEnum):
-    """What a call did."""
+    """Outcomes of a call."""
 
     BRAKED = 0
     """It went on along the way to rest that was proved in an earlier call."""
@@ -186,7 +186,7 @@ def solve_within(skel: Skeleton, tolerance: float, steps: float, braking_out: Br
 
 @kernel
 def breaks_rows(tolerance: float, braking: Braking) -> bool:
-    """Whether the step breaks a row by more than the tolerance."""
+    """Return True for a step that breaks a row by more than the tolerance."""
     s, r = braking.scratch, braking.scratch.rows
     for k in range(r.used[0]):
         if not (along_row(braking.avatars, k, s.step, r.jacobian, r) >= r.bound[k] - tolerance):
@@ -236,7 +236,7 @@ def add_ball(first: int, last: int, is_centred: bool, radius: float, braking_out
 
 @kernel
 def keeps_joints(skel: Skeleton, calls: int, steps: float, braking: Braking) -> bool:
-    """Whether joints are within their limits all along the trial's way, and turn by less than half a turn."""
+    """Return True if joints stay within limits along the trial's way and turn by less than half a turn."""
     b, x = braking, braking.trial
     for g in range(b.first.shape[0]):
         if b.turning[g] == 1 and steps * length_of(x, b.first[g], b.last[g]) > WIDEST_TURN:
@@ -261,7 +261,7 @@ def keeps_joints(skel: Skeleton, calls: int, steps: float, braking: Braking) -> 
 
 @kernel
 def is_certified(geo: Geometry, skel: Skeleton, chord_out: Chord, braking: Braking) -> bool:
-    """Whether the trial and the way to rest after it are proved free and within limits."""
+    """Return True if the trial and the way to rest after it are proved free and within limits."""
     c, b = chord_out, braking
     calls = calls_to_rest(b, b.trial)
     steps = steps_to_rest(calls)

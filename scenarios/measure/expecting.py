@@ -1,4 +1,4 @@
-"""What a scenario expects: entries of one kind under one key, and measures of each of them."""
+"""Expectations of a scenario: entries of one kind under one key, and measures of each of them."""
 
 from collections.abc import Callable
 from functools import update_wrapper

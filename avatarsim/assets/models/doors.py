@@ -1,7 +1,7 @@
 """What a model file may name, checked before MuJoCo sees a word of it: no entity, no plugin, no file outside one folder.
 
 XML is scanned by expat, which knows nothing of models: the scan looks at elements that name files and at the numbers of `values`,
-follows includes, and hands on the very bytes that it read, with elements blanked that nothing is read of: plugins that act on
+follows includes, and returns the bytes that it read with unused elements replaced by spaces: plugins that act on
 bodies and joints, and of URDF either visuals or collisions. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
 """
 
@@ -186,7 +186,7 @@ class _Scan:
             raise InvalidFile(f"model {self._name}", f"cut off or not XML: {error}", "a whole file of XML in UTF-8") from error
 
     def kept(self, content: bytes) -> bytes:
-        """Return the text with spaces in place of elements that nothing is read of; lines stay where they are."""
+        """Return the text with unused elements replaced by spaces; line numbers are kept."""
         whole = bytearray(content)
         for first, last in self._blank:
             whole[first:last] = bytes(c if c in b"\r\n" else 32 for c in whole[first:last])
@@ -202,7 +202,7 @@ class _Scan:
             self._blank_from, self._ended = -1, False
 
     def _is_left_out(self, tag: str, above: tuple[values.Element, ...]) -> bool:
-        """Whether nothing is read of an element below the elements `above`."""
+        """Return True for an unused element below the elements `above`."""
         if not above:
             return False
         if above[0].tag == "robot":

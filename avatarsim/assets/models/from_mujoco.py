@@ -22,7 +22,7 @@ from avatarsim.assets.models.model import Model, without_pairs
 from avatarsim.assets.models.pairs import Filter, Part
 from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
-from avatarsim.assets.models.start import chosen as chosen_start
+from avatarsim.assets.models.start import start_pose
 from avatarsim.assets.models.welds import attaching_welds
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidScene, InvalidShape, UnknownName
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
@@ -40,7 +40,7 @@ UNNAMED = "MuJoCo Model"
 """MuJoCo's name for a model that has none."""
 
 LIMIT_ROUNDING = 1e-3
-"""[rad, m] Joints this far beyond their limits at the start are not worth a sentence: files round both."""
+"""[rad, m] Excess over a limit at the start that is not reported: files round both."""
 
 WORLD = "world"
 """What a part of the world is called whose geom has no name."""
@@ -51,7 +51,7 @@ _SHAPES = {
                  'collide="visual" takes the shapes that are to be looked at',
     "visual": 'at least 1: <visual> or <collision> of a URDF link, a geom of MJCF',
 }
-"""What there must be of shapes, by `Options.collide`."""
+"""Valid numbers of shapes for errors, by `Options.collide`."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class _Reading:
         self._masses = Masses(model, self._names)
         self._title = model.model_name.strip() if model.model_name not in ("", UNNAMED) else path.stem
         self._laws = Laws(model, path.name)
-        self._pose = chosen_start(model, options.keyframe, path.name)
+        self._pose = start_pose(model, options.keyframe, path.name)
         self._filter = Filter(model, options.masks)
         self._parts: dict[str, Part] = {}
         self._moving: list[Avatar] = []
@@ -144,7 +144,7 @@ class _Reading:
         return replace(found, said=(*self._said, *said))
 
     def _avatar_tree(self, forest: list[tuple[int, ...]]) -> tuple[int, ...] | None:
-        """The tree that becomes the avatar: the one that is asked for, or the one with the most joints.
+        """Return the tree of the avatar: the named one, or the one with the most joints.
 
         A free joint makes a body loose, so it does not count unless the file has one tree and nothing else to drive."""
         asked = self._options.avatar
@@ -198,7 +198,7 @@ class _Reading:
         return tree
 
     def _start(self, tree: Tree, avatar: Avatar, coordinates: Coordinates) -> TrackerSample:
-        """The posture at the start, each hinge and slide within its limits."""
+        """Return the start posture, each hinge and slide within its limits."""
         own = [j for j in range(len(self._m.jnt_name)) if self._m.jnt_bodyid[j] in tree.bodies]
         widths = {JointKind.FREE: 7, JointKind.BALL: 4}
         addresses = [(int(self._m.jnt_qposadr[j]), widths.get(JointKind(int(self._m.jnt_type[j])), 1)) for j in own]
@@ -213,7 +213,7 @@ class _Reading:
         return replace(posture, angles=avatar.with_followers(np.array(angles, dtype=np.float64)))
 
     def _material_of_link(self, body: int) -> str:
-        """The material of the link that carries a body."""
+        """Return the material of the link that carries a body."""
         return self._laws.material(self._names[body], self._geoms.of(body) if body else (), self._options.materials[0])
 
     def _world(self) -> list[Body]:

@@ -2,7 +2,7 @@
 
 MuJoCo's equality of joints is a polynomial of degree four; an avatar has straight lines only, which all of URDF's `mimic` are.
 Joints that are coupled in a row or a ring follow the first of them; one that follows nothing, or a joint that is fixed, stands
-still. """
+still."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -75,8 +75,8 @@ def lines(model: Compiled, joints: Sequence[int], fixed: Sequence[int], file: st
             known[j] = Line(j, 1.0, 0.0)
             _spread(known, linked)
     for one in linked:
-        told, own = _through(one, known[one.leader]), known[one.follower]
-        if told.leader != own.leader or max(abs(told.ratio - own.ratio), abs(told.offset - own.offset)) > AGREE:
+        expected, own = _through(one, known[one.leader]), known[one.follower]
+        if expected.leader != own.leader or max(abs(expected.ratio - own.ratio), abs(expected.offset - own.offset)) > AGREE:
             valid = "one that agrees with the other couplings"
             raise InvalidFile(f"coupling {one.name} of {file}", (one.offset, one.ratio), valid)
     return {j: line for j, line in known.items() if line.leader != j and j not in fixed}

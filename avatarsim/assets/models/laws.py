@@ -13,9 +13,9 @@ from avatarsim.scene.body import TABLE_1, ContactLaw, PairTable
 
 @dataclass(frozen=True)
 class Stated:
-    """Material of a file: `base` is that of the table for restitution, `priority` decides whose friction a pair has.
+    """Material of a file. `base` names the material of the table whose restitution it has.
 
-    A pair has none where all that decide are of contacts with a normal alone (`condim` 1)."""
+    Of two materials the one of higher `priority` gives the friction; `is_smooth` is contact without friction (`condim` 1)."""
 
     base: str
     friction: float
@@ -97,7 +97,7 @@ class Laws:
         if len(found) > 1:
             self._mixed.append(name)
         stated = Stated(base, max(one.friction for one in found), priority, all(one.is_smooth for one in found))
-        material = f"{base} {stated.friction:g}" + (f" over {priority}" if priority else "") + " smooth" * stated.is_smooth
+        material = f"{base} {stated.friction}" + (f" over {priority}" if priority else "") + " smooth" * stated.is_smooth
         if self._paired & set(geoms):
             # its own, since the file states another friction of a pair with it
             material = f"{material} of {name}"

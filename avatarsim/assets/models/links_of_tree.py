@@ -56,7 +56,7 @@ ROOTS = ("file", "free", "fixed")
 
 @dataclass(frozen=True)
 class JointWishes:
-    """What a user asks of joints: names to `fix` at their reference, or "all" for those that an avatar cannot have; how the
+    """Options of joints: names to `fix` at their reference, or "all" for those that an avatar cannot have; how the
     `root` moves."""
 
     fix: tuple[str, ...] | str = ()
@@ -120,9 +120,9 @@ def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file:
     asked = set(names.values()) if wanted.fix == "all" else {names[name] for name in wanted.fix}
     bent = curved(model, own)
     if refused := {j: powers for j, powers in bent.items() if j not in asked}:
-        told = ", ".join(f"{joint_name(model, j)} ({powers})" for j, powers in refused.items())
+        listed = ", ".join(f"{joint_name(model, j)} ({powers})" for j, powers in refused.items())
         valid = 'straight lines, c2 = c3 = c4 = 0; fix=(name, ...) or fix="all" holds these joints at their reference'
-        raise InvalidFile(f"polynomials of coupled joints of {file}", told, valid)
+        raise InvalidFile(f"polynomials of coupled joints of {file}", listed, valid)
     fixed = asked & set(bent) if wanted.fix == "all" else asked
     free = [j for j in own if model.jnt_type[j] == JointKind.FREE]
     if wanted.root == "fixed":

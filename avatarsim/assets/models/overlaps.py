@@ -24,17 +24,17 @@ LOOSE = 'move the loose body, or what it is welded to, in the file, leave out it
 GROUND = "give the root another height or place, start at another keyframe, or name the pair in <exclude> of the file or exclude="
 INSIDE = 'a piece lies so deep in another that no depth says when it goes through: leave it out (leave=("name", ...)), '\
          "start at another keyframe, or let the pairs never touch: exclude="
-"""What to do about pairs that are refused: of a loose body; of a free avatar and the room; of a piece deep inside another."""
+"""Advice for rejected pairs: with a loose body; of a free avatar and the room; of a piece deep inside another."""
 
 MARGIN = 1e-4
-"""[m] How far from what it stood in a body is put: half of the distance that the engine keeps by itself."""
+"""[m] Gap after a body is moved out of another: half of the stand-off."""
 
 ROUNDS = 8
-"""How often bodies are moved: by their depth each time, a pile from below, which is enough at once on level ground."""
+"""Most rounds in which bodies are moved by their depths, piles from below. Level ground takes one."""
 
 HIGHEST = 0.5
-"""[m] How far a body is moved at most, an avatar by its span: in many files its root lies in the plane of the ground. More: it
-hangs in a wall, and its right place is a guess."""
+"""[m] Longest move of a body; of an avatar at least its span, since many files have its root in the plane of the ground. Larger:
+bodies leave walls at places that nobody meant."""
 
 SWALLOWED = 1.5
 """Depth, as a share of the least width of the smaller piece, from which a pair is refused: that piece lies half a width below the
@@ -75,7 +75,7 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
 
 
 def _farthest(model: Model, name: str) -> float:
-    """How far [m] the body or avatar of this name is moved at most."""
+    """Return the longest move [m] of the body or avatar of this name."""
     return HIGHEST if model.avatar is None or name != model.avatar.name else max(HIGHEST, model.avatar.span)
 
 
@@ -88,7 +88,7 @@ def _roles(model: Model) -> tuple[set[str], set[str], set[str]]:
 
 
 def _moves(model: Model, world: World, found: Iterable[Overlap], root_moves: bool) -> dict[str, Array]:
-    """How far [m] (3,) each loose body, and the avatar, is to go: from below, so that a pile is put right at once."""
+    """Return moves (3,) [m] of loose bodies and of the avatar, from below, so that one round raises a whole pile."""
     loose, fixed, held = _roles(model)
     free = loose - {body for body, _ in model.attached}
     own = model.avatar.name if model.avatar is not None and root_moves else None
@@ -116,7 +116,7 @@ def _moves(model: Model, world: World, found: Iterable[Overlap], root_moves: boo
 
 
 def _moved(model: Model, moves: dict[str, Array]) -> Model:
-    """The model with bodies, and its avatar's start, moved [m]."""
+    """Return the model with bodies and the avatar's start moved [m]."""
     bodies = []
     for body in model.bodies:
         if body.name in moves:

@@ -36,7 +36,7 @@ WAYS = ("hull", "decompose")
 
 @dataclass(frozen=True)
 class MeshWishes:
-    """How meshes become pieces: `meshes` of WAYS, or the names of those to decompose, with at most so many vertices each unless
+    """Options of meshes: `meshes` of WAYS, or the names of those to decompose, with at most so many vertices each unless
     that adds more than `fit` [m]; `repair` of open surfaces, as in `pieces_of_mesh`."""
 
     meshes: str | tuple[str, ...] = "hull"

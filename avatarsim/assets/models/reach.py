@@ -1,4 +1,4 @@
-"""Postures of an avatar in which links are where they are asked to be: inverse kinematics for goals of links.
+"""Inverse kinematics of an avatar for goals of its links.
 
 Levenberg and Marquardt's method on the engine's kinematics and limits: the step of least norm in the joints that no limit stops
 (Nakamura and Hanafusa 1986, the singularity-robust inverse), clipped to the limits, taken where it comes nearer to the goals. No
@@ -65,7 +65,7 @@ class Limb:
         self._moves, self._low, self._high = ~held, *np.where(single, self._skel.limits.T, [[-np.inf], [np.inf]])
 
     def reach(self, start: TrackerSample, goals: Mapping[int, Array]) -> TrackerSample:
-        """The posture near `start` with links, by their numbers, as near to their goals (3,) [m] as is found."""
+        """Return the posture near `start` with links, by their numbers, as near to their goals (3,) [m] as is found."""
         positions, rotations, angles = (one.copy() for one in sample_arrays(start))
         posture = empty_posture(len(self._poses.position), len(self._still))
         read_sample(positions, rotations, angles, self._hinges, posture)
@@ -110,7 +110,7 @@ class Limb:
         return np.concatenate([goal - self._poses.position[link] for link, goal in goals.items()] or [np.zeros(0)])
 
     def _step(self, posture: Posture, goals: Mapping[int, Array], missing: Array, damping: float) -> Array:
-        """The damped step (nd) from a posture."""
+        """Return the damped step (nd) from a posture."""
         self._missing(posture, goals)
         jacobian = np.zeros((len(missing), len(self._still)))
         for k, link in enumerate(goals):
@@ -124,7 +124,7 @@ class Limb:
         return np.asarray(step * min(1.0, LONGEST / max(np.abs(step).max(initial=0.0), REACHED)))
 
     def _displaced(self, posture: Posture, step: Array) -> Posture:
-        """A posture after a step, within the limits of joints."""
+        """Return a posture after a step, within joint limits."""
         found = Posture(*(one.copy() for one in posture))
         displace(self._skel, found, step)
         found.angle[:] = np.clip(found.angle, self._low, self._high)

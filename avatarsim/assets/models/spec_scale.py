@@ -9,12 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from avatarsim.scene.scene import EARTH
+
 SMALLEST, LARGEST = 1e-4, 1e4
 """Metres a unit of length of a model: a tenth of a millimetre to ten kilometres. Beyond, it is no unit of any file."""
-
-
-EARTH = (0.0, 0.0, -9.81)
-"""Gravity [m/s^2] of a file that states none: in metres whatever its unit of length."""
 
 
 def in_metres(spec: Any, scale: float, slide: Any) -> None:
@@ -24,6 +22,7 @@ def in_metres(spec: Any, scale: float, slide: Any) -> None:
     """
     if scale == 1.0:
         return
+    # that of a file without gravity of its own is in metres
     if tuple(spec.option.gravity) != EARTH:
         spec.option.gravity = scale * np.asarray(spec.option.gravity)
     for kind in (spec.bodies, spec.frames, spec.geoms, spec.joints, spec.sites):

@@ -13,7 +13,7 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 REFERENCE = "qpos0"
-"""Name that stands for the reference where a file has keyframes."""
+"""Name of the reference, for files with keyframes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ class StartPose:
         return (f"starts at keyframe {self.model.key_name[self.key] or self.key}{more}",)
 
 
-def chosen(model: Compiled, keyframe: str | int | None, file: str) -> StartPose:
+def start_pose(model: Compiled, keyframe: str | int | None, file: str) -> StartPose:
     """Return the start: the keyframe of that name or number, by default the one named home, else the first, else the reference.
 
     Raises UnknownName and InvalidInput for a keyframe that the file does not have.

@@ -1,6 +1,6 @@
 """Tables of text (.csv): a row of root position, quaternion and joints a frame, with or without a row of names above.
 
-A table whose names have no root's among them drives an avatar that stands fixed.
+A table with joint names but without root columns drives an avatar with a fixed root.
 
 The convention of the retargeted LAFAN1 clips of the Unitree G1: x, y, z [m], the quaternion as x, y, z, w, then 29 joints [rad]
 in the model's order, 30 rows a second, no names. With names the columns may stand in any order, and others between them.

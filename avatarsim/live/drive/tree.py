@@ -62,7 +62,7 @@ class Node:
 
     @property
     def is_slide(self) -> bool:
-        """Whether the link slides."""
+        """True for a link that slides."""
         return bool(self.hinges) and isinstance(self.hinges[0], Slide)
 
 

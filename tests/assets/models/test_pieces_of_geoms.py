@@ -164,6 +164,6 @@ def test_height_fields_are_refused_by_name_and_can_be_left_out(tmp_path: Path) -
 
 def test_a_file_in_which_nothing_collides_is_refused(tmp_path: Path) -> None:
     path = written(tmp_path, '<body><joint/><geom size="0.1" contype="0" conaffinity="0"/></body>')
-    for load in (av.load_avatar, av.load_room):
-        with pytest.raises(InvalidFile, match=r"shapes of model\.xml that collide is 0; valid: at least 1: <collision>"):
+    for load, of in ((av.load_avatar, "avatar model in "), (av.load_room, "")):
+        with pytest.raises(InvalidFile, match=rf"shapes of {of}model\.xml that collide is 0; valid: at least 1: <collision>"):
             load(path)
