@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -68,11 +68,6 @@ class Timed:
         """(repeats, frames) that every engine of the scene had, of (R, F)."""
         begins = self.compared.first - self.first
         return nanoseconds[: self.compared.repeats, begins : begins + self.compared.frames]
-
-    def first_repeats(self, repeats: int) -> "Timed":
-        """The same with no more than so many repeats."""
-        stages = {name: spent[:repeats] for name, spent in self.stage_ns.items()}
-        return replace(self, around_ns=self.around_ns[:repeats], stage_ns=stages, hashes=self.hashes[:repeats])
 
     @property
     def engine_ns(self) -> Integers:

@@ -53,14 +53,16 @@ def times(
 
 
 def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
-    """Median, 95th and 99th percentile and slowest of the rendered frames [us], engine only, each frame the least of
-    its `repeats`; None and why. A 99th percentile that too few `frames` or repeats stand behind is None as well. `rests` is the
-    share [%] of frames in which
-    nothing moves, `moving` and `at_rest` the median of either kind where both are many; None where that is not known."""
+    """Return median, 95th and 99th percentile and slowest of the rendered frames [us], engine only; None and why without times.
+
+    Each frame is the least of its `repeats`, the slowest that of all. A 99th percentile of too few `frames` or repeats is None.
+    `rests` is the share [%] of frames in which nothing moves, `moving` and `at_rest` the median of either kind where both are
+    many, None where that is not known.
+    """
     nothing = dict.fromkeys(("p50", "p95", "p99", "slowest", "rests", "moving", "at_rest"))
     if found.timed is None:
         return {"run": found.job.run, **nothing, "repeats": 0, "frames": 0, "note": found.note}
-    whole, repeats = np.array(rendered(found.timed.best_us, cut)), len(found.timed.around_ns)
+    whole, repeats = np.array(rendered(found.timed.compared_us, cut)), found.timed.compared.repeats
     p50, p95, p99 = (float(time) for time in np.percentile(whole, (50, 95, 99)))
     enough = Protocol(repeats, len(whole), found.timed.warm_frames).has_tail
     rests = np.asarray(resting[: cut * len(whole)], dtype=np.bool_)
@@ -74,7 +76,7 @@ def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
     return {
         "run": found.job.run, **nothing, "p50": p50, "p95": p95, "p99": p99 if enough else None,
         "slowest": max(max(rendered(each, cut)) for each in found.timed.engine_ns / 1e3), **phases, "repeats": repeats,
-        "frames": len(whole), "note": found.note,
+        "frames": len(whole), "note": found.timed.compared.said if found.note == found.timed.protocol.said else found.note,
     }
 
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 
 import numpy as np
@@ -245,16 +245,15 @@ def known_errors(cell: Cell, request: Request) -> Entry | None:
 
 
 def known_times(cell: Cell, request: Request) -> Entry | None:
-    """What the timing pass of the run says of a cell, if it timed all the frames that are timed here, and as often: of more
-    repeats the first, so that all times of a scene are the least of equally many."""
+    """Return the times of a cell from the timing pass of the run, if it timed all the frames that are timed here, as often or
+    more often. They are the figures of the run's own table, so that a preset has one time on all pages."""
     clocked, repeats = request.clocked.get(cell.recorded_as), repeats_in(cell, request)
-    if clocked is None or clocked.timed is None or clocked.timed.around_ns.shape[1] != cell.timed_frames:
+    if clocked is None or clocked.timed is None or clocked.timed.compared.frames != cell.timed_frames:
         return None
-    if len(clocked.timed.around_ns) < repeats:
+    if clocked.timed.compared.repeats < repeats:
         return None
     recorded = request.outcomes.get(cell.recorded_as)
-    same = replace(clocked, timed=clocked.timed.first_repeats(repeats))
-    return clock.time_entry(same, cell.setting.cut, () if recorded is None else recorded.resting)
+    return clock.time_entry(clocked, cell.setting.cut, () if recorded is None else recorded.resting)
 
 
 def chosen(cells: Sequence[Cell], request: Request, budget: float) -> Choice:
