@@ -17,11 +17,14 @@ def cannot_say(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
     pieces += [piece for link in links for piece in link.pieces]
     if any(isinstance(piece.shape, ConvexHull) for piece in pieces):
         found["vertices"] = "kept in single precision: hulls are off by up to 6e-8 of their distance from the origin"
-    if any(ball.limits for ball in balls):
+    limited = any(ball.limits for ball in balls)
+    if limited and hinged:
+        found["swing and twist limits"] = (
+            "three hinges with ranges replace each ball joint: they limit Cardan angles, the second to 89 degrees; tendons limit "
+            "swing cones besides"
+        )
+    elif limited:
         found["twist limits"] = (
-            "our adapter makes three hinges with ranges of each ball joint: what they limit is other angles than swing and "
-            "twist, and the second ends at 89 degrees; swing cones are said by tendons besides"
-        ) if hinged else (
             "our adapter makes ball joints, whose range limits their total rotation only; swing cones are said by tendons (tuned "
             "only, as no such limit is documented); twist is limited in what the joint is asked for (tuned only), not in what "
             "contact makes of it: three hinges with ranges (row mujoco/hinges) limit it, at other angles than these"

@@ -84,7 +84,7 @@ def _dots(run: Run, chart: Strip) -> list[Spec]:
             "value": chart.high if row.value != row.value else min(max(row.value, chart.low), chart.high),
             "text": quantity(row.value, unit),
             "even": row.even, "counted": bool(row.even and shares[row.run] >= 0.5),
-            "why": f"yes; preset {row.by}" if row.by else f"yes; {row.why}" if row.even and row.why else row.why or "yes",
+            "why": "; ".join(part for part in (row.why or "yes", row.by and f"preset {row.by}") if part),
             "place": marks.place_of(row.scenario),
         }
         for row in rows.itertuples()

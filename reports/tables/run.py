@@ -9,7 +9,7 @@ import pandas as pd
 
 from avatarsim.errors import InvalidFile
 from reports.reading.load import Results, load
-from runfiles.comparable import AVATAR_METRIC, FEW_FRAMES, reasons
+from runfiles.comparable import AVATAR_METRIC, reasons
 from runfiles.engines import about, main_runs
 from runfiles.naming import GATED
 
@@ -37,13 +37,13 @@ class Run:
         measured       flag: a number was measured, finite or not
         bound, waiver  float, NaN without; a value above the bound passes up to the waiver
         why            reason why the figure does not compare engines, "" where it does
-        even           flag: measured in the same way as the other engines' figures
+        even           flag: it does
         """
         listed = [{**vars(row), "run": row.run, "measured": row.value is not None} for row in self.results.rows]
         rows = pd.DataFrame(listed).rename(columns={"ceiling": "waiver"})
         rows = rows.astype(dict.fromkeys(("value", "bound", "waiver"), float))
         rows["why"] = reasons(rows, self.results.engines)
-        rows["even"] = rows.why.isin(("", FEW_FRAMES))
+        rows["even"] = rows.why == ""
         return rows
 
     @cached_property
@@ -76,15 +76,15 @@ class Run:
     def main_rows(self, metric: str) -> pd.DataFrame:
         """Return the measured rows of a metric of the runs of short tables.
 
-        A variant replaces a preset whose own figure does not compare (`runfiles.engines.Variant`): the row has the run of the
-        preset, and the variant in its column `by`.
+        A variant replaces a preset whose own figure does not compare (`runfiles.engines.Variant`), whether its own does or not:
+        the row has the run of the preset, and the variant in its column `by`.
         """
         rows = self.rows[(self.rows.metric == metric) & self.rows.measured].assign(by="")
         main, parts, gone = rows[rows.run.isin(self.runs)], list[pd.DataFrame](), set[tuple[str, str]]()
         for engine in dict.fromkeys(rows.engine):
             for name, one in about(engine).variants.items():
                 if metric in one.metrics:
-                    other = rows[(rows.run == f"{engine}/{name}") & rows.even].assign(run=f"{engine}/{one.of}", by=name)
+                    other = rows[rows.run == f"{engine}/{name}"].assign(run=f"{engine}/{one.of}", by=name)
                     parts.append(other)
                     gone |= set(zip(other.run, other.scenario, strict=True))
         kept = [key not in gone for key in zip(main.run, main.scenario, strict=True)]

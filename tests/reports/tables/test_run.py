@@ -40,11 +40,11 @@ def test_no_number_is_measured_and_nothing_is_not() -> None:
 
 
 def test_a_variant_stands_in_where_the_figure_of_its_preset_does_not_compare() -> None:
-    """MuJoCo's tuned ball joints have no limit of twist; its preset hinges has."""
-    metric, lacking = "joint_limit_excess_max", {"twist limits": "no such limit"}
-    hinges = "mujoco/hinges"
+    """MuJoCo's tuned ball joints have no limit of twist; its preset hinges has limits of other angles, so neither compares."""
+    metric, hinges = "joint_limit_excess_max", "mujoco/hinges"
+    lacking = {MUJOCO: {"twist limits": "none"}, hinges: {"swing and twist limits": "of Cardan angles"}}
     figures = [("a", MUJOCO, 90.0), ("a", hinges, 1.0), ("b", MUJOCO, 2.0), ("b", hinges, 3.0), ("a", OURS, 0.0)]
-    notes = [EngineNote(one, "a", "1", lacking, {}) for one in (MUJOCO, hinges)]
+    notes = [EngineNote(one, "a", "1", features, {}) for one, features in lacking.items()]
     rows = run_of([figure(scene, one, metric, value) for scene, one, value in figures], notes=notes).main_rows(metric)
-    found = {(row.scenario, row.run): (row.value, row.by) for row in rows.itertuples()}
-    assert found == {("a", MUJOCO): (1.0, "hinges"), ("b", MUJOCO): (2.0, ""), ("a", OURS): (0.0, "")}
+    found = {(row.scenario, row.run): (row.value, row.by, row.even) for row in rows.itertuples()}
+    assert found == {("a", MUJOCO): (1.0, "hinges", False), ("b", MUJOCO): (2.0, "", True), ("a", OURS): (0.0, "", True)}
