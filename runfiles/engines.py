@@ -89,6 +89,7 @@ class About:
     unsupported     features by the name that the adapter reports
     native          options of the adapter in the engine's own words, {} is the value; of a flag one for true and one for false
     alone           options that are all that changes in a preset
+    loads           line that loads a preset, with {file}: of the scene in the engine's own words, and {preset}
     unlike          differences of scenes in this engine, a sentence each
     issues          known ones
     path            of the file; None where there is none
@@ -111,6 +112,7 @@ class About:
     unsupported: Mapping[str, Unsupported] = field(default_factory=dict)
     native: Mapping[str, str | Mapping[str, str]] = field(default_factory=dict)
     alone: tuple[str, ...] = ()
+    loads: str = ""
     unlike: tuple[str, ...] = ()
     issues: tuple[Issue, ...] = ()
     path: Path | None = None

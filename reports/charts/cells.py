@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from avatarsim.scene.effects import CALLS, KEPT
 from reports.charts import marks
 from reports.charts.marks import Spec, layer, name, number
 from reports.tables.figures import quantity
@@ -12,16 +13,12 @@ from reports.tables.run import Run
 from runfiles.engines import run_label
 from runfiles.metrics import label
 
-EFFECTS = {
-    "dynamics": "dynamics", "restitution": "restitution", "friction": "friction", "continuous": "continuous collision",
-    "gyroscopic": "gyroscopic torque", "sleeping": "sleeping", "overlap_removal": "overlap removal", "coupling": "coupling",
-    "self_contact": "self contact", "limits": "joint limits", "reach_cones": "reach cones",
-}
-"""Effects in the order of the chart, and their names."""
-
+EFFECTS = {call.effect: (call.effect.replace("_", " "), call.why) for call in CALLS if call.effect not in KEPT}
+"""Effects in the order of the chart: their names, and what they are for."""
 LINE = 12
 """Height of a line of a column's name [px]."""
-
+CASES_HEIGHT = 290
+"""Height of the cells of hard cases [px]: that of the chart beside; few cases have higher cells."""
 FAINT = 0.05
 """Share of a frame below which a cost is noise."""
 
@@ -66,14 +63,16 @@ def hard_cases(run: Run, cases: pd.DataFrame) -> Spec:
         overlap="overlap, largest", energy="energy gain, largest",
     )
     fill, described = marks.shades(-4.5, -0.5, "datum.lost", "@alarm"), "Drift after a nudge, hard case by engine."
-    return grid(values, [run_label(one) for one in shown], order, fill, tip, described, 29)
+    height = min(max(CASES_HEIGHT // max(len(order), 1), 29), 48)
+    return grid(values, [run_label(one) for one in shown], order, fill, tip, described, height)
 
 
 def effects(table: pd.DataFrame) -> Spec:
     """Return effect by scene: the share of the frame that an effect takes; empty where it is not simulated."""
     values = [
         {
-            "column": row.scenario.replace("_", " "), "row": EFFECTS[row.effect], "text": _cost(row.share),
+            "column": row.scenario.replace("_", " "), "row": EFFECTS[row.effect][0], "does": EFFECTS[row.effect][1],
+            "text": _cost(row.share),
             "shade": max(row.share, 0.0), "saves": row.share < -FAINT, "bright": row.share > 0.4,
             "present": quantity(row.with_us, "us"), "absent": quantity(row.without_us, "us"),
             "broken": ", ".join(map(label, row.broken)) or "nothing measured",
@@ -81,19 +80,19 @@ def effects(table: pd.DataFrame) -> Spec:
         for row in table[table.effect.isin(EFFECTS)].itertuples()
     ]
     tip = marks.tooltip(
-        column="scene", row="effect", present="frame with it", absent="frame without it", broken="worse without it"
+        column="scene", row="effect", does="for", present="frame with it", absent="frame without it", broken="worse without it"
     )
-    rows = [title for effect, title in EFFECTS.items() if effect in set(table.effect)]
+    rows = [title for effect, (title, _) in EFFECTS.items() if effect in set(table.effect)]
     columns = [one.replace("_", " ") for one in dict.fromkeys(table.scenario)]
     fill, described = marks.shades(0, 1, "datum.saves", "@gain"), "Share of the frame that each effect takes."
     return grid(values, columns, rows, fill, tip, described, 26)
 
 
 def _cost(share: float) -> str:
-    """Return a share of the frame in percent, of the frame with the effect where it saves time."""
+    """Return a share of the frame in percent; where the effect saves time, the share of the frame without it that is saved."""
     if abs(share) <= FAINT:
         return "< 5 %"
-    return f"{100.0 * (share / (1.0 - share) if share < 0.0 else share):.0f} %"
+    return f"{100.0 * share:.0f} %" if share > 0.0 else f"saves {100.0 * share / (share - 1.0):.0f} %"
 
 
 def bars(losses: pd.DataFrame) -> Spec:

@@ -12,8 +12,10 @@ from reports.reading.load import Array
 from runfiles.engines import run_label
 
 FLOOR = 1e-7
-"""Least error on the axis [m]."""
-
+"""Least error that is told from none [m]."""
+ENDS = (2.5e-8, 0.3)
+"""Ends of the axis of errors [m]: below FLOOR, so that names of dots lie above the axis; the upper one is for settings that do
+not follow their user."""
 APART: Spec = {"labelOverlap": "greedy", "labelSeparation": 6}
 """Of an axis: labels that would come nearer than this [px] are left out."""
 
@@ -28,9 +30,10 @@ def error_against_time(names: Sequence[str]) -> Spec:
     """Return the chart of settings; the page fills in the datasets points and limit."""
     colour = marks.by_engine(names)
     axis = marks.BARE | {"title": "frame time", "labelExpr": TIME_LABEL, "tickCount": 4, **APART}
-    x = number("time", scale={"type": "log", "nice": False, "padding": 18}, axis=axis)
-    ticks = {"values": [10.0**k for k in range(-7, 0)], "labelExpr": f"datum.value < 2e-7 ? '≤ 0.1 µm' : {LENGTH_LABEL}"}
-    scale = {"type": "log", "domain": [FLOOR, 0.3], "clamp": True}
+    x = number("time", scale={"type": "log", "nice": False, "padding": 40}, axis=axis)
+    text = f"datum.value > 0.2 ? 'does not follow' : datum.value < 2e-7 ? '≤ 0.1 µm' : {LENGTH_LABEL}"
+    ticks = {"values": [*(10.0**k for k in range(-7, 0)), ENDS[1]], "labelExpr": text}
+    scale = {"type": "log", "domain": list(ENDS), "clamp": True}
     y = number("place", scale=scale, axis=marks.BARE | ticks | {"title": "largest error"})
     both = {"x": x, "y": y}
     inked = both | {"color": colour}

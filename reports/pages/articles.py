@@ -8,6 +8,7 @@ import pandas as pd
 
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
+from reports.charts.cells import EFFECTS
 from reports.pages import scripts
 from reports.tables.changes import TIME_FACTOR
 from reports.tables.figures import quantity, rounded
@@ -52,7 +53,7 @@ def _method(run: Run) -> str:
     shown |= {f"{name} version": value for name, value in dict(info.get("versions") or {}).items()}
     return _rendered(
         "method.html.j2", "Method", judge=_judge(run.folder), repeats=REPEATS, warm=WARM_FRAMES, tail=TAIL_FRAMES,
-        noise=f"{100.0 * (TIME_FACTOR - 1.0):.0f} %", provenance=shown, notes=run.results.notes,
+        noise=f"{100.0 * (TIME_FACTOR - 1.0):.0f} %", provenance=shown, notes=run.results.notes, effects=EFFECTS,
     )
 
 

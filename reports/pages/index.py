@@ -2,7 +2,7 @@
 
 import json
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -15,7 +15,7 @@ from reports.tables.changes import Changes
 from reports.tables.checks import Checks
 from reports.tables.figures import quantity
 from reports.tables.run import Run
-from reports.tables.settings import LEVELS
+from reports.tables.settings import LEVELS, preset_words
 from runfiles.engines import about, main_runs, run_label
 from runfiles.metrics import label
 
@@ -46,7 +46,7 @@ def page(
         "gated": run.gated.partition("/")[0],
         "stills": {name: one.pictures for name, one in stills.items()} or None,
         "instants": {name: one.time for name, one in stills.items()},
-        "settings": None if settings is None else by_scene(settings, run.avatars),
+        "settings": None if settings is None else by_scene(settings, run),
         "first": None if settings is None else first_scene(settings),
     }
     info: Any = run.results.provenance
@@ -102,7 +102,7 @@ def verdict(checks: Checks) -> str:
     return f"{len(checks.passed)} of {checks.total} checks pass" if checks.finished else "incomplete: the run did not end"
 
 
-def by_scene(settings: pd.DataFrame, avatars: Collection[str]) -> dict[str, list[dict[str, Any]]]:
+def by_scene(settings: pd.DataFrame, run: Run) -> dict[str, list[dict[str, Any]]]:
     """Return the settings of each scene for the page's script; an error of null does not follow its user."""
     found: dict[str, list[dict[str, Any]]] = {}
     for row in settings.itertuples():
@@ -110,11 +110,13 @@ def by_scene(settings: pd.DataFrame, avatars: Collection[str]) -> dict[str, list
         numbers = {name: value if math.isfinite(value) else None for name, value in named.items()}
         shown = {"error": quantity(row.error, "m") if math.isfinite(row.error) else "does not follow"}
         shown |= {name: quantity(numbers[name], "us") for name in ("median", "p95", "slowest")}
-        flags = {name: bool(getattr(row, name)) for name in ("preset", "asleep", "measured", "alone")}
+        flags = {name: bool(getattr(row, name)) for name in ("preset", "asleep", "measured", "few")}
+        loads, words = preset_words(run, row.scenario, f"{row.engine}/{row.base}")
         found.setdefault(row.scenario, []).append({
             "engine": row.engine, "label": about(row.engine).label, "setting": row.setting, "base": row.base,
             "step": None if math.isnan(row.step) else round(row.step), "worst": label(row.worst) if row.worst else "",
-            "native": row.native, "options": row.options, "avatar": row.scenario in avatars, **numbers, **flags, "shown": shown,
+            "loads": loads, "native": "\n".join(words) if row.preset else row.native, "alone": bool(row.alone or row.preset),
+            "options": row.options, "avatar": row.scenario in run.avatars, **numbers, **flags, "shown": shown,
         })
     return found
 

@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from reports.replay.moments import moment
 from reports.tables.changes import Changes
 from reports.tables.checks import Checks, least_room
 from reports.tables.figures import quantity
@@ -62,7 +63,7 @@ def headline(checks: Checks) -> str:
 
 def blocks(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.DataFrame) -> list[tuple[str, list[str]]]:
     """Return titles and lines of all parts below the headline; parts without a line are left out but for changes."""
-    failed = [_line(row, f"{_limit(row)}   scenes/{row.scenario}.html") for row in checks.failed.itertuples()]
+    failed = [_line(row, f"{_limit(row)}   {_address(run, row)}") for row in checks.failed.itertuples()]
     lacking = pd.concat([checks.crashed, checks.unmeasured]).itertuples()
     missing = [f"{row.scenario:<24}{run_label(row.run):<18}{_lacking(row)}" for row in lacking]
     waived = [_line(row, f"{_limit(row)}, waived to {quantity(row.waiver, row.unit)}") for row in checks.waived.itertuples()]
@@ -129,6 +130,11 @@ def table(run: Run) -> list[str]:
 
 def _line(row: Any, after: str) -> str:
     return f"{row.scenario:<24}{label(row.metric):<30}{_value(row.value, row.unit):>10}   {after}"
+
+
+def _address(run: Run, row: Any) -> str:
+    """Return the page of a figure's scene, at the time of the figure where the run has its series."""
+    return f"scenes/{row.scenario}.html{moment(run.results, row.scenario, row.run, row.metric, {})}"
 
 
 def _lacking(row: Any) -> str:

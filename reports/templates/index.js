@@ -40,7 +40,7 @@ function dots() {
 }
 // labels of presets first, then of steps; one that would cover another is left out: a pointed dot says it all
 function unlabelled(points) {
-  const WIDE = 0.2, HIGH = 0.055, DECADES = 6.5, kept = [];
+  const WIDE = 0.2, HIGH = 0.055, DECADES = 7, kept = [];
   const [least, most] = [Math.min, Math.max].map((of) => Math.log10(of(...points.map((one) => one.time))));
   const place = (one) => [Math.log10(one.time) / (most - least || 1), Math.log10(one.place) / DECADES];
   for (const one of [...points].sort((a, b) => b.preset - a.preset)) {
@@ -78,27 +78,28 @@ function chooseLevel() {
     // of times within 3 % a preset is the simpler answer
     const best = able.filter((one) => one.median <= 1.03 * able[0].median).sort((a, b) => rank(b) - rank(a))[0];
     if (!first || engine !== page.gated) first = first && first.engine !== page.gated ? first : best;
-    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${fair(best, best.shown.median)}${best.asleep ? " asleep" : ""}</td><td class="n">${fair(best, best.shown.p95)}</td><td class="n">${fair(best, best.shown.slowest)}</td><td class="n">${best.shown.error}</td><td>${escaped(best.worst)}</td></tr>`);
+    rows.push(`<tr data-at="${all.indexOf(best)}"><td>${dot(engine)}${escaped(label)}</td><td><button type="button" data-copy="${all.indexOf(best)}">${escaped(best.setting)}</button></td><td class="n">${fair(best, best.shown.median)}${best.asleep ? " asleep" : ""}</td><td class="n">${fair(best, best.shown.p95, best.few)}</td><td class="n">${fair(best, best.shown.slowest, best.few)}</td><td class="n">${best.shown.error}</td><td>${escaped(best.worst)}</td></tr>`);
   }
   find("cheapest-rows").innerHTML = rows.join("");
   find("cheapest-rows").querySelectorAll("[data-copy]").forEach((one) => one.addEventListener("click", () => copyable(all[one.dataset.copy])));
-  const avatar = all.some((one) => one.avatar);
-  find("planned").textContent = `${measured.length} of ${all.length} planned settings were run; make study NAME=settings runs the rest.${avatar ? " In brackets: not like for like." : ""}`;
+  const unlike = find("cheapest-rows").innerText.includes("(");
+  find("planned").textContent = `${measured.length} of ${all.length} planned settings were run; make study NAME=settings runs the rest.${unlike ? " In brackets: not like for like." : ""}`;
   if (first) copyable(first);
   if (views.settings) views.settings.data("limit", limit()).runAsync();
 }
-// times that do not compare engines stand in brackets
-function fair(one, text) { return one.avatar && text !== "–" ? `(${text})` : text; }
-// of equal settings: default and tuned, then one that its engine's own words make whole
-function rank(one) { return ["default", "tuned"].includes(one.setting) ? 2 : one.alone ? 1 : 0; }
+// times that do not compare engines stand in brackets: those of avatars and of sleep, and tails of too few frames
+function fair(one, text, few = false) { return (one.avatar || one.asleep || few) && text !== "–" ? `(${text})` : text; }
+// of equal settings: default and tuned, then another preset, then one that its engine's own words make whole
+function rank(one) { return ["default", "tuned"].includes(one.setting) ? 3 : one.preset ? 2 : one.alone ? 1 : 0; }
 function copyable(one) {
-  const base = `# ${one.label}, preset ${one.base || one.setting}: its compiled model or calls are among the files of the scene`;
+  const base = `# ${one.label}, preset ${one.base || one.setting}${one.loads.includes(find("scene").value) ? "; its file is among the files of the scene" : ""}`;
+  const yours = one.preset && one.loads && one.native ? "# or in a model of your own, without its contact constants:" : "";
   const more = "# and contact constants that depend on it: our adapter sets them";
   const native = one.alone || !one.native ? one.native : `${one.native.replace(/^/gm, "# ")}\n${more}`;
   const ours = one.options.startsWith("--") ? `# here: python -m scenarios run ${find("scene").value} ${one.options}`
     : one.options ? `# here, in a file for --settings:\n# ${one.options}` : "";
   find("copied-of").textContent = `${one.label} ${one.setting}`;
-  find("setting").textContent = [base, native, ours].filter(Boolean).join("\n");
+  find("setting").textContent = [base, one.loads, yours, native, ours].filter(Boolean).join("\n");
 }
 
 // ---------------------------------------------------------------- stills and player

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 
@@ -32,9 +33,11 @@ def figure(
 def run_of(
     rows: Iterable[Row], series: Mapping[str, Mapping[str, Series]] | None = None, exit_code: int | None = 0,
     provenance: Mapping[str, object] = HOST, notes: Sequence[EngineNote] = (), name: str = "run",
+    frame_times: Mapping[str, float] = MappingProxyType({}),
 ) -> Run:
     """Return a run of these rows, without a folder."""
-    return Run(Path(name), Results(tuple(rows), series or {}, tuple(notes), provenance, exit_code, {}, ()))
+    found = Results(tuple(rows), series or {}, tuple(notes), provenance, exit_code, {}, (), frame_times=frame_times)
+    return Run(Path(name), found)
 
 
 def timed(times: Iterable[float]) -> Series:

@@ -4,7 +4,6 @@ import json
 import math
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,6 @@ import vl_convert
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.scene.effects import Effects
 from reports.charts import cells, curves, marks, strips
 from reports.pages.scripts import data, source
 from reports.tables.effects import effects
@@ -120,6 +118,13 @@ def test_the_largest_value_survives_thinning(count: int, draw: st.DataObject) ->
     assert len(kept) <= curves.POINTS
 
 
+def test_a_dot_is_hollow_where_its_figure_does_not_compare_engines() -> None:
+    few, many = (figure("a", one, "frame_time_p95", 1.0, note=f"3 x {k} frames") for one, k in ((OURS, 90), (MUJOCO, 300)))
+    values = strips.strip(run_of([few, many]), strips.STRIPS["time"], "x")["data"]["values"]
+    assert {dot["engine"]: (dot["even"], dot["counted"]) for dot in values} == {
+        "avatarsim": (False, False), "mujoco": (True, True)}
+
+
 def test_a_scene_has_one_height_in_every_chart() -> None:
     specs = [strips.strip(run(), chart, "x") for chart in strips.STRIPS.values()]
     [place] = {dot["place"] for spec in specs for dot in spec["data"]["values"] if dot["scene"] == "a"}
@@ -131,7 +136,3 @@ def test_charts_of_nothing_are_charts(tmp_path: Path) -> None:
     for spec in (strips.strip(empty, strips.STRIPS["time"], "x"), cells.bars(losses(empty)), over_time({}, "m")):
         drawn = marks.coloured(spec, marks.palette()["light"]) | {"width": 90}
         assert spec["height"] > 0 and vl_convert.vegalite_to_svg(json.dumps(drawn))
-
-
-def test_every_effect_of_a_scene_has_a_row() -> None:
-    assert set(cells.EFFECTS) == {one.name for one in fields(Effects)} - {"kinematics"}

@@ -3,11 +3,12 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from reports import Judged, judged, said
-from reports.reading.load import Row
+from reports.reading.load import Row, Series
 from reports.summaries.text import COLUMNS, engines, headline, markdown, terminal
 from reports.tables.checks import checks
 from reports.tables.losses import losses
@@ -41,8 +42,9 @@ def test_a_headline_says_pass_only_of_a_sound_run(statuses: Sequence[str], ended
 
 
 def test_what_failed_is_named_in_every_form() -> None:
-    for text in both(run_of(some("pass", "fail", "waived", "pass"))):
-        assert "scene_1" in text and "scene_2" in text
+    deep = {"scene_1": {OURS: Series(np.array([0.0, 9.0, 0.0]), np.zeros(0))}}
+    for text in both(run_of(some("pass", "fail", "waived", "pass"), deep, frame_times={"scene_1": 0.5})):
+        assert "scene_1" in text and "scene_2" in text and "scenes/scene_1.html#t=0.5" in text
 
 
 def test_the_table_has_a_row_per_engine_and_a_figure_per_column() -> None:

@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
@@ -10,10 +11,12 @@ from hypothesis import HealthCheck, given
 from hypothesis import settings as hypothesis_settings
 from hypothesis import strategies as st
 
-from reports.tables.settings import settings
+from reports.reading.load import EngineNote
+from reports.tables.settings import preset_words, settings
 from runfiles.accuracy import counts, follows, largest
 from runfiles.engines import about
-from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, SETTING, Part, write_study
+from runfiles.table import STUDIED, csv_text
+from tests.reports.small_runs import BULLET, MUJOCO, OURS, OVERLAP, SETTING, Part, figure, run_of, write_study
 
 METRICS = (OVERLAP, "stop_distance_error_max", "spin_error_max", "tracker_offset_rms_free")
 cell = st.dictionaries(st.sampled_from(METRICS), st.sampled_from([0.0, 1e-6, 0.02, 5.0]), min_size=1)
@@ -80,3 +83,24 @@ def test_a_setting_has_a_step_where_it_changes_nothing_else(tmp_path: Path, opti
     row = Part("a", MUJOCO, "x", {**SETTING, "time_step": 0.002}, f"[mujoco.x]\npreset = 'tuned'\n{options}\n")
     (found,) = read(tmp_path, row).itertuples()
     assert found.step == pytest.approx(steps, nan_ok=True)
+
+
+def test_tails_of_few_frames_are_marked(tmp_path: Path) -> None:
+    rows = [row for one in ("", "fine") for row in Part("a", MUJOCO, one, SETTING).rows("settings")]
+    noted = [replace(row, note=f"{1 if row.change else 2} x 300 frames, 30 warm-up frames") for row in rows]
+    (tmp_path / "settings.csv").write_text(csv_text(noted, STUDIED))
+    table = settings(tmp_path)
+    assert table is not None and dict(zip(table.preset, table.few, strict=True)) == {True: False, False: True}
+
+
+def test_a_preset_is_loaded_and_its_options_that_differ_from_the_default_are_lines(tmp_path: Path) -> None:
+    chosen = {"dt": ("0.00125", ""), "sleep": ("true", ""), "iterations": ("100", ""), "kappa": ("0.1", "a reason")}
+    plain = {"dt": ("0.002", ""), "sleep": ("false", ""), "iterations": ("100", "")}
+    notes = [EngineNote(f"mujoco/{name}", "a", "1", {}, said) for name, said in (("default", plain), ("sleeping", chosen))]
+    run = run_of([figure("a", MUJOCO, OVERLAP, 0.0)], notes=notes, name=str(tmp_path))
+    loads, lines = preset_words(run, "a", "mujoco/sleeping")
+    assert loads == "" and lines == about("mujoco").in_own_words({"dt": 0.00125, "sleep": True})
+    (tmp_path / "native").mkdir()
+    (tmp_path / "native" / "a.mujoco.sleeping.0.xml.gz").touch()
+    assert "a.mujoco.sleeping.0.xml" in preset_words(run, "a", "mujoco/sleeping")[0]
+    assert preset_words(run, "a", "avatarsim/paper") == (about("avatarsim").loads.format(preset="paper"), [])

@@ -2,6 +2,7 @@
 
 import ast
 from collections.abc import Mapping
+from pathlib import Path
 
 import mujoco
 import numpy as np
@@ -86,3 +87,13 @@ def test_a_preset_and_what_only_the_adapter_knows_have_none() -> None:
     assert settable(Setting("mujoco", "tuned", "tuned")) == settable(Setting("mujoco", "x", "tuned", {"kappa": 0.02})) == ""
     assert settable(Setting("mujoco", "x", "tuned", {"iterations": 10, "kappa": 0.02})) == ""
     assert settable(Setting("avatarsim", "x", "default", {"steps": 1})) == ""
+
+
+def test_a_preset_is_loaded_from_the_file_that_a_run_leaves(tmp_path: Path) -> None:
+    scenario, engine = catalog.get("stack_ten"), MujocoEngine()
+    engine.load(scenario.as_run(False).build(), Settings("tuned"), scenario.dt)
+    (tmp_path / "a.xml").write_text(engine.native()[1])
+    names: dict[str, object] = {"mujoco": mujoco}
+    exec(about("mujoco").loads.format(file=tmp_path / "a.xml", preset="tuned"), names)
+    assert isinstance(names["model"], mujoco.MjModel)
+    assert all_that_differs(names["model"], model_of("stack_ten", "tuned", {})) == []
