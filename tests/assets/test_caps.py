@@ -24,19 +24,6 @@ def test_names_that_cannot_be_shown_are_refused(name: str) -> None:
     assert caps.require_name("joint", "x" * caps.NAME) == "x" * caps.NAME
 
 
-def test_a_large_file_is_refused_by_its_size_alone(tmp_path: Path) -> None:
-    path = tmp_path / "large.npz"
-    with path.open("wb") as file:
-        # a file with a hole: it takes no disk, and would take its size in memory
-        file.truncate(caps.BYTES + 1)
-    with pytest.raises(InvalidFile, match=f"size of it .bytes. is {caps.BYTES + 1}"):
-        caps.content(path, "it", "an archive")
-    with pytest.raises(InvalidFile, match="size of it"):
-        caps.content(path, "it", "an archive", 100)
-    path.write_bytes(b"abc")
-    assert caps.content(path, "it", "an archive", 3) == b"abc"
-
-
 def test_what_is_no_regular_file_is_refused(tmp_path: Path) -> None:
     for path, says in ((tmp_path, "a folder"), (tmp_path / "absent", "No such file"), (Path("/dev/zero"), "a device")):
         with pytest.raises(InvalidFile, match=says):

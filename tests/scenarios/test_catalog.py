@@ -1,7 +1,6 @@
-"""Every scene of the catalogue: found by its name, built free of overlap, its motion sound, its raw overlap as stated."""
+"""Every scene of the catalogue: found by its name, built free of overlap, its motion sound."""
 
 import tomllib
-from collections import Counter
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -21,7 +20,6 @@ from scenarios.catalog.paper import ball_drop
 from scenarios.catalog.recorded import mocap_clips
 from scenarios.motion.mocap import clip_names
 from scenarios.scenario import EXPECTS, Bound, Motion, Region, Scenario
-from tests.scenarios.raw_overlap import RAW
 from tests.scenarios.scene_rules import (
     BRISK,
     begins_free_where_its_regions_allow,
@@ -58,29 +56,6 @@ def test_a_scene_has_its_bounds_begins_free_and_moves_soundly(name: str) -> None
     scenario = catalog.get(name).as_run(full=False)
     begins_free_where_its_regions_allow(scenario)
     moves_soundly(scenario, inf if name in JUMPS_ABOUT else FASTEST.get(name, BRISK))
-
-
-@pytest.mark.parametrize("name", sorted(RAW))
-def test_the_raw_motion_goes_where_the_scene_says(name: str) -> None:
-    scenario, scene, motion = built(name)
-    frames, deepest = Counter[str](), Counter[str]()
-    avatars = {avatar.name for avatar in scene.avatars}
-    places, turns = link_poses_each(scene.avatars, [motion(frame) for frame in range(scenario.frames)])
-    still, as_built = poses(scene, scene.first_sample)
-    positions, orientations = (np.repeat(first[None], scenario.frames, axis=0) for first in (still, as_built))
-    positions[:, len(scene.bodies) :], orientations[:, len(scene.bodies) :] = places, turns
-    for verdict in Judge(scene).over_time(positions, orientations):
-        found: dict[str, float] = {}
-        for a, b, depth in verdict.pairs:
-            met = [body for body in (a, b) if body.split("/")[0] not in avatars]
-            what = met[0] if met else "self"
-            found[what] = max(found.get(what, 0.0), depth)
-        frames.update(found.keys())
-        deepest |= Counter(found)
-    assert set(frames) == set(RAW[name])
-    for what, (count, depth) in RAW[name].items():
-        assert frames[what] == pytest.approx(count, abs=2)
-        assert deepest[what] == pytest.approx(depth, abs=1e-3)
 
 
 @pytest.mark.parametrize(

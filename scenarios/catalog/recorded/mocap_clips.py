@@ -1,7 +1,7 @@
 """A humanoid follows recorded motion of pybullet_data: all fifteen human clips in the gallery, and three before obstacles.
 
 At 60 Hz, after half a second in which the user walks from a free posture into the clip's first one. Floor, furniture and walls
-are not the user's: tests/scenarios/raw_overlap.py lists how deep each raw motion is inside them.
+are not the user's, whose motion leads into them.
 """
 
 from typing import NamedTuple

@@ -9,17 +9,15 @@ from avatarsim.engine import Engine, Settings
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 from reference.judging.judge import Judge
-from tests.agreement.runs import Array, limit_excess, played, poses
+from tests.agreement.runs import Array, played, poses
 
 
 @dataclass(frozen=True)
 class Led:
-    """By frame: the largest depth (F,) of a link in a body [m], places of links (F, links, 3) [m], and the largest excess (F,)
-    over the limits of a joint [deg]."""
+    """By frame: the largest depth (F,) of a link in a body [m], and places of links (F, links, 3) [m]."""
 
     depths: Array
     places: Array
-    excess: Array
 
 
 def led(engine: Engine, scene: Scene, path: Callable[[int], TrackerSample], frames: int, options: dict[str, object]) -> Led:
@@ -32,10 +30,4 @@ def led(engine: Engine, scene: Scene, path: Callable[[int], TrackerSample], fram
         max((depth for a, b, depth in verdict.pairs if a in bodies or b in bodies), default=0.0)
         for verdict in Judge(scene).each(places, turns)
     ]
-    return Led(np.array(depths), places[:, first:], limit_excess(scene, records))
-
-
-def eased(share: float) -> float:
-    """Minimum jerk from 0 to 1."""
-    u = min(1.0, max(0.0, share))
-    return u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
+    return Led(np.array(depths), places[:, first:])

@@ -3,15 +3,13 @@
 import numpy as np
 
 from avatarsim.scene.avatar import Avatar, Link
-from avatarsim.scene.body import fixed, solid
+from avatarsim.scene.body import solid
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.joint import Free, Hinge, Hinges, Rigid
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, Piece
+from avatarsim.scene.shape import Capsule, Piece
 from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
-from tests.agreement.reached.driven import eased
-from tests.agreement.runs import FRAME
 from tests.agreement.scenes import rotation_of_z_to_x
 
 X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
@@ -19,11 +17,7 @@ THREE = Hinges((Hinge(Y, -3.0, 3.0), Hinge(Z, -1.5, 1.5), Hinge(X, -1.5, 1.5)))
 WRIST = 1.2
 """Limit of the wrist [rad]; an elbow is straight at its own."""
 HANGS = 1.3
-"""Angle of the shoulder at which the hands are clear of the wall [rad]."""
-REACH, BEYOND = 0.28 + 0.25 + 0.1 + 0.03, 0.18
-"""Length of a stretched arm, and how far it goes past the face of the wall [m]."""
-PAST = float(np.radians(30.0))
-"""How far past their limits elbows and wrists are asked to go [rad]."""
+"""Angle of the shoulder at the start [rad]."""
 
 
 def _forward(radius: float, length: float) -> tuple[Piece, ...]:
@@ -61,25 +55,17 @@ def mannequin() -> Avatar:
 AVATAR = mannequin()
 
 
-def posed(time: float, shoulder: float, past: float = 0.0) -> TrackerSample:
-    """Both arms alike; elbows `past` their limit, wrists on their way to it and as far past it [rad]."""
+def posed(time: float, shoulder: float) -> TrackerSample:
+    """Both arms alike, stretched; shoulders at an angle [rad]."""
     angles = []
     for link in AVATAR.links:
         for k in range(len(link.joint.hinges) if isinstance(link.joint, Hinges) else 0):
-            asked = {"upper": shoulder, "fore": past, "hand": past * (WRIST + PAST) / PAST}
-            angles.append(asked.get(link.name.split("_")[-1], 0.0) if k == 0 else 0.0)
+            angles.append(shoulder if k == 0 and link.name.endswith("_upper") else 0.0)
     places = np.zeros((len(AVATAR.links), 3))
     places[0, 2] = 1.2
     return TrackerSample(time, places, np.tile(rotation.IDENTITY, (len(places), 1)), np.array(angles))
 
 
-def before_wall(there: bool = True) -> Scene:
-    """The mannequin, arms hanging, and a wall that its arms reach beyond; or nothing."""
-    wall = fixed("wall", (Piece(Box((0.6, 6.0, 6.0))),), "wood", (REACH - BEYOND + 0.3, 0.0, 1.2))
-    return Scene("mannequin", (wall,) if there else (), (AVATAR,), start=posed(0.0, HANGS))
-
-
-def stretching(frame: int, past: float = 0.0) -> TrackerSample:
-    """Arms are raised to point at the wall within half a second, and kept there."""
-    share = eased((FRAME * frame - 0.1) / 0.5)
-    return posed(FRAME * frame, HANGS * (1.0 - share), past * share)
+def hanging() -> Scene:
+    """The mannequin alone, its arms hanging."""
+    return Scene("mannequin", (), (AVATAR,), start=posed(0.0, HANGS))

@@ -163,14 +163,6 @@ def test_json_is_the_only_output(site: Path, tmp_path: Path, capsys: pytest.Capt
     assert ("residual_overlap_max", "m") in [(row["metric"], row["unit"]) for row in json.loads(capsys.readouterr().out)]
 
 
-def test_list_and_metrics_name_scenes_effects_and_figures(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["list", "--effects", *BALL]) == 0
-    out = capsys.readouterr().out
-    assert "ball_drop" in out and "restitution" in out.split("ball_drop")[1]
-    assert main(["metrics"]) == 0
-    assert "residual_overlap_max" in capsys.readouterr().out
-
-
 def test_without_a_filter_times_are_those_of_everyday_scenes_and_a_comparison_takes_all(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1,4 +1,4 @@
-"""Files of other programs in the place of settings, runs, tables and clips: exit code 2, and never an endless wait."""
+"""Files of other programs in the place of settings, runs and tables: exit code 2, and never an endless wait."""
 
 import json
 import os
@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.assets.motions.deepmimic import COLUMNS, read_clip
-from avatarsim.errors import InvalidFile
 from reports.__main__ import main as reports
 from scenarios.__main__ import main as scenarios
 from tests.scenarios.command_line import called
@@ -58,18 +56,3 @@ def test_what_reports_read(tmp_path: Path, lay: Lay, capsys: pytest.CaptureFixtu
     words = ["check", "--engine", "tracker", "--filter", "ball_drop", "--jobs", "0", "--resume", str(tmp_path / ("a" * 300))]
     assert scenarios(words) == 2
     assert [path.name for path in tmp_path.iterdir() if path.suffix == ".html"] == []
-
-
-def test_a_clip(tmp_path: Path, lay: Lay) -> None:
-    path = tmp_path / "clip.txt"
-    lay(path)
-    with pytest.raises(InvalidFile, match=r"clip\.txt"):
-        read_clip(path)
-
-
-def test_a_number_beyond_all_floats_in_a_clip(tmp_path: Path) -> None:
-    path = tmp_path / "clip.txt"
-    frame = [0.1, *[0.0] * (COLUMNS - 1)]
-    path.write_text(json.dumps({"Loop": "none", "Frames": [frame, [*frame[:-1], 10**400]]}))
-    with pytest.raises(InvalidFile, match=r"numbers of clip clip\.txt"):
-        read_clip(path)
