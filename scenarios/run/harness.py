@@ -107,6 +107,7 @@ class Run:
         self.limits, self.provenance, self.begun = limits, dict(provenance), time.monotonic()
         self.outcomes: dict[str, Outcome] = {}
         self.clocked: dict[str, Clocked] = {}
+        self.judged: dict[str, tuple[Outcome, Clocked | None, list[Row]]] = {}
         self.lost: Sequence[str] = ()
         self.note, self.written, self.writing, self.stays = "", self.begun, 0.0, stays
 
@@ -162,27 +163,33 @@ class Run:
         return [(job, self.outcomes[job.stem]) for job in self.jobs if job.stem in self.outcomes]
 
     def rows(self) -> list[Row]:
-        """Return all rows so far, in the order of the plan."""
+        """Return all rows so far, in the order of the plan; a job is judged again only when it has been timed since."""
         found: list[Row] = []
         for job, outcome in self._known():
-            clocked, scenario = self.clocked.get(job.stem), self.scenarios[job.scenario]
-            if clocked and clocked.timed:
-                times = frame_times(clocked.timed, outcome.hashes, outcome.resting)
-                notes = {**outcome.notes, **time_notes(clocked.timed, times, outcome.resting)}
-                if clocked.note != clocked.timed.protocol.said:
-                    # it ended after a while
-                    notes["frame_time_p50"] += f"; {clocked.note}"
-                outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
-            gated = (job.engine, job.preset) in self.gated
-            if gated and (note := lapse_note(outcome)):
-                gated, notes = False, dict.fromkeys(bounds_of(scenario), note)
-                outcome = replace(outcome, notes={**outcome.notes, **notes})
-            rows = rows_of(outcome, scenario, self.limits.get(job.scenario, {}), gated)
-            if clocked and not clocked.timed:
-                rows.append(replace(rows[0], metric="frame_time_p50", value=None, unit="us", bound=None, ceiling=None,
-                                    status="crashed", note=clocked.note))
-            found += rows
+            clocked, judged = self.clocked.get(job.stem), self.judged.get(job.stem)
+            if judged is None or judged[0] is not outcome or judged[1] is not clocked:
+                judged = self.judged[job.stem] = outcome, clocked, self._rows_of(job, outcome, clocked)
+            found += judged[2]
         return found
+
+    def _rows_of(self, job: Job, outcome: Outcome, clocked: Clocked | None) -> list[Row]:
+        scenario = self.scenarios[job.scenario]
+        if clocked and clocked.timed:
+            times = frame_times(clocked.timed, outcome.hashes, outcome.resting)
+            notes = {**outcome.notes, **time_notes(clocked.timed, times, outcome.resting)}
+            if clocked.note != clocked.timed.protocol.said:
+                # it ended after a while
+                notes["frame_time_p50"] += f"; {clocked.note}"
+            outcome = replace(outcome, values={**outcome.values, **times}, notes=notes)
+        gated = (job.engine, job.preset) in self.gated
+        if gated and (note := lapse_note(outcome)):
+            gated, notes = False, dict.fromkeys(bounds_of(scenario), note)
+            outcome = replace(outcome, notes={**outcome.notes, **notes})
+        rows = rows_of(outcome, scenario, self.limits.get(job.scenario, {}), gated)
+        if clocked and not clocked.timed:
+            rows.append(replace(rows[0], metric="frame_time_p50", value=None, unit="us", bound=None, ceiling=None,
+                                status="crashed", note=clocked.note))
+        return rows
 
     def series(self) -> dict[str, dict[str, dict[str, Sequence[float | None]]]]:
         """Return numbers per frame: overlap [m] of every state, time [us] of every frame that all engines of the scene had."""
