@@ -5,7 +5,7 @@ import pytest
 
 from avatarsim.collision.scratch import PIECES_CAP
 from avatarsim.collision.signed_distance import signed_distance
-from avatarsim.collision.status import CANCELLING, CONVERGED, NOT_FINITE, OUT_OF_ITERATIONS, OUT_OF_ROOM
+from avatarsim.collision.status import CONVERGED, NOT_FINITE, OUT_OF_ITERATIONS, OUT_OF_ROOM
 from avatarsim.model.dynamics import DRIVEN, FIXED, SIMULATED
 from avatarsim.model.geometry import place
 from avatarsim.paper.push_apart import (
@@ -46,14 +46,6 @@ def test_shares_move_both_by_their_part_and_leave_the_stand_off(share_a, share_b
     put(world, 1, world.poses.position[1] + of_b)
     gap = signed_distance(world.poses.vertices, world.geometry.shapes, 0, 1, STAY, SCRATCH)[1]
     assert gap == pytest.approx(stand_off, abs=1e-12)
-
-
-def test_cancelling_normals_move_nothing_and_say_so():
-    plates = tuple(Piece(Box((1.0, 4.0, 4.0)), (side * 0.65, 0.0, 0.0)) for side in (-1.0, 1.0))
-    slot = fixed("slot", plates, "wood", (0.0, 0.0, 9.0))
-    world = world_of((ball_hand(RADIUS),), (slot,))
-    put(world, 1, [0.0, 0.0, 9.0])
-    assert push_apart(world.geometry, world.poses, 0, 1, 0.0, 1.0, 1e-4, SCRATCH) == (CANCELLING, STAY, STAY)
 
 
 def test_the_stand_off_lengthens_a_push_and_leaves_no_push_alone():
@@ -241,12 +233,3 @@ def test_no_cut_goes_too_far_and_few_passes_end_where_the_uncut_wall_does(name, 
     assert taken >= 1
     np.testing.assert_allclose(way[2], DEPTH, atol=2e-6)
     assert abs(way[0]) < drift_in_all * DEPTH
-
-
-def test_a_sliver_at_the_edge_of_a_cube_is_a_corner_of_two_walls():
-    pieces, way, left = wall([-1.0, 0.2 - 1e-6, 0.2 + 1e-6, 1.0]), np.zeros(3), []
-    for _ in range(10):
-        pushed = push(sunk("cube", 0.0137).moved(shift=way), pieces)[1]
-        left.append(np.linalg.norm(pushed))
-        way += pushed
-    np.testing.assert_allclose(np.divide(left[3:], left[2:-1]), 0.5, atol=0.01)
