@@ -13,8 +13,12 @@ from reports.tables.run import Run
 from runfiles.engines import run_label
 from runfiles.metrics import label
 
-EFFECTS = {call.effect: (call.effect.replace("_", " "), call.why) for call in CALLS if call.effect not in KEPT}
-"""Effects in the order of the chart: their names, and what they are for."""
+NAMES = {"limits": "joint limits", "continuous": "continuous collision", "gyroscopic": "gyroscopic torque"}
+EFFECTS = {
+    call.effect: (NAMES.get(call.effect, call.effect.replace("_", " ")), f"{call.part}: {call.why}")
+    for call in CALLS if call.effect not in KEPT
+}
+"""Effects in the order of the chart: their names, and the part of a scene that they are for."""
 LINE = 12
 """Height of a line of a column's name [px]."""
 CASES_HEIGHT = 290
@@ -105,7 +109,7 @@ def bars(losses: pd.DataFrame) -> Spec:
         for row in losses[losses.lost > 0].itertuples()
     ]
     y = name("label", sort=None, axis=marks.NAMES | {"labelLimit": 230, "labelPadding": 8})
-    x = number("share", scale={"domain": [0, 1.12]}, axis=marks.BARE | {"format": "%", "values": [0, 0.25, 0.5, 0.75, 1]})
+    x = number("share", scale={"domain": [0, 1.3]}, axis=marks.BARE | {"format": "%", "values": [0, 0.25, 0.5, 0.75, 1]})
     tip = marks.tooltip(label="measure", text="scenes", scene="widest in", own="avatarsim", best="best", run="of")
     layers = [
         layer("bar", {"x": x}, height=12, cornerRadiusEnd=2, color="@muted", cursor="pointer", opacity=0.75),
