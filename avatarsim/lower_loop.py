@@ -24,6 +24,7 @@ from avatarsim.coupling.tracked_motion import (
 from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
 from avatarsim.ik.broad_phase import notice_bodies
+from avatarsim.ik.inertia import forget_momentum
 from avatarsim.ik.kinematics import carry_avatar, place_avatar
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.solve import begin_frame, solve
@@ -112,7 +113,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
             before, now = last_and_now(trackers)
             load_moving(skeleton, w.dynamics, poses, before, now, dt, 2.0 * settings.stand_off)
             exclude_coupled(skeleton, avatars, w.dynamics, before, now, posture, dt, tracker, w.velocities)
-    begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, poses, state, working)
+    begin_frame(geometry, skeleton, avatars, settings, tracker, dt, moving, posture, poses, state, working)
     freeze_coupled(skeleton, avatars, w.dynamics, state)
     if dt > 0.0:
         drop_paths(geometry, skeleton, avatars, tracker, posture, poses, plan, ghost, state, working)
@@ -148,6 +149,7 @@ def stand(world: Index, target: Index, kept: Index) -> None:
         tracking.mode[avatar], tracking.has_model[avatar], tracking.has_arrived[avatar] = TRACK, 0, 0
         tracking.stalled[avatar], tracking.since[avatar], tracking.objective[avatar] = 0.0, 0.0, 0.0
         tracking.speed[avatar] = 0.0
+        forget_momentum(skeleton, avatars, avatar, posture, state)
     state.touching.used[0], state.contacts.used[0] = 0, 0
     state.pairs.step[0] += 1
 
@@ -203,7 +205,7 @@ class IkLoop:
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
             "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
             "has_failed": (0, 1), "is_certified": (0, 1),
-            "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1),
+            "has_model": (0, 1), "is_located": (0, 1), "has_arrived": (0, 1), "is_straight": (0, 1), "is_led": (0, 1),
         }
 
     def _planned(self) -> Mapping[str, tuple[int, int]]:

@@ -15,8 +15,10 @@ class PostureSettings(NamedTuple):
     catch_up_turn   [rad/s] how fast a joint may turn beyond what the target turns. Larger: turns that look like jumps; smaller:
                     limbs that come free are late.
     catch_up_move   [m/s] the same of a root. Larger: jumps; smaller: a body that was held off comes late.
-    damping_time    [s] in which a step in contact goes half of the way to the nearest posture, beyond the target's own motion.
-                    0: limbs in contact go to and fro a little more; 0.05: contacts that give way are followed late.
+    natural_frequency
+                    [rad/s] of the critically damped spring by which a posture follows what pulls it: in contact, when it comes
+                    free, along a path; free motion is followed exactly. Larger: limbs dash off when they come free; smaller: they
+                    swing in, and contacts that give way are followed late.
     settle_time     [s] over which the target's speed is low-passed, in proportion to which the catch-up speeds fall once it holds
                     still. Larger: limbs that are pressed on things wander for longer; smaller: what is far away comes late.
     stall_time      [s] without progress after which a path is searched, or else the frame record says that an avatar waits.
@@ -32,7 +34,7 @@ class PostureSettings(NamedTuple):
     stand_off: float = POSTURE_GAP
     catch_up_turn: float = 12.5
     catch_up_move: float = 5.0
-    damping_time: float = 0.01
+    natural_frequency: float = 50.0
     settle_time: float = 0.5
     stall_time: float = 0.1
     near: float = 0.05

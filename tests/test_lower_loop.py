@@ -31,7 +31,7 @@ def test_frames_through_arenas_are_the_same_to_the_last_bit(name: str) -> None:
         tracker, dt = posture_of(w.skeleton, w.hinges, sample), 1.0 / 60.0
         geo, skel, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
         avatars, state, working = apart.avatars, apart.state, apart.working
-        begin_frame(geo, skel, avatars, chosen.posture, tracker, dt, NOT_KNOWN, poses, state, working)
+        begin_frame(geo, skel, avatars, chosen.posture, tracker, dt, NOT_KNOWN, posture, poses, state, working)
         drop_paths(geo, skel, avatars, tracker, posture, poses, plan, ghost, state, working)
         aim_along_paths(geo, skel, avatars, chosen.posture, dt, posture, poses, plan, state, working)
         solve(geo, skel, avatars, chosen.posture, posture, poses, state, working)

@@ -217,7 +217,7 @@ def freeze_coupled(skel: Skeleton, avatars: Avatars, dynamics: Dynamics, state_o
             state_out.budget.move[link], state_out.budget.turn[link] = 0.0, 0.0
             speed, tracking, avatar = norm(row(drive.linear, b)), state_out.tracking, avatars.avatar[link]
             tracking.speed[avatar] = speed if drive.tied[b] == b else max(tracking.speed[avatar], speed)
-            tracking.ease[avatar] = 0.0
+            tracking.ease[avatar], tracking.is_led[avatar] = 0.0, 1
             if drive.tied[b] == b:
                 clip_avatar(skel, avatars, avatar, drive.linkage.user, tracking, state_out.before)
                 copy_posture(skel, avatars, avatars.avatar[link], drive.linkage.user, state_out.own)

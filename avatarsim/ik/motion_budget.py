@@ -27,18 +27,22 @@ more solve. What still exceeds it is shortened at the end."""
 
 @kernel
 def open_budget(
-    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, speed: float, clipped: Array, own: Array,
-    budget_out: Budget,
+    skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, speed: float, own: Array,
+    clipped_out: Array, budget_out: Budget,
 ) -> None:
-    """Fill an avatar's budget. clipped, own (nd): motion of the clipped target and of the tracker in this frame, of which the
-    smaller counts: beyond a cone a small turn of the tracker may send the clipped one around it; speed [rad/s or m/s]:
-    low-passed, of the fastest target."""
+    """Fill an avatar's budget; speed [rad/s or m/s] is the low-passed one of the fastest target.
+
+    own, clipped (nd) are the motions of the tracker and of the clipped target in this frame. Joints of the latter are shortened
+    to what those of the tracker turn: beyond a cone a small turn of the tracker may send the clipped target around it."""
     b, share = budget_out, min(1.0, speed / AT_REST) * dt
     b.slack[0], b.slack[1] = SLACK * settings.catch_up_move * dt, SLACK * settings.catch_up_turn * dt
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
-        moved, turned = parts_of(skel, link, clipped)
+        moved, turned = parts_of(skel, link, clipped_out)
         _, turned_by_own = parts_of(skel, link, own)
-        turned = min(turned, turned_by_own)
+        if turned > turned_by_own:
+            first = skel.first_dof[link] + (3 if skel.kind[link] == FREE else 0)
+            scale_by(first, skel.first_dof[link + 1], turned_by_own / turned, clipped_out)
+            turned = turned_by_own
         b.move[link] = moved + settings.catch_up_move * share
         b.turn[link] = turned + settings.catch_up_turn * share
         b.moved[link], b.turned[link] = 0.0, 0.0

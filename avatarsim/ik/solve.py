@@ -2,6 +2,7 @@
 
 from avatarsim.ik.broad_phase import forget_near, form_islands, notice_bodies, sweep_all
 from avatarsim.ik.gaps import least_gap
+from avatarsim.ik.inertia import carry_momentum
 from avatarsim.ik.sqp_step import sqp_step, work_done
 from avatarsim.ik.state import Avatars, IkScratch, IkState
 from avatarsim.ik.target import clip_to_limits, meet_target
@@ -19,7 +20,7 @@ smaller: second steps that show nothing."""
 @kernel
 def begin_frame(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, moving: Index,
-    poses: Poses, state_out: IkState, scratch_out: IkScratch,
+    posture: Posture, poses: Poses, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """Take over what has moved, clip the target, and open the budgets of a frame of dt [s].
 
@@ -37,7 +38,7 @@ def begin_frame(
     form_islands(geo, skel, avatars, state, s)
     if dt > 0.0:
         meet_target(skel, avatars, settings, tracker, dt, has_changed, state, s)
-        state.tracking.share[:] = dt / (dt + settings.damping_time)
+        carry_momentum(skel, avatars, settings, dt, posture, state, s)
 
 
 @kernel
@@ -59,7 +60,7 @@ def solve(
             moved = sqp_step(
                 geo, skel, avatars, settings, posture_out, poses_out, first, last, most_work, state, s
             )
-            if moved < ARRIVED or have_arrived(first, last, state, s) or work_done(s) >= most_work:
+            if moved < ARRIVED or went_straight(first, last, state, s) or work_done(s) >= most_work:
                 break
         first = last
 
@@ -73,9 +74,9 @@ def activate(first: int, last: int, scratch_out: IkScratch) -> None:
 
 
 @kernel
-def have_arrived(first: int, last: int, state: IkState, scratch: IkScratch) -> bool:
-    """Whether members first .. last are all at the tracker's posture."""
+def went_straight(first: int, last: int, state: IkState, scratch: IkScratch) -> bool:
+    """Whether members first .. last all went straight, so that nothing of this frame's motion is left."""
     for m in range(first, last):
-        if state.tracking.has_arrived[scratch.members[m]] == 0:
+        if state.tracking.is_straight[scratch.members[m]] == 0:
             return False
     return True

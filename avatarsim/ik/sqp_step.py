@@ -13,6 +13,7 @@ from avatarsim.ik.certify import certify, foresee
 from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
 from avatarsim.ik.couplings import share_budget
 from avatarsim.ik.gaps import least_gap
+from avatarsim.ik.inertia import note_way, resist, resist_straight, shorten_own
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
 from avatarsim.ik.motion_budget import bound_step, keep_budget, spend
 from avatarsim.ik.objective import model, stretch
@@ -33,7 +34,6 @@ from avatarsim.ik.state import (
     ConstraintRows,
     IkScratch,
     IkState,
-    Objective,
     RowKind,
 )
 from avatarsim.ik.target import largest
@@ -102,6 +102,7 @@ def sqp_step(
         avatar = s.members[m]
         state.tracking.has_model[avatar] = 0
         tangent_error(skel, avatars, avatar, posture_out, s.target, s.objective.error)
+        shorten_own(skel, avatars, avatar, state.tracking.reach[avatar], s.objective)
         bound_step(skel, avatars, avatar, posture_out, state.budget, s)
     for attempt in range(ATTEMPTS):
         if attempt == 2:
@@ -167,29 +168,24 @@ def choose_step(
         for m in range(first, last):
             straight_step(skel, avatars, s.members[m], state, s)
             is_legal = is_legal and state.tracking.is_legal[s.members[m]] > 0
+            state.tracking.is_straight[s.members[m]] = 1
         if is_legal and not breaks_rows(avatars, s):
             return
         for m in range(first, last):
             model(skel, avatars, s.members[m], state, poses, s.objective)
-            damp(avatars, s.members[m], state.tracking.share[s.members[m]], s.objective)
+            resist(skel, avatars, s.members[m], state, s.objective)
             state.tracking.has_model[s.members[m]], state.tracking.has_arrived[s.members[m]] = 1, 0
+            state.tracking.is_straight[s.members[m]] = 0
     solve_qp(skel, avatars, first, last, tolerance, state, s)
 
 
 @kernel
-def damp(avatars: Avatars, avatar: int, share: float, objective_out: Objective) -> None:
-    """Take a share of the Newton step, and the target's own motion for the rest."""
-    o = objective_out
-    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-        o.newton[j] = share * o.newton[j] + (1.0 - share) * o.own[j]
-
-
-@kernel
 def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkState, scratch_out: IkScratch) -> None:
-    """The tangent error, each joint and root as far along its own as the budget lets it go."""
+    """The way to the target, with inertia, each joint and root as far along its own as the budget lets it go."""
     step, error, arrives = scratch_out.step, scratch_out.objective.error, state_out.tracking.is_legal[avatar]
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         step[j] = error[j]
+    resist_straight(avatars, avatar, state_out, scratch_out)
     first, end = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
     keep_budget(skel, avatars, avatar, state_out.budget, False, step)
     share_budget(skel, first, end, step)
@@ -272,6 +268,7 @@ def adopt(
     for m in range(first, last):
         avatar = s.members[m]
         low, high = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+        note_way(avatars, avatar, s.step, s.objective.own, state_out)
         for j in range(low, high):
             s.objective.own[j] = 0.0
         moved = largest(s.step, low, high)

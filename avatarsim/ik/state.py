@@ -156,9 +156,10 @@ class Mode(IntEnum):
 
 TRACKING = np.dtype(
     [
-        ("mode", "i8"), ("share", "f8"), ("speed", "f8"), ("ease", "f8"), ("stalled", "f8"), ("since", "f8"),
-        ("objective", "f8"), ("distance", "f8"), ("reach", "f8"), ("island", "i8"), ("is_legal", "i8"), ("has_failed", "i8"),
-        ("is_certified", "i8"), ("has_model", "i8"), ("is_located", "i8"), ("has_arrived", "i8"),
+        ("mode", "i8"), ("share", "f8"), ("keep", "f8"), ("frame_time", "f8"), ("speed", "f8"), ("ease", "f8"),
+        ("stalled", "f8"), ("since", "f8"), ("objective", "f8"), ("distance", "f8"), ("reach", "f8"), ("island", "i8"),
+        ("is_legal", "i8"), ("has_failed", "i8"), ("is_certified", "i8"), ("has_model", "i8"), ("is_located", "i8"),
+        ("has_arrived", "i8"), ("is_straight", "i8"), ("is_led", "i8"),
     ],
     align=True,
 )
@@ -172,6 +173,10 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     """A Mode."""
     share: Array
     """Share of the Newton step that a step takes."""
+    keep: Array
+    """Share of its momentum that an avatar keeps in a frame; 0: it has none."""
+    frame_time: Array
+    """[s] of the last frame; 0 before the first."""
     speed: Array
     """Of the fastest target in the island, low-passed over the settle time: the largest number among its joints [rad/s] and its
     roots [m/s]."""
@@ -201,6 +206,10 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     """1 if the link origins of the tracker's posture are at hand."""
     has_arrived: Index
     """1 if the last step ended at the tracker's posture."""
+    is_straight: Index
+    """1 if the last step was the straight way to the target, in which all of a frame's motion is."""
+    is_led: Index
+    """1 if something other than the tracker led it in the last frame: a path or a load."""
 
 
 known_as_table(Tracking, TRACKING)
@@ -259,6 +268,21 @@ class Touching(NamedTuple):
     age: IndexLine
 
 
+class Inertia(NamedTuple):
+    """How the avatars move.
+
+    shown     the posture as the frame began
+    walk      (nd) what the last frame moved, for a frame of this length
+    momentum  (nd) the part of that beyond the target's own motion, with which this frame goes on
+    gone      (nd) what this frame has moved beyond the target's own motion so far
+    """
+
+    shown: Posture
+    walk: Line
+    momentum: Line
+    gone: Line
+
+
 class IkState(NamedTuple):
     """What stays from frame to frame.
 
@@ -274,6 +298,7 @@ class IkState(NamedTuple):
     near_box          (na, 6) [m] low x, y, z and high x, y, z of an avatar, for which the list is good
     axes              (nd, 3) world axes of the degrees at the shown posture
     budget            what is left to move in this frame
+    inertia           how the avatars move
     """
 
     tracking: Tracking
@@ -289,6 +314,7 @@ class IkState(NamedTuple):
     near_box: Grid
     axes: Vectors
     budget: Budget
+    inertia: Inertia
 
 
 class Objective(NamedTuple):

@@ -1,6 +1,6 @@
 """Target of a frame: the tracker's posture clipped to the limits of joints, and how it moved since the last frame."""
 
-from math import exp
+from math import exp, floor, pi
 
 from avatarsim.ik.kinematics import tangent_error
 from avatarsim.ik.motion_budget import AT_REST, open_budget
@@ -9,7 +9,7 @@ from avatarsim.jit.kernel import kernel
 from avatarsim.model.couplings import set_followers
 from avatarsim.model.geometry import Array
 from avatarsim.model.joint_limits import LEFT_ALONE, has_cone, inside_cone, surely_inside
-from avatarsim.model.skeleton import BALL, FREE, Posture, Skeleton, has_angles
+from avatarsim.model.skeleton import BALL, FREE, HINGES, Posture, Skeleton, has_angles
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.tangent import columns, put_columns
 from avatarsim.spatial.vec3 import put_row, row
@@ -71,6 +71,14 @@ def largest(values: Array, first: int, last: int) -> float:
 
 
 @kernel
+def drop_whole_turns(skel: Skeleton, avatars: Avatars, avatar: int, way_out: Array) -> None:
+    """Make the turns of hinges in a way (nd) at most half a turn: an angle that jumps by 2 pi says the same posture."""
+    for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
+        for j in range(skel.first_dof[link], skel.first_dof[link + 1] if skel.kind[link] == HINGES else 0):
+            way_out[j] -= 2.0 * pi * floor(way_out[j] / (2.0 * pi) + 0.5)
+
+
+@kernel
 def meet_target(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, has_changed: bool,
     state_out: IkState, scratch_out: IkScratch,
@@ -96,7 +104,8 @@ def meet_target(
             open_budget(skel, avatars, avatar, settings, dt, fastest, clipped_way, clipped_way, s.budget)
         else:
             tangent_error(skel, avatars, avatar, s.own, tracker, own_way)
-            open_budget(skel, avatars, avatar, settings, dt, fastest, clipped_way, own_way, s.budget)
+            drop_whole_turns(skel, avatars, avatar, own_way)
+            open_budget(skel, avatars, avatar, settings, dt, fastest, own_way, clipped_way, s.budget)
         copy_posture(skel, avatars, avatar, scratch_out.target, s.before)
         copy_posture(skel, avatars, avatar, tracker, s.own)
         tracking.is_located[avatar] = 0

@@ -16,15 +16,16 @@ where the target is by now, since targets move on while paths are searched, paid
 from avatarsim.ik.broad_phase import sweep_boxes
 from avatarsim.ik.certify import certify
 from avatarsim.ik.gaps import least_gap
+from avatarsim.ik.inertia import SETTLING
 from avatarsim.ik.kinematics import take_step, tangent_error, try_step
-from avatarsim.ik.motion_budget import budgets_of, time_of
+from avatarsim.ik.motion_budget import budgets_of, keep_budget, time_of
 from avatarsim.ik.objective import locate
 from avatarsim.ik.solve import ARRIVED, activate
 from avatarsim.ik.sqp_step import copy_poses, scale_step, work_done
-from avatarsim.ik.state import Avatars, Budget, IkScratch, IkState, Mode
+from avatarsim.ik.state import Avatars, IkScratch, IkState, Mode
 from avatarsim.ik.target import copy_posture, largest
 from avatarsim.jit.kernel import kernel
-from avatarsim.model.geometry import Geometry, Poses
+from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan
 from avatarsim.planner.tree import AIM, drawn, get_node
@@ -170,8 +171,11 @@ def time_between(
 
 FOLLOW_PATH = int(Mode.FOLLOW_PATH)
 
-AHEAD = 3.0
+AHEAD = 4.0
 """Budgets of a frame within which nodes are looked at. 1: kinks of the path are shown as shaking limbs; more costs work."""
+
+STOP = 0.1
+"""Budgets of a frame within which an avatar ends at a node. Larger: it stops abruptly; smaller: it circles about nodes."""
 
 AT = FINE
 """Budgets of a frame within which an avatar is at a node, and goes on whether it sees the next one or not: along its edge.
@@ -191,13 +195,16 @@ def aim_along_paths(
         if t.mode[avatar] != FOLLOW_PATH:
             continue
         sees = look_ahead(geo, skel, avatars, settings, m, dt, posture, poses, plan_out, state_out, s)
+        t.is_led[avatar] = 1
         # what moves meanwhile is certified against this avatar where it is shown
         copy_poses(geo, skel, avatars, avatar, poses, s.trial)
         sweep_boxes(geo, skel, avatars, avatar, poses, least_gap(settings.stand_off), s)
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             s.step[j] = 0.0
+            state_out.inertia.momentum[j] = 0.0 if sees else state_out.inertia.walk[j]
         if sees:
-            go_straight(skel, avatars, avatar, posture, state_out.budget, s)
+            is_last = plan_out.searches.place[avatar] == plan_out.searches.length[avatar] - 1
+            go_straight(skel, avatars, avatar, dt, is_last, posture, state_out, s)
         t.is_legal[avatar], t.is_located[avatar] = 1, 0
         locate(skel, avatars, avatar, s.target, t, s.objective)
         # what the target moves by in this frame, in place of the tracker's own motion
@@ -234,8 +241,14 @@ def look_ahead(
         sees = is_in_sight(geo, skel, avatars, settings, m, posture, poses, state_out, s)
     if farthest > place:
         tangent_error(skel, avatars, avatar, posture, s.target, s.step)
-        p.place[avatar], p.late[avatar] = farthest, -time_of(skel, avatars, settings, avatar, s.step)
+        p.place[avatar], p.late[avatar] = farthest, -arrival_time(skel, avatars, settings, avatar, s.step)
     return sees
+
+
+@kernel
+def arrival_time(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
+    """Time [s] within which an avatar that sets out from rest arrives at the end of a way (nd)."""
+    return time_of(skel, avatars, settings, avatar, way) + SETTLING / settings.natural_frequency
 
 
 @kernel
@@ -246,16 +259,24 @@ def put_target(skel: Skeleton, avatars: Avatars, avatar: int, place: int, plan: 
 
 @kernel
 def go_straight(
-    skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, budget: Budget, scratch_out: IkScratch
+    skel: Skeleton, avatars: Avatars, avatar: int, dt: float, is_last: bool, posture: Posture, state: IkState,
+    scratch_out: IkScratch,
 ) -> None:
-    """The target: as far on the straight way to the node as the budget reaches, all joints and the root by one factor."""
-    s = scratch_out
+    """The target: towards the node as far as the budget reaches, all joints and the root by one factor, at a speed that changes
+    as the spring's does: it sets out as the avatar moves, and to the path's end as the spring pulls. dt = 0: what this frame was
+    to go along the path it has gone."""
+    s, keep = scratch_out, state.tracking.keep[avatar]
+    most = state.tracking.share[avatar] / (1.0 - keep) if is_last else 1.0
     tangent_error(skel, avatars, avatar, posture, s.target, s.step)
-    frames = budgets_of(skel, avatars, avatar, s.step, budget)
-    if frames > 1.0:
-        scale_step(avatars, avatar, 1.0 / frames, s.step)
-        copy_posture(skel, avatars, avatar, posture, s.target)
-        take_step(skel, avatars, avatar, s.step, s.target)
+    frames = budgets_of(skel, avatars, avatar, s.step, state.budget)
+    if dt > 0.0 and frames <= STOP:
+        return
+    scale_step(avatars, avatar, min(most, 1.0 / frames) if dt > 0.0 else 0.0, s.step)
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1] if dt > 0.0 else 0):
+        s.step[j] = keep * state.inertia.walk[j] + (1.0 - keep) * s.step[j]
+    keep_budget(skel, avatars, avatar, state.budget, False, s.step)
+    copy_posture(skel, avatars, avatar, posture, s.target)
+    take_step(skel, avatars, avatar, s.step, s.target)
 
 
 @kernel

@@ -149,7 +149,7 @@ def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, gh
     t.is_located[avatar] = 0
     locate(skel, avatars, avatar, s.target, t, s.objective)
     # a whole Newton step: nothing that the ghost does is shown
-    t.is_legal[avatar], t.share[avatar] = 1, 1.0
+    t.is_legal[avatar], t.share[avatar], t.keep[avatar] = 1, 1.0, 0.0
 
 
 @kernel

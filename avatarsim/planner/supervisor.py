@@ -5,15 +5,16 @@ Each avatar for itself. While it plans it goes on tracking, so a search costs it
 Progress monitor: does the objective of an avatar that is far from its target still fall?
 """
 
+from avatarsim.ik.inertia import terminal_speed
 from avatarsim.ik.kinematics import tangent_error
-from avatarsim.ik.motion_budget import AT_REST, time_of
+from avatarsim.ik.motion_budget import AT_REST
 from avatarsim.ik.objective import LOSS_RADIUS, locate, value_of
 from avatarsim.ik.sqp_step import work_done
 from avatarsim.ik.state import FOLLOWING, PLAN_WORK, PLANNING, WAITING, Avatars, IkScratch, IkState, Mode
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Geometry, Poses
 from avatarsim.model.skeleton import Posture, Skeleton
-from avatarsim.planner.follow_path import AT, is_near, put_target
+from avatarsim.planner.follow_path import AT, arrival_time, is_near, put_target
 from avatarsim.planner.ghost import put_ghost_at
 from avatarsim.planner.rrt_connect import begin_search, search
 from avatarsim.planner.state import Ghost, Outcome, Plan
@@ -43,7 +44,8 @@ def measure(
     t.since[avatar] += dt
     links = avatars.first_link[avatar + 1] - avatars.first_link[avatar]
     # what origins beyond the loss radius that come nearer with this speed take of the objective
-    least = SLOWEST * settings.catch_up_move * links * LOSS_RADIUS * t.reach[avatar]
+    radius = LOSS_RADIUS * t.reach[avatar]
+    least = SLOWEST * min(settings.catch_up_move, terminal_speed(settings, radius, dt)) * links * radius
     least = min(least, FALLEN * t.objective[avatar] / settings.stall_time) * t.since[avatar]
     if far <= settings.near or t.objective[avatar] - value >= least:
         t.stalled[avatar], t.since[avatar], t.objective[avatar] = 0.0, 0.0, value
@@ -223,7 +225,7 @@ def set_out(
     s, way = plan_out.searches, scratch_out.objective.error
     put_target(skel, avatars, avatar, 0, plan_out, scratch_out)
     tangent_error(skel, avatars, avatar, posture, scratch_out.target, way)
-    s.place[avatar], s.late[avatar] = 0, -time_of(skel, avatars, settings, avatar, way)
+    s.place[avatar], s.late[avatar] = 0, -arrival_time(skel, avatars, settings, avatar, way)
 
 
 @kernel

@@ -156,8 +156,8 @@ COUNTS = ("steps", "corrections", "attempts", "sweeps", "work", "search_work", "
 """Options that say how long an engine may work. They may ask for hours, which settings are trusted with: here up to 50."""
 LENGTHS = (
     "stand_off", "least_gap", "wedged_gap", "turn_cap", "move_cap", "stray_turn", "merit", "root_weight", "stiffness_floor",
-    "turn_share", "turn_alone", "catch_up_turn", "catch_up_move", "damping_time", "settle_time", "stall_time", "near", "spring",
-    "damping", "rate", "tolerance", "still", "bend", "parallel", "walk_back",
+    "turn_share", "turn_alone", "catch_up_turn", "catch_up_move", "natural_frequency", "settle_time", "stall_time", "near",
+    "spring", "damping", "rate", "tolerance", "still", "bend", "parallel", "walk_back",
 )
 """Options that are no counts."""
 

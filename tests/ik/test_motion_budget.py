@@ -20,7 +20,7 @@ ND, LINKS = len(FOUND.avatars.joint_of), range(len(FOUND.world.skeleton.kind))
 def opened(speed: float, clipped: np.ndarray, own: np.ndarray) -> Solver:
     """The budgets of all avatars in a frame."""
     for avatar in range(FOUND.count):
-        open_budget(FOUND.world.skeleton, FOUND.avatars, avatar, SETTINGS, DT, speed, clipped, own, FOUND.state.budget)
+        open_budget(FOUND.world.skeleton, FOUND.avatars, avatar, SETTINGS, DT, speed, own, clipped, FOUND.state.budget)
     return FOUND
 
 
@@ -28,10 +28,12 @@ def opened(speed: float, clipped: np.ndarray, own: np.ndarray) -> Solver:
 def test_it_is_the_targets_own_motion_and_a_share_of_the_catch_up_speed(seed: int, speed: float) -> None:
     rng = np.random.default_rng(seed)
     clipped, own = rng.normal(size=ND), rng.normal(size=ND)
-    budget, share = opened(speed, clipped, own).state.budget, min(1.0, speed / AT_REST) * DT
+    followed = clipped.copy()
+    budget, share = opened(speed, followed, own).state.budget, min(1.0, speed / AT_REST) * DT
     for link in LINKS:
         moved, turned = parts_of(FOUND.world.skeleton, link, clipped)
         _, by_own = parts_of(FOUND.world.skeleton, link, own)
+        assert parts_of(FOUND.world.skeleton, link, followed) == pytest.approx((moved, min(turned, by_own)))
         assert budget.move[link] == pytest.approx(moved + 4.0 * share)
         assert budget.turn[link] == pytest.approx(min(turned, by_own) + 10.0 * share)
         assert budget.moved[link] == budget.turned[link] == 0.0

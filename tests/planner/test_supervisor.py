@@ -223,4 +223,9 @@ def test_a_path_is_followed_to_its_end(seed: int) -> None:
         before, follows = follows, bool(run.record.statuses.get("following"))
         if before and not follows:
             break
-    assert before and not follows and run.far(target) < 1e-3
+    assert before and not follows and run.far(target) < 1e-2
+    for _ in range(8):
+        far = run.far(target)
+        run.go(target, 1)
+        assert run.far(target) <= max(far, 1e-9), "it comes to rest there and does not go beyond"
+    assert run.far(target) < 1e-3

@@ -1,0 +1,138 @@
+"""Inertia of the shown posture: an implicit, critically damped spring to the target, in the metric of the objective.
+
+With u what the last frame moved beyond the target's own motion, p the Newton step, dq* the target's own motion and w = omega dt,
+a frame is to move by
+
+    dq* + u / (1 + w)^2 + (w / (1 + w))^2 (p - dq*)
+
+This is backward Euler of x'' = -2 omega x' - omega^2 x, for the way x to the nearest posture (Hairer and Wanner 1996, section
+IV.3), and the least of an incremental potential (Martin and others 2011; docs/posture.md): metric, rows and certificates are
+those of a frame without inertia. The two steps of a frame are Newton iterations of that one potential. With the target at rest
+the same postures are fixed points as without inertia, since the spring is damped and u ends at zero.
+"""
+
+from math import inf
+
+from avatarsim.ik.kinematics import longest_part, tangent_error
+from avatarsim.ik.motion_budget import AT_REST
+from avatarsim.ik.objective import LOSS_RADIUS
+from avatarsim.ik.state import Avatars, IkScratch, IkState, Objective
+from avatarsim.ik.target import copy_posture
+from avatarsim.jit.kernel import kernel
+from avatarsim.model.geometry import Array
+from avatarsim.model.skeleton import FREE, Posture, Skeleton
+from avatarsim.settings import PostureSettings
+from avatarsim.spatial.vec3 import dot, norm, row, sub
+
+SETTLED = 2.0 * AT_REST
+"""[rad/s or m/s] a straight step that is slower beyond the target's own motion ends at the target: nothing shakes at that
+speed. Larger: limbs stop abruptly; smaller: targets in free motion are reached later."""
+
+SETTLING = 5.0
+"""Time constants 1 / omega after which a critically damped spring has come within 4 % of where it goes."""
+
+
+@kernel
+def carry_momentum(
+    skel: Skeleton, avatars: Avatars, settings: PostureSettings, dt: float, posture: Posture, state_out: IkState,
+    scratch: IkScratch,
+) -> None:
+    """Begin a frame of dt [s]: how the avatars go on moving from the last one. `scratch` has the target's own motion."""
+    t, inertia, w = state_out.tracking, state_out.inertia, settings.natural_frequency * dt
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        t.keep[avatar] = 1.0 / (1.0 + w) ** 2
+        t.share[avatar] = w * w * t.keep[avatar]
+        ratio = dt / t.frame_time[avatar] if t.frame_time[avatar] > 0.0 else 0.0
+        tangent_error(skel, avatars, avatar, inertia.shown, posture, inertia.walk)
+        for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+            inertia.walk[j] *= ratio
+            beyond = inertia.walk[j] - scratch.objective.own[j]
+            inertia.momentum[j] = beyond if t.is_led[avatar] > 0 else minmod(ratio * inertia.gone[j], beyond)
+            inertia.gone[j] = 0.0
+        t.frame_time[avatar], t.is_led[avatar] = dt, 0
+        copy_posture(skel, avatars, avatar, posture, inertia.shown)
+
+
+@kernel
+def terminal_speed(settings: PostureSettings, way: float, dt: float) -> float:
+    """Speed [m/s] at which the spring and its damper balance where the way [m] to the target stays the same, as beyond the loss
+    radius."""
+    return settings.natural_frequency * way / (2.0 + settings.natural_frequency * dt)
+
+
+@kernel
+def minmod(a: float, b: float) -> float:
+    """The smaller of two numbers of one sign, else 0; also of what is no number."""
+    if not a * b > 0.0:
+        return 0.0
+    return a if abs(a) < abs(b) else b
+
+
+@kernel
+def forget_momentum(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, state_out: IkState) -> None:
+    """An avatar stands still at `posture`."""
+    inertia = state_out.inertia
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        inertia.momentum[j], inertia.walk[j], inertia.gone[j] = 0.0, 0.0, 0.0
+    state_out.tracking.is_led[avatar] = 0
+    copy_posture(skel, avatars, avatar, posture, inertia.shown)
+
+
+@kernel
+def shorten_own(skel: Skeleton, avatars: Avatars, avatar: int, reach: float, objective_out: Objective) -> None:
+    """Shorten the target's own motion, for all of an avatar by one factor, to how far the target is: one that leaps back to the
+    avatar is not to be overtaken."""
+    o = objective_out
+    moved = longest_part(skel, avatars, avatar, o.own, 1.0, 1.0 / reach)
+    far = longest_part(skel, avatars, avatar, o.error, 1.0, 1.0 / reach)
+    if far < moved:
+        for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+            o.own[j] *= far / moved
+
+
+@kernel
+def goal_of(avatar: int, j: int, newton: float, state: IkState, own: Array) -> float:
+    """The part j of what is left to move in this frame, where the whole Newton step is `newton`."""
+    gone, t = state.inertia.gone[j], state.tracking
+    return float(own[j] + t.share[avatar] * (newton - own[j] + gone) + t.keep[avatar] * state.inertia.momentum[j] - gone)
+
+
+@kernel
+def resist(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, objective_out: Objective) -> None:
+    """Make the Newton step what is left to move in this frame. Nothing slows down a root towards a target that is drawn near:
+    its way is as long as the target is far. An avatar that is not shown has no inertia."""
+    o, root = objective_out, avatars.first_link[avatar]
+    if state.tracking.keep[avatar] == 0.0:
+        return
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        o.newton[j] = goal_of(avatar, j, o.newton[j], state, o.own)
+    way = sub(row(o.origin, root), row(o.aim, root))
+    far = norm(way)
+    if skel.kind[root] == FREE and far > 0.0:
+        d, m = skel.first_dof[root], state.inertia.momentum
+        speed = dot((m[d], m[d + 1], m[d + 2]), way) / far
+        share = far / (far + LOSS_RADIUS * state.tracking.reach[avatar])
+        undamped = max(0.0, speed) * (1.0 - state.tracking.keep[avatar]) * share / far
+        for i in range(3):
+            o.newton[d + i] += undamped * way[i]
+
+
+@kernel
+def resist_straight(avatars: Avatars, avatar: int, state: IkState, scratch_out: IkScratch) -> None:
+    """The same of the straight way to the target: the step, which is the tangent error, ends there if it is slow."""
+    s, step, own, inertia, far = scratch_out, scratch_out.step, scratch_out.objective.own, state.inertia, 0.0
+    if state.tracking.keep[avatar] == 0.0:
+        return
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        far = max(far, abs(step[j] - own[j] + inertia.gone[j]), 0.5 * abs(inertia.momentum[j]))
+    if SETTLED * state.tracking.frame_time[avatar] < far < inf:
+        for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+            # between two postures within limits momentum may lead out of them
+            step[j] = min(max(goal_of(avatar, j, step[j], state, own), s.low[j]), s.high[j])
+
+
+@kernel
+def note_way(avatars: Avatars, avatar: int, step: Array, own: Array, state_out: IkState) -> None:
+    """An avatar takes a step (nd)."""
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+        state_out.inertia.gone[j] += step[j] - own[j]

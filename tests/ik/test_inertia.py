@@ -1,0 +1,50 @@
+"""Inertia of the shown posture against backward Euler of a critically damped spring, written out."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from avatarsim.engine import Settings
+from avatarsim.ik.inertia import SETTLED, minmod
+from avatarsim.simulator import AvatarsimEngine
+from tests.worlds.little_worlds import at, hand_scene
+
+
+def spring(way: float, omega: float, times: list[float]) -> list[float]:
+    """Ways [m] that are left after frames of so many seconds, from rest: x'' = -2 omega x' - omega^2 x by backward Euler, as
+    the two equations that it is; what is slower than SETTLED ends at the target."""
+    speed, left = 0.0, []
+    for dt in times:
+        if max(abs(way), 0.5 * abs(speed) * dt) <= SETTLED * dt:
+            way, speed = 0.0, 0.0
+        else:
+            matrix = np.array([[1.0, -dt], [omega**2 * dt, 1.0 + 2.0 * omega * dt]])
+            way, speed = np.linalg.solve(matrix, [way, speed])
+        left.append(way)
+    return left
+
+
+@given(st.floats(0.005, 0.2), st.floats(10.0, 80.0), st.lists(st.floats(1 / 120, 1 / 50), min_size=5, max_size=40))
+@settings(max_examples=30)
+def test_what_is_off_comes_back_as_a_critically_damped_spring_and_the_users_motion_is_followed(
+    off: float, omega: float, times: list[float]
+) -> None:
+    """The user of a hand moves along y all the while; only what the hand is off along x takes time."""
+    scene = hand_scene((0.0, 0.0, 0.0))
+    user, seen, clock = scene.first_sample, [], 0.0
+    with AvatarsimEngine() as engine:
+        engine.load(scene, Settings("default", {"natural_frequency": omega, "catch_up_move": 1e3}), times[0])
+        engine.put(at(user, (off, 0.0, 0.0)), user)
+        for dt in times:
+            clock += dt
+            record = engine.advance(at(user, (0.0, 0.3 * clock, 0.0)), dt)
+            seen.append(record.shown.positions[0])
+    assert [place[1] for place in seen] == pytest.approx(0.3 * np.cumsum(times), abs=1e-12)
+    assert [place[0] for place in seen] == pytest.approx(spring(off, omega, times), abs=1e-9)
+
+
+@given(st.floats(allow_nan=True), st.floats(allow_nan=True))
+def test_minmod_is_between_both_numbers_and_zero(a: float, b: float) -> None:
+    found = minmod(a, b)
+    assert found == 0.0 or (found in (a, b) and a * b > 0.0 and abs(found) == min(abs(a), abs(b)))
