@@ -26,7 +26,7 @@ def parser() -> argparse.ArgumentParser:
         description="Convex pieces of mesh files, with a bound of their Hausdorff distance; kept in the cache folder.",
         epilog="example: avatarsim pieces duck.obj --scale 0.1. Exit codes: 0; 2 wrong usage; 3 a mesh was refused.",
     )
-    options.add_argument("meshes", nargs="+", metavar="MESH", help=".obj .stl .ply .off .glb .gltf")
+    options.add_argument("meshes", nargs="+", metavar="MESH", help=".obj .stl .ply .off .glb .gltf .dae")
     options.add_argument("--scale", type=float, default=1.0, help="metres per unit of the file (default 1)")
     options.add_argument("--y-up", action="store_true", help="the file's y axis points up")
     options.add_argument("--threshold", type=float, default=0.05, help="concavity a piece may keep, 0.01 to 1 (default 0.05)")

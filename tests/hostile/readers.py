@@ -191,7 +191,7 @@ def doors() -> tuple[Door, ...]:
     """All of them; weights are cases in a thousand."""
     found = []
     for ending, damage in (("obj", damaged), ("stl", damaged), ("stl_ascii", damaged), ("ply", damaged), ("off", damaged),
-                           ("glb", damaged_glb), ("gltf", damaged_json)):
+                           ("dae", damaged), ("glb", damaged_glb), ("gltf", damaged_json)):
         files, also = partial(valid.meshes, ending), dict
         if ending == "gltf":
             # the JSON part of glTF files, which names the others

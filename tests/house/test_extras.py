@@ -62,8 +62,8 @@ def named_in_sources() -> list[tuple[str, str, str]]:
     return found
 
 
-def test_files_need_trimesh_coacd_and_mujocos_compiler() -> None:
-    assert {Requirement(line).name for line in EXTRAS["assets"]} == {"trimesh", "coacd", "mujoco"}
+def test_files_need_readers_of_meshes_coacd_and_mujocos_compiler() -> None:
+    assert {Requirement(line).name for line in EXTRAS["assets"]} == {"trimesh", "pycollada", "coacd", "mujoco"}
     assert not closure(EXTRAS["assets"]) & {"gymnasium", "gymnasium-robotics", "pybullet"}
 
 

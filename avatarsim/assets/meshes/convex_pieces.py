@@ -78,7 +78,7 @@ def pieces_of_mesh(
     seed: int = 0, most_vertices: int = 128, most_pieces: int | None = None, hull: bool = False, repair: str = "auto",
     fit: float | None = None, kept: bool = True, quiet: bool = False,
 ) -> Pieces:
-    """Convex pieces of a file (.obj .stl .ply .off .glb .gltf) or of (vertices (n, 3), triangles (t, 3)).
+    """Convex pieces of a file (.obj .stl .ply .off .glb .gltf .dae) or of (vertices (n, 3), triangles (t, 3)).
 
     Groups of an OBJ that are all convex are taken as they are, every vertex as authored; a convex mesh is one piece.
     Everything else is decomposed by CoACD, and the answer is kept in the user's cache folder.

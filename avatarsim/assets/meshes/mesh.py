@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from os.path import exists
 from pathlib import Path
+from xml.parsers import expat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -118,8 +119,12 @@ def _index(word: str, count: int) -> int:
     return place
 
 
-BY_TRIMESH = (".glb", ".gltf", ".off", ".ply", ".stl")
-"""What trimesh reads without further packages. Scenes of several meshes become one mesh."""
+BY_TRIMESH = (".glb", ".gltf", ".off", ".ply", ".stl", ".dae")
+"""What trimesh reads, .dae with pycollada. Scenes of several meshes become one mesh."""
+
+MOST_INSTANCES = 8
+"""Nodes of a COLLADA file that stand for other nodes: nested ones multiply, eight make 18 copies at most. More: a small file
+fills the memory; the robots known here have none in shapes that collide."""
 
 
 def read_mesh(path: str | Path) -> Mesh:
@@ -161,15 +166,50 @@ def whole_stl(name: str, content: bytes) -> bytes:
     raise InvalidFile(f"length of {name} [bytes]", size, valid)
 
 
+def collada_unit(name: str, content: bytes) -> float:
+    """Return the metres a unit of length of a COLLADA file.
+
+    Raises InvalidFile for what is no XML, for entities, for a unit that is no length, and for more than MOST_INSTANCES."""
+    found, parser = {"unit": 1.0, "instances": 0}, expat.ParserCreate()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if tag == "unit" and "meter" in attributes:
+            found["unit"] = float(attributes["meter"])
+        found["instances"] += tag == "instance_node"
+
+    def refuse(*declared: object) -> None:
+        raise InvalidFile(f"DOCTYPE or entity in {name}", declared[0], "COLLADA without DOCTYPE and entities")
+
+    parser.StartElementHandler, parser.StartDoctypeDeclHandler = start, refuse
+    try:
+        parser.Parse(content, True)
+    except (expat.ExpatError, ValueError) as error:
+        raise InvalidFile(f"mesh {name}", f"{type(error).__name__}: {error}", "a whole COLLADA file") from error
+    if not 0.0 < found["unit"] < np.inf:
+        raise InvalidFile(f"unit of length of {name} [m]", found["unit"], "a finite number above 0")
+    if found["instances"] > MOST_INSTANCES:
+        raise InvalidFile(f"instances of nodes in {name}", found["instances"], f"up to {MOST_INSTANCES}")
+    return found["unit"]
+
+
 def _by_trimesh(path: Path, ending: str) -> Mesh:
     try:
         import trimesh
+
+        if ending == ".dae":
+            import collada  # noqa: F401
     except ImportError as error:
-        raise MissingPackage("trimesh", "assets", f"reading {ending} meshes") from error
+        raise MissingPackage(error.name or "trimesh", "assets", f"reading {ending} meshes") from error
     valid = f"a whole {ending} file with at least one triangle"
     thing = f"mesh {path.name}"
     check(path, thing, valid)
-    source = io.BytesIO(whole_stl(path.name, read_bytes(path, thing, valid))) if ending == ".stl" else str(path)
+    source: io.BytesIO | str = str(path)
+    unit = 1.0
+    if ending == ".stl":
+        source = io.BytesIO(whole_stl(path.name, read_bytes(path, thing, valid)))
+    elif ending == ".dae":
+        content = read_bytes(path, thing, valid)
+        source, unit = io.BytesIO(content), collada_unit(path.name, content)
 
     class Beside(trimesh.resolvers.FilePathResolver):
         """The files beside a .gltf that it names: regular ones too."""
@@ -178,11 +218,13 @@ def _by_trimesh(path: Path, ending: str) -> Mesh:
             return read_bytes(self.absolute(name), f"file {name} of {path.name}", valid)
 
     try:
-        loaded = trimesh.load_mesh(source, file_type=ending[1:], process=False, resolver=Beside(str(path)))
-        vertices = np.array(loaded.vertices, dtype=np.float64).reshape(-1, 3)
+        # what a COLLADA file names are pictures, which are not opened
+        beside = None if ending == ".dae" else Beside(str(path))
+        loaded = trimesh.load_mesh(source, file_type=ending[1:], process=False, resolver=beside)
+        vertices = unit * np.array(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.array(loaded.faces, dtype=np.int64).reshape(-1, 3)
     except Exception as error:  # what a reader of foreign files raises on a broken one is not listed anywhere
         raise InvalidFile(thing, f"{type(error).__name__}: {error}", valid) from error
     if not len(triangles) or not ((triangles >= 0) & (triangles < len(vertices))).all():
         raise InvalidFile(f"triangles of {path.name}", len(triangles), valid)
-    return Mesh(path.name, vertices, triangles, np.zeros(len(triangles), dtype=np.int64), welded=ending != ".stl")
+    return Mesh(path.name, vertices, triangles, np.zeros(len(triangles), dtype=np.int64), welded=ending not in (".stl", ".dae"))

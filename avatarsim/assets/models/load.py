@@ -118,7 +118,7 @@ def load_room(
     fit: float | None = None, leave: tuple[str, ...] = (), folder: str | Path | None = None, scale: float = 1.0,
     y_up: bool = False, threshold: float = 0.05, keyframe: str | int | None = None, collide: str = "collision",
 ) -> Model:
-    """A room from MJCF or URDF, from a mesh (.obj .stl .ply .off .glb .gltf), or the word "floor": level ground, its top at 0.
+    """A room from MJCF or URDF, a mesh (.obj .stl .ply .off .glb .gltf .dae), or the word "floor": level ground, its top at 0.
 
     Of a model all bodies are taken, jointed ones as they are at the reference: with a free joint loose, else fixed. The options
     are those of `load_avatar`, `scale` is metres a unit of length of any file. A mesh is one fixed body of convex pieces: `y_up`

@@ -1,6 +1,6 @@
 """Mesh files of a model: found in its folder, read once, and handed to MuJoCo from memory.
 
-What MuJoCo does not read itself (STL files of text or of more than 200,000 triangles, .ply, .off, .glb) is read by trimesh.
+What MuJoCo does not read itself (STL files of text or of more than 200,000 triangles, .ply, .off, .glb, .dae) is read by trimesh.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from avatarsim.files import read_bytes
 BY_MUJOCO = (".msh", ".obj", ".stl")
 """Mesh files that MuJoCo reads."""
 
-BY_TRIMESH = (".ply", ".off", ".glb")
+BY_TRIMESH = (".ply", ".off", ".glb", ".dae")
 """Mesh files that are read for it."""
 
 MOST_TRIANGLES = 200_000

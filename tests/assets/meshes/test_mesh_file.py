@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -55,6 +56,30 @@ def test_a_broken_file_is_refused_by_name(ending: str, content: bytes, tmp_path:
     path.write_bytes(content)
     with pytest.raises(InvalidFile, match=rf"broken\{ending}"):
         read_mesh(path)
+
+
+def test_collada_comes_in_metres_and_keeps_its_axes(tmp_path: Path) -> None:
+    content = trimesh.Trimesh(*ell(), process=False).export(file_type="dae").decode()
+    path = tmp_path / "ell.dae"
+    stated = '<asset><unit name="inch" meter="0.0254"/><up_axis>Y_UP</up_axis>'
+    path.write_text(re.sub("<asset>.*?</asset>", f"{stated}</asset>", content, flags=re.DOTALL), encoding="utf-8")
+    found = read_mesh(path)
+    np.testing.assert_allclose(np.ptp(found.vertices, axis=0), 0.0254 * np.ptp(ell()[0], axis=0), rtol=1e-6)
+
+
+@pytest.mark.parametrize(("before", "after", "thing"), [
+    ("<COLLADA", '<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/hostname">]><COLLADA', "DOCTYPE or entity"),
+    ("<asset>", '<asset><unit meter="0"/>', "unit of length"),
+    ("<asset>", '<asset><unit meter="wide"/>', "mesh"),
+    ("</COLLADA>", 9 * '<instance_node url="#a"/>' + "</COLLADA>", "instances of nodes"),
+])
+def test_collada_of_unknown_origin_is_looked_at_first(before: str, after: str, thing: str, tmp_path: Path) -> None:
+    content = trimesh.Trimesh(*ell(), process=False).export(file_type="dae").decode()
+    path = tmp_path / "ell.dae"
+    path.write_text(content.replace(before, after), encoding="utf-8")
+    with pytest.raises(InvalidFile) as refused:
+        read_mesh(path)
+    assert refused.value.thing.startswith(thing) and "ell.dae" in refused.value.thing
 
 
 def test_stl_that_is_cut_off_says_so(tmp_path: Path) -> None:

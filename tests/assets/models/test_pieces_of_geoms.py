@@ -123,7 +123,7 @@ def test_an_open_mesh_is_not_decomposed_unless_it_is_wrapped(tmp_path: Path) -> 
     assert len(av.load_room(path).bodies[0].pieces) == 1
 
 
-@pytest.mark.parametrize("ending", ["ply", "off", "glb", "stl"])
+@pytest.mark.parametrize("ending", ["ply", "off", "glb", "stl", "dae"])
 def test_meshes_that_mujoco_does_not_read_are_read_for_it(ending: str, tmp_path: Path) -> None:
     import trimesh
 
@@ -139,8 +139,8 @@ def test_meshes_that_mujoco_does_not_read_are_read_for_it(ending: str, tmp_path:
 
 
 def test_of_a_mesh_in_another_format_the_copy_beside_it_is_taken(tmp_path: Path) -> None:
-    path = written(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head='<asset><mesh name="m" file="ell.dae"/></asset>')
-    with pytest.raises(InvalidFile, match=r"mesh m of model\.xml is 'ell\.dae'; .*put the copy beside it"):
+    path = written(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head='<asset><mesh name="m" file="ell.wrl"/></asset>')
+    with pytest.raises(InvalidFile, match=r"mesh m of model\.xml is 'ell\.wrl'; .*put the copy beside it"):
         av.load_room(path)
     obj_of(tmp_path, "ell.obj", *ell())
     assert len(av.load_room(path).bodies[0].pieces) == 1
