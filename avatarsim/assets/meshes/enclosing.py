@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from avatarsim.assets.meshes.hulls import Hull, hull_of
+from avatarsim.assets.meshes.hulls import PLANES_AT_ONCE, Hull, highest, hull_of
 from avatarsim.assets.meshes.mesh import Array, Indices
 
 ROUNDS = 30
@@ -16,11 +16,12 @@ FLUSH = 1e-6
 BATCH = 8
 """A round adds at most this part of the vertices that are still free. Larger: more hulls to make, hardly a better choice."""
 
-GROWTH = (1.2, 4.0)
-"""Least and most factor by which the number of vertices grows when the hull sticks out too far."""
+SLIMMEST = 0.01
+"""Least extent along a principal axis, as a share of the largest, that a hull is stretched to while facets are pushed out. Less:
+what is left to scaling widens thin hulls all around; more: facets lie nearer across than along, and round hulls are no better."""
 
-SEARCHED = 5_000_000
-"""Vertices times points of a hull up to which `fit` is searched for: 20 s. More: a larger hull takes minutes; fewer: it stays
+SEARCHED = 60_000_000
+"""Planes times facets of a hull up to which `fit` is searched for: 20 s. More: a larger hull takes minutes; fewer: it stays
 whole, with more vertices to query."""
 
 ROUNDING = 1e-12
@@ -39,24 +40,73 @@ def enclosing(hull: Hull, most: int, name: str, fit: float | None = None) -> tup
             to all.
     """
     points = hull.points[hull.used]
-    while len(points) > most:
-        around = hull_of(_around(points, _pushed_out(points, _inscribed(points, most))), name)
-        around = Hull(around.points[around.used], np.arange(len(around.used)), around.planes, around.facets)
-        added = float(hull.distances(around.points).max())
-        if fit is None or added <= fit:
-            return around, added
-        # the distance added falls about as the number of vertices grows
-        most = int(most * np.clip(added / fit, *GROWTH)) + 1
-        if most * len(points) > SEARCHED:
-            break
-    return hull, 0.0
+    if len(points) <= most:
+        return hull, 0.0
+    stretch = _stretch(points)
+    corners = _pushed_out(points @ stretch, _inscribed(points @ stretch, most)) @ np.linalg.inv(stretch)
+    around, added = _measured(hull, corners, name)
+    height = fit or 0.0
+    while fit is not None and added > fit:
+        corners = _cut_to(hull, height)
+        if len(corners) >= len(points):
+            return hull, 0.0
+        around, added = _measured(hull, corners, name)
+        # at a sharp edge a corner is farther away than it is high over the facets
+        height *= 0.8 * min(1.0, fit / max(added, fit))
+    return around, added
+
+
+def _measured(hull: Hull, corners: Array, name: str) -> tuple[Hull, float]:
+    """Return the hull of corners that are scaled until it holds `hull`, and the largest distance that it adds."""
+    around = hull_of(_around(hull.points[hull.used], corners), name)
+    around = Hull(around.points[around.used], np.arange(len(around.used)), around.planes, around.facets)
+    return around, float(hull.distances(around.points).max())
+
+
+def _stretch(points: Array) -> Array:
+    """Return the symmetric map (3, 3) that brings thin hulls to SLIMMEST; identity for others."""
+    centred = points - points.mean(axis=0)
+    axes = np.linalg.svd(centred, full_matrices=False)[2]
+    extents = np.ptp(centred @ axes.T, axis=0)
+    if extents.min() >= SLIMMEST * extents.max():
+        return np.eye(3)
+    return np.asarray(axes.T @ np.diag(np.maximum(1.0, SLIMMEST * extents.max() / extents)) @ axes)
+
+
+def _cut_to(hull: Hull, height: float) -> Array:
+    """Return corners of a polytope of planes of `hull`, none of them higher than `height` over the hull.
+
+    Planes of the hull cut off the highest corners of the box around it, in rounds; the hull's own corners
+    where that takes more than SEARCHED."""
+    from scipy.spatial import HalfspaceIntersection
+
+    points = hull.points[hull.used]
+    middle = points.mean(axis=0)
+    axes = np.linalg.svd(points - middle, full_matrices=False)[2]
+    normals = np.concatenate([axes, -axes])
+    planes = np.column_stack([normals, -(points @ normals.T).max(axis=0)])
+    while True:
+        corners = np.unique(HalfspaceIntersection(planes, middle).intersections, axis=0)
+        facets, heights = highest(corners, hull.planes)
+        chosen = np.zeros(0, dtype=np.int64)
+        for corner in np.argsort(-heights, kind="stable"):
+            cut = hull.planes[chosen] @ np.append(corners[corner], 1.0)
+            if heights[corner] <= height:
+                break
+            if not (cut > 0.5 * height).any():
+                chosen = np.append(chosen, facets[corner])
+        if not len(chosen):
+            return np.asarray(corners)
+        planes = np.concatenate([planes, hull.planes[chosen]])
+        if len(planes) * len(hull.planes) > SEARCHED:
+            return points
 
 
 def _inscribed(points: Array, most: int) -> Array:
     """Return at most `most` of the points: always those farthest beyond the facets of the hull so far, one of each facet."""
     chosen = _spread(points)
     while len(chosen) < most:
-        facets, heights = _beyond(points, _qhull(points[chosen]))
+        facets, heights = highest(points, _qhull(points[chosen]).equations)
         order = np.argsort(-heights, kind="stable")
         order = order[heights[order] > FLUSH * np.ptp(points)]
         _, first = np.unique(facets[order], return_index=True)
@@ -74,7 +124,7 @@ def _pushed_out(points: Array, corners: Array) -> Array:
         if len(found.vertices) < len(corners):
             corners = corners[found.vertices]
             found = _qhull(corners)
-        facets, heights = _beyond(points, found)
+        facets, heights = highest(points, found.equations)
         if heights.max() <= FLUSH * np.ptp(points):
             break
         corners = corners + _pushes(points, corners, found, facets, heights)
@@ -101,7 +151,9 @@ def _around(points: Array, corners: Array) -> Array:
     middle = corners.mean(axis=0)
     planes = _qhull(corners).equations
     reach = -(planes[:, 3] + planes[:, :3] @ middle)
-    scale = float((((points - middle) @ planes[:, :3].T) / reach).max())
+    step = max(1, PLANES_AT_ONCE // len(planes))
+    parts = (points[first : first + step] - middle for first in range(0, len(points), step))
+    scale = max(float(((part @ planes[:, :3].T) / reach).max()) for part in parts)
     return np.asarray(middle + max(1.0, scale) * (1.0 + ROUNDING) * (corners - middle))
 
 
@@ -116,13 +168,6 @@ def _qhull(points: Array) -> Any:
     from scipy.spatial import ConvexHull
 
     return ConvexHull(points)
-
-
-def _beyond(points: Array, hull: Any) -> tuple[Indices, Array]:
-    """Return for each of the points the facet that it is highest over, and its signed height."""
-    heights = points @ hull.equations[:, :3].T + hull.equations[:, 3]
-    facets = heights.argmax(axis=1)
-    return facets, heights[np.arange(len(points)), facets]
 
 
 def _shares(triangles: Array, points: Array) -> Array:

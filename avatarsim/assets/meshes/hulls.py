@@ -12,6 +12,9 @@ from avatarsim.scene.shape import FLATTEST_HULL
 PAIRS_AT_ONCE = 400_000
 """Pairs of point and facet measured in one go, for the memory."""
 
+PLANES_AT_ONCE = 1_000_000
+"""Pairs of point and plane measured in one go: what the processor's caches hold."""
+
 
 @dataclass(frozen=True, eq=False)
 class Hull:
@@ -24,24 +27,43 @@ class Hull:
 
     def heights(self, points: Array) -> Array:
         """Signed height (n,) over the highest plane: negative inside; outside never more than the distance."""
-        return np.asarray((points @ self.planes[:, :3].T + self.planes[:, 3]).max(axis=1))
+        return highest(points, self.planes)[1]
 
     def distances(self, points: Array) -> Array:
         """Distance (n,) of points (n, 3) from the solid hull; 0 inside."""
+        from scipy.spatial import KDTree
+
         found = np.zeros(len(points))
         outside = np.flatnonzero(self.heights(points) > 0.0)
         middles = self.facets.mean(axis=1)
         reach = np.linalg.norm(self.facets - middles[:, None], axis=2).max(axis=1)
+        near = KDTree(middles)
         step = max(1, PAIRS_AT_ONCE // len(self.facets))
         for first in range(0, len(outside), step):
             some = points[outside[first : first + step]]
-            away = np.linalg.norm(some[:, None] - middles, axis=2)
             # no farther than the nearest middle, so facets that begin beyond it are not measured
-            of, facet = np.nonzero(away - reach <= away.min(axis=1, keepdims=True))
+            away = near.query(some)[0]
+            listed = near.query_ball_point(some, (away + reach.max()) * (1.0 + 1e-9))
+            of = np.repeat(np.arange(len(some)), [len(some_facets) for some_facets in listed])
+            facet = np.concatenate([np.array(some_facets, dtype=np.int64) for some_facets in listed])
+            kept = np.linalg.norm(some[of] - middles[facet], axis=1) - reach[facet] <= away[of] * (1.0 + 1e-9)
+            of, facet = of[kept], facet[kept]
             best = np.full(len(some), np.inf)
             np.minimum.at(best, of, point_triangle(some[of], self.facets[facet]))
             found[outside[first : first + step]] = best
         return found
+
+
+def highest(points: Array, planes: Array) -> tuple[Indices, Array]:
+    """Return for each of the points (n, 3) the plane (of m, 4) that it is highest over, and its signed height."""
+    facets, heights = np.empty(len(points), dtype=np.int64), np.empty(len(points))
+    step = max(1, PLANES_AT_ONCE // len(planes))
+    for first in range(0, len(points), step):
+        some = slice(first, first + step)
+        over = points[some] @ planes[:, :3].T + planes[:, 3]
+        facets[some] = over.argmax(axis=1)
+        heights[some] = over[np.arange(len(over)), facets[some]]
+    return facets, heights
 
 
 def hull_of(points: Array, name: str) -> Hull:

@@ -46,3 +46,19 @@ def test_fit_takes_as_many_vertices_as_it_needs(fit: float) -> None:
     around, added = enclosing(hull, 16, "cloud", fit)
     assert added <= fit and around.heights(hull.points).max() <= 1e-14
     assert len(around.used) > 16
+
+
+def test_fit_is_found_on_a_hull_of_many_vertices() -> None:
+    hull = cloud(5, 20_000)
+    around, added = enclosing(hull, 128, "cloud", 0.02)
+    assert 0.0 < added <= 0.02 and len(around.used) < 0.5 * len(hull.used)
+    assert around.heights(hull.points).max() <= 1e-14
+
+
+@pytest.mark.parametrize("thickness", [1e-3, 1e-5, 1e-7])
+def test_a_thin_hull_is_widened_no_more_than_a_thicker_one(thickness: float) -> None:
+    rng = np.random.default_rng(4)
+    ball = rng.normal(size=(2000, 3))
+    ball /= np.linalg.norm(ball, axis=1, keepdims=True)
+    added = [enclosing(hull_of(ball * (0.3, 0.2, share), "plate"), 128, "plate")[1] for share in (3e-3, 0.3 * thickness)]
+    assert added[1] < 1.5 * added[0]
