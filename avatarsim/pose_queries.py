@@ -41,21 +41,21 @@ class Overlap(NamedTuple):
     normal: Vec3
 
 
-def deepest_overlaps(world: World, dip: float = NOTHING) -> list[Overlap]:
-    """Every wanted pair that overlaps. `dip` [m]: how deep a pair with a simulated body may, of a state that frames have shown:
-    bodies at rest dip by fractions of a micrometre."""
+def deepest_overlaps(world: World, dip: float = NOTHING, least: float = NOTHING) -> list[Overlap]:
+    """Every wanted pair that overlaps by more than `least` [m]. `dip` [m]: how deep a pair with a simulated body may, of a state
+    that frames have shown: bodies at rest dip by fractions of a micrometre."""
     geo, poses, names, role = world.geometry, world.poses, world.scene.names, world.dynamics.role
     scratch, found = make_scratch(), []
     for a, b in meeting_pairs(world):
         allowed = float(rest_depth(geo.rest, a, b))
-        deepest = Overlap(names[a], names[b], (-1, -1), 0.0, (0.0, 0.0, 0.0))
+        deepest = Overlap(names[a], names[b], (-1, -1), -np.inf, (0.0, 0.0, 0.0))
         for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
             for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
                 _, gap, n, _, _ = signed_distance(poses.vertices, geo.shapes, s, t, (0.0, 0.0, 0.0), scratch)
                 if -gap - allowed > deepest.depth:
                     deepest = deepest._replace(pieces=(s, t), depth=-gap - allowed, normal=n)
         # resting contact described in decimal numbers may be off by rounding
-        if deepest.depth > (dip if SIMULATED in (role[a], role[b]) else NOTHING):
+        if deepest.depth > (dip if SIMULATED in (role[a], role[b]) else least):
             found.append(deepest)
     return found
 

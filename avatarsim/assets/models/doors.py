@@ -35,7 +35,7 @@ CONVERSION = {
     ".sdf": "`gz sdf -p` reads it; export a URDF file, or an MJCF file",
     ".usd": "export an MJCF or URDF file", ".usda": "export an MJCF or URDF file", ".usdz": "export an MJCF or URDF file",
     ".fbx": "export a .glb file for a room, and BVH for a skeleton with its motion",
-    ".dae": "convert it to .obj, .stl, .ply or .glb", ".mjb": "save the model as .xml: mj_saveLastXML",
+    ".mjb": "save the model as .xml: mj_saveLastXML",
 }
 """Endings of files that are often at hand and are not read, with what to do."""
 
@@ -51,11 +51,15 @@ FOREIGN = ("gazebo", "transmission", "ros2_control")
 MOVED_BY_PLUGIN = ("actuator", "sensor", "body", "composite", "flexcomp")
 """Elements whose plugins act, measure or bend: without them bodies and joints are where they are. Others make shapes."""
 
+FILLERS = {"mujoco": b"<custom/>", **dict.fromkeys(("worldbody", "body", "frame", "replicate"), b"<frame/>")}
+"""What stands, by the element around it, in an included file of which nothing is left: MuJoCo refuses an empty one."""
+
 COLLIDE = ("collision", "visual")
 """Shapes that bodies collide with: those that the file means for it, or those that it means to be looked at."""
 
-_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_COMMENT = re.compile(rb"<!--.*?-->|<\?xml\s[^>]*\?>", re.DOTALL)
 _VISUAL = re.compile(rb"<(/?)visual(?=[\s/>])")
+_END = re.compile(rb"</\w+\s*>\s*\Z")
 _DRIVE = re.compile(r"^[A-Za-z]:[\\/]")
 
 
@@ -138,8 +142,8 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
 
 
 def _plain(content: bytes) -> bytes:
-    """The text with its comments blanked, in which authors write what XML does not allow, and without the zero byte that some
-    programs end a text with."""
+    """The text without comments, in which authors write what XML does not allow, declarations, which may not follow a comment,
+    and the zero byte that some programs end a text with; all of it is UTF-8."""
     return _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content.rstrip(b"\0"))
 
 
@@ -161,7 +165,7 @@ class _Scan:
         self._blank_from = self._blank_depth = -1
         self._ended = False
         self._open: list[values.Element] = []
-        self._elements = 0
+        self._elements = self._kept = 0
         self.found: list[tuple[str, Path, tuple[values.Element, ...]]] = []
         self.velocities: dict[str, float] = {}
         self.is_robot = self.has_world = False
@@ -193,6 +197,8 @@ class _Scan:
         if self.is_robot and self._collide == "visual":
             # in place of the collisions, which are blank: MuJoCo discards visuals
             return _VISUAL.sub(rb"<\1collision", bytes(whole))
+        if self._around and self._kept == 1:
+            return _END.sub(FILLERS.get(self._around[-1].tag, b"") + rb"\g<0>", bytes(whole))
         return bytes(whole)
 
     def _settle(self) -> None:
@@ -240,6 +246,7 @@ class _Scan:
             if tag == "plugin" and above[0].tag != "robot":
                 self.plugins.append(attributes.get("plugin") or attributes.get("instance") or "without a name")
             return
+        self._kept += 1
         values.require(self._place, above, own)
         if self.is_robot and tag == "limit" and above[-1].tag == "joint" and "velocity" in attributes:
             self.velocities[above[-1].attributes.get("name", "")] = float(attributes["velocity"])

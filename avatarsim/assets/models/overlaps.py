@@ -15,7 +15,7 @@ from avatarsim.errors import StartOverlaps
 from avatarsim.model.world import World, build
 from avatarsim.pose_queries import Overlap, deepest_overlaps, width
 from avatarsim.scene.body import Role
-from avatarsim.tolerances import POSTURE_GAP
+from avatarsim.tolerances import NOTHING, POSTURE_GAP
 
 Array = NDArray[np.float64]
 
@@ -71,6 +71,12 @@ def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
     said = []
     if listed := [f"{name} by {length:.3g} mm" for name, length in lengths.items() if length > 0.0]:
         said.append(f"raised or moved at the start, out of what they stood in: {', '.join(listed)}")
+    loose, fixed, _ = _roles(model)
+    # links that touch at home, to rounding, could not be shown there either
+    found = [
+        one for one in deepest_overlaps(world, least=-NOTHING)
+        if one.depth > NOTHING or not ({one.a, one.b} & loose or (root_moves and {one.a, one.b} & fixed))
+    ]
     return _guarded(model, world, found, root_moves, said)
 
 

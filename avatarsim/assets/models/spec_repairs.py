@@ -1,7 +1,7 @@
 """What is changed in a model before MuJoCo compiles it: masses for which it would refuse the model, pictures that it would open.
 
-Moments of inertia that no solid has (zero, one above the sum of the others; Featherstone 2008, 2.13) become the nearest that one
-can have; negative ones are refused. Works on an MjSpec without importing MuJoCo.
+Moments of inertia that no solid has (zero, negative ones about the principal axes, one above the sum of the others; Featherstone
+2008, 2.13) become the nearest that one can have. Works on an MjSpec without importing MuJoCo.
 """
 
 from typing import Any
@@ -49,9 +49,7 @@ def bare(spec: Any, mujoco: Any) -> None:
 
 
 def with_solid_moments(spec: Any) -> list[str]:
-    """Give every body moments of inertia that a solid can have; names of those whose were changed.
-
-    Raises InvalidFile for moments that are negative beyond rounding."""
+    """Give every body moments of inertia that a solid can have; names of those whose were changed."""
     # what has neither mass nor moments gets these, by which it is told afterwards
     spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
     changed = []
@@ -63,10 +61,6 @@ def with_solid_moments(spec: Any) -> list[str]:
         inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) if is_full else np.diag(body.inertia)
         if not np.isfinite(inertia).all():
             continue
-        moments = np.linalg.eigvalsh(inertia)
-        if not moments[0] >= -SMALLEST_SHARE * abs(moments[2]):
-            listed = ", ".join(f"{moment:g}" for moment in moments)
-            raise InvalidFile(f"principal moments of inertia of {body.name} [kg m^2]", listed, "0 or more")
         found, is_changed = solid(inertia, float(body.mass))
         if not is_changed:
             continue

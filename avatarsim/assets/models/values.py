@@ -116,8 +116,9 @@ def require(place: Callable[[str], str], above: Sequence[Element], own: Element)
             _numbers(place(f"{key} of {of}"), own.attributes[key], rule)
     if is_robot and own.tag == "limit" and joint in LIMITED:
         ends = [own.attributes[key] for key in ("lower", "upper") if key in own.attributes]
-        if ends and not (len(ends) == 2 and float(ends[0]) < float(ends[1])):
-            valid = 'both, lower below upper, or neither: no limits; type="fixed" does not move'
+        limits = tuple(map(float, ends))
+        if ends and not (len(ends) == 2 and (limits[0] < limits[1] or not any(limits))):
+            valid = 'both, lower below upper; 0 and 0, or neither: no limits; type="fixed" does not move'
             raise InvalidFile(place(f"lower and upper of {of}"), " and ".join(ends), valid)
 
 

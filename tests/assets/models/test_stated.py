@@ -209,6 +209,15 @@ def test_plugins_of_an_included_file_are_of_the_element_around_it(tmp_path: Path
         av.load_avatar(mjcf(tmp_path, KEYED, shaped))
 
 
+@pytest.mark.parametrize("content", [
+    '<extension><plugin plugin="p"/></extension>', '<!-- nothing but plugins --><extension><plugin plugin="p"/></extension>',
+])
+def test_an_included_file_of_plugins_alone_is_left_out(content: str, tmp_path: Path) -> None:
+    (tmp_path / "parts.xml").write_text(f"<mujocoinclude>{content}</mujocoinclude>")
+    model = av.load_avatar(mjcf(tmp_path, KEYED, '<include file="parts.xml"/>'))
+    assert model.avatar is not None and any("p" in said for said in model.said)
+
+
 def test_tuples_that_name_actuators_are_left_out_with_them(tmp_path: Path) -> None:
     rest = (
         '<actuator><motor name="m" joint="j"/></actuator>'
