@@ -114,15 +114,18 @@ def read_csv(
     if names is not None and len(names) != numbers.shape[1]:
         raise InvalidFile(f"columns of {name}", numbers.shape[1], f"{len(names)}, as its first row names")
     notes: list[str] = []
-    listed = [word.strip() for word in joints.split(",")] if isinstance(joints, str) else joints
+    listed = None if joints is None else tuple(map(str.strip, joints.split(",")) if isinstance(joints, str) else joints)
     if names is None:
         order = matching.require_order(quaternion or "xyzw")
         if quaternion is None:
             notes.append(f'{name}: quaternions taken as x, y, z, w; quaternion="wxyz" says otherwise')
-        layout = matching.Layout(None if listed is None else tuple(listed), order)
+        layout = matching.Layout(listed, order)
         counting, instants, columns = _uncounted(numbers)
     else:
         layout, counting, instants, columns = _named(name, names)
+        if listed not in (None, layout.joints):
+            valid = f"those that its first row names: {matching.shortened(layout.joints or ())}; or none"
+            raise InvalidFile(f"joints for {name}", matching.shortened(listed or ()), valid)
     times = _times(name, numbers, rate, instants, notes)
     above = () if names is None else (lines[0],)
     store = TextStore(above, rows, delimiter or " ", end, numbers, columns, counting, instants)

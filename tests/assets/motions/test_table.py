@@ -189,3 +189,11 @@ def test_options_that_are_none_are_refused(tmp_path: Path) -> None:
         load_motion(path, quaternion="x")
     with pytest.raises(InvalidInput, match="rate"):
         load_motion(path, rate=0.0)
+
+
+def test_other_joints_than_those_of_the_first_row_are_refused_with_both(tmp_path: Path) -> None:
+    path = written(tmp_path, text(LAFAN, (*ROOT, *JOINTS)))
+    assert differs(load_motion(path, joints=",".join(JOINTS)).motion(robot()), expected()) < 1e-5
+    with pytest.raises(InvalidFile) as refused:
+        load_motion(path, joints=["left_elbow", *JOINTS[1:]])
+    assert "left_elbow" in str(refused.value) and JOINTS[0] in refused.value.valid
