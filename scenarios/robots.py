@@ -53,6 +53,8 @@ TURN = 1.0
 
 ACCELERATION = 30.0
 """[rad/s^2, m/s^2] limit of all joints. Larger: robots stop within a call, and braking is hardly tried."""
+NAMED, REASON = 4, 120
+"""Models named of those that are refused for one reason, and characters of a reason: a table that is read on a screen."""
 HIGHEST = 4
 """Folders above a file that are tried as that of its model."""
 TRIES = 12
@@ -320,9 +322,21 @@ def markdown(rows: Sequence[Driven]) -> str:
                    f"{1e3 * max(row.overlap for row in robots):.3g} mm" if robots else " | | ")
         counts = " | ".join(str(count) for count in (len(own), kinds["robot"], kinds["room"], kinds["refused"]))
         found.append(f"| {package} | {counts} | {links} | {figures} |")
-    found += ["", "| refused | why |", "|---|---|"]
-    found += [f"| {row.package}: {row.model} | {row.note.replace('|', '/')[:160]} |" for row in rows if row.kind == "refused"]
+    reasons = dict[str, list[str]]()
+    for row in rows:
+        if row.kind == "refused":
+            reasons.setdefault(reason(row.note), []).append(f"{row.package}: {Path(row.model).name}")
+    found += ["", "| refused | what would be valid |", "|---|---|"]
+    for why, models in sorted(reasons.items(), key=lambda entry: -len(entry[1])):
+        more = f" and {len(models) - NAMED} more" if len(models) > NAMED else ""
+        found.append(f"| {', '.join(models[:NAMED])}{more} | {why} |")
     return "\n".join(found)
+
+
+def reason(note: str) -> str:
+    """Return what a refusal says is valid, without what is of one file: its folder, and numbers."""
+    valid = (note.partition("valid: ")[2] or note).partition(";")[0]
+    return re.sub(r"(a file that exists in) \S+", r"\1 the folder", re.sub(r"; folder=.*", "", valid)).replace("|", "/")[:REASON]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

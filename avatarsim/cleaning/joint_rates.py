@@ -108,4 +108,8 @@ def _by_groups(rates: Mapping[str, Rate], coordinates: Coordinates, world: World
                 found[of_degree[first + 3 * k]] = np.inf if one is None else positive(of, one, InvalidInput)
         else:
             found[of_degree[first]] = positive(of, rate, InvalidInput)
+    # a leader may go as fast as its followers may
+    for (follower, leader), (ratio, _) in zip(world.skeleton.follow.tolist(), world.skeleton.ratio.tolist(), strict=True):
+        if ratio != 0.0:
+            found[of_degree[leader]] = min(found[of_degree[leader]], found[of_degree[follower]] / abs(ratio))
     return found

@@ -23,3 +23,19 @@ def test_the_judge_sees_what_the_motion_would_do() -> None:
     model = av.load_avatar(KUKA)
     judge = OwnGeoms(KUKA, model)
     assert max(judge.deepest(q)[0] for q in driven(model, 60, 3, 60.0)) > 0.01
+
+
+def test_joints_that_follow_keep_their_own_limits(tmp_path: Path) -> None:
+    link = '<link name="{0}"><collision><origin xyz="0 0 {1}"/><geometry><sphere radius=".1"/></geometry></collision></link>'
+    joint = (
+        '<joint name="{0}" type="revolute"><parent link="{1}"/><child link="{2}"/><origin xyz="0 0 1"/><axis xyz="1 0 0"/>'
+        '<limit lower="-3" upper="3" velocity="2" effort="1"/>{3}</joint>'
+    )
+    path = tmp_path / "arm.urdf"
+    path.write_text(
+        '<robot name="arm">' + link.format("world", 0) + link.format("a", 0.5) + link.format("b", 0.5)
+        + joint.format("lead", "world", "a", "") + joint.format("follow", "a", "b", '<mimic joint="lead" multiplier="2"/>')
+        + "</robot>"
+    )
+    found = drive(path, frames=40, seed=3, rate=60.0)
+    assert found.joints == 2 and found.is_kept and found.acceleration > 0.9
