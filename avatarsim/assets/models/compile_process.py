@@ -8,6 +8,7 @@ file from elsewhere may crash it or keep it forever. It is given memory only, no
 import io
 import json
 import os
+import re
 import resource
 import signal
 import sys
@@ -33,6 +34,9 @@ SECONDS, SECONDS_PER_MEGABYTE = 4, 0.25
 WALL = 3
 """Real time for each second of CPU time: on a machine with other work."""
 
+COPLANAR = re.compile("mesh '(.*)' has coplanar vertices")
+"""MuJoCo's word for a mesh without thickness."""
+
 NOWHERE = "/avatarsim-model/"
 """Where the texts of a model lie for the compiler: a folder that no machine has, in memory only."""
 
@@ -56,10 +60,11 @@ def compiled(path: Path, folder: Path, scale: float = 1.0, collide: str = "colli
     `collide`. Raises InvalidFile."""
     import mujoco
 
-    model, texts, mended = compiled_by_mujoco(path, folder, scale, collide)
+    model, texts, mended, plates = compiled_by_mujoco(path, folder, scale, collide)
     numbers = _numbers(model, path, mujoco)
     numbers |= _keyframes(model, mujoco, scale)
     kind = {"free_root": np.array(texts.free_root), "is_urdf": np.array(texts.is_robot)}
+    kind["plate_name"] = np.array(plates, dtype=np.str_)
     kind["plugin_name"] = np.array(texts.plugins, dtype=np.str_)
     # MuJoCo does not read limits of speed
     stated = [texts.velocities.get(name, 0.0) for name in numbers["jnt_name"].tolist()]
@@ -69,8 +74,9 @@ def compiled(path: Path, folder: Path, scale: float = 1.0, collide: str = "colli
 
 def compiled_by_mujoco(
     path: Path, folder: Path, scale: float = 1.0, collide: str = "collision", limited: bool = True
-) -> tuple[Any, doors.Texts, list[str]]:
-    """Return MuJoCo's model of a file, its texts, and the bodies whose moments were raised; `limited` as the files' sizes allow.
+) -> tuple[Any, doors.Texts, list[str], list[str]]:
+    """Return MuJoCo's model of a file, its texts, bodies whose moments were raised, meshes that were thickened; `limited` as the
+    files' sizes allow.
 
     Raises InvalidFile."""
     texts = doors.texts_of(path, folder, collide)
@@ -86,7 +92,8 @@ def compiled_by_mujoco(
         vfs[place] = content
     try:
         spec = mujoco.MjSpec.from_file(NOWHERE + texts.main, vfs=vfs)
-        MeshFiles(texts, NOWHERE, count).hand_over(spec)
+        files = MeshFiles(texts, NOWHERE, count)
+        files.hand_over(spec)
         bare(spec, mujoco)
         in_metres(spec, scale, mujoco.mjtJoint.mjJNT_SLIDE)
         mended = with_solid_moments(spec)
@@ -94,7 +101,7 @@ def compiled_by_mujoco(
         spec.compiler.fusestatic = False
         if collide == "visual" and not texts.is_robot:
             _swap_shapes(spec)
-        return _compiled(spec, mujoco), texts, mended
+        return _compiled(spec, files, mujoco), texts, mended, files.plates
     except (ValueError, RuntimeError, mujoco.FatalError) as error:
         said = " ".join(str(error).replace(NOWHERE, "").split())
         raise InvalidFile(f"model {path.name}", said, "a model that MuJoCo's compiler takes") from error
@@ -119,18 +126,22 @@ def _swap_shapes(spec: Any) -> None:
             spec.delete(pair)
 
 
-def _compiled(spec: Any, mujoco: Any) -> Any:
-    """The compiled model; masses of meshes that are open or flat are those of their hulls, or of their surfaces."""
-    kinds = mujoco.mjtMeshInertia
-    for inertia in (kinds.mjMESH_INERTIA_CONVEX, kinds.mjMESH_INERTIA_SHELL):
+def _compiled(spec: Any, files: MeshFiles, mujoco: Any) -> Any:
+    """The compiled model; masses of open meshes are those of their hulls, or of their surfaces; flat ones are plates."""
+    kinds = iter((mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX, mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL))
+    while True:
         try:
             return spec.compile()
         except ValueError as error:
-            if "volume" not in str(error) and "orientation" not in str(error):
+            flat = COPLANAR.search(str(error))
+            if flat is not None and flat[1] not in files.plates:
+                files.thicken(spec.mesh(flat[1]))
+                continue
+            kind = next(kinds, None)
+            if kind is None or not ("volume" in str(error) or "orientation" in str(error)):
                 raise
         for mesh in spec.meshes:
-            mesh.inertia = inertia
-    return spec.compile()
+            mesh.inertia = kind
 
 
 def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:

@@ -77,17 +77,19 @@ class Compiled:
     """A compiled model under MuJoCo's names: b bodies (the first is the world), j joints, g geoms, e equalities, m meshes.
 
     Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
-    reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes that
-    bodies collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within their mesh.
-    `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name` which bodies had moments of
-    inertia that no solid has, `plugin_name` which plugins were left out, `unread_name` what else the file states that has no
-    counterpart. `jnt_velocity` is the limit of speed of a URDF joint [rad/s], 0 where the file states none. Frictions are those
-    of sliding; keyframes have coordinates and poses of mocap bodies."""
+    reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes
+    that bodies collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within
+    their mesh. `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name` which
+    bodies had moments of inertia that no solid has, `plate_name` which meshes had no thickness, `plugin_name` which plugins
+    were left out, `unread_name` what else the file states that has no counterpart. `jnt_velocity` is the limit of speed of
+    a URDF joint [rad/s], 0 where the file states none. Frictions are those of sliding; keyframes have coordinates and poses
+    of mocap bodies."""
 
     is_urdf: bool
     free_root: bool
     model_name: str
     mended_name: tuple[str, ...]
+    plate_name: tuple[str, ...]
     plugin_name: tuple[str, ...]
     unread_name: tuple[str, ...]
     flexes: int

@@ -18,6 +18,7 @@ from avatarsim.assets.models.doors import COLLIDE
 from avatarsim.assets.models.laws import Laws
 from avatarsim.assets.models.links_of_tree import JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
+from avatarsim.assets.models.mesh_files import PLATE
 from avatarsim.assets.models.model import Model, without_pairs
 from avatarsim.assets.models.pairs import Filter, Part
 from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
@@ -118,6 +119,8 @@ class _Reading:
         welds = self._welds(tree, avatar, start, bodies)
         self._say_equalities(welds)
         self._said += [*self._pose.said(), *self._geoms.said(), *self._masses.said(), *self._laws.said()]
+        if self._m.plate_name:
+            self._said.append(f"flat meshes are plates, {PLATE:g} of their size thick: {', '.join(self._m.plate_name)}")
         if self._m.plugin_name:
             self._said.append(f"plugins are left out: {', '.join(self._m.plugin_name)}")
         if self._m.unread_name:

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+import numpy as np
+
 from avatarsim.assets import caps
 from avatarsim.assets.meshes.mesh import STL_HEADER, STL_TRIANGLE, read_mesh
 from avatarsim.assets.models import doors
@@ -20,6 +22,9 @@ BY_MUJOCO = (".msh", ".obj", ".stl")
 BY_TRIMESH = (".ply", ".off", ".glb", ".dae")
 """Mesh files that are read for it."""
 
+PLATE = 1e-3
+"""Thickness of a mesh without any, as a share of its size. Less: its hull's planes are lost in rounding; more: it is felt."""
+
 MOST_TRIANGLES = 200_000
 """Triangles of an STL file beyond which MuJoCo refuses it."""
 
@@ -27,12 +32,14 @@ MOST_TRIANGLES = 200_000
 @dataclass
 class MeshFiles:
     """The mesh files of one model. `assets` is what MuJoCo is given, by names of their own that take the place of paths;
-    `nowhere` the folder in which its texts lie for MuJoCo, and `read` is told how many bytes were read so far."""
+    `nowhere` the folder in which its texts lie for MuJoCo, and `read` is told how many bytes were read so far; `plates` are the
+    names of meshes that were thickened."""
 
     texts: doors.Texts
     nowhere: str
     read: Callable[[int], None]
     assets: dict[str, bytes] = field(default_factory=dict)
+    plates: list[str] = field(default_factory=list)
     _names: dict[Path, str] = field(default_factory=dict)
     _bytes: int = 0
 
@@ -76,6 +83,19 @@ class MeshFiles:
             self._names[place] = f"{len(self._names)}{ending}"
             self.assets[self._names[place]] = content
         mesh.file = self._names[place]
+
+    def thicken(self, mesh: Any) -> None:
+        """Make a plate of a mesh whose vertices lie in one plane, as thick as the share PLATE of its size."""
+        self.plates.append(mesh.name)
+        place = next((place for place, name in self._names.items() if name == mesh.file), None)
+        if place is not None:
+            self._by_trimesh(mesh, f"mesh {mesh.name} of {self.texts.main}", place)
+        points, triangles = np.array(mesh.uservert).reshape(-1, 3), np.array(mesh.userface).reshape(-1, 3)
+        centred = points - points.mean(axis=0)
+        across = 0.5 * PLATE * np.ptp(centred, axis=0).max() * np.linalg.svd(centred, full_matrices=False)[2][2]
+        mesh.uservert = np.concatenate([points + across, points - across]).ravel()
+        mesh.userface = np.concatenate([triangles, triangles[:, ::-1] + len(points)]).ravel()
+        mesh.usernormal, mesh.usertexcoord, mesh.userfacenormal, mesh.userfacetexcoord = [], [], [], []
 
     def _by_trimesh(self, mesh: Any, thing: str, place: Path) -> None:
         try:

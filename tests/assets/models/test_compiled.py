@@ -17,8 +17,8 @@ def answer(**changed: object) -> bytes:
     names = {"body_name": ["world", "arm"], "jnt_name": ["turn"], "geom_name": ["ball"]}
     arrays: dict[str, object] = {
         **{key: np.array(value, dtype=np.str_) for key, value in names.items()},
-        **{key: np.zeros(0, dtype=np.str_) for key in ("eq_name", "mesh_name", "key_name", "plugin_name", "unread_name")},
-        "free_root": np.array(False), "is_urdf": np.array(False), "mended_name": np.zeros(0, np.str_),
+        **{f"{key}_name": np.zeros(0, dtype=np.str_) for key in ("eq", "mesh", "key", "mended", "plate", "plugin", "unread")},
+        "free_root": np.array(False), "is_urdf": np.array(False),
         "model_name": np.array("m"), "flexes": np.array(0), "qpos0": np.zeros(1),
         "body_parentid": np.zeros(2, np.int32), "body_mocapid": np.full(2, -1), "body_mass": np.ones(2),
         **{f"body_{key}": np.zeros((2, 3)) for key in ("pos", "ipos", "inertia")},

@@ -138,6 +138,21 @@ def test_meshes_that_mujoco_does_not_read_are_read_for_it(ending: str, tmp_path:
     np.testing.assert_allclose(corners.max(axis=0), np.asarray(ell()[0]).max(axis=0), atol=1e-6)
 
 
+@pytest.mark.parametrize("ending", ["obj", "ply"])
+def test_a_mesh_without_thickness_is_a_plate(ending: str, tmp_path: Path) -> None:
+    import trimesh
+
+    square = trimesh.Trimesh([[0, 0, 0], [0.2, 0, 0], [0.2, 0.1, 0], [0, 0.1, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
+    square.export(tmp_path / f"flat.{ending}")
+    head = f'<asset><mesh name="m" file="flat.{ending}"/></asset>'
+    model = av.load_room(written(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head=head))
+    (piece,) = model.bodies[0].pieces
+    assert isinstance(piece.shape, av.ConvexHull)
+    corners = rotation.rotate(piece.orientation, piece.shape.vertices) + np.array(piece.position)
+    np.testing.assert_allclose(np.ptp(corners, axis=0), [0.2, 0.1, 2e-4], atol=1e-6)
+    assert any("m" in said for said in model.said)
+
+
 def test_of_a_mesh_in_another_format_the_copy_beside_it_is_taken(tmp_path: Path) -> None:
     path = written(tmp_path, '<geom name="it" type="mesh" mesh="m"/>', head='<asset><mesh name="m" file="ell.wrl"/></asset>')
     with pytest.raises(InvalidFile, match=r"mesh m of model\.xml is 'ell\.wrl'; .*put the copy beside it"):
