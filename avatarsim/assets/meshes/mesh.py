@@ -1,8 +1,6 @@
-"""A triangle mesh as it was read: vertices, triangles, and which group of the file each triangle belongs to.
+"""Triangle meshes from files. OBJ is read here, the other formats by trimesh: this is the one file that imports it.
 
-Wavefront OBJ files: vertices, groups and faces, nothing else. Groups are how authors hand over convex pieces.
-
-Meshes from files. OBJ is read here, the other formats by trimesh: this is the one file that imports it.
+Of OBJ files vertices, groups and faces are read, nothing else. Groups are how authors hand over convex pieces.
 """
 
 import io
