@@ -92,7 +92,7 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
     scene = together.scene(asked.avatar.stem)
     own = staged(scene, f"{model.avatar.name}: {len(model.avatar.links)} links, {len(scene.names)} bodies and links")
     start = free_posture(Chords(still(own.scene)), own.scene.first_sample, MARGIN)
-    return replace(own, scene=replace(own.scene, start=start)), model
+    return replace(own, scene=replace(own.scene, start=start), visuals=together.visuals), model
 
 
 def clips_of(

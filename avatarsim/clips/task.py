@@ -100,12 +100,12 @@ class _Clip:
             measured = certificate.entry(self.place, file.format, key, motion, before, said=said)
             return Outcome(self.place, measured, said=told)
         cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress, self.carried)
-        entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, bodies, said)
+        entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, room, said)
         return Outcome(self.place, entry, said=told)
 
     def _written(
         self, content: bytes, format_: str, key: Mapping[str, object], motion: Motion, cleaned: Cleaned, model: Model,
-        bodies: tuple[Body, ...], said: list[str],
+        room: Model | None, said: list[str],
     ) -> Mapping[str, object]:
         """Write the outputs; the entry of the certificate, which is of what is read back."""
         out = self.task.out
@@ -113,12 +113,12 @@ class _Clip:
         target = out / self.place
         with beside(target) as path:
             put(content, path)
-            back, after = self._read_back(path, motion, cleaned, model, bodies)
+            back, after = self._read_back(path, motion, cleaned, model, room.room if room else ())
             outputs = {"motion": (self.place, sha256_of(path))}
             self._require_free(target, outputs["motion"][1])
             entry = certificate.entry(self.place, format_, key, motion, cleaned.before, after, cleaned, said, outputs)
             if self.wishes.page:
-                shown = Shown(model, bodies, motion, back, cleaned.before, after, cleaned.flagged, self.carried)
+                shown = Shown(model, room, motion, back, cleaned.before, after, cleaned.flagged, self.carried)
                 page = page_of(self.place)
                 require_ours(out / page, GENERATOR, self.task.force, page)
                 write_whole(out / page, clip_page(entry, shown, page))

@@ -4,14 +4,15 @@ Lengths and masses of the hand are an adult's (Garrett 1971; de Leva 1996), its 
 human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cache
 from math import radians, tan
 
 import numpy as np
 
 from avatarsim.assets.models.from_skeleton import human
+from avatarsim.assets.models.pieces_of_geoms import Visual
 from avatarsim.assets.models.smpl_skeleton import approximate
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.live.drive.limbs import handle_links
@@ -43,12 +44,14 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A scene that one drives, the links that get gizmos, by their names in the scene, what it is in one line, the first view."""
+    """A scene that one drives, the links that get gizmos, by their names in the scene, what it is in one line, the first view,
+    and parts that are drawn in place of pieces, as `Model.visuals`."""
 
     scene: Scene
     handles: tuple[str, ...]
     what: str
     camera: Camera
+    visuals: Mapping[str, tuple[Visual, ...]] = field(default_factory=dict)
 
 
 def stage(name: str) -> Stage:
@@ -67,7 +70,7 @@ def staged(scene: Scene, what: str) -> Stage:
     places, _ = link_poses(scene.avatars, scene.first_sample)
     middle, span = np.mean(places[: len(scene.avatars[0].links)], axis=0), scene.avatars[0].span
     x, y, z = (float(value) for value in middle)
-    camera = Camera((x - 1.2 * span, y - 1.2 * span, z + 0.8 * span), (x, y, z))
+    camera = Camera((x - 0.7 * span, y - 0.7 * span, z + 0.45 * span), (x, y, z))
     return Stage(scene, handles_of(scene), what, camera)
 
 

@@ -16,6 +16,8 @@ OVERLAP, GHOST, MOVES = "overlap", "ghost", "moves"
 """Kinds of captions: the view overlaps, only its ghost overlaps, it moves in a way that is worth a remark."""
 MISSING, LEAST, MOST = 0, 1, 65535
 """The code of a number that is not finite, and the codes of the least and the greatest value."""
+SHORT = 65536
+"""Corners of a mesh up to which its triangles are whole numbers of 16 bits, else of 32."""
 AIR = 0.25
 """Share by which the box of all bodies is wider than the leading view and the ghost; bodies beyond it are drawn at its edge."""
 CLOSEST = 1.0 / 3.0
@@ -26,10 +28,12 @@ FOLLOWS = 0.85
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A body: its role ("fixed", "simulated" or "driven") and its surface. Equal surfaces are stored once."""
+    """A body: its role ("fixed", "simulated" or "driven"), its surface, and that of the shapes that are tested for overlap where
+    it is another. Equal surfaces are stored once."""
 
     role: str
     surface: Surface
+    tested: Surface | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,12 +90,15 @@ def payload(
         more: `name`, `calm` (caption of other states), `opens` (state), `frames` (numbers of the states), `ground` (flag: lines
             at z = 0).
     """
-    known, shapes, which = dict[bytes, int](), list[Surface](), list[int]()
-    for body in bodies:
-        key = body.surface[0].tobytes()
-        if known.setdefault(key, len(shapes)) == len(shapes):
-            shapes.append(body.surface)
-        which.append(known[key])
+    shapes = dict[tuple[bytes, bytes], tuple[int, Surface]]()
+
+    def mesh(of: Surface) -> int:
+        return shapes.setdefault((of[0].tobytes(), of[1].tobytes()), (len(shapes), of))[0]
+
+    drawn = [
+        {"role": body.role, "mesh": mesh(body.surface), **({} if body.tested is None else {"tested": mesh(body.tested)})}
+        for body in bodies
+    ]
     moving, main = [k for k in range(len(bodies)) if k not in still], views[leader].poses.positions
     followed, target = (moving, main[:, :0]) if ghost is None else (list(ghost[1]), ghost[2].positions)
     reach = [float(np.linalg.norm(body.surface[0], axis=1).max(initial=0.0)) for body in bodies]
@@ -103,10 +110,8 @@ def payload(
     near = max(_near(seen, [reach[k] for k in followed] * (1 if ghost is None else 2)), CLOSEST * radius)
     return {
         "times": [float(f"{time:.7g}") for time in times], "low": box[0].tolist(), "high": box[1].tolist(),
-        "meshes": [
-            {"corners": text(points.astype(np.float32)), "faces": text(faces.astype(np.uint32))} for points, faces in shapes
-        ],
-        "bodies": [{"role": body.role, "mesh": mesh} for body, mesh in zip(bodies, which, strict=True)],
+        "meshes": [_mesh(*of) for _, of in shapes.values()],
+        "bodies": drawn,
         "still": [{"body": k, "place": place.tolist(), "turn": turn.tolist()} for k, (place, turn) in still.items()],
         "moving": moving,
         "ghost": None if ghost is None else {"name": ghost[0], "bodies": list(ghost[1]), **_packed(ghost[2], box)},
@@ -123,6 +128,15 @@ def payload(
             "reach": max((reach[k] for k in followed), default=0.0), "azimuth": azimuth(focus, radius),
         },
         **more,
+    }
+
+
+def _mesh(points: Array, faces: NDArray[np.int64]) -> dict[str, object]:
+    """Return a mesh as text, its corners to 1e-5 of its size."""
+    low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
+    whole = np.uint16 if len(points) <= SHORT else np.uint32
+    return {
+        "low": low.tolist(), "high": high.tolist(), "corners": text(codes(points, low, high)), "faces": text(faces.astype(whole)),
     }
 
 

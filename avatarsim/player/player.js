@@ -1,6 +1,8 @@
 // Plays recorded motion: one canvas, a view per run, one timeline. Draws the stored states, never between two of them.
 function startPlayer(root, data) {
   const bytes = (text) => Uint8Array.from(atob(text), (sign) => sign.charCodeAt(0)).buffer;
+  // a coordinate in a box, as a code from 1 to 65535
+  const placed = (box, code, k) => box.low[k] + (code - 1) * (box.high[k] - box.low[k]) / 65534;
   const make = (tag, about = {}, ...inside) => {
     const made = Object.assign(document.createElement(tag), about);
     made.append(...inside);
@@ -42,13 +44,16 @@ function startPlayer(root, data) {
   // ---------------------------------------------------------------- what all views share
   const geometries = data.meshes.map((mesh) => {
     const made = new THREE.BufferGeometry();
-    made.setAttribute("position", new THREE.BufferAttribute(new Float32Array(bytes(mesh.corners)), 3));
-    made.setIndex(new THREE.BufferAttribute(new Uint32Array(bytes(mesh.faces)), 1));
+    const corners = Float32Array.from(new Uint16Array(bytes(mesh.corners)), (code, k) => placed(mesh, code, k % 3));
+    const Whole = corners.length <= 3 * 65536 ? Uint16Array : Uint32Array;
+    made.setAttribute("position", new THREE.BufferAttribute(corners, 3));
+    made.setIndex(new THREE.BufferAttribute(new Whole(bytes(mesh.faces)), 1));
     made.computeVertexNormals();
     made.computeBoundingBox();
     return made;
   });
-  const solid = (colour) => new THREE.MeshLambertMaterial({ color: colour });
+  // the inside too: surfaces of files may have gaps
+  const solid = (colour) => new THREE.MeshLambertMaterial({ color: colour, side: THREE.DoubleSide });
   const thin = (colour, opacity, more) =>
     new THREE.MeshLambertMaterial({ color: colour, transparent: true, opacity, depthWrite: false, side: THREE.DoubleSide, ...more });
   const line = (colour, opacity = 1) => new THREE.LineBasicMaterial({ color: colour, transparent: opacity < 1, opacity });
@@ -60,6 +65,8 @@ function startPlayer(root, data) {
     edge: line(0x8b95a5, 0.55), outline: line(0x5b6b80), dark: line(0x4a3a12, 0.7),
     ring: new THREE.MeshBasicMaterial({ color: 0xe02020, depthTest: false, transparent: true, opacity: 0.85 }),
   };
+  let tested = false;
+  const shapeOf = (k) => (tested ? data.bodies[k].tested : undefined) ?? data.bodies[k].mesh;
   const edges = [], edgesOf = (k) => edges[k] ||= new THREE.EdgesGeometry(geometries[k], 25);
   // a plate seen from its edge is all but invisible: its outline is not
   const THIN = 0.03;
@@ -71,12 +78,11 @@ function startPlayer(root, data) {
   const unpacked = (packed) => ({
     states: packed.states, places: new Uint16Array(bytes(packed.places)), turns: new Int16Array(bytes(packed.turns)),
   });
-  const span = data.high.map((high, k) => (high - data.low[k]) / 65534);
   function put(mesh, from, state, slot, count) {
     const row = Math.min(state, from.states - 1) * count + slot, at = 3 * row, turn = 4 * row;
     const place = [...from.places.subarray(at, at + 3)], [w, ...xyz] = from.turns.subarray(turn, turn + 4);
     mesh.visible = place.every((code) => code > 0);
-    mesh.position.set(...place.map((code, k) => data.low[k] + (code - 1) * span[k]));
+    mesh.position.set(...place.map((code, k) => placed(data, code, k)));
     mesh.quaternion.set(...xyz, w).normalize();
   }
   const ghost = data.ghost && unpacked(data.ghost);
@@ -268,12 +274,16 @@ function startPlayer(root, data) {
   document.addEventListener("seek-time", (event) => seek(stateAt(event.detail)));
 
   // ---------------------------------------------------------------- what is shown
-  function box(name, act, colour) {
-    const input = make("input", { type: "checkbox", checked: true }), key = make("span", { className: "key" });
+  function box(name, act, colour, checked = true) {
+    const input = make("input", { type: "checkbox", checked }), key = make("span", { className: "key" });
     key.style.background = colour || "none";
     input.addEventListener("change", () => { act(input.checked); redraw(); });
     part("shown").append(make("label", {}, input, " ", ...(colour ? [key] : []), name));
     return input;
+  }
+  function dress(mesh, k) {
+    mesh.geometry = geometries[shapeOf(k)];
+    for (const lines of mesh.children) lines.geometry = edgesOf(shapeOf(k));
   }
   views.forEach((view, k) => {
     box(view.label, (on) => {
@@ -285,6 +295,15 @@ function startPlayer(root, data) {
   });
   if (ghost) box(data.ghost.name, (on) => { ink.ghost.visible = on; }, "#9b59d0").dataset.part = "ghost";
   if (data.still.length) box("room", (on) => { hidden.room = !on; }, "#8b95a5").dataset.part = "room";
+  if (data.bodies.some((body) => body.tested !== undefined)) {
+    box("shapes that are tested", (on) => {
+      tested = on;
+      for (const view of views) {
+        view.meshes.forEach(dress);
+        view.ghosts.forEach((mesh, slot) => dress(mesh, data.ghost.bodies[slot]));
+      }
+    }, "", false).dataset.part = "tested";
+  }
 
   // ---------------------------------------------------------------- keys
   document.addEventListener("keydown", (event) => {

@@ -77,15 +77,20 @@ def hull(points: Array) -> tuple[Indices, Array]:
     return np.where(inwards[:, None], found.simplices[:, ::-1], found.simplices).astype(np.int64), found.equations
 
 
-def surface(pieces: Sequence[Piece], most: int | None = None) -> Surface:
+def surface(parts: Sequence[Piece | Surface], most: int | None = None) -> Surface:
     """Return the surface of a body, hulls by ``most`` corners; flat faces share no corners, so that their edges are sharp."""
     vertices, triangles, count = [np.zeros((0, 3))], [np.zeros((0, 3), dtype=np.int64)], 0
-    for piece in pieces:
-        points = corners(piece, most)
-        found, _ = hull(points)
-        if not is_round(piece.shape):
-            points, found = points[found].reshape(-1, 3), np.arange(found.size).reshape(-1, 3)
+    for part in parts:
+        points, found = part if isinstance(part, tuple) else _of_piece(part, most)
         vertices.append(points)
         triangles.append(found + count)
         count += len(points)
     return np.concatenate(vertices), np.concatenate(triangles)
+
+
+def _of_piece(piece: Piece, most: int | None) -> Surface:
+    points = corners(piece, most)
+    found, _ = hull(points)
+    if is_round(piece.shape):
+        return points, found
+    return points[found].reshape(-1, 3), np.arange(found.size).reshape(-1, 3)

@@ -189,6 +189,11 @@ class Avatar:
             farthest = max(farthest, before + max((reach(piece) for piece in link.pieces), default=0.0))
         return 2.0 * farthest
 
+    @property
+    def link_names(self) -> tuple[str, ...]:
+        """Names of the links in a scene: `avatar/link`, of one link that of the avatar."""
+        return (self.name,) if len(self.links) == 1 else tuple(f"{self.name}/{link.name}" for link in self.links)
+
     @cached_property
     def hinge_count(self) -> int:
         """Number of hinges and slides of all links together, which is that of the avatar's `TrackerSample.angles`."""

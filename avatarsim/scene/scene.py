@@ -124,11 +124,7 @@ class Scene:
     @cached_property
     def names(self) -> tuple[str, ...]:
         """Names in canonical order; a link of an avatar of several links is `avatar/link`."""
-        links = [
-            avatar.name if len(avatar.links) == 1 else f"{avatar.name}/{link.name}"
-            for avatar in self.avatars for link in avatar.links
-        ]
-        return (*(body.name for body in self.bodies), *links)
+        return (*(body.name for body in self.bodies), *(name for avatar in self.avatars for name in avatar.link_names))
 
     @cached_property
     def material_names(self) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from avatarsim.assets.models.model import Model
 from avatarsim.clips.page.clip_page import PIECES, RUNS, room_of, runs
 from avatarsim.clips.page.layout import address, data, esc, page
 from avatarsim.scene.body import fixed
@@ -21,12 +22,19 @@ GRID = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 7)] * 3), axis=-1).reshape(
 def test_a_room_of_many_pieces_is_drawn_by_the_largest_with_few_corners() -> None:
     rng = np.random.default_rng(1)
     balls = tuple(Piece(ConvexHull(0.1 * (k + 1) * GRID), (float(k), 0.0, 0.0)) for k in range(40))
-    few = room_of([fixed("a", balls[:2], "wood")])
-    assert len(few) == 1 and len(np.unique(few[0][0].round(9), axis=0)) == 2 * 8
+    few = room_of(Model(None, None, (fixed("a", balls[:2], "wood"),), ()))
+    assert len(few) == 1 and len(np.unique(few[0].surface[0].round(9), axis=0)) == 2 * 8
     ground = fixed("ground", (Piece(Box((5.0, 5.0, 1.0))),), "wood")
     stones = fixed("stones", tuple(Piece(ConvexHull(0.05 * rng.normal(size=(40, 3)))) for _ in range(PIECES + 200)), "wood")
-    drawn = room_of([stones, ground])
-    assert len(drawn[1][1]) == 12 and sum(len(triangles) for _, triangles in drawn) < 20_000
+    drawn = [one.surface[1] for one in room_of(Model(None, None, (stones, ground), ()))]
+    assert len(drawn[1]) == 12 and sum(map(len, drawn)) < 20_000
+
+
+def test_a_body_with_visuals_is_drawn_by_them_and_tested_by_its_pieces() -> None:
+    table = fixed("table", (Piece(Box((1.0, 1.0, 1.0))),), "wood", (0.0, 0.0, 2.0))
+    (found,) = room_of(Model(None, None, (table,), (), visuals={"table": (Piece(Box((1.0, 1.0, 0.2))),)}))
+    assert found.tested is not None and found.tested[0].min() == -0.5 and found.tested[0].max() == 2.5
+    assert found.surface[0][:, 2].min() == 1.9 and found.surface[0][:, 2].max() == 2.1
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=300))

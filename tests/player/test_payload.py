@@ -27,13 +27,18 @@ def test_packed_numbers_come_back_within_half_a_step() -> None:
 def test_equal_bodies_share_a_mesh_and_a_pose_that_is_none_has_no_place() -> None:
     ball, upright = surface((Piece(Sphere(0.1)),)), np.array([1.0, 0.0, 0.0, 0.0])
     alike, large = surface((Piece(Sphere(0.1)),)), surface((Piece(Sphere(2.0)),))
-    bodies = [Drawn("driven", ball), Drawn("simulated", alike), Drawn("fixed", large)]
+    bodies = [Drawn("driven", ball), Drawn("simulated", alike, large), Drawn("fixed", large)]
     turns = np.tile(upright, (3, 2, 1))
     turns[2, 1] = np.nan
     view = View("a", "red", Poses(np.ones((3, 2, 3)), turns))
     still = {2: (np.zeros(3), upright)}
     found = payload(bodies, still, np.arange(3) / 60.0, [view], 0, None, lambda focus, radius: radius, opens=2)
     assert [body["mesh"] for body in found["bodies"]] == [0, 0, 1] and len(found["meshes"]) == 2
+    assert [body.get("tested") for body in found["bodies"]] == [None, 1, None]
+    mesh = found["meshes"][1]
+    shares = (large[0] - mesh["low"]) / np.ptp(large[0], axis=0)
+    np.testing.assert_allclose(unpacked(mesh["corners"], 0.0, 1.0).reshape(-1, 3), shares, atol=1e-5)
+    assert np.frombuffer(base64.b64decode(mesh["faces"]), dtype="<u2").reshape(-1, 3).tolist() == large[1].tolist()
     assert found["moving"] == [0, 1] and found["opens"] == 2 and found["times"] == pytest.approx([0.0, 1 / 60, 2 / 60])
     places = unpacked(found["views"][0]["places"], found["low"][0], found["high"][0]).reshape(3, 2, 3)
     assert np.isnan(places[2, 1]).all() and places[:, 0] == pytest.approx(np.ones((3, 3)), abs=1e-4)

@@ -74,7 +74,7 @@ HALF = 0.5
 
 
 def pieces_of_mesh(
-    mesh: str | Path | tuple[ArrayLike, ArrayLike], scale: float = 1.0, *, y_up: bool = False, threshold: float = 0.05,
+    mesh: str | Path | Mesh | tuple[ArrayLike, ArrayLike], scale: float = 1.0, *, y_up: bool = False, threshold: float = 0.05,
     seed: int = 0, most_vertices: int = 128, most_pieces: int | None = None, hull: bool = False, repair: str = "auto",
     fit: float | None = None, kept: bool = True, quiet: bool = False,
 ) -> Pieces:
@@ -112,7 +112,7 @@ def pieces_of_mesh(
         answer = answered(read, wishes, quiet)
         if kept:
             note = "; ".join(part for part in (note, cache.store(key, answer)) if part)
-    pieces = tuple(Piece(ConvexHull(_turned(scale * points, y_up))) for points in answer.hulls)
+    pieces = tuple(Piece(ConvexHull(turned(scale * points, y_up))) for points in answer.hulls)
     gap = answer.deviation
     return Pieces(
         pieces, answer.source, scale * gap.uncovered, scale * gap.added, scale * gap.reached, scale * read.size,
@@ -150,7 +150,9 @@ def answered(mesh: Mesh, wishes: Wishes, quiet: bool) -> cache.Answer:
     return _measured(hulls, "decomposed", used, closed, wishes, said)
 
 
-def _given(mesh: str | Path | tuple[ArrayLike, ArrayLike]) -> Mesh:
+def _given(mesh: str | Path | Mesh | tuple[ArrayLike, ArrayLike]) -> Mesh:
+    if isinstance(mesh, Mesh):
+        return mesh
     if isinstance(mesh, str | Path):
         return read_mesh(mesh)
     if not isinstance(mesh, tuple | list) or len(mesh) != 2:
@@ -226,5 +228,6 @@ def _measured(hulls: list[Hull], source: str, mesh: Mesh, closed: bool, wishes: 
     return cache.Answer(tuple(hull.points[hull.used] for hull in around), source, gap, said)
 
 
-def _turned(points: Array, y_up: bool) -> Array:
+def turned(points: Array, y_up: bool) -> Array:
+    """Return points (n, 3) of a file, its y axis as z where `y_up`."""
     return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=-1) if y_up else points

@@ -19,6 +19,7 @@ import numpy as np
 
 from avatarsim.assets import caps
 from avatarsim.assets.models import doors
+from avatarsim.assets.models.compiled import VISIBLE_GROUPS
 from avatarsim.assets.models.mesh_files import MeshFiles
 from avatarsim.assets.models.spec_repairs import bare, with_solid_moments
 from avatarsim.assets.models.spec_scale import in_metres
@@ -158,8 +159,8 @@ def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
     for name in (
         "body_parentid body_mocapid body_pos body_quat body_mass body_ipos body_iquat body_inertia jnt_type jnt_bodyid jnt_pos "
         "jnt_axis jnt_range jnt_limited jnt_qposadr qpos0 geom_type geom_bodyid geom_pos geom_quat geom_size geom_contype "
-        "geom_conaffinity geom_dataid geom_priority geom_condim exclude_signature pair_geom1 pair_geom2 eq_type eq_objtype "
-        "eq_obj1id eq_obj2id eq_data eq_active0"
+        "geom_conaffinity geom_dataid geom_group geom_priority geom_condim exclude_signature pair_geom1 pair_geom2 eq_type "
+        "eq_objtype eq_obj1id eq_obj2id eq_data eq_active0"
     ).split():
         found[name] = getattr(model, name)
     weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
@@ -201,11 +202,15 @@ def _keyframes(model: Any, mujoco: Any, scale: float) -> dict[str, Any]:
 
 
 def _meshes(model: Any, mujoco: Any) -> dict[str, Any]:
-    """Vertices and triangles of the meshes that bodies collide with, one after the other; of the rest none."""
+    """Return vertices and triangles of the meshes that bodies collide with, one after the other, and of those that viewers show
+    where all together are within the limit of vertices; of the rest none."""
     touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
     touching[model.pair_geom1] = touching[model.pair_geom2] = True
-    used = model.geom_dataid[touching & (model.geom_type == mujoco.mjtGeom.mjGEOM_MESH)]
-    chosen = np.isin(np.arange(model.nmesh), used)
+    of_mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
+    for used in (touching | (model.geom_group < VISIBLE_GROUPS), touching):
+        chosen = np.isin(np.arange(model.nmesh), model.geom_dataid[used & of_mesh])
+        if model.mesh_vertnum[chosen].sum() <= caps.VERTICES:
+            break
     vertices = model.mesh_vert[np.repeat(chosen, model.mesh_vertnum)]
     faces = model.mesh_face[np.repeat(chosen, model.mesh_facenum)]
     return {

@@ -31,6 +31,9 @@ LONGEST_RUN = 300.0
 BODIES, GEOMS = 20_000, 20_000
 """Bodies and shapes of a model at most: a kitchen has 300. More: loading takes minutes."""
 
+VISIBLE_GROUPS = 3
+"""Groups of geoms that MuJoCo's viewer shows unless asked otherwise: 0, 1 and 2."""
+
 
 class JointKind(IntEnum):
     """MuJoCo's mjtJoint."""
@@ -78,8 +81,8 @@ class Compiled:
 
     Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
     reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes
-    that bodies collide with lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles count within
-    their mesh. `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name` which
+    that bodies collide with or viewers show lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles
+    count within their mesh. `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name` which
     bodies had moments of inertia that no solid has, `plate_name` which meshes had no thickness, `plugin_name` which plugins
     were left out, `unread_name` what else the file states that has no counterpart. `jnt_velocity` is the limit of speed of
     a URDF joint [rad/s], 0 where the file states none. Frictions are those of sliding; keyframes have coordinates and poses
@@ -120,6 +123,7 @@ class Compiled:
     geom_type: Indices
     geom_bodyid: Indices
     geom_dataid: Indices
+    geom_group: Indices
     geom_contype: Indices
     geom_conaffinity: Indices
     geom_pos: Array

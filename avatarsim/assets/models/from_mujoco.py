@@ -16,12 +16,12 @@ from avatarsim.assets.models.compiled import Compiled, EqualityKind, GeomKind, J
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.doors import COLLIDE
 from avatarsim.assets.models.laws import Laws
-from avatarsim.assets.models.links_of_tree import JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
+from avatarsim.assets.models.links_of_tree import UNTURNED, JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.mesh_files import PLATE
 from avatarsim.assets.models.model import Model, without_pairs
 from avatarsim.assets.models.pairs import Filter, Part
-from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, quaternion_of, vector_of
+from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, Visual, quaternion_of, vector_of
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
 from avatarsim.assets.models.start import start_pose
 from avatarsim.assets.models.welds import attaching_welds
@@ -102,6 +102,7 @@ class _Reading:
         self._filter = Filter(model, options.masks)
         self._parts: dict[str, Part] = {}
         self._moving: list[Avatar] = []
+        self._visuals: dict[str, tuple[Visual, ...]] = {}
 
     def model(self) -> Model:
         """The whole model."""
@@ -114,6 +115,8 @@ class _Reading:
             avatar = Avatar(self._title, skeleton.links, size_range=self._options.size_range, couplings=skeleton.couplings)
             avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
             start = self._start(tree, avatar, skeleton.coordinates)
+            for b, name in self._scene_names(tree, avatar).items():
+                self._visuals[name] = self._geoms.visuals({b: (-skeleton.centres[b], UNTURNED)})
         bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
         exclude = self._excluded(tree, avatar)
         welds = self._welds(tree, avatar, start, bodies)
@@ -131,7 +134,7 @@ class _Reading:
         found = Model(
             avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start,
             moving=tuple(self._moving), attached=tuple(welds.values()), gravity=gravity,
-            frictions=self._laws.found(),
+            frictions=self._laws.found(), visuals={name: parts for name, parts in self._visuals.items() if parts},
         )
         if not (found.room if avatar is None else any(link.pieces for link in avatar.links)):
             of = "" if avatar is None else f"avatar {avatar.name} in "
@@ -224,7 +227,8 @@ class _Reading:
         found = []
         for geom in self._geoms.of(0):
             name = self._own_name(self._m.geom_name[geom] or f"{WORLD} {geom}")
-            pieces = self._geoms.pieces(geom, np.zeros(3), np.array(rotation.IDENTITY))
+            pieces = self._geoms.pieces(geom, np.zeros(3), UNTURNED)
+            self._visuals[name] = self._geoms.visuals({0: (np.zeros(3), UNTURNED)}, (geom,))
             found.append(fixed(name, pieces, self._laws.material(name, (geom,), self._options.materials[1])))
             self._parts[name] = Part(name, (0,), (geom,), 0)
         return found
@@ -241,13 +245,14 @@ class _Reading:
         name = self._own_name(self._names[bodies[0]])
         if held := [j for j in joints if self._m.jnt_type[j] != JointKind.FREE]:
             self._said.append(f"{name} is no avatar: its {len(held)} joints stay at the reference")
-        poses = {bodies[0]: (np.zeros(3), np.array(rotation.IDENTITY))}
+        poses = {bodies[0]: (np.zeros(3), UNTURNED)}
         for b in bodies[1:]:
             origin, frame = poses[int(self._m.body_parentid[b])]
             poses[b] = origin + rotation.rotate(frame, self._m.body_pos[b]), rotation.multiply(frame, self._m.body_quat[b])
         pieces = tuple(p for b in bodies for g in self._geoms.of(b) for p in self._geoms.pieces(g, *poses[b]))
         place, frame = self._pose.root(bodies[0])
         at, turn = vector_of(place), quaternion_of(frame)
+        self._visuals[name] = self._geoms.visuals(poses)
         self._parts[name] = Part(name, bodies, tuple(geoms), bodies[0] if is_loose else 0)
         material = self._laws.material(name, geoms, self._options.materials[1])
         if self._m.body_mocapid[bodies[0]] >= 0:

@@ -165,12 +165,13 @@ def _groups(model: Compiled, tree: Tree, body: int) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Links of a tree, coordinates of its joints and couplings of their angles, and which link carries which body."""
+    """Links of a tree, coordinates of its joints and couplings of their angles, and where the frame of the link that carries a
+    body is in that of the body (3,) [m]."""
 
     links: tuple[Link, ...]
     coordinates: Coordinates
     couplings: tuple[Coupling, ...]
-    link_of: dict[int, str]
+    centres: dict[int, Array]
 
 
 def skeleton_of(
@@ -202,7 +203,7 @@ def skeleton_of(
         for j, line in sorted(tree.lines.items()) if line.leader >= 0
     )
     coordinates = Coordinates(slots, len(links), hinges)
-    return Skeleton(tuple(links), coordinates, couplings, {body: names[body] for body in tree.bodies})
+    return Skeleton(tuple(links), coordinates, couplings, offsets)
 
 
 @dataclass(frozen=True, eq=False)

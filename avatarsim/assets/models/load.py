@@ -4,7 +4,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from avatarsim.assets.meshes import pieces_of_mesh
-from avatarsim.assets.meshes.mesh import BY_TRIMESH
+from avatarsim.assets.meshes.convex_pieces import turned
+from avatarsim.assets.meshes.mesh import BY_TRIMESH, read_mesh
 from avatarsim.assets.meshes.repairs import ADVICE
 from avatarsim.assets.models import doors
 from avatarsim.assets.models.from_mujoco import Options, model_of_file
@@ -138,12 +139,14 @@ def load_room(
         valid = f"one of {' '.join((*doors.MODELS, *MESHES))}, or the word {FLOOR}"
         raise InvalidFile(f"format of {path.name}", path.suffix, f"{valid}; {advice}" if advice else valid)
     try:
+        mesh = read_mesh(path)
         found = pieces_of_mesh(
-            path, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair, fit=fit
+            mesh, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair, fit=fit
         )
     except InvalidShape as error:
         # of a room there are pieces only, no single hull
         valid = error.valid.replace(ADVICE, 'repair="remesh" wraps it in a closed one')
         raise InvalidFile(error.thing, error.value, valid) from error
     said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.3g} mm off", *found.repairs)
-    return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), said)
+    visuals = {path.stem: ((turned(scale * mesh.vertices, y_up), mesh.triangles),)}
+    return Model(None, None, (fixed(path.stem, found.pieces, "wood"),), said, visuals=visuals)

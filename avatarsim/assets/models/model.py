@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.laws import Frictions
+from avatarsim.assets.models.pieces_of_geoms import Visual
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
@@ -35,7 +36,9 @@ class Model:
     start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar
     gravity      [m/s^2]
     frictions    of the file's geoms, whose materials bodies and links have
-    at_rest      pairs that overlap at `start` and may be no deeper, besides those of the avatar itself, as in `Scene.at_rest`"""
+    at_rest      pairs that overlap at `start` and may be no deeper, besides those of the avatar itself, as in `Scene.at_rest`
+    visuals      parts that pages draw in place of the pieces, by the names that links and bodies have in a scene; no scene has
+                 them, and no engine reads them"""
 
     avatar: Avatar | None
     coordinates: Coordinates | None
@@ -48,6 +51,7 @@ class Model:
     attached: tuple[tuple[str, str], ...] = ()
     gravity: Vector = EARTH
     frictions: Frictions = field(default_factory=Frictions)
+    visuals: Mapping[str, tuple[Visual, ...]] = field(default_factory=dict)
 
     def scene(self, name: str = "model", room: "Model | None" = None) -> Scene:
         """Return a scene of the model at its start, in a room."""
@@ -150,10 +154,12 @@ def beside(model: Model, room: Model) -> Model:
         tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.attached)
     )
     at_rest = tuple((names.get(a, a), names.get(b, b), depth) for a, b, depth in room.at_rest)
+    visuals = {names[name]: parts for name, parts in room.visuals.items() if name in names}
     return replace(
         model, bodies=(*model.bodies, *bodies), moving=(*model.moving, *moving), exclude=(*model.exclude, *exclude),
         at_rest=(*model.at_rest, *at_rest), attached=(*model.attached, *attached),
         gravity=room.gravity if model.gravity == EARTH else model.gravity, frictions=model.frictions | room.frictions,
+        visuals={**model.visuals, **visuals},
     )
 
 

@@ -4,6 +4,7 @@ A prism encloses its cylinder, and a hull of fewer vertices the hull of its mesh
 of the file's own shapes. What either adds is measured, and said.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -14,7 +15,7 @@ from avatarsim.assets.meshes import pieces_of_mesh
 from avatarsim.assets.meshes.decompose import Wishes
 from avatarsim.assets.meshes.enclosing import enclosing
 from avatarsim.assets.meshes.hulls import hull_of
-from avatarsim.assets.models.compiled import Compiled, GeomKind
+from avatarsim.assets.models.compiled import VISIBLE_GROUPS, Compiled, GeomKind
 from avatarsim.errors import InvalidFile, InvalidShape, UnknownName
 from avatarsim.scene.checks import SHORTEST, Quaternion, Vector
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
@@ -26,9 +27,17 @@ Indices = NDArray[np.int64]
 SIDES = 32
 """Sides of the prism around a cylinder, whose edges lie 0.5 % of the radius outside. More: support queries take longer."""
 
+PRIMITIVES = {
+    GeomKind.SPHERE: 1, GeomKind.CAPSULE: 1, GeomKind.CYLINDER: 2, GeomKind.ELLIPSOID: 3, GeomKind.BOX: 3,
+}
+"""Kinds of geoms that are drawn besides meshes, and how many of their sizes must be lengths."""
+
 PLANE = (200.0, 200.0, 10.0)
 """Full size [m] of the box below a plane, which has no end: farther than an avatar walks in minutes, deeper than one falls in a
 frame."""
+
+Visual = Piece | tuple[Array, Indices]
+"""A part of a picture of a body: a primitive, or vertices (n, 3) [m] and triangles (t, 3) of a mesh."""
 
 WAYS = ("hull", "decompose")
 """What a mesh becomes: one convex piece, or several by approximate convex decomposition."""
@@ -62,8 +71,6 @@ class Geoms:
     model: Compiled
     wanted: MeshWishes = MeshWishes()
     leave: tuple[str, ...] = ()
-    _cylinder: tuple[float, str] = (0.0, "")
-    _cylinders: int = 0
     _hull: tuple[float, str] = (0.0, "")
     _decomposed: tuple[float, str] = (0.0, "")
     _meshes: dict[int, tuple[ConvexHull, ...]] = field(default_factory=dict)
@@ -96,8 +103,7 @@ class Geoms:
 
     def pieces(self, geom: int, offset: Array, turn: Array) -> tuple[Piece, ...]:
         """Pieces of a geom in a frame in which its body's is at `offset` (3,) [m], turned by `turn` (4,). Raises InvalidFile."""
-        at = offset + rotation.rotate(turn, self.model.geom_pos[geom])
-        about = rotation.multiply(turn, self.model.geom_quat[geom])
+        at, about = self._placed(geom, offset, turn)
         kind = int(self.model.geom_type[geom])
         try:
             if kind == GeomKind.PLANE:
@@ -106,6 +112,41 @@ class Geoms:
             return tuple(Piece(shape, vector_of(at), quaternion_of(about)) for shape in self._shapes(geom, kind))
         except InvalidShape as error:
             raise InvalidFile(f"shape of {self.label(geom)}: {error.thing}", error.value, error.valid) from error
+
+    def visuals(self, frames: Mapping[int, tuple[Array, Array]], geoms: Sequence[int] | None = None) -> tuple[Visual, ...]:
+        """Return what is drawn of bodies whose frames are at (3,) [m], turned by (4,), in the frame of one body or link.
+
+        Of each body, or of `geoms`, that is what viewers show, else what collides; nothing where just pieces are drawn."""
+        of_bodies = [g for body in frames for g in self.of(body)]
+        drawn = [g for body in frames for g in self._visible(body) or self.of(body)] if geoms is None else list(geoms)
+        if drawn == of_bodies and not any(self.model.geom_type[g] == GeomKind.MESH for g in drawn):
+            return ()
+        found: list[Visual] = []
+        for geom in drawn:
+            frame = frames[int(self.model.geom_bodyid[geom])]
+            if self.model.geom_type[geom] == GeomKind.MESH:
+                vertices, triangles = self.model.mesh(int(self.model.geom_dataid[geom]))
+                at, about = self._placed(geom, *frame)
+                found.append((at + rotation.rotate(about, vertices), triangles))
+            else:
+                found += self.pieces(geom, *frame)
+        return tuple(found)
+
+    def _visible(self, body: int) -> list[int]:
+        """Numbers of a body's geoms that a viewer shows and that are sound."""
+        found = []
+        for geom in np.flatnonzero((self.model.geom_bodyid == body) & (self.model.geom_group < VISIBLE_GROUPS)):
+            kind = self.model.geom_type[geom]
+            if kind == GeomKind.MESH and self.model.mesh_facenum[self.model.geom_dataid[geom]]:
+                found.append(int(geom))
+            elif kind in PRIMITIVES and (self.model.geom_size[geom][: PRIMITIVES[kind]] > SHORTEST).all():
+                found.append(int(geom))
+        return found
+
+    def _placed(self, geom: int, offset: Array, turn: Array) -> tuple[Array, Array]:
+        """Place and turn of a geom in a frame in which its body's is at `offset`, turned by `turn`."""
+        at = offset + rotation.rotate(turn, self.model.geom_pos[geom])
+        return at, rotation.multiply(turn, self.model.geom_quat[geom])
 
     def _shapes(self, geom: int, kind: int) -> tuple[Shape, ...]:
         a, b, c = (float(size) for size in self.model.geom_size[geom])
@@ -118,21 +159,12 @@ class Geoms:
         if kind == GeomKind.ELLIPSOID:
             return (Ellipsoid((a, b, c)),)
         if kind == GeomKind.CYLINDER:
-            return (self._prism(geom, a, b),)
+            return (_prism(a, b),)
         if kind == GeomKind.MESH:
             return self._pieces_of_mesh(geom, int(self.model.geom_dataid[geom]))
         name = GeomKind(kind).name.lower() if kind in GeomKind.__members__.values() else str(kind)
         valid = f'sphere, capsule, box, cylinder, ellipsoid, mesh or plane; leave=("{self.label(geom)}",) leaves it out'
         raise InvalidFile(f"type of {self.label(geom)}", name, valid)
-
-    def _prism(self, geom: int, radius: float, half: float) -> ConvexHull:
-        more = radius / np.cos(np.pi / SIDES) - radius
-        self._cylinders += 1
-        self._cylinder = max(self._cylinder, (float(more), self.label(geom)))
-        turns = 2.0 * np.pi * np.arange(SIDES) / SIDES
-        ring = (radius + more) * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
-        ends = [np.column_stack([ring, np.full(SIDES, z)]) for z in (-half, half)]
-        return ConvexHull(np.concatenate(ends))
 
     def _pieces_of_mesh(self, geom: int, mesh: int) -> tuple[ConvexHull, ...]:
         if mesh not in self._meshes:
@@ -162,9 +194,9 @@ class Geoms:
     def said(self) -> tuple[str, ...]:
         """What the pieces made so far differ by from the file's geoms."""
         found = []
-        if self._cylinders:
-            more, name = self._cylinder
-            what = f"{self._cylinders} cylinders are prisms of {SIDES} sides around them"
+        if len(cylinders := np.flatnonzero(self.touching & (self.model.geom_type == GeomKind.CYLINDER))):
+            more, name = max((_wider(float(self.model.geom_size[k][0])), self.label(int(k))) for k in cylinders)
+            what = f"{len(cylinders)} cylinders are prisms of {SIDES} sides around them"
             found.append(f"{what}, at most {1e3 * more:.3g} mm wider ({name})")
         apart = {mesh for mesh in self._meshes if self.wanted.decomposes(self.model.mesh_name[mesh])}
         if hulls := len(self._meshes) - len(apart):
@@ -176,6 +208,18 @@ class Geoms:
             what = f"{len(apart)} meshes are decomposed into {sum(len(self._meshes[mesh]) for mesh in apart)} convex pieces"
             found.append(f"{what}, at most {1e3 * off:.3g} mm off ({name})")
         return tuple(found)
+
+
+def _wider(radius: float) -> float:
+    """Return by how much the prism around a cylinder of a radius is wider [m]."""
+    return float(radius / np.cos(np.pi / SIDES) - radius)
+
+
+def _prism(radius: float, half: float) -> ConvexHull:
+    """Return the prism around a cylinder of a radius and half a length [m]."""
+    turns = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    ring = (radius + _wider(radius)) * np.stack([np.cos(turns), np.sin(turns)], axis=-1)
+    return ConvexHull(np.concatenate([np.column_stack([ring, np.full(SIDES, z)]) for z in (-half, half)]))
 
 
 def vector_of(array: Array) -> Vector:

@@ -15,6 +15,7 @@ from avatarsim.cleaning import Audit, Flagged
 from avatarsim.cleaning.result import OVERLAP
 from avatarsim.clips.page.layout import address, angle, data, esc, length, limit_excess, page, resource, table
 from avatarsim.player import payload, surfaces, three_js
+from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
 from avatarsim.scene.body import Body
 from avatarsim.scene.carried import Carried, joined
 from avatarsim.scene.motion import Motion
@@ -27,10 +28,9 @@ Array = NDArray[np.float64]
 NUMBERS = 2_000_000
 """Numbers of poses in a page: 4 MB, 5,000 frames of 30 links before and after. More: it opens too slowly. Longer clips show every
 second frame, or every third."""
-CORNERS = 64
-"""Corners of a hull that are drawn at most, those farthest in as many directions."""
-ROOM_CORNERS, FEWEST, PIECES = 10_000, 8, 1_000
-"""Corners of a room together, fewest of one piece, and pieces at most. More: pages of clips are larger than their motions."""
+CORNERS, FEWEST, MOST, PIECES = 10_000, 8, 128, 1_000
+"""Corners of the hulls of an avatar or a room together, fewest and most of one, those farthest in as many directions, and pieces
+of a room at most. More: pages of clips are larger than their motions; fewer: hulls are drawn smaller than they are."""
 AZIMUTH = -0.6
 """Direction [rad] from which the eye looks at first."""
 RUNS = 1_500
@@ -47,7 +47,7 @@ class Shown:
     flagged."""
 
     model: Model
-    room: Sequence[Body]
+    room: Model | None
     before: Motion
     after: Motion
     audit_before: Audit
@@ -231,25 +231,32 @@ def replay(name: str, shown: Shown, moments: Sequence[payload.Moment]) -> dict[s
     avatar = shown.model.avatar
     assert avatar is not None
     avatars = (avatar, *(one.body for one in shown.carried))
-    surface = [surfaces.surface(link.pieces, CORNERS) for one in avatars for link in one.links]
-    links = [k for k, (_, triangles) in enumerate(surface) if len(triangles)]
+    names, links = [name for one in avatars for name in one.link_names], [link for one in avatars for link in one.links]
+    most = _corners(sum(len(link.pieces) for link in links))
+    seen = drawn(shown.model.visuals, names)
+    hulls = [surfaces.surface(link.pieces, most) for link in links]
+    parts = [
+        payload.Drawn("driven", seen.get(name, hull), hull if name in seen else None)
+        for name, hull in zip(names, hulls, strict=True)
+    ]
+    moving = [k for k, part in enumerate(parts) if len(part.surface[1])]
     frames = len(shown.before)
-    step = -(-frames * len(surface) * 14 // NUMBERS)
+    step = -(-frames * len(links) * 14 // NUMBERS)
     at = np.array(sorted({*range(0, frames, max(step, 1)), frames - 1, *(one.state for one in moments)}))
     both = []
     for motion in (joined(shown.before, shown.carried), joined(shown.after, shown.carried)):
         places, turns = poses_of_links(avatars, motion.positions[at], motion.rotations[at], motion.angles[at])
-        both.append(payload.Poses(places[:, links], turns[:, links]))
-    room = room_of([*shown.model.room, *shown.room])
-    own = sum(k < len(avatar.links) for k in links)
-    bodies = [payload.Drawn("driven", surface[k]) for k in links] + [payload.Drawn("fixed", one) for one in room]
+        both.append(payload.Poses(places[:, moving], turns[:, moving]))
+    room = [body for model in (shown.model, shown.room) if model is not None for body in room_of(model)]
+    own = sum(k < len(avatar.links) for k in moving)
     ghost = "before", range(own), payload.Poses(both[0].positions[:, :own], both[0].orientations[:, :own])
     view = payload.View(
         "after", "#7b9cc4", both[1], captions(shown, at),
         moments=[replace(one, state=int(np.searchsorted(at, one.state))) for one in moments],
     )
     return payload.payload(
-        bodies, {len(links) + k: (np.zeros(3), np.array(rotation.IDENTITY)) for k in range(len(room))},
+        [*(parts[k] for k in moving), *room],
+        {len(moving) + k: (np.zeros(3), np.array(rotation.IDENTITY)) for k in range(len(room))},
         shown.before.times[at] - shown.before.times[0], [view], 0, ghost, lambda *_: AZIMUTH,
         name=name, frames=at.tolist(), calm=_caption(0.0, 0.0), ground=True, opens=view.moments[0].state if moments else 0,
     )
@@ -269,18 +276,26 @@ def _caption(*depths: float) -> str:
     return ", ".join(f"{when}: {text}" for when, text in zip(("before", "after"), told, strict=True))
 
 
-def room_of(bodies: Sequence[Body]) -> list[surfaces.Surface]:
-    """Surfaces of bodies in the world, drawn with fewer corners where there are many pieces; of very many the largest."""
-    drawn = nlargest(PIECES, (_size(piece) for body in bodies for piece in body.pieces))
-    least = min(drawn, default=0.0)
-    most = int(np.clip(ROOM_CORNERS // max(len(drawn), 1), FEWEST, CORNERS))
-    found = []
-    for body in bodies:
-        points, triangles = surfaces.surface([piece for piece in body.pieces if _size(piece) >= least], most)
-        found.append((rotation.rotate(np.array(body.orientation), points) + np.array(body.position), triangles))
+def room_of(model: Model) -> list[payload.Drawn]:
+    """Return what is drawn of a model's room, in the world; hulls with fewer corners where there are many, and of very many the
+    largest."""
+    sizes = nlargest(PIECES, (_size(piece) for body in model.room for piece in body.pieces))
+    least, most, found = min(sizes, default=0.0), _corners(len(sizes)), []
+    seen = drawn(model.visuals, [body.name for body in model.room], ROOM_TRIANGLES)
+    for body in model.room:
+        def placed(surface: surfaces.Surface, body: Body = body) -> surfaces.Surface:
+            return rotation.rotate(np.array(body.orientation), surface[0]) + np.array(body.position), surface[1]
+
+        hull = placed(surfaces.surface([piece for piece in body.pieces if _size(piece) >= least], most))
+        found.append(payload.Drawn("fixed", placed(seen[body.name]), hull) if body.name in seen else payload.Drawn("fixed", hull))
     return found
+
+
+def _corners(pieces: int) -> int:
+    """Return how many corners of a hull are drawn, of so many pieces."""
+    return min(max(CORNERS // max(pieces, 1), FEWEST), MOST)
 
 
 def _size(piece: Piece) -> float:
     """Diagonal of a piece [m]."""
-    return float(np.linalg.norm(np.ptp(surfaces.corners(piece, CORNERS), axis=0)))
+    return float(np.linalg.norm(np.ptp(surfaces.corners(piece, MOST), axis=0)))

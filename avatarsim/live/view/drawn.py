@@ -3,14 +3,14 @@
 Retained-mode scene graph (viser): a mesh is sent once, later only where it is.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
 from avatarsim.live.messages import State, Touching
-from avatarsim.player.surfaces import surface
+from avatarsim.player.surfaces import Surface, surface
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece
@@ -42,36 +42,72 @@ def colour_of(number: int) -> Colour:
     return SHOWN[number % count]
 
 
-class Drawn:
-    """Meshes of one engine's state: links, and loose bodies; the room only for the driven one, the ghost likewise."""
+class Body:
+    """A frame that moves, with a mesh of the body's surface, and one of the pieces that are tested where these are others."""
 
-    def __init__(self, server: viser.ViserServer, scene: Scene, name: str, number: int) -> None:
+    def __init__(
+        self, server: viser.ViserServer, place: str, pieces: Sequence[Piece], seen: Surface | None, colour: Colour,
+        opacity: float | None,
+    ) -> None:
+        def mesh(name: str, of: Surface) -> viser.MeshHandle:
+            return server.scene.add_mesh_simple(f"{place}/{name}", *of, color=colour, opacity=opacity, flat_shading=False)
+
+        self.frame = server.scene.add_frame(place, show_axes=False)
+        self._tested = mesh("tested", surface(pieces)) if pieces else None
+        self._seen = None if seen is None else mesh("seen", seen)
+        self.meshes = [one for one in (self._seen, self._tested) if one is not None]
+        self.test(False)
+
+    def place(self, position: Array, turn: Array) -> None:
+        """Move it to a place (3,) [m], turned by (4,)."""
+        self.frame.position, self.frame.wxyz = position, turn
+
+    def colour(self, colour: Colour) -> None:
+        """Draw it in another colour."""
+        for mesh in self.meshes:
+            mesh.color = colour
+
+    def test(self, tested: bool) -> None:
+        """Draw the pieces that are tested, or the surface."""
+        if self._seen is not None:
+            self._seen.visible = not tested
+            if self._tested is not None:
+                self._tested.visible = tested
+
+
+class Drawn:
+    """Meshes of one engine's state: links, and loose bodies; the room only for the driven one, the ghost likewise. `seen` has the
+    surfaces that are drawn in place of pieces."""
+
+    def __init__(
+        self, server: viser.ViserServer, scene: Scene, name: str, number: int, seen: Mapping[str, Surface]
+    ) -> None:
         self._scene, self._name, self._number = scene, name, number
         self._is_driven = number == 0
         self._first = len(scene.bodies)
         self._links = [link for avatar in scene.avatars for link in avatar.links]
         names = scene.names
         self._room = {
-            body.name: self._mesh(server, f"/room/{body.name}", body.pieces, ROOM[False], None)
+            body.name: Body(server, f"/room/{body.name}", body.pieces, seen.get(body.name), ROOM[False], None)
             for body in scene.bodies if self._is_driven and body.role is Role.FIXED
         }
         for body in scene.bodies:
             if body.name in self._room:
-                self._room[body.name].position = np.asarray(body.position)
-                self._room[body.name].wxyz = np.asarray(body.orientation)
+                self._room[body.name].place(np.asarray(body.position), np.asarray(body.orientation))
         opacity = None if self._is_driven else BESIDE
         loose = LOOSE if self._is_driven else colour_of(number)
         self.moving = {
-            k: self._mesh(server, f"/{name}/{names[k]}", body.pieces, loose, opacity)
+            k: Body(server, f"/{name}/{names[k]}", body.pieces, seen.get(names[k]), loose, opacity)
             for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED
         }
+        shown = {k: link.pieces for k, link in enumerate(self._links, self._first) if link.pieces or names[k] in seen}
         self.links = {
-            self._first + k: self._mesh(server, f"/{name}/{names[self._first + k]}", link.pieces, self.colour, opacity)
-            for k, link in enumerate(self._links) if link.pieces
+            k: Body(server, f"/{name}/{names[k]}", pieces, seen.get(names[k]), self.colour, opacity)
+            for k, pieces in shown.items()
         }
         self._ghost = {
-            self._first + k: self._mesh(server, f"/ghost/{names[self._first + k]}", link.pieces, GHOST[False], FAINT)
-            for k, link in enumerate(self._links) if link.pieces and self._is_driven
+            k: Body(server, f"/ghost/{names[k]}", pieces, seen.get(names[k]), GHOST[False], FAINT)
+            for k, pieces in shown.items() if self._is_driven
         }
         self._normals = server.scene.add_line_segments(
             f"/{name}/normals", np.zeros((1, 2, 3)), CONTACT, thickness=3.0, thickness_units="screen"
@@ -83,18 +119,11 @@ class Drawn:
         """Of its avatar, where nothing overlaps."""
         return colour_of(self._number)
 
-    @staticmethod
-    def _mesh(
-        server: viser.ViserServer, place: str, pieces: Sequence[Piece], colour: Colour, opacity: float | None
-    ) -> viser.MeshHandle:
-        vertices, faces = surface(pieces)
-        return server.scene.add_mesh_simple(place, vertices, faces, color=colour, opacity=opacity, flat_shading=False)
-
     def show(self, state: State, touching: Touching | None) -> None:
         """Move everything to where a state has it."""
         for group in (self.moving, self.links):
-            for k, mesh in group.items():
-                mesh.position, mesh.wxyz = state.positions[k], state.orientations[k]
+            for k, body in group.items():
+                body.place(state.positions[k], state.orientations[k])
         if self._normals is not None and touching is not None and touching.frame != self._touched:
             self._touched = touching.frame
             points, normals = touching.contacts[:, :3], touching.contacts[:, 3:]
@@ -104,29 +133,35 @@ class Drawn:
 
     def show_ghost(self, positions: Array, orientations: Array) -> None:
         """Move the ghost to the poses of all links, (links, 3) [m] and (links, 4)."""
-        for k, mesh in self._ghost.items():
-            mesh.position, mesh.wxyz = positions[k - self._first], orientations[k - self._first]
+        for k, body in self._ghost.items():
+            body.place(positions[k - self._first], orientations[k - self._first])
 
     def mark(self, overlaps: bool) -> None:
         """Draw the avatar red while it overlaps."""
         if overlaps != self._overlaps:
             self._overlaps = overlaps
-            for mesh in self.links.values():
-                mesh.color = OVERLAPPING if overlaps else self.colour
+            for body in self.links.values():
+                body.colour(OVERLAPPING if overlaps else self.colour)
 
     def see(self, visible: bool) -> None:
         """Draw it, or not."""
-        for mesh in (*self.moving.values(), *self.links.values()):
-            mesh.visible = visible
+        for body in (*self.moving.values(), *self.links.values()):
+            body.frame.visible = visible
 
     def see_ghost(self, visible: bool) -> None:
         """Draw the ghost, or not."""
-        for mesh in self._ghost.values():
-            mesh.visible = visible
+        for body in self._ghost.values():
+            body.frame.visible = visible
+
+    def test(self, tested: bool) -> None:
+        """Draw the pieces that are tested for overlap, or the surfaces."""
+        for group in (self._room, self.moving, self.links, self._ghost):
+            for body in group.values():
+                body.test(tested)
 
     def darken(self, dark: bool) -> None:
         """Colours for a dark page, or for a light one."""
-        for mesh in self._room.values():
-            mesh.color = ROOM[dark]
-        for mesh in self._ghost.values():
-            mesh.color = GHOST[dark]
+        for body in self._room.values():
+            body.colour(ROOM[dark])
+        for body in self._ghost.values():
+            body.colour(GHOST[dark])

@@ -31,6 +31,7 @@ from avatarsim.live.view.drawn import Drawn
 from avatarsim.live.view.panel import Panel
 from avatarsim.live.view.server import AdmittingServer
 from avatarsim.live.view.telling import at_page, at_ports, is_held, overlapping, sentence, table
+from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
@@ -91,8 +92,10 @@ class Page:
         self.server.scene.set_up_direction(UP)
         camera, seen = self.server.initial_camera, self.shows.stage.camera
         camera.position, camera.look_at = np.asarray(seen.position), np.asarray(seen.look_at)
+        visuals, names, first = self.shows.stage.visuals, self._scene.names, len(self._scene.bodies)
+        surfaces = drawn(visuals, names[first:]) | drawn(visuals, names[:first], ROOM_TRIANGLES)
         for k, name in enumerate(self.session.loops):
-            self.drawn[name] = Drawn(self.server, self._scene, name, k)
+            self.drawn[name] = Drawn(self.server, self._scene, name, k, surfaces)
             self.drawn[name].darken(self.shows.dark)
         self.panel = Panel(self.server, self, list(self.session.loops), list(self.shows.clips), self.shows.dark)
         self._gizmos = self._make_gizmos()
@@ -277,8 +280,8 @@ class Page:
         """Links are dragged by the pointer: on the plane of the view, with shift away from the eye."""
         links = self.drawn[self.session.first.plan.name].links
         for name in self.driver.links:
-            mesh = links.get(self._names[name])
-            if mesh is None:
+            link = links.get(self._names[name])
+            if link is None:
                 continue
 
             async def dragged(event: viser.SceneNodeDragEvent[viser.MeshHandle], name: str = name) -> None:
@@ -287,8 +290,9 @@ class Page:
                 phase, is_depth = event.phase, event.modifier == "shift"
                 self.post(lambda: self._by_pointer(name, phase, start, end, eye, -down if is_depth else None))
 
-            mesh.on_drag("left")(dragged)
-            mesh.on_drag("left", modifier="shift")(dragged)
+            for mesh in link.meshes:
+                mesh.on_drag("left")(dragged)
+                mesh.on_drag("left", modifier="shift")(dragged)
 
     def _by_pointer(self, name: str, phase: str, start: Array, end: Array, eye: Array, up: float | None) -> None:
         """A drag of a link: what was grabbed follows the pointer, whatever the link does meanwhile."""

@@ -146,6 +146,9 @@ class Panel:
         self._here(night.on_update, lambda: self._darken(night.value))
         ghost = gui.add_checkbox("Your own posture, as a ghost", True)
         self._here(ghost.on_update, lambda: page.drawn[page.session.first.plan.name].see_ghost(ghost.value))
+        if page.shows.stage.visuals:
+            tested = gui.add_checkbox("Shapes that are tested", False, hint="the convex pieces that overlap is tested with")
+            self._here(tested.on_update, lambda: self._test(tested.value))
         gizmos = gui.add_checkbox("Gizmos", False)
         self._here(gizmos.on_update, lambda: page.see_gizmos(gizmos.value))
 
@@ -153,6 +156,10 @@ class Panel:
         self._theme(dark)
         for one in self._page.drawn.values():
             one.darken(dark)
+
+    def _test(self, tested: bool) -> None:
+        for one in self._page.drawn.values():
+            one.test(tested)
 
     def _ordered(self, order: Order, value: object = None) -> bool:
         """Give a command to all loops; what the driven one refuses is said."""

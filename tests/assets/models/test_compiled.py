@@ -27,6 +27,7 @@ def answer(**changed: object) -> bytes:
         "jnt_velocity": np.zeros(1),
         "jnt_pos": np.zeros((1, 3)), "jnt_axis": np.array([[0.0, 0.0, 1.0]]), "jnt_range": np.array([[-1.0, 1.0]]),
         "geom_type": np.array([2]), "geom_bodyid": np.array([1]), "geom_dataid": np.array([-1]), "geom_contype": np.array([1]),
+        "geom_group": np.array([0]),
         "geom_conaffinity": np.array([1]), "geom_pos": np.zeros((1, 3)), "geom_quat": np.array([[1.0, 0.0, 0.0, 0.0]]),
         "geom_size": np.full((1, 3), 0.1), "geom_friction": np.ones(1), "geom_priority": np.zeros(1, np.int32),
         "geom_condim": np.full(1, 3, np.int32),

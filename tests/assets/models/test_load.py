@@ -126,6 +126,8 @@ def test_rooms_from_meshes_and_the_word_floor(tmp_path: Path, monkeypatch: pytes
     room = av.load_room(tmp_path / "ell.obj", scale=0.5)
     (body,) = room.bodies
     assert body.name == "ell" and body.role is Role.FIXED and len(body.pieces) >= 2
+    ((vertices, triangles),) = room.visuals["ell"]
+    assert vertices.max() == 1.5 and len(triangles) == len(ell()[1])
     for ending in ("stl", "ply", "glb"):
         path = tmp_path / f"cube.{ending}"
         trimesh.Trimesh(*cube(), process=False).export(path)

@@ -9,6 +9,7 @@ import pytest
 
 import avatarsim as av
 from avatarsim.assets.meshes.hulls import hull_of
+from avatarsim.assets.models.model import beside
 from avatarsim.assets.models.pieces_of_geoms import PLANE, SIDES
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.body import volume
@@ -182,3 +183,48 @@ def test_a_file_in_which_nothing_collides_is_refused(tmp_path: Path) -> None:
     for load, of in ((av.load_avatar, "avatar model in "), (av.load_room, "")):
         with pytest.raises(InvalidFile, match=rf"shapes of {of}model\.xml that collide is 0; valid: at least 1: <collision>"):
             load(path)
+
+
+SEEN = """
+<body name="arm" pos="0 0 1">
+  <joint name="elbow" type="hinge" axis="0 0 1" pos="0.5 0 0"/>
+  <geom name="hidden" type="box" size="0.1 0.1 0.1" group="3"/>
+  <geom name="seen" type="mesh" mesh="m" contype="0" conaffinity="0" group="2"/>
+  <geom name="knob" type="sphere" size="0.2" contype="0" conaffinity="0" group="1"/>
+  <body name="bare"><joint axis="1 0 0"/><geom type="capsule" size="0.05 0.1"/></body>
+  <body name="cover"><geom type="box" size="0.1 0.2 0.3" contype="0" conaffinity="0" mass="1"/></body>
+</body>
+<body name="stone" pos="3 0 0"><geom type="mesh" mesh="m" pos="0 0 1"/></body>
+"""
+
+
+def test_visuals_are_the_geoms_that_viewers_show_in_the_frames_of_links(tmp_path: Path) -> None:
+    obj_of(tmp_path, "m.obj", *ell())
+    model = av.load_avatar(written(tmp_path, SEEN, head='<asset><mesh file="m.obj"/></asset>'))
+    assert model.avatar is not None
+    assert set(model.visuals) == {"model/arm", "model/cover", "stone"}
+    mesh, knob = model.visuals["model/arm"]
+    assert isinstance(mesh, tuple) and isinstance(knob, av.Piece)
+    # the link's frame is in the centre of its joint
+    assert knob.shape == av.Sphere(0.2) and knob.position == pytest.approx((-0.5, 0.0, 0.0))
+    corners = mesh[0][mesh[1]]
+    np.testing.assert_allclose(corners.min(axis=(0, 1)), (-0.5, 0.0, 0.0), atol=1e-6)
+    np.testing.assert_allclose(corners.max(axis=(0, 1)), (2.5, 3.0, 1.0), atol=1e-6)
+    # what is drawn of a mesh that collides is the mesh, no hull: of an L the notch stays open
+    (stone,) = model.visuals["stone"]
+    assert isinstance(stone, tuple) and len(stone[1]) == len(ell()[1])
+    pieces = [piece.shape for link in model.avatar.links for piece in link.pieces]
+    assert pieces == [av.Box((0.2, 0.2, 0.2)), av.Capsule(0.05, 0.2)]
+
+
+def test_a_model_of_primitives_that_collide_has_no_visuals(tmp_path: Path) -> None:
+    body = '<body name="arm"><joint/><geom type="capsule" size="0.1 0.3"/><geom type="cylinder" size="0.1 0.3"/></body>'
+    assert av.load_avatar(written(tmp_path, body)).visuals == {}
+
+
+def test_the_visuals_of_a_room_keep_to_their_bodies_beside_an_avatar(tmp_path: Path) -> None:
+    obj_of(tmp_path, "m.obj", *ell())
+    head = '<asset><mesh file="m.obj"/></asset>'
+    model = av.load_avatar(written(tmp_path, SEEN, head=head))
+    both = beside(model, av.load_room(written(tmp_path, '<body name="stone"><geom type="mesh" mesh="m"/></body>', head=head)))
+    assert set(both.visuals) == {*model.visuals, "room_stone"} <= set(both.scene().names)
