@@ -2,13 +2,13 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.laws import Frictions
-from avatarsim.assets.models.pieces_of_geoms import Visual
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
@@ -18,6 +18,9 @@ from avatarsim.scene.motion import Motion
 from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import EARTH, Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+
+if TYPE_CHECKING:
+    from avatarsim.assets.models.pieces_of_geoms import Visual
 
 Array = NDArray[np.float64]
 
@@ -51,7 +54,7 @@ class Model:
     attached: tuple[tuple[str, str], ...] = ()
     gravity: Vector = EARTH
     frictions: Frictions = field(default_factory=Frictions)
-    visuals: Mapping[str, tuple[Visual, ...]] = field(default_factory=dict)
+    visuals: Mapping[str, "tuple[Visual, ...]"] = field(default_factory=dict)
 
     def scene(self, name: str = "model", room: "Model | None" = None) -> Scene:
         """Return a scene of the model at its start, in a room."""

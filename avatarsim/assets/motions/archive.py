@@ -9,7 +9,7 @@ import struct
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from math import prod
 from pathlib import Path
@@ -86,6 +86,21 @@ class Archive:
             raise InvalidFile(f"{key} in {self.name}", f"{found.dtype} {found.shape}", "a row of names")
         text = found if found.dtype.kind == "U" else np.char.decode(found, "latin-1")
         return tuple(caps.require_name(f"entry of {key} in {self.name}", str(word)) for word in text)
+
+    def rewritten(
+        self, now: Mapping[str, Array], anew: Mapping[str, AnyArray], derived: Collection[str], frames: int | None
+    ) -> dict[str, AnyArray]:
+        """Return the arrays with those of `now`, in the file's types where these suffice, and of `anew`; the rest as they are but
+        for `derived` ones and, where there are other `frames`, those with a row for each of the old."""
+        found: dict[str, AnyArray] = {}
+        for key, recorded in self.arrays.items():
+            if key in now:
+                found[key] = narrowed(now[key], recorded)
+            elif key in anew:
+                found[key] = anew[key]
+            elif key not in derived and not (recorded.ndim > 0 and len(recorded) == frames):
+                found[key] = recorded
+        return found
 
     def _numbers(self, key: str) -> AnyArray:
         found = self._entry(key)

@@ -8,9 +8,9 @@ keep their sign, because the hinge axes of the humanoid turn along.
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions import matching
 from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST
+from avatarsim.assets.motions.motion_file import Notes
 from avatarsim.assets.motions.recording import Axes
 from avatarsim.errors import InvalidFile
 from avatarsim.files import read_json
@@ -141,25 +142,14 @@ def _frames(path: Path) -> tuple[Array, dict[str, Any]]:
 
 
 @dataclass(frozen=True, eq=False)
-class DeepMimic:
+class DeepMimic(Notes):
     """A clip file: a MotionFile. `frames` (F, 44) and `content` are what the file holds, `clip` the same as rotations, z up."""
 
     name: str
     clip: Clip
     frames: Array
     content: Mapping[str, Any]
-    notes: list[str] = field(default_factory=list)
     format: str = "deepmimic"
-    object: ClassVar[None] = None
-
-    @property
-    def said(self) -> tuple[str, ...]:
-        """Sentences for the user."""
-        return tuple(self.notes)
-
-    def model(self) -> Model | None:
-        """None: a clip brings no avatar."""
-        return None
 
     def motion(self, model: Model) -> Motion:
         """The motion for an avatar whose joints, or links, are called as in LAYOUT, drawn z up or y up. Its other joints stay at
@@ -170,18 +160,14 @@ class DeepMimic:
         slots = _slots(self.name, coordinates, model.avatar)
         others = [slot.name for slot in coordinates.slots if slot not in slots.values() and slot.kind != "fixed"]
         if others:
-            self._say(f"{self.name}: no columns for these joints, which stay at zero: {matching.shortened(others)}")
+            self.note(f"{self.name}: no columns for these joints, which stay at zero: {matching.shortened(others)}")
         legs = sum(float(np.linalg.norm(model.avatar.links[slots[joint].link].anchor)) for joint in ("left_knee", "left_ankle"))
         if not (0.5 * LEGS <= legs <= 2.0 * LEGS):
-            self._say(
+            self.note(
                 f"{self.name}: legs of the avatar are {legs:.2g} m long, those of the clip's body {LEGS:g} m, and the root goes "
                 "where the clip says: an avatar of another scale fits it"
             )
         return self._motion(coordinates, slots, _is_y_up(model.avatar, slots))
-
-    def _say(self, sentence: str) -> None:
-        if sentence not in self.notes:
-            self.notes.append(sentence)
 
     def _motion(self, coordinates: Coordinates, slots: Mapping[str, Slot], flat: bool) -> Motion:
         frames = len(self.clip.times)

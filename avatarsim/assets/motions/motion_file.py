@@ -1,5 +1,6 @@
 """What every reader of motion files gives: the motion for an avatar, and the same file with another motion."""
 
+from dataclasses import dataclass, field
 from typing import Protocol
 
 from avatarsim.assets.models.model import Model
@@ -30,3 +31,25 @@ class MotionFile(Protocol):
 
     def written(self, motion: Motion, model: Model) -> bytes:
         """The file again with this motion instead of its own, in the same format, to the last digit that float64 has."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Notes:
+    """Sentences for the user, which grow when a motion is asked for: only then the joints of the avatar are known."""
+
+    notes: list[str] = field(default_factory=list)
+    object: ObjectPoses | None = None
+
+    @property
+    def said(self) -> tuple[str, ...]:
+        """Sentences for the user."""
+        return tuple(self.notes)
+
+    def model(self) -> Model | None:
+        """None: the file brings no avatar."""
+        return None
+
+    def note(self, sentence: str) -> None:
+        """Add a sentence, once."""
+        if sentence not in self.notes:
+            self.notes.append(sentence)

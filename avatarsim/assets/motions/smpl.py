@@ -6,7 +6,7 @@ the body at rest. Shape and soft tissue (`betas`, `dmpls`) are not used.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -19,9 +19,10 @@ from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import matching
-from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, opened, packed
+from avatarsim.assets.motions.archive import AnyArray, Archive, opened, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
-from avatarsim.assets.motions.object_poses import ObjectPoses, at_times, object_of, said_of
+from avatarsim.assets.motions.motion_file import Notes
+from avatarsim.assets.motions.object_poses import at_times, object_of, said_of
 from avatarsim.assets.motions.recorded_file import POSTURES, said_of_limits
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.joint import MANY_TURNS
@@ -93,7 +94,7 @@ def of_archive(archive: Archive, rate: float | None = None, choices: Choices = C
     found = object_of(archive, times, "wxyz", np.array(TURNS[up or "z"]))
     poses = poses.reshape(len(poses), -1, 3)
     notes += said_of(name, found)
-    return SmplFile(archive, times, poses, trans, skeleton, pelvis, choices, notes, object=found)
+    return SmplFile(archive, times, poses, trans, skeleton, pelvis, choices, notes=notes, object=found)
 
 
 def _of_parts(archive: Archive) -> Array:
@@ -127,7 +128,7 @@ def _nearer(vectors: Array, near: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class SmplFile:
+class SmplFile(Notes):
     """A file of a body of the family: a MotionFile.
 
     times (F,) [s]; poses (F, joints, 3) [rad], trans (F, 3) [m], as in the file; `pelvis` (3,) [m] its place at rest"""
@@ -139,14 +140,7 @@ class SmplFile:
     skeleton: Skeleton
     pelvis: Array
     choices: Choices
-    notes: list[str] = field(default_factory=list)
     format: str = "npz"
-    object: ObjectPoses | None = None
-
-    @property
-    def said(self) -> tuple[str, ...]:
-        """Sentences for the user."""
-        return tuple(self.notes)
 
     @property
     def name(self) -> str:
@@ -260,13 +254,6 @@ class SmplFile:
             if poses.shape[1] == 165:
                 now[key] = poses[:, first : first + 3 * count]
             first += 3 * count
-        found: dict[str, AnyArray] = {}
-        frames = len(self.times)
-        for key, recorded in self.archive.arrays.items():
-            if key in now and recorded.shape[1:] == now[key].shape[1:]:
-                found[key] = narrowed(now[key], recorded)
-            elif key in times:
-                found[key] = times[key]
-            elif key not in DERIVED and not (times and recorded.ndim > 0 and len(recorded) == frames):
-                found[key] = recorded
-        return packed(found, self.archive.packed)
+        arrays = self.archive.arrays
+        now = {key: values for key, values in now.items() if key in arrays and arrays[key].shape[1:] == values.shape[1:]}
+        return packed(self.archive.rewritten(now, times, DERIVED, len(self.times) if times else None), self.archive.packed)

@@ -129,7 +129,7 @@ def read_csv(
     times = _times(name, numbers, rate, instants, notes)
     above = () if names is None else (lines[0],)
     store = TextStore(above, rows, delimiter or " ", end, numbers, columns, counting, instants)
-    return Trajectory(name, "csv", times, numbers[:, list(columns)], layout, store, notes)
+    return Trajectory(name, "csv", times, numbers[:, list(columns)], layout, store, notes=notes)
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:

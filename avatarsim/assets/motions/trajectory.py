@@ -6,7 +6,7 @@ again has the same entries, of the same types, in the same order.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -15,9 +15,10 @@ from avatarsim.assets import caps
 from avatarsim.assets.models.coordinates import Coordinates
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions import derived, matching
-from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed, packed
+from avatarsim.assets.motions.archive import AnyArray, Archive, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
-from avatarsim.assets.motions.object_poses import ObjectPoses, at_times, object_of, said_of
+from avatarsim.assets.motions.motion_file import Notes
+from avatarsim.assets.motions.object_poses import at_times, object_of, said_of
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.spatial import rotation
@@ -62,11 +63,8 @@ class Changed:
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
-    """A file of rows of generalized coordinates: a MotionFile.
-
-    times (F,) [s]; table (F, width) in the file's own order; `notes` grow when the motion is asked for, since only then is known
-    which joints the avatar has."""
+class Trajectory(Notes):
+    """A file of rows of generalized coordinates: a MotionFile. times (F,) [s]; table (F, width) in the file's own order."""
 
     name: str
     format: str
@@ -74,17 +72,6 @@ class Trajectory:
     table: Array
     layout: matching.Layout
     store: Store
-    notes: list[str] = field(default_factory=list)
-    object: ObjectPoses | None = None
-
-    @property
-    def said(self) -> tuple[str, ...]:
-        """Sentences for the user."""
-        return tuple(self.notes)
-
-    def model(self) -> Model | None:
-        """None: a trajectory brings no avatar."""
-        return None
 
     def motion(self, model: Model) -> Motion:
         """The motion for this model's avatar; InvalidFile where its joints do not fit, by name."""
@@ -93,14 +80,10 @@ class Trajectory:
         found = self._motion(coordinates)
         alone = matching.left_alone(self.layout, coordinates)
         if alone:
-            self._note(f"{self.name}: left as they are, since the avatar has no such joints: {matching.shortened(alone)}")
+            self.note(f"{self.name}: left as they are, since the avatar has no such joints: {matching.shortened(alone)}")
         if self.layout.joints is None:
-            self._note(f"{self.name}: {matching.by_order(coordinates)}; joints= says names for another order")
+            self.note(f"{self.name}: {matching.by_order(coordinates)}; joints= says names for another order")
         return found
-
-    def _note(self, sentence: str) -> None:
-        if sentence not in self.notes:
-            self.notes.append(sentence)
 
     def _columns(self, coordinates: Coordinates) -> matching.Columns:
         return matching.columns(self.name, self.layout, self.table.shape[1], coordinates)
@@ -162,16 +145,7 @@ class ArrayStore:
             if key in derived.TURNS:
                 values = rotation.with_signs_of(values, recorded, lasting).astype(values.dtype)
             anew[key] = np.where(lasting.reshape(-1, *(1,) * (values.ndim - 1)), recorded, values)
-        frames = len(changed.before)
-        found: dict[str, AnyArray] = {}
-        for key, recorded in archive.arrays.items():
-            bound = recorded.ndim > 0 and len(recorded) == frames
-            if key in now:
-                found[key] = narrowed(now[key], recorded)
-            elif key in anew:
-                found[key] = anew[key]
-            elif key not in derived.ALL and not (bound and changed.stayed is None):
-                found[key] = recorded
+        found = archive.rewritten(now, anew, derived.ALL, len(changed.before) if changed.stayed is None else None)
         return packed(self._with_root(found, changed.now), archive.packed)
 
     def _entries(self, table: Array) -> dict[str, Array]:
@@ -219,9 +193,9 @@ def of_archive(archive: Archive, rate: float | None, quaternion: str | None, joi
     notes += _fates(archive, {part.key for part in parts})
     times = times_of(archive, len(table), rate)
     found = object_of(archive, times, order)
-    store = ArrayStore(archive, parts)
     return Trajectory(
-        archive.name, "npz", times, table, matching.Layout(names, order), store, notes + said_of(archive.name, found), found
+        archive.name, "npz", times, table, matching.Layout(names, order), ArrayStore(archive, parts),
+        notes=notes + said_of(archive.name, found), object=found,
     )
 
 
