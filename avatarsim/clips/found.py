@@ -5,12 +5,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
+from avatarsim.assets.motions.load import PICKLES, READERS
+from avatarsim.clips.whole_files import opened_at_once
 from avatarsim.errors import InvalidInput
 
-MOTIONS = (".amc", ".bvh", ".csv", ".npz", ".txt")
-"""Ends of the names of motion files."""
-PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
-"""Ends of the names of files that hold motions elsewhere, and are refused with a sentence."""
 OURS = ("certificate.json", "index.html", "certificates", "pages")
 """Names in the output folder that no clip may have there."""
 CLIPS = 1_000_000
@@ -93,10 +91,9 @@ def is_motion(path: Path) -> bool:
     notes lie beside clips."""
     suffix = path.suffix.lower()
     if suffix != ".txt":
-        return suffix in (*MOTIONS, *PICKLES)
+        return suffix in READERS or suffix in PICKLES
     try:
-        # not to wait for a writer, should the name lead to a pipe
-        with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+        with opened_at_once(path) as file:
             return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"["))
     except OSError:
         # named later, as what cannot be read

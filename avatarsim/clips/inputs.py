@@ -1,10 +1,8 @@
 """Inputs of a clip: its motion, the avatar and the room, each with the SHA-256 of every file that it was read from."""
 
-import inspect
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import import_module
 from pathlib import Path, PurePosixPath
 from xml.etree import ElementTree
 
@@ -12,7 +10,8 @@ from avatarsim.assets.models import doors
 from avatarsim.assets.models.load import load_avatar, load_object, load_room
 from avatarsim.assets.models.mesh_files import candidates
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.motions.load import READERS, load_motion
+from avatarsim.assets.motions.asf_amc import skeleton_beside
+from avatarsim.assets.motions.load import load_motion, options_of
 from avatarsim.assets.motions.motion_file import MotionFile
 from avatarsim.assets.motions.object_poses import PLACES, TURNS
 from avatarsim.clips.reading import Reading
@@ -137,12 +136,8 @@ def carried_in(file: MotionFile, reading: Reading) -> tuple[Carried, ...]:
 
 
 def skeleton_of(path: Path, reading: Reading) -> Path | None:
-    """The ASF file of an AMC file: the one that was asked for, else by its name: 02_01.asf or 02.asf beside 02_01.amc."""
-    if reading.asf is not None:
-        return Path(reading.asf)
-    names = dict.fromkeys([path.stem, path.stem.partition("_")[0]])
-    found = (path.with_name(name + end) for name in names for end in (".asf", ".ASF"))
-    return next((one for one in found if one.is_file()), None)
+    """The ASF file of an AMC file: the one that was asked for, else by its name."""
+    return skeleton_beside(path) if reading.asf is None else Path(reading.asf)
 
 
 def options_for(path: Path, reading: Reading) -> dict[str, object]:
@@ -157,13 +152,3 @@ def read(path: Path, asked: Mapping[str, object]) -> tuple[MotionFile, tuple[str
     known = options_of(path.suffix.lower())
     used = {name: value for name, value in asked.items() if name in known}
     return load_motion(path, **used), tuple(sorted(set(asked) - set(used)))
-
-
-@lru_cache
-def options_of(suffix: str) -> tuple[str, ...]:
-    """Names of the options of the reader for files whose names end so; none for an ending that no reader takes."""
-    if suffix not in READERS:
-        return ()
-    module, function = READERS[suffix]
-    reader = getattr(import_module(f"avatarsim.assets.motions.{module}"), function)
-    return tuple(name for name, one in inspect.signature(reader).parameters.items() if one.kind is one.KEYWORD_ONLY)

@@ -6,7 +6,8 @@ that none is passed over.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
+from operator import ge, gt, le
 from typing import Any
 
 TYPES: Mapping[str, tuple[type, ...]] = {
@@ -15,106 +16,67 @@ TYPES: Mapping[str, tuple[type, ...]] = {
 }
 SILENT = ("$schema", "$defs", "title", "description")
 """Keywords that ask nothing."""
+BOUNDS: Mapping[str, Callable[[Any, Any], bool]] = {
+    "minimum": ge, "exclusiveMinimum": gt, "maximum": le, "minItems": ge, "maxItems": le,
+}
+"""How a number, or the number of parts, must compare with the keyword's."""
 
 
 def fault(value: object, schema: Mapping[str, Any], root: Mapping[str, Any], place: str = "") -> str:
     """Where a value, of those that `json.loads` gives, is against the schema, a part of `root`: "" if nowhere.
 
     Raises ValueError for a schema with a keyword that is not known here."""
-    for word, asked in schema.items():
-        if word in SILENT:
-            continue
-        if word not in CHECKS:
-            raise ValueError(f"keyword {word} of a schema")
-        found = CHECKS[word](value, asked, schema, root, place)
-        if found:
-            return str(found)
-    return ""
+    return next(filter(None, (_against(word, value, schema, root, place) for word in schema if word not in SILENT)), "")
 
 
-def _type(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    # to Python a truth is a number
-    right = isinstance(value, TYPES[asked]) and (asked == "boolean" or not isinstance(value, bool))
-    return "" if right else f"{place or 'the whole'} is no {asked}"
+def _first(parts: Iterable[tuple[str, object, Any]], root: Mapping[str, Any]) -> str:
+    """Return the first fault of (place, value, schema)."""
+    return next(filter(None, (fault(value, schema, root, place) for place, value, schema in parts)), "")
 
 
-def _properties(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    if not isinstance(value, dict):
-        return ""
-    return next(filter(None, (fault(value[name], asked[name], root, f"{place}.{name}") for name in asked if name in value)), "")
-
-
-def _required(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    missing = [name for name in asked if name not in value] if isinstance(value, dict) else []
-    return f"{place}.{missing[0]} is missing" if missing else ""
-
-
-def _additional(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    more = [name for name in value if name not in schema.get("properties", {})] if isinstance(value, dict) else []
-    if asked is False:
-        return f"{place}.{more[0]} is not known" if more else ""
-    parts = {name: value[name] for name in more} if isinstance(value, dict) else {}
-    return next(filter(None, (fault(one, asked, root, f"{place}.{name}") for name, one in parts.items())), "")
-
-
-def _items(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    if not isinstance(value, list):
-        return ""
-    return next(filter(None, (fault(one, asked, root, f"{place}[{k}]") for k, one in enumerate(value))), "")
-
-
-def _any_of(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    found = [fault(value, one, root, place) for one in asked]
-    return "" if "" in found else found[0]
-
-
-def _ref(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    part: Any = root
-    for name in str(asked).removeprefix("#/").split("/"):
-        part = part[name]
-    return fault(value, part, root, place)
-
-
-def _enum(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    return "" if any(_same(value, one) for one in asked) else f"{place} is none of {', '.join(map(str, asked))}"
-
-
-def _const(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    return "" if _same(value, asked) else f"{place} is not {asked}"
+def _against(word: str, value: object, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
+    """Return where a value is against one keyword of a schema."""
+    asked = schema[word]
+    members: dict[str, Any] = value if isinstance(value, dict) else {}
+    match word:
+        case "$ref":
+            part: Any = root
+            for name in str(asked).removeprefix("#/").split("/"):
+                part = part[name]
+            return fault(value, part, root, place)
+        case "anyOf":
+            found = [fault(value, one, root, place) for one in asked]
+            return "" if "" in found else found[0]
+        case "type":
+            # to Python a truth is a number
+            right = isinstance(value, TYPES[asked]) and (asked == "boolean" or not isinstance(value, bool))
+            return "" if right else f"{place or 'the whole'} is no {asked}"
+        case "enum":
+            return "" if any(_same(value, one) for one in asked) else f"{place} is none of {', '.join(map(str, asked))}"
+        case "const":
+            return "" if _same(value, asked) else f"{place} is not {asked}"
+        case "pattern":
+            return "" if not isinstance(value, str) or re.search(asked, value) else f"{place} is not as {asked}"
+        case "required":
+            missing = [name for name in asked if name not in members] if isinstance(value, dict) else []
+            return f"{place}.{missing[0]} is missing" if missing else ""
+        case "properties":
+            return _first(((f"{place}.{name}", members[name], asked[name]) for name in asked if name in members), root)
+        case "additionalProperties":
+            more = [name for name in members if name not in schema.get("properties", {})]
+            if asked is False:
+                return f"{place}.{more[0]} is not known" if more else ""
+            return _first(((f"{place}.{name}", members[name], asked) for name in more), root)
+        case "items":
+            rows = value if isinstance(value, list) else []
+            return _first(((f"{place}[{k}]", one, asked) for k, one in enumerate(rows)), root)
+        case "minItems" | "maxItems":
+            return f"{place} has {len(value)} parts" if isinstance(value, list) and not BOUNDS[word](len(value), asked) else ""
+        case "minimum" | "exclusiveMinimum" | "maximum":
+            is_number = isinstance(value, int | float) and not isinstance(value, bool)
+            return f"{place} is beyond {asked}" if is_number and not BOUNDS[word](value, asked) else ""
+    raise ValueError(f"keyword {word} of a schema")
 
 
 def _same(value: object, asked: object) -> bool:
     return value == asked and isinstance(value, bool) == isinstance(asked, bool)
-
-
-def _within(word: str) -> Any:
-    def check(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-        if not isinstance(value, int | float) or isinstance(value, bool):
-            return ""
-        right = {"minimum": value >= asked, "exclusiveMinimum": value > asked, "maximum": value <= asked}[word]
-        return "" if right else f"{place} is beyond {asked}"
-
-    return check
-
-
-def _length(least: bool) -> Any:
-    def check(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-        if not isinstance(value, list):
-            return ""
-        right = len(value) >= asked if least else len(value) <= asked
-        return "" if right else f"{place} has {len(value)} parts"
-
-    return check
-
-
-def _pattern(value: object, asked: Any, schema: Mapping[str, Any], root: Mapping[str, Any], place: str) -> str:
-    return "" if not isinstance(value, str) or re.search(asked, value) else f"{place} is not as {asked}"
-
-
-CHECKS: Mapping[str, Any] = {
-    "$ref": _ref, "type": _type, "const": _const, "enum": _enum, "anyOf": _any_of, "required": _required,
-    "properties": _properties, "additionalProperties": _additional, "items": _items, "minimum": _within("minimum"),
-    "exclusiveMinimum": _within("exclusiveMinimum"), "maximum": _within("maximum"), "minItems": _length(True),
-    "maxItems": _length(False), "pattern": _pattern,
-}
-"""What each keyword asks: (value, what the keyword says, schema, root, place) -> where the value is against it."""

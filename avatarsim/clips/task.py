@@ -11,10 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.load import options_of
 from avatarsim.cleaning import Audit, Cleaned, audit, clean
 from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
-from avatarsim.clips.inputs import carried_in, files_of, given, motion_files, options_for, options_of, read
+from avatarsim.clips.inputs import carried_in, files_of, given, motion_files, options_for, read
 from avatarsim.clips.page.clip_page import Shown, clip_page
 from avatarsim.clips.page.layout import GENERATOR
 from avatarsim.clips.whole_files import beside, moved, put, require_ours, sha256_of, write_whole

@@ -12,6 +12,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import BufferedReader
 from pathlib import Path
 
 from avatarsim.errors import InvalidInput
@@ -21,9 +22,6 @@ BEGUN, PART = ".avatarsim-", ".part"
 
 BEGINNING = 4096
 """Bytes of a file in which its mark stands."""
-
-AT_ONCE = 2**20
-"""Bytes of a file that are hashed at once."""
 
 
 @contextmanager
@@ -117,7 +115,7 @@ def require_ours(place: Path, mark: str, force: bool, named: str = "") -> None:
     if force or not os.path.lexists(place):
         return
     try:
-        with open(place, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
+        with opened_at_once(place) as file:
             ours = mark.encode() in file.read(BEGINNING)
     except OSError:
         ours = False
@@ -130,11 +128,12 @@ def _why(error: OSError | ValueError) -> str:
     return (getattr(error, "strerror", None) or str(error)).lower()
 
 
+def opened_at_once(path: Path) -> BufferedReader:
+    """Return a file that is open for reading, without a wait for a writer, should the name lead to a pipe. Raises OSError."""
+    return open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK))
+
+
 def sha256_of(path: Path) -> str:
     """SHA-256 of a file, in hexadecimal digits. Raises OSError."""
-    digest = hashlib.sha256()
-    # not to wait for a writer, should the name lead to a pipe
-    with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as file:
-        while part := file.read(AT_ONCE):
-            digest.update(part)
-    return digest.hexdigest()
+    with opened_at_once(path) as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

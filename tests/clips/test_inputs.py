@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from avatarsim.clips.inputs import files_of, given, motion_files, options_for, options_of, skeleton_of
+from avatarsim.assets.motions.load import options_of
+from avatarsim.clips.inputs import files_of, given, motion_files, options_for, skeleton_of
 from avatarsim.clips.reading import Reading
 from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.errors import InvalidFile, UnknownName

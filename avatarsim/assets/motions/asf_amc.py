@@ -77,7 +77,10 @@ def read_amc(
 
     Raises InvalidFile for what is no such file, or does not fit the skeleton, and names its line."""
     path = Path(path)
-    asf_path = Path(skeleton) if skeleton is not None else _beside(path)
+    asf_path = skeleton_beside(path) if skeleton is None else Path(skeleton)
+    if asf_path is None:
+        wanted = " or ".join(f"{stem}.asf" for stem in _stems(path))
+        raise InvalidFile(f"skeleton of {path.name}", None, f"{wanted} beside it, or skeleton= with the ASF file")
     asf = read_asf(asf_path)
     said = [] if skeleton is not None else [f"skeleton of {path.name}: {asf_path.name} beside it; skeleton= names another"]
     if rate is None:
@@ -102,15 +105,14 @@ def read_amc(
     )
 
 
-def _beside(path: Path) -> Path:
-    """The skeleton file that belongs to a motion file by their names: 02_01.amc lies beside 02_01.asf or 02.asf."""
-    stems = dict.fromkeys((path.stem, path.stem.partition("_")[0]))
-    for stem in stems:
-        for suffix in (".asf", ".ASF"):
-            if path.with_name(stem + suffix).is_file():
-                return path.with_name(stem + suffix)
-    wanted = " or ".join(f"{stem}.asf" for stem in stems)
-    raise InvalidFile(f"skeleton of {path.name}", None, f"{wanted} beside it, or skeleton= with the ASF file")
+def skeleton_beside(path: Path) -> Path | None:
+    """Return the skeleton file that belongs to a motion file by their names: 02_01.asf or 02.asf beside 02_01.amc."""
+    places = (path.with_name(stem + suffix) for stem in _stems(path) for suffix in (".asf", ".ASF"))
+    return next((place for place in places if place.is_file()), None)
+
+
+def _stems(path: Path) -> list[str]:
+    return list(dict.fromkeys((path.stem, path.stem.partition("_")[0])))
 
 
 def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:

@@ -2,7 +2,7 @@
 
 from importlib import import_module
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from avatarsim.assets.motions.motion_file import MotionFile
 from avatarsim.errors import InvalidFile, InvalidInput
@@ -36,9 +36,17 @@ def load_motion(path: str | Path, **options: object) -> MotionFile:
         raise InvalidFile(f"motion {path.name}", "a pickle", valid)
     if suffix not in READERS:
         raise InvalidFile(f"end of the name of {path.name}", path.suffix, f"one of {', '.join(sorted(READERS))}")
+    known = options_of(suffix)
+    if unknown := sorted(set(options) - set(known)):
+        raise InvalidInput(f"option for {path.name}", unknown[0], f"one of {', '.join(sorted(known))}")
+    return cast(MotionFile, _reader(suffix)(path, **options))
+
+
+def options_of(suffix: str) -> tuple[str, ...]:
+    """Return the options of the reader for files whose names end so; none for an ending that no reader takes."""
+    return tuple(_reader(suffix).__kwdefaults__ or ()) if suffix in READERS else ()
+
+
+def _reader(suffix: str) -> Any:
     module, function = READERS[suffix]
-    reader = getattr(import_module(f"avatarsim.assets.motions.{module}"), function)
-    unknown = sorted(set(options) - set(reader.__kwdefaults__ or ()))
-    if unknown:
-        raise InvalidInput(f"option for {path.name}", unknown[0], f"one of {', '.join(sorted(reader.__kwdefaults__ or ()))}")
-    return cast(MotionFile, reader(path, **options))
+    return getattr(import_module(f"avatarsim.assets.motions.{module}"), function)
