@@ -1,5 +1,6 @@
 """Columns of a file to generalized coordinates and back: by the joints' names where a file has them, else by their number."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.coordinates import WIDTHS, Coordinates
 from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.archive import Archive
 from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS
 from avatarsim.scene.motion import Motion
@@ -40,6 +42,19 @@ class Layout:
     joints: tuple[str, ...] | None
     order: str
     rooted: bool = True
+
+
+def listed(joints: str | Iterable[str] | None) -> tuple[str, ...] | None:
+    """Return names of joints that a user lists; of a text those between its commas."""
+    if isinstance(joints, str):
+        joints = [name.strip() for name in joints.split(",")]
+    return None if joints is None else tuple(joints)
+
+
+def said_of_pickles(archive: Archive) -> list[str]:
+    """Return a sentence on entries of an archive that are not read."""
+    left = shortened(archive.left_out)
+    return [f"{archive.name}: left out, {left}: Python objects (a pickle) are not read"] if left else []
 
 
 def require_order(order: str) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from avatarsim.assets.motions import archive, smpl, trajectory
+from avatarsim.assets.motions import archive, matching, smpl, trajectory
 from avatarsim.assets.motions.motion_file import MotionFile
 from avatarsim.errors import InvalidFile, InvalidInput
 
@@ -32,13 +32,12 @@ def read_npz(
     of_body = {"offsets": offsets, "up": up, "stature": stature, "mass": mass, "limits": limits}
     if smpl.is_one(found):
         _refuse(found.name, of_robot, "a body of the SMPL family", ("rate", *of_body))
-        return smpl.of_archive(found, rate, smpl.Choices(offsets, up, stature, mass, limits))
+        return smpl.of_archive(found, rate, offsets, up, stature, mass, limits)
     if found.first(trajectory.KEYS) is None:
         valid = f"one of {', '.join(dict.fromkeys(trajectory.KEYS))} (a robot), or trans with poses (a body of the SMPL family)"
         raise InvalidFile(f"entries of {found.name}", [*found.arrays, *found.left_out], valid)
     _refuse(found.name, of_body, "a robot's trajectory", ("rate", *of_robot))
-    names = [name.strip() for name in joints.split(",")] if isinstance(joints, str) else joints
-    return trajectory.of_archive(found, rate, quaternion, names)
+    return trajectory.of_archive(found, rate, quaternion, matching.listed(joints))
 
 
 def _refuse(name: str, options: Mapping[str, object], kind: str, valid: tuple[str, ...]) -> None:

@@ -50,20 +50,13 @@ def is_one(archive: Archive) -> bool:
     return archive.first((TRANS,)) is not None and archive.first((POSES, "pose_body")) is not None
 
 
-@dataclass(frozen=True)
-class Choices:
-    """What a user may say of a body of the family; None leaves it to the reader. As in `npz.read_npz`."""
-
-    offsets: str | Path | None = None
-    up: str | None = None
-    stature: float | None = None
-    mass: float | None = None
-    limits: bool | None = None
-
-
-def of_archive(archive: Archive, rate: float | None = None, choices: Choices = Choices()) -> "SmplFile":
-    """The motion of a body of the family. Raises InvalidFile, and UnknownName for an axis that is none."""
-    name, up, stature = archive.name, choices.up, choices.stature
+def of_archive(
+    archive: Archive, rate: float | None, offsets: str | Path | None, up: str | None, stature: float | None, mass: float | None,
+    limits: bool | None,
+) -> "SmplFile":
+    """The motion of a body of the family, with options as in `npz.read_npz`. Raises InvalidFile, and UnknownName for an axis that
+    is none."""
+    name = archive.name
     if (up or "z") not in TURNS:
         raise UnknownName("up", str(up), TURNS)
     poses = archive.table(POSES) if archive.first((POSES,)) else _of_parts(archive)
@@ -78,7 +71,7 @@ def of_archive(archive: Archive, rate: float | None = None, choices: Choices = C
         turns = np.abs(poses[:, 3 * k : 3 * k + 3]).max(axis=1)
         matching.require_within(name, f"turn of {joint}", turns, 0.0, MANY_TURNS, "rad")
     notes = [f'{name}: world taken as {up or "z"} up' + ("" if up else ', as in AMASS; up="y" says otherwise')]
-    if choices.offsets is None:
+    if offsets is None:
         skeleton, pelvis = smpl_skeleton.approximate(member, smpl_skeleton.STATURE if stature is None else stature)
         notes.append(
             f"{name}: joints stand where an approximate skeleton of our own has them, for a stature of "
@@ -86,15 +79,16 @@ def of_archive(archive: Archive, rate: float | None = None, choices: Choices = C
             "them exactly"
         )
     else:
-        skeleton, pelvis = smpl_skeleton.measured(member, _rest_joints(Path(choices.offsets), member))
-    if archive.left_out:
-        notes.append(f"{name}: left out, {matching.shortened(archive.left_out)}: Python objects (a pickle) are not read")
+        skeleton, pelvis = smpl_skeleton.measured(member, _rest_joints(Path(offsets), member))
     times = times_of(archive, len(poses), rate)
     caps.require_frames(name, len(poses), len(skeleton.bones))
-    found = object_of(archive, times, "wxyz", np.array(TURNS[up or "z"]))
-    poses = poses.reshape(len(poses), -1, 3)
-    notes += said_of(name, found)
-    return SmplFile(archive, times, poses, trans, skeleton, pelvis, choices, notes=notes, object=found)
+    upright = np.array(TURNS[up or "z"])
+    found = object_of(archive, times, "wxyz", upright)
+    return SmplFile(
+        archive, times, poses.reshape(len(poses), -1, 3), trans, skeleton, pelvis, upright,
+        BODY_MASS if mass is None else mass, limits is not False,
+        notes=[*notes, *matching.said_of_pickles(archive), *said_of(name, found)], object=found,
+    )
 
 
 def _of_parts(archive: Archive) -> Array:
@@ -131,7 +125,8 @@ def _nearer(vectors: Array, near: Array) -> Array:
 class SmplFile(Notes):
     """A file of a body of the family: a MotionFile.
 
-    times (F,) [s]; poses (F, joints, 3) [rad], trans (F, 3) [m], as in the file; `pelvis` (3,) [m] its place at rest"""
+    times (F,) [s]; poses (F, joints, 3) [rad], trans (F, 3) [m], as in the file; `pelvis` (3,) [m] its place at rest; `upright`
+    (4,) turns the file's world onto ours; mass [kg] and limits of the avatar"""
 
     archive: Archive
     times: Array
@@ -139,7 +134,9 @@ class SmplFile(Notes):
     trans: Array
     skeleton: Skeleton
     pelvis: Array
-    choices: Choices
+    upright: Array
+    mass: float
+    limits: bool
     format: str = "npz"
 
     @property
@@ -153,31 +150,22 @@ class SmplFile(Notes):
 
     @cached_property
     def _model(self) -> Model:
-        stature = float(np.ptp(self.skeleton.rest[:, 2]))
-        mass = BODY_MASS if self.choices.mass is None else self.choices.mass
-        links = len(self.skeleton.bones)
-        turns, root = self._rotations(slice(None))
-        places = np.zeros((len(turns), links, 3))
-        places[:, 0] = root
-        motion = Motion(self.times, places, turns, np.zeros((len(turns), 0)))
-        few = np.unique(np.linspace(0, len(turns) - 1, POSTURES).round().astype(np.int64))
-        looked_at = Motion(self.times[few], places[few], turns[few], motion.angles[few])
-        built = human(self.skeleton, stature, looked_at, mass, self.choices.limits is not False)
+        whole = self._recorded
+        few = np.unique(np.linspace(0, len(whole) - 1, POSTURES).round().astype(np.int64))
+        looked_at = Motion(whole.times[few], whole.positions[few], whole.rotations[few], whole.angles[few])
+        built = human(self.skeleton, float(np.ptp(self.skeleton.rest[:, 2])), looked_at, self.mass, self.limits)
         assert built.avatar is not None
-        return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, motion)))
+        return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, whole)))
 
-    @property
-    def _upright(self) -> Array:
-        """Rotation of the file's world onto ours."""
-        return np.array(TURNS[self.choices.up or "z"])
-
-    def _rotations(self, frames: slice) -> tuple[Array, Array]:
-        """Rotations (F, joints, 4) as in TrackerSample, for links whose frames are ours, and the root's place (F, 3) [m]."""
-        turns = rotation.from_rotation_vector(smpl_skeleton.ours(self.poses[frames]))
-        upright = self._upright
-        root = rotation.multiply(rotation.from_rotation_vector(self.poses[frames, 0]), AXES)
-        turns[:, 0] = rotation.multiply(upright, root)
-        return rotation.continuous(rotation.normalised(turns)), rotation.rotate(upright, self.trans[frames] + self.pelvis)
+    @cached_property
+    def _recorded(self) -> Motion:
+        """The motion of the skeleton's own avatar, whose links have our frames."""
+        turns = rotation.from_rotation_vector(smpl_skeleton.ours(self.poses))
+        root = rotation.multiply(rotation.from_rotation_vector(self.poses[:, 0]), AXES)
+        turns[:, 0] = rotation.multiply(self.upright, root)
+        places = np.zeros((*turns.shape[:2], 3))
+        places[:, 0] = rotation.rotate(self.upright, self.trans + self.pelvis)
+        return Motion(self.times, places, rotation.continuous(rotation.normalised(turns)), np.zeros((len(turns), 0)))
 
     def motion(self, model: Model) -> Motion:
         """The motion for an avatar whose joints are called as the family's, its root free and the others balls.
@@ -186,19 +174,19 @@ class SmplFile(Notes):
         slots = self._slots(model)
         coordinates = matching.coordinates_of_model(self.name, model)
         caps.require_frames(self.name, len(self.times), coordinates.links)
-        turns, root = self._rotations(slice(None))
-        positions = np.zeros((len(turns), coordinates.links, 3))
-        rotations = np.tile(np.array(rotation.IDENTITY), (len(turns), coordinates.links, 1))
+        frames = len(self.times)
+        positions = np.zeros((frames, coordinates.links, 3))
+        rotations = np.tile(np.array(rotation.IDENTITY), (frames, coordinates.links, 1))
         for joint, link in slots.items():
-            rotations[:, link] = turns[:, joint]
-        positions[:, slots[0]] = root
-        return Motion(self.times, positions, rotations, np.zeros((len(turns), coordinates.hinges)))
+            rotations[:, link] = self._recorded.rotations[:, joint]
+        positions[:, slots[0]] = self._recorded.positions[:, 0]
+        return Motion(self.times, positions, rotations, np.zeros((frames, coordinates.hinges)))
 
     def _slots(self, model: Model) -> dict[int, int]:
         """The avatar's link of each of the family's joints that it has."""
         coordinates = matching.coordinates_of_model(self.name, model)
         assert model.avatar is not None
-        numbers = {name: k for k, name in enumerate(self.skeleton_names)}
+        numbers = {bone.name: k for k, bone in enumerate(self.skeleton.bones)}
         found: dict[int, int] = {}
         unknown = []
         for slot in coordinates.slots:
@@ -211,15 +199,10 @@ class SmplFile(Notes):
             else:
                 found[joint] = slot.link
         if unknown or 0 not in found:
-            names = matching.shortened(self.skeleton_names)
+            names = matching.shortened(list(numbers))
             valid = f"a free root and balls called {names}; others than these: {matching.shortened(unknown) or 'none'}"
             raise InvalidFile(f"joints for {self.name}", matching.shortened(coordinates.names), valid)
         return found
-
-    @property
-    def skeleton_names(self) -> tuple[str, ...]:
-        """Names of the joints, in order."""
-        return tuple(bone.name for bone in self.skeleton.bones)
 
     def written(self, motion: Motion, model: Model) -> bytes:
         """The file again with this motion; joints of frames that are as they were keep the file's numbers, to the bit."""
@@ -227,7 +210,7 @@ class SmplFile(Notes):
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
         nearest = np.abs(np.searchsorted(self.times, motion.times - 1e-9)).clip(0, len(self.times) - 1)
         poses, trans = self.poses[nearest].copy(), self.trans[nearest].copy()
-        down = rotation.conjugate(self._upright)
+        down = rotation.conjugate(self.upright)
         for joint, link in slots.items():
             turns = motion.rotations[:, link]
             if joint == 0:

@@ -114,7 +114,7 @@ def read_csv(
     if names is not None and len(names) != numbers.shape[1]:
         raise InvalidFile(f"columns of {name}", numbers.shape[1], f"{len(names)}, as its first row names")
     notes: list[str] = []
-    listed = None if joints is None else tuple(map(str.strip, joints.split(",")) if isinstance(joints, str) else joints)
+    listed = matching.listed(joints)
     if names is None:
         order = matching.require_order(quaternion or "xyzw")
         if quaternion is None:

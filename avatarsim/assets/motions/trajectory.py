@@ -5,7 +5,7 @@ Archives are recognised by their entries: `qpos` or `joint_pos` whole (MuJoCo, h
 again has the same entries, of the same types, in the same order.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -171,14 +171,11 @@ def _lasting(stayed: Array) -> Array:
     return np.asarray(padded[:-2] & padded[1:-1] & padded[2:])
 
 
-def of_archive(archive: Archive, rate: float | None, quaternion: str | None, joints: Sequence[str] | None) -> Trajectory:
+def of_archive(archive: Archive, rate: float | None, quaternion: str | None, names: tuple[str, ...] | None) -> Trajectory:
     """The trajectory in an archive. Raises InvalidFile for entries that are none, and names what is missing."""
     notes: list[str] = []
-    if joints is not None:
-        names: tuple[str, ...] | None = tuple(joints)
-    else:
-        key = archive.first(JOINT_NAMES)
-        names = None if key is None else archive.words(key)
+    if names is None and (key := archive.first(JOINT_NAMES)):
+        names = archive.words(key)
     parts, tables = _parts(archive, names)
     frames = {key: len(values) for key, values in tables.items()}
     if len(set(frames.values())) != 1:
@@ -186,32 +183,19 @@ def of_archive(archive: Archive, rate: float | None, quaternion: str | None, joi
     apart = any(part.key in ROOT_TURNS for part in parts)
     order = matching.require_order(quaternion or ("xyzw" if apart else "wxyz"))
     if quaternion is None:
-        notes.append(f'{archive.name}: quaternions taken as {", ".join(order)}; quaternion="{_other(order)}" says otherwise')
-    if archive.left_out:
-        notes.append(f"{archive.name}: left out, {matching.shortened(archive.left_out)}: Python objects (a pickle) are not read")
+        other = next(name for name in matching.ORDERS if name != order)
+        notes.append(f'{archive.name}: quaternions taken as {", ".join(order)}; quaternion="{other}" says otherwise')
+    notes += matching.said_of_pickles(archive)
     table = np.concatenate([tables[part.key] for part in parts], axis=1)
-    notes += _fates(archive, {part.key for part in parts})
+    if follow := [key for key in archive.arrays if key in derived.ALL and key not in {part.key for part in parts}]:
+        fate = "written anew where this avatar gives what was recorded, else left out"
+        notes.append(f"{archive.name}: {matching.shortened(follow)} follow from the pose: {fate}")
     times = times_of(archive, len(table), rate)
     found = object_of(archive, times, order)
     return Trajectory(
         archive.name, "npz", times, table, matching.Layout(names, order), ArrayStore(archive, parts),
         notes=notes + said_of(archive.name, found), object=found,
     )
-
-
-def _other(order: str) -> str:
-    return next(name for name in matching.ORDERS if name != order)
-
-
-def _fates(archive: Archive, pose: set[str]) -> list[str]:
-    """What becomes of entries beside the pose."""
-    follow = [key for key in archive.arrays if key in derived.ALL and key not in pose]
-    if not follow:
-        return []
-    return [
-        f"{archive.name}: {matching.shortened(follow)} follow from the pose: written anew where this avatar gives what was "
-        "recorded, else left out"
-    ]
 
 
 def _parts(archive: Archive, names: tuple[str, ...] | None) -> tuple[tuple[Part, ...], Mapping[str, Array]]:
