@@ -203,17 +203,11 @@ def _no_number(text: str) -> object:
     raise ValueError(f"{text} is no JSON")
 
 
-def output_hashes(one: Mapping[str, object] | None) -> dict[str, str]:
-    """SHA-256 of each output that an entry names; none where it names none."""
-    outputs = one.get("outputs") if one else None
-    if not isinstance(outputs, dict):
-        return {}
-    return {str(name): str(about.get("sha256")) for name, about in outputs.items() if isinstance(about, dict)}
-
-
 def output_hash(one: Mapping[str, object] | None, name: str) -> str | None:
     """SHA-256 of one output of an entry; None where it names none."""
-    return output_hashes(one).get(name)
+    outputs = one.get("outputs") if one else None
+    about = outputs.get(name) if isinstance(outputs, dict) else None
+    return str(about.get("sha256")) if isinstance(about, dict) else None
 
 
 @cache

@@ -20,7 +20,8 @@ ROBOT = """\
   <worldbody>
     <body name="base" pos="0 0 0.5">
       <freejoint name="root"/>
-      <geom name="trunk" type="sphere" size="0.1"/>
+      <geom name="trunk" type="sphere" size="0.1" group="3"/>
+      <geom name="shell" type="ellipsoid" size="0.08 0.09 0.07" contype="0" conaffinity="0" mass="0"/>
       <body name="arm" pos="0.12 0 0">
         <joint name="elbow" type="hinge" axis="0 1 0" range="-1.5 1.5"/>
         <geom name="rod" type="capsule" fromto="0.03 0 0 0.3 0 0" size="0.03"/>

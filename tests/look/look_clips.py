@@ -115,10 +115,10 @@ def test_parts_are_drawn_as_chosen_and_a_free_clip_has_nothing_red(folder: Path,
     one.until(f"{SHOWN} >= 0")
     one.value("document.querySelector('[data-worst]')?.click()")
     pictures = [one.value(PICTURE)]
-    for part in ("data-part=room", "data-view='0'", "data-part=ghost"):
+    for part in ("data-part=tested", "data-part=room", "data-view='0'", "data-part=ghost"):
         one.value(f"document.querySelector(\"[{part}]\").click()")
         pictures.append(one.value(PICTURE))
-    assert len(set(pictures)) == 4
+    assert len(set(pictures)) == 5
     # the lines on the ground are left
     lines = one.value(COLOURS)
     one.value("document.querySelector('[data-view]').click()")

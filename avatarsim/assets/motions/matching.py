@@ -78,7 +78,10 @@ def columns(name: str, layout: Layout, width: int, coordinates: Coordinates) -> 
     free = [slot.name for slot in coordinates.slots if slot.kind == "free"]
     if layout.joints is None:
         if width != coordinates.width:
-            valid = f"{coordinates.width}: {', '.join(_with_widths(coordinates))}; joints= says names for another order"
+            # each joint, with how many numbers it has where that is not one
+            widths = ((slot.name, WIDTHS[slot.kind]) for slot in coordinates.slots)
+            joints = ", ".join(joint if count == 1 else f"{joint} ({count})" for joint, count in widths)
+            valid = f"{coordinates.width}: {joints}; joints= says names for another order"
             raise InvalidFile(f"columns of {name}, which names no joints,", width, valid)
         starts = [sum(WIDTHS[slot.kind] for slot in coordinates.slots[:k]) for k in range(len(coordinates.slots))]
     else:
@@ -155,11 +158,6 @@ def shortened(names: list[str] | tuple[str, ...]) -> str:
     """Names in a row, of many the first and how many more."""
     more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + more
-
-
-def _with_widths(coordinates: Coordinates) -> list[str]:
-    """The joints, with how many numbers each has where that is not one."""
-    return [slot.name + ("" if WIDTHS[slot.kind] == 1 else f" ({WIDTHS[slot.kind]})") for slot in coordinates.slots]
 
 
 def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Motion:

@@ -60,7 +60,19 @@ class RecordedFile:
 
     def require_own(self, model: Model) -> None:
         """Raise InvalidFile, by the name of the first joint that does not fit, unless `model` has the file's tree and joints."""
-        require_same_joints(self.name, model, self._model)
+        own, links = self._model.avatar, () if model.avatar is None else model.avatar.links
+        assert own is not None
+        for k, want in enumerate(own.links):
+            link = links[k] if k < len(links) else None
+            if link is None or (link.name, link.parent) != (want.name, want.parent):
+                thing = f"link {k} of the avatar for {self.name}"
+                raise InvalidFile(thing, link and link.name, f"{want.name}: the file brings its own avatar")
+            has, needs = (len(one.hinges) if isinstance(one, Hinges) else type(one).__name__ for one in (link.joint, want.joint))
+            if has != needs:
+                raise InvalidFile(f"joint of {link.name}", link.joint, f"one as {want.joint}, which {self.name} has turns for")
+        if len(links) > len(own.links):
+            beyond = links[len(own.links)].name
+            raise InvalidFile(f"link of the avatar for {self.name}", beyond, "none: the file has no such joint")
 
 
 def said_of_limits(name: str, avatar: Avatar, motion: Motion) -> tuple[str, ...]:
@@ -71,21 +83,3 @@ def said_of_limits(name: str, avatar: Avatar, motion: Motion) -> tuple[str, ...]
     listed = ", ".join(f"{one.joint} ({one.frames} frames, up to {one.said})" for one in beyond)
     leaves = f"{name} itself leaves limits of joints in its {len(motion)} frames, and is clipped to them when run"
     return (f"{leaves}: {listed}",)
-
-
-def require_same_joints(thing: str, model: Model, own: Model) -> None:
-    """Raise InvalidFile, by the name of the first joint that does not fit, unless `model` has the avatar's tree and joints."""
-    assert own.avatar is not None
-    links = () if model.avatar is None else model.avatar.links
-    for k, want in enumerate(own.avatar.links):
-        if k >= len(links):
-            raise InvalidFile(f"link {k} of the avatar for {thing}", None, f"{want.name}: the file brings its own avatar")
-        link = links[k]
-        if (link.name, link.parent) != (want.name, want.parent):
-            raise InvalidFile(f"link {k} of the avatar for {thing}", link.name, f"{want.name}: the file brings its own avatar")
-        turns = [len(joint.hinges) if isinstance(joint, Hinges) else type(joint).__name__ for joint in (link.joint, want.joint)]
-        if turns[0] != turns[1]:
-            raise InvalidFile(f"joint of {link.name}", link.joint, f"one as {want.joint}, which {thing} has turns for")
-    if len(links) > len(own.avatar.links):
-        beyond = links[len(own.avatar.links)].name
-        raise InvalidFile(f"link of the avatar for {thing}", beyond, "none: the file has no such joint")
