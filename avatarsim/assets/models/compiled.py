@@ -82,10 +82,10 @@ class Compiled:
     Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
     reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes
     that bodies collide with or viewers show lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles
-    count within their mesh. `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name` which
-    bodies had moments of inertia that no solid has, `plate_name` which meshes had no thickness, `plugin_name` which plugins
-    were left out, `unread_name` what else the file states that has no counterpart. `jnt_velocity` is the limit of speed of
-    a URDF joint [rad/s], 0 where the file states none. Frictions are those of sliding; keyframes have coordinates and poses
+    count within their mesh. `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name`
+    which bodies had moments of inertia that no solid has, `plate_name` which meshes had no thickness, `plugin_name` which
+    plugins were left out, `unread_name` what else the file states that has no counterpart. `jnt_velocity` is the limit of speed
+    of a URDF joint [rad/s], 0 where the file states none. Frictions are those of sliding; keyframes have coordinates and poses
     of mocap bodies."""
 
     is_urdf: bool
