@@ -153,4 +153,4 @@ def said_of(name: str, found: ObjectPoses | None) -> list[str]:
     """Return a sentence on an object whose shape another file has to give."""
     if found is None or found.size is not None:
         return []
-    return [f"{name}: has the poses of an object, {found.name}, whose shape object=FILE gives; it is left out without"]
+    return [f"{name}: has the poses of an object, {found.name}; its shape is that of object=FILE, else it is left out"]
