@@ -8,6 +8,7 @@ from avatarsim.assets.models.doors import COLLIDE
 from avatarsim.assets.models.smpl_skeleton import LEAST_STATURE, MOST_STATURE
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
 from avatarsim.assets.motions.frame_times import HIGHEST, LOWEST
+from avatarsim.assets.motions.home import parsed_home
 from avatarsim.clips.reading import Reading
 from avatarsim.console import path_option
 from avatarsim.errors import InvalidInput
@@ -34,6 +35,8 @@ def reading_options(one: argparse.ArgumentParser) -> None:
     motion.add_argument("--scale", type=float, metavar="M", help="metres a unit of length (default: guessed and said)")
     motion.add_argument("--up", choices=("y", "z"), help="the axis that points up (default: guessed and said)")
     motion.add_argument("--asf", metavar="FILE", type=path_option, help="skeleton of AMC files (default: the one beside them)")
+    motion.add_argument("--home", metavar="FRAME | FILE | FILE:FRAME",
+                        help="where a recorded skeleton's limits and allowed depths are measured: a frame, another clip of it")
     motion.add_argument("--mass", type=float, metavar="KG", help="of a human of a recorded skeleton (default: a mean one)")
     motion.add_argument("--no-limits", action="store_true", help="recorded skeletons without limits of joints")
     motion.add_argument("--quaternion", choices=("wxyz", "xyzw"), help="order of quaternions of trajectories")
@@ -84,7 +87,7 @@ def reading_of(asked: argparse.Namespace) -> Reading:
                 raise InvalidInput(f"--{name}", getattr(asked, name), "an option beside --avatar or --room")
     return Reading(
         scale=asked.scale, up=asked.up, file_rate=asked.file_rate, quaternion=asked.quaternion, joints=asked.joints,
-        mass=asked.mass, limits=not asked.no_limits,
+        home=_home(asked.home), mass=asked.mass, limits=not asked.no_limits,
         offsets=asked.offsets if asked.offsets in (None, "mean") else str(Path(asked.offsets).absolute()), stature=asked.stature,
         asf=absolute(asked.asf), fix=_listed(asked.fix), root=asked.root, leave=_listed(asked.leave),
         folder=absolute(asked.folder), meshes=asked.meshes, repair=asked.repair,
@@ -96,6 +99,12 @@ def reading_of(asked: argparse.Namespace) -> Reading:
 
 def absolute(path: Path | None) -> str | None:
     return None if path is None else str(path.absolute())
+
+
+def _home(text: str | None) -> str | None:
+    """The word of --home, its file by its whole path. Raises InvalidInput."""
+    file, frame = parsed_home("--home", text)
+    return ":".join(str(part) for part in (absolute(file), frame) if part is not None) or None
 
 
 def _listed(text: str) -> tuple[str, ...]:

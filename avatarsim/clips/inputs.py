@@ -11,6 +11,7 @@ from avatarsim.assets.models.load import load_avatar, load_object, load_room
 from avatarsim.assets.models.mesh_files import candidates
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.asf_amc import skeleton_beside
+from avatarsim.assets.motions.home import ENDINGS, parsed_home
 from avatarsim.assets.motions.load import load_motion, options_of
 from avatarsim.assets.motions.motion_file import MotionFile
 from avatarsim.assets.motions.object_poses import PLACES, TURNS
@@ -119,6 +120,8 @@ def motion_files(path: Path, reading: Reading) -> Hashes:
     beside = [skeleton_of(path, reading)] if suffix == ".amc" else []
     if reading.offsets is not None and suffix == ".npz" and reading.offsets != MEAN:
         beside.append(Path(reading.offsets))
+    if suffix in ENDINGS:
+        beside.append(parsed_home("home", reading.home)[0])
     shape = () if reading.object_file is None else _files(Path(reading.object_file), None)
     return (*(_hashed(one, one.name) for one in [path, *beside] if one is not None), *shape)
 

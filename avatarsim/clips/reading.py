@@ -14,6 +14,7 @@ class Reading:
     offsets         a file with the rest joints of a body, or "mean" (BVH)
     stature         [m] of a body without offsets
     asf             the skeleton of AMC motions
+    home            of a recorded skeleton: a frame, a file, or a file and a frame with a colon between
     mass, limits    of a human of a recorded skeleton [kg], and False for joints without limits
     body            names of bodies whose trees are the avatar
     fix, root, leave, folder, meshes, repair, keyframe, collide, fit    of models, as in `load_avatar`
@@ -30,6 +31,7 @@ class Reading:
     offsets: str | None = None
     stature: float | None = None
     asf: str | None = None
+    home: str | None = None
     mass: float | None = None
     limits: bool = True
     fix: tuple[str, ...] = ()
@@ -54,7 +56,7 @@ class Reading:
         asked = {
             "scale": self.scale, "up": self.up, "rate": self.file_rate, "quaternion": self.quaternion, "joints": self.joints,
             "offsets": self.offsets, "stature": self.stature, "skeleton": self.asf,
-            "mass": self.mass, "limits": None if self.limits else False,
+            "home": self.home, "mass": self.mass, "limits": None if self.limits else False,
         }
         return {name: value for name, value in asked.items() if value is not None}
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from avatarsim.assets.models.model import Model
+from avatarsim.assets.motions.home import parsed_home
 from avatarsim.assets.motions.load import options_of
 from avatarsim.cleaning import Audit, Cleaned, audit, clean
 from avatarsim.clips import certificate
@@ -135,6 +136,9 @@ class _Clip:
         if self.wishes.rate is not None and "rate" in options_of(self.path.suffix.lower()):
             # of a file that states none
             asked["rate"] = self.wishes.rate
+        if "home" in asked and parsed_home("home", asked["home"])[0] is None:
+            # a frame as it was recorded
+            asked["home"] = f"{self.path}:{asked['home']}"
         back = read(path, asked)[0].motion(model)
         if len(back) != len(motion):
             raise InvalidFile(f"frames of {self.place} as it was written", len(back), f"{len(motion)}, as it was cleaned")

@@ -33,7 +33,7 @@ class Wishes:
     def told(self) -> dict[str, object]:
         """All of it as JSON holds it, files by their names: a certificate says nothing of a machine."""
         reading = {field.name: getattr(self.reading, field.name) for field in fields(Reading)}
-        for name in ("asf", "folder", "offsets", "object_file"):
+        for name in ("asf", "folder", "home", "offsets", "object_file"):
             if reading[name] is not None:
                 reading[name] = Path(reading[name]).name
         return {

@@ -15,6 +15,7 @@ from avatarsim.assets.motions.load import load_motion
 from avatarsim.cli import main
 from avatarsim.cli.motions import verdict
 from avatarsim.clips import certificate
+from tests.assets.motions.folded import rows, written
 from tests.clips.made import bvh, carrying, content, csv, robot
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -334,3 +335,15 @@ def test_an_audit_tells_limits_from_overlap_and_names_the_deepest_pair(tmp_path:
     assert verdicts == {"deep.csv": "OVERLAPS", "bent.csv": "BEYOND LIMITS", "good.csv": "clean"}
     deepest = found["deep.csv"]["overlap"]["before"]
     assert deepest["frame"] in (4, 5) and deepest["pair"] and found["bent.csv"]["overlap"]["before"]["frame"] is None
+
+
+def test_a_home_is_a_frame_as_it_was_recorded_or_a_file(tmp_path: Path) -> None:
+    """Also at another rate, where what is written has no such frame."""
+    clip, other = written(tmp_path, "a.bvh", rows()), written(tmp_path, "b.bvh", rows()[:9])
+    for home, word in (("29", "29"), (f"{other}:4", "b.bvh:4")):
+        out = tmp_path / f"out{len(home)}"
+        assert clean(clip, "-o", out, "--rate", "40", "--home", home, "--no-page", "--no-opinion") == 0
+        (one,) = certified(out)["clips"]
+        assert one["options"]["reading"]["home"] == word and one["frames"] < 29
+    assert ended("audit", clip, "--home", "30", "--workers", "0") == 3
+    assert ended("audit", clip, "--home", "nowhere", "--workers", "0") == 2

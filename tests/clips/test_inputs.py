@@ -117,3 +117,13 @@ def test_a_keyframe_is_one_of_the_avatars_file_where_there_is_one(tmp_path: Path
     alone = replace(wishes, avatar=None)
     with pytest.raises(UnknownName, match="keyframe of room.xml"):
         given(alone, files_of(alone))
+
+
+def test_a_home_counts_by_its_file(tmp_path: Path) -> None:
+    clip, other = bvh(tmp_path / "a.bvh"), bvh(tmp_path / "b.bvh", seed=1)
+    for home in (str(other), f"{other}:3"):
+        asked = Reading(home=home)
+        assert motion_files(clip, asked) == (("a.bvh", sha(clip)), ("b.bvh", sha(other))) and asked.of_motion() == {"home": home}
+        assert Path(home).name in str(Wishes(reading=asked).told()) and str(tmp_path) not in str(Wishes(reading=asked).told())
+    assert motion_files(clip, Reading(home="3")) == (("a.bvh", sha(clip)),)
+    assert "home" in options_of(".amc") and "home" not in options_of(".csv")

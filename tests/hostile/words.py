@@ -41,6 +41,7 @@ LINES: dict[str, tuple[Callable[[list[str]], int], frozenset[int], tuple[str, ..
         "audit some.csv --avatar some.xml --joints elbow --file-rate 30",
         "audit some.csv --avatar some.xml --keyframe qpos0 --collide collision --fit 0.001 --root fixed",
         "clean some.csv --avatar some.xml --room some.xml --body base --leave a,b --meshes hull --avatar-scale 1",
+        "audit some.bvh --home 2", "clean some.bvh --home some.bvh --rate 60", "audit some.bvh --home some.bvh:1 --up y",
         "clean some.bvh --margin 0.002 --blend 0 --rate 60 --loose", "clean some.bvh --room some.xml --asf some.xml --force",
     ), "--workers 0 -o out"),
 }

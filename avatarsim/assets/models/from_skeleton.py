@@ -62,18 +62,18 @@ LEAST_MASS = 0.01
 
 
 def human(
-    skeleton: Skeleton, stature: float, clip: Motion, mass: float = BODY_MASS, limits: bool = True
+    skeleton: Skeleton, stature: float, clip: Motion, mass: float = BODY_MASS, limits: bool = True, at_rest: bool = True
 ) -> Model:
     """The avatar of a skeleton that stands `stature` [m] tall, of `mass` [kg].
 
-    `clip` are postures of it, among which a standing one is looked for where the skeleton does not stand at rest. Links that
-    overlap in a standing posture may do so as deep as there (`FLESH`): a verdict on a frame does not depend on where its clip is
-    cut. `limits` gives joints of known name their range of motion, other joints none. Raises InvalidInput for sizes that no
-    avatar has, and for a mass that is none."""
+    `clip` are postures of it, among which a standing one is looked for where the skeleton does not stand at rest, or is not to be
+    looked at `at_rest`. Links that overlap in a standing posture may do so as deep as there (`FLESH`). `limits` gives joints of
+    known name their range of motion, other joints none. Raises InvalidInput for sizes that no avatar has, and for a mass that is
+    none."""
     positive(f"mass of the avatar of {skeleton.name} [kg]", mass, InvalidInput)
     positive(f"height of the skeleton of {skeleton.name} [m]", stature, InvalidInput)
     named = parts(skeleton)
-    standing, where = stance(skeleton, named, clip)
+    standing, frame = stance(skeleton, named, clip, at_rest)
     build = _build(skeleton, named, standing, mass, stature)
     pieces = [_pieces(skeleton, k, named, build) for k in range(len(skeleton.bones))]
     masses = _masses(named, pieces, mass)
@@ -83,8 +83,7 @@ def human(
              anchor=bone.offset if bone.parent >= 0 else (0.0, 0.0, 0.0))
         for k, bone in enumerate(skeleton.bones)
     )
-    at_rest = _overlapping(Avatar(skeleton.name, links), standing)
-    avatar = Avatar(skeleton.name, links, at_rest=at_rest)
+    avatar = Avatar(skeleton.name, links, at_rest=_overlapping(Avatar(skeleton.name, links), standing))
     said = [
         f"shapes, masses ({mass:g} kg in all) and ranges of motion of {skeleton.name} are a construction by its joints' names "
         "and mean human bodies, not a measurement of what was recorded",
@@ -95,13 +94,14 @@ def human(
     if limits and standing is None:
         said.append("joints without limits: no standing posture, at rest or in the clip, to count ranges of motion from")
     elif limits:
+        where = "at rest" if frame is None else "of a frame of the clip"
         said.append(f"ranges of motion are counted from the standing posture {where}; limits=False leaves joints free")
     limits_of = {link.name: link.joint.limits for link in links if isinstance(link.joint, Ball)}
     free = [name for name, one in limits_of.items() if one is not None and one.twist == ANY_TWIST]
     if free:
         said.append(f"joints whose twist has no limit, as their frames at rest are turned about too far: {', '.join(free)}")
-    if at_rest:
-        listed = ", ".join(f"{a} and {b} by {1e3 * depth:.3g} mm" for a, b, depth in at_rest)
+    if avatar.at_rest:
+        listed = ", ".join(f"{a} and {b} by {1e3 * depth:.3g} mm" for a, b, depth in avatar.at_rest)
         said.append(f"pairs that overlap in a standing posture, and may up to: {listed}")
     return Model(avatar, coordinates(avatar, skeleton), (), tuple(said))
 

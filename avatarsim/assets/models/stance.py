@@ -20,9 +20,6 @@ Array = NDArray[np.float64]
 UPRIGHT = 0.7
 """Cosine of the angle (45 degrees) between trunk and legs up to which a posture counts as standing."""
 
-AT_REST = "at rest"
-"""Where a standing posture was found that no clip is needed for."""
-
 STRAIGHT = 0.9
 """Distance of hip and foot, as a share of the leg's bones, from which a leg counts as straight."""
 
@@ -41,27 +38,24 @@ class Stance:
     angles: Array
 
 
-def stance(skeleton: Skeleton, named: Sequence[Part], clip: Motion) -> tuple[Stance | None, str]:
-    """A standing posture, at rest or else the most upright one of a clip, and where it was found; None if there is none."""
-    rest, _ = _upright(skeleton, named, *skeleton.still)
-    if rest is not None:
-        return rest, AT_REST
-    best, found, best_frame = -1.0, None, 0
+def stance(
+    skeleton: Skeleton, named: Sequence[Part], clip: Motion, at_rest: bool = True
+) -> tuple[Stance | None, int | None]:
+    """A standing posture, `at_rest` or else the most upright one of a clip, and its frame; no frame for rest and for none."""
+    rest, _ = _upright(skeleton, named, *skeleton.poses(*skeleton.still), *skeleton.still[1:])
+    if rest is not None and at_rest:
+        return rest, None
+    best, found, best_frame = -1.0, None, None
+    places, turned = skeleton.poses(clip.positions, clip.rotations, clip.angles)
     for frame in range(len(clip)):
-        standing, cosine = _upright(skeleton, named, clip.positions[frame], clip.rotations[frame], clip.angles[frame])
+        standing, cosine = _upright(skeleton, named, places[frame], turned[frame], clip.rotations[frame], clip.angles[frame])
         if standing is not None and cosine > best:
             best, found, best_frame = cosine, standing, frame
-    return found, f"at {clip.times[best_frame]:.3g} s of the clip, as the skeleton is folded at rest"
-
-
-def axis_at_rest(skeleton: Skeleton, named: Sequence[Part]) -> int | None:
-    """Return the axis, 0 to 2, along which the skeleton stands with every joint at zero; None where it does not stand then."""
-    standing, _ = _upright(skeleton, named, *skeleton.still)
-    return None if standing is None else int(np.argmax(np.abs(standing.up)))
+    return found, best_frame
 
 
 def _upright(
-    skeleton: Skeleton, named: Sequence[Part], positions: Array, rotations: Array, angles: Array
+    skeleton: Skeleton, named: Sequence[Part], places: Array, turned: Array, rotations: Array, angles: Array
 ) -> tuple[Stance | None, float]:
     """The posture as a stance, if it is one, and the cosine between trunk and legs."""
     at = {kind: _of_kind(named, kind) for kind in ("head", "neck", "foot", "toe")}
@@ -69,7 +63,6 @@ def _upright(
     head, feet = at["head"] or at["neck"], at["foot"] or at["toe"]
     if not (head and feet and all(hips)):
         return None, -1.0
-    places, turned = skeleton.poses(positions, rotations, angles)
     left, right = places[hips[0][0]], places[hips[1][0]]
     middle = 0.5 * (left + right)
     trunk, legs = places[head[0]] - middle, middle - np.mean(places[feet], axis=0)

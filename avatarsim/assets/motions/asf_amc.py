@@ -11,6 +11,7 @@ from avatarsim.assets import caps
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.asf import DOFS, Asf, angle_unit, read_asf
+from avatarsim.assets.motions.home import STILL, StatedHome
 from avatarsim.assets.motions.measures import SHORTEST, TALLEST, guessed, standing
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
@@ -28,9 +29,6 @@ FASTEST_RATE = 10_000.0
 
 NOTICED = 1e-4
 """Degrees beyond a limit from which they count: files state six digits."""
-
-STILL = 1e-6
-"""Way [m] that a bone may be moved along its parent and still count as fixed on it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -64,7 +62,7 @@ class AmcFile(RecordedFile):
 
 def read_amc(
     path: str | Path, *, skeleton: str | Path | None = None, rate: float | None = None, scale: float | None = None,
-    up: str | None = None, mass: float = BODY_MASS, limits: bool = True,
+    up: str | None = None, mass: float = BODY_MASS, limits: bool = True, home: int | str | Path | None = None,
 ) -> AmcFile:
     """The AMC file at `path` on its skeleton.
 
@@ -74,6 +72,7 @@ def read_amc(
     up        "y" or "z"; by default guessed of the postures
     mass      of the avatar [kg]
     limits    whether its joints have their range of motion
+    home      the frame, from 0, or another clip of the same skeleton ("walk.amc:12") that it is measured from, as of BVH files
 
     Raises InvalidFile for what is no such file, or does not fit the skeleton, and names its line."""
     path = Path(path)
@@ -96,12 +95,18 @@ def read_amc(
     def made(axes: Axes) -> Recording:
         return Recording(path.name, asf.skeleton(axes), tracks, values, 1.0 / rate, axes)
 
-    axes, guesses = _axes(path.name, asf, made, angle, scale, up)
+    stated = StatedHome.of(path.name, home, len(values))
+    other = None
+    if stated.file is not None:
+        other = read_amc(stated.file, skeleton=asf_path, rate=rate, scale=scale, up=up, home=stated.frame)
+        scale, up = other.recording.axes.scale, other.recording.axes.up
+    axes, guesses = _axes(path.name, asf, lambda axes: stated.measured(made(axes)), angle, scale, up)
     _require_fixed(path.name, asf, dict(order), values, axes.scale)
     guesses += _beyond_stated(path.name, asf, dict(order), values, angle)
+    recording, at_home, taken = stated.taken(made(axes), (other.recording, other.home) if other else None)
     return AmcFile(
-        name=path.name, recording=made(axes), said=(*said, *guesses), mass=mass, limits=limits, head=newline.join(lines[:head]),
-        first=first, order=tuple(order), newline=newline,
+        name=path.name, recording=recording, home=at_home, said=(*said, *guesses, *taken), mass=mass, limits=limits,
+        head=newline.join(lines[:head]), first=first, order=tuple(order), newline=newline,
     )
 
 

@@ -16,6 +16,7 @@ from avatarsim.assets import caps
 from avatarsim.assets.models.anthropometry import BODY_MASS
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.skeleton import Bone, Skeleton
+from avatarsim.assets.motions.home import STILL, StatedHome
 from avatarsim.assets.motions.measures import guessed
 from avatarsim.assets.motions.recorded_file import RecordedFile
 from avatarsim.assets.motions.recording import Axes, Recording, Track
@@ -32,9 +33,6 @@ CHANNELS = {f"{axis}{kind}".lower(): (kind, k) for kind in ("position", "rotatio
 
 LONGEST_STEP = 10.0
 """Seconds of a frame at most: what is slower is no motion, but pictures."""
-
-STILL = 1e-6
-"""Way [m] within which a joint's place counts as fixed on its parent: below what any of our promises is about."""
 
 END = -1
 """Stands for an end site where others have the number of a joint."""
@@ -89,7 +87,7 @@ class BvhFile(RecordedFile):
 
 def read_bvh(
     path: str | Path, *, scale: float | None = None, up: str | None = None, offsets: str = "refuse", mass: float = BODY_MASS,
-    limits: bool = True,
+    limits: bool = True, home: int | str | Path | None = None,
 ) -> BvhFile:
     """The BVH file at `path`.
 
@@ -98,6 +96,8 @@ def read_bvh(
     offsets  "mean" takes the mean of places of joints on their parents that vary; by default they are refused
     mass     of the avatar [kg]
     limits   whether its joints of known name get their range of motion
+    home     the frame, from 0, or a clip of the same skeleton ("walk.bvh", "walk.bvh:12"), that stature, ranges of motion and
+             pairs at rest are measured from; by default the skeleton at rest, or the most upright frame where it is folded
 
     Raises InvalidFile for what is no BVH file, names its line, and for a unit that cannot be guessed."""
     path = Path(path)
@@ -107,19 +107,26 @@ def read_bvh(
         raise InvalidFile(f"offsets of {name}", offsets, '"refuse" or "mean"')
     joints, motion_at = _hierarchy(name, lines)
     values, step_text = _frames(name, lines, motion_at, joints)
-    root = _carried(joints, values)
+    stated = StatedHome.of(name, home, len(values))
+    other = None
+    if stated.file is not None:
+        other = read_bvh(stated.file, scale=scale, up=up, offsets=offsets, home=stated.frame)
+        scale, up = other.recording.axes.scale, other.recording.axes.up
+    # a short cut does not show what the root does
+    root = min(len(other.recording.above), len(joints) - 1) if other else _carried(joints, values)
 
     def made(axes: Axes) -> Recording:
         return _recording(name, joints, root, values, float(step_text), axes)
 
-    axes, said = guessed(name, made, DEGREE, scale, up)
+    axes, said = guessed(name, lambda axes: stated.measured(made(axes)), DEGREE, scale, up)
     said += _on_parents(name, joints, root, values, axes.scale, offsets)
-    recording = made(axes)
+    recording, at_home, taken = stated.taken(made(axes), (other.recording, other.home) if other else None)
+    said += taken
     if root:
         said.append(f"{joints[root].name} is the avatar's root: {joints[0].name} above it only carries it about")
     return BvhFile(
-        name=name, recording=recording, said=tuple(said), mass=mass, limits=limits, head=newline.join(lines[:motion_at]),
-        newline=newline, step_text=step_text,
+        name=name, recording=recording, home=at_home, said=tuple(said), mass=mass, limits=limits,
+        head=newline.join(lines[:motion_at]), newline=newline, step_text=step_text,
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.anthropometry import parts
-from avatarsim.assets.models.stance import axis_at_rest
+from avatarsim.assets.models.stance import Stance, stance
 from avatarsim.assets.motions.recording import Axes, Recording
 from avatarsim.errors import InvalidFile
 
@@ -18,6 +18,9 @@ UNITS = {1.0: "metres", 0.01: "centimetres", 0.0254: "inches", 0.0254 / 0.45: "i
 
 STANDING, SHORTEST, TALLEST = 1.7, 1.2, 2.2
 """Standing height [m] of humans: the unit is the one that brings the skeleton's nearest to the first, within the other two."""
+
+POSTURES = 64
+"""Postures, evenly through a clip, among which a standing one is looked for."""
 
 LOOKED_AT = 32
 """Frames, evenly through a clip, whose extent says which way is up."""
@@ -58,7 +61,7 @@ def guessed(
 
 def _points(recording: Recording) -> tuple[Array, Array]:
     """Joints and tips at rest (points, 3) and in some frames (frames, points, 3)."""
-    motion = recording.looked_at(LOOKED_AT)
+    motion = recording.at(recording.evenly(LOOKED_AT)).motion
     return recording.skeleton.rest, recording.skeleton.points(motion.positions, motion.rotations, motion.angles)
 
 
@@ -72,17 +75,26 @@ def _up(rest: Array, clip: Array) -> tuple[str, str]:
     return "y", "custom, as its extents along y and z are alike"
 
 
+def home_frame(recording: Recording) -> tuple[Stance | None, int | None]:
+    """The standing posture of a recording, and its frame: none where the skeleton stands at rest, and where no posture stands."""
+    chosen = recording.evenly(POSTURES)
+    found, frame = stance(recording.skeleton, parts(recording.skeleton), recording.at(chosen).motion)
+    return found, None if frame is None else chosen[frame]
+
+
 def standing(recording: Recording) -> float:
-    """Standing height in the recording's unit: from the lowest foot to the top of the head, if names tell, at rest; in the clip
-    where the skeleton does not stand at rest, as some are folded up, and that is more."""
+    """Standing height in the recording's unit: from the lowest foot to the top of the head, if names tell, at rest; in its most
+    upright frame where the skeleton is folded at rest; the most in the clip where nothing stands."""
     named = parts(recording.skeleton)
     kinds = [part.kind for part in named]
     owners = np.array([kinds[bone] for bone in recording.skeleton.owners])
     body = np.isin(owners, ("head", "face", "neck", "foot", "toe", "shank"))
     if not (np.isin(owners, ("head", "neck")).any() and np.isin(owners, ("foot", "toe")).any()):
         body[:] = True
-    rest, clip = _points(recording)
-    upright = axis_at_rest(recording.skeleton, named)
+    upright, frame = home_frame(recording)
+    rest, clip = _points(recording if frame is None else recording.at([frame]))
+    if upright is not None and frame is None:
+        return float(np.ptp(rest[body, np.argmax(np.abs(upright.up))]))
     if upright is not None:
-        return float(np.ptp(rest[body, upright]))
+        return float(np.ptp(clip[0, body, 2]))
     return float(max(np.ptp(rest[body, 2]), np.ptp(clip[:, body, 2], axis=1).max()))

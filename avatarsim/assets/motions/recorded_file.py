@@ -7,15 +7,12 @@ from typing import ClassVar
 from avatarsim.assets.models.ball_limits import Beyond, beyond_limits
 from avatarsim.assets.models.from_skeleton import human
 from avatarsim.assets.models.model import Model
-from avatarsim.assets.motions.measures import standing
+from avatarsim.assets.motions.home import Home
 from avatarsim.assets.motions.recording import Recording
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.joint import Hinges
 from avatarsim.scene.motion import Motion
-
-POSTURES = 64
-"""Postures, evenly through a clip, among which a standing one is looked for."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -24,12 +21,14 @@ class RecordedFile:
 
     name       of the file, for sentences
     recording  its clip on its skeleton
+    home       the posture that its avatar is measured from
     said       sentences on what was guessed
     mass       of the avatar [kg]
     limits     whether its joints of known name have their range of motion"""
 
     name: str
     recording: Recording
+    home: Home
     said: tuple[str, ...]
     mass: float
     limits: bool
@@ -37,8 +36,8 @@ class RecordedFile:
 
     @cached_property
     def _model(self) -> Model:
-        recording = self.recording
-        built = human(recording.skeleton, standing(recording), recording.looked_at(POSTURES), self.mass, self.limits)
+        recording, home = self.recording, self.home
+        built = human(recording.skeleton, home.stature, home.clip, self.mass, self.limits, not home.is_stated)
         assert built.avatar is not None
         return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, recording.motion_within(built.avatar))))
 

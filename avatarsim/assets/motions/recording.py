@@ -3,6 +3,7 @@
 A column that the motion leaves as it was keeps its number bit for bit; others get the angle nearest the one that stood there.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -124,10 +125,13 @@ class Recording:
             turned = rotation.multiply(turned, track.turned(values, self.axes.angle))
         return place, turned
 
-    def looked_at(self, frames: int) -> Motion:
-        """At most so many postures, evenly from the first to the last."""
-        chosen = np.unique(np.linspace(0, len(self.values) - 1, frames).round().astype(np.int64))
-        return replace(self, values=self.values[chosen], step=1.0).motion
+    def evenly(self, frames: int) -> list[int]:
+        """At most so many frames, evenly from the first to the last."""
+        return [int(frame) for frame in np.unique(np.linspace(0, len(self.values) - 1, frames).round())]
+
+    def at(self, frames: Sequence[int]) -> "Recording":
+        """These frames alone, a second apart."""
+        return replace(self, values=self.values[list(frames)], step=1.0)
 
     @cached_property
     def motion(self) -> Motion:

@@ -21,9 +21,10 @@ from avatarsim.assets.models.skeleton import Skeleton
 from avatarsim.assets.motions import matching
 from avatarsim.assets.motions.archive import AnyArray, Archive, opened, packed
 from avatarsim.assets.motions.frame_times import restated, times_of
+from avatarsim.assets.motions.measures import POSTURES
 from avatarsim.assets.motions.motion_file import Notes
 from avatarsim.assets.motions.object_poses import at_times, object_of, said_of
-from avatarsim.assets.motions.recorded_file import POSTURES, said_of_limits
+from avatarsim.assets.motions.recorded_file import said_of_limits
 from avatarsim.errors import InvalidFile, UnknownName
 from avatarsim.scene.joint import MANY_TURNS
 from avatarsim.scene.motion import Motion
