@@ -43,24 +43,26 @@ def colour_of(number: int) -> Colour:
 
 
 class Body:
-    """A frame that moves, with a mesh of the body's surface, and one of the pieces that are tested where these are others."""
+    """A node that moves: the mesh of the pieces, or, of a body with a surface of its own, a frame with a mesh of each."""
 
     def __init__(
         self, server: viser.ViserServer, place: str, pieces: Sequence[Piece], seen: Surface | None, colour: Colour,
         opacity: float | None,
     ) -> None:
         def mesh(name: str, of: Surface) -> viser.MeshHandle:
-            return server.scene.add_mesh_simple(f"{place}/{name}", *of, color=colour, opacity=opacity, flat_shading=False)
+            at = place if seen is None else f"{place}/{name}"
+            return server.scene.add_mesh_simple(at, *of, color=colour, opacity=opacity, flat_shading=False)
 
-        self.frame = server.scene.add_frame(place, show_axes=False)
+        frame = None if seen is None else server.scene.add_frame(place, show_axes=False)
         self._tested = mesh("tested", surface(pieces)) if pieces else None
         self._seen = None if seen is None else mesh("seen", seen)
         self.meshes = [one for one in (self._seen, self._tested) if one is not None]
+        self.node = frame or self.meshes[0]
         self.test(False)
 
     def place(self, position: Array, turn: Array) -> None:
         """Move it to a place (3,) [m], turned by (4,)."""
-        self.frame.position, self.frame.wxyz = position, turn
+        self.node.position, self.node.wxyz = position, turn
 
     def colour(self, colour: Colour) -> None:
         """Draw it in another colour."""
@@ -79,9 +81,7 @@ class Drawn:
     """Meshes of one engine's state: links, and loose bodies; the room only for the driven one, the ghost likewise. `seen` has the
     surfaces that are drawn in place of pieces."""
 
-    def __init__(
-        self, server: viser.ViserServer, scene: Scene, name: str, number: int, seen: Mapping[str, Surface]
-    ) -> None:
+    def __init__(self, server: viser.ViserServer, scene: Scene, name: str, number: int, seen: Mapping[str, Surface]) -> None:
         self._scene, self._name, self._number = scene, name, number
         self._is_driven = number == 0
         self._first = len(scene.bodies)
@@ -146,12 +146,12 @@ class Drawn:
     def see(self, visible: bool) -> None:
         """Draw it, or not."""
         for body in (*self.moving.values(), *self.links.values()):
-            body.frame.visible = visible
+            body.node.visible = visible
 
     def see_ghost(self, visible: bool) -> None:
         """Draw the ghost, or not."""
         for body in self._ghost.values():
-            body.frame.visible = visible
+            body.node.visible = visible
 
     def test(self, tested: bool) -> None:
         """Draw the pieces that are tested for overlap, or the surfaces."""
