@@ -34,7 +34,7 @@ round [m]: fingertips ahead, 4 cm into the side, which is less thick."""
 THIN, START, BEHIND = 2e-3, -0.35, 0.4
 """Thickness of its wall, where the hand rests before it, and how far it is driven behind it [m]."""
 FAST = Bound(
-    "tracker_offset_rms_free", 15e-3, "its user comes out at up to 20 m/s: from rest a hand lags by v / (e omega) = 0.15 m at first"
+    "tracker_offset_rms_free", 15e-3, "its user comes out at up to 20 m/s: from rest it lags by v / (e omega) = 0.15 m at first"
 )
 
 
