@@ -84,7 +84,7 @@ def _dots(run: Run, chart: Strip) -> list[Spec]:
             "value": chart.high if row.value != row.value else min(max(row.value, chart.low), chart.high),
             "text": quantity(row.value, unit),
             "even": row.even, "counted": bool(row.even and shares[row.run] >= 0.5),
-            "why": "; ".join(part for part in (row.why or "yes", row.by and f"preset {row.by}") if part),
+            "why": "; ".join(part for part in (row.even and "yes", row.why, row.by and f"preset {row.by}") if part),
             "place": marks.place_of(row.scenario),
         }
         for row in rows.itertuples()

@@ -9,7 +9,7 @@ import pandas as pd
 
 from avatarsim.errors import InvalidFile
 from reports.reading.load import Results, load
-from runfiles.comparable import AVATAR_METRIC, reasons
+from runfiles.comparable import AVATAR_METRIC, FEW_FRAMES, reasons
 from runfiles.engines import about, main_runs
 from runfiles.naming import GATED
 
@@ -37,13 +37,13 @@ class Run:
         measured       flag: a number was measured, finite or not
         bound, waiver  float, NaN without; a value above the bound passes up to the waiver
         why            reason why the figure does not compare engines, "" where it does
-        even           flag: it does
+        even           flag: measured in the same way as the other engines' figures
         """
         listed = [{**vars(row), "run": row.run, "measured": row.value is not None} for row in self.results.rows]
         rows = pd.DataFrame(listed).rename(columns={"ceiling": "waiver"})
         rows = rows.astype(dict.fromkeys(("value", "bound", "waiver"), float))
         rows["why"] = reasons(rows, self.results.engines)
-        rows["even"] = rows.why == ""
+        rows["even"] = rows.why.isin(("", FEW_FRAMES))
         return rows
 
     @cached_property
