@@ -96,7 +96,7 @@ def _cost(share: float) -> str:
     """Return a share of the frame in percent; where the effect saves time, the share of the frame without it that is saved."""
     if abs(share) <= FAINT:
         return "< 5 %"
-    return f"{100.0 * share:.0f} %" if share > 0.0 else f"saves {100.0 * share / (share - 1.0):.0f} %"
+    return f"{100.0 * share:.0f} %" if share > 0.0 else f"−{100.0 * share / (share - 1.0):.0f} %"
 
 
 def bars(losses: pd.DataFrame) -> Spec:
