@@ -15,10 +15,8 @@ class PostureSettings(NamedTuple):
     catch_up_turn   [rad/s] how fast a joint may turn beyond what the target turns. Larger: turns that look like jumps; smaller:
                     limbs that come free are late.
     catch_up_move   [m/s] the same of a root. Larger: jumps; smaller: a body that was held off comes late.
-    natural_frequency
-                    [rad/s] of the critically damped spring by which a posture follows what pulls it: in contact, when it comes
-                    free, along a path; free motion is followed exactly. Larger: limbs dash off when they come free; smaller: they
-                    swing in, and contacts that give way are followed late.
+    natural_frequency  [rad/s] of the critically damped spring between an avatar and its target. Motion without contact has no
+                    lag. Larger: limbs dash off when they come free; smaller: they come back later.
     settle_time     [s] over which the target's speed is low-passed, in proportion to which the catch-up speeds fall once it holds
                     still. Larger: limbs that are pressed on things wander for longer; smaller: what is far away comes late.
     stall_time      [s] without progress after which a path is searched, or else the frame record says that an avatar waits.

@@ -188,8 +188,9 @@ def test_every_preset_runs_and_says_its_settings(preset: str) -> None:
     engine.load(SCENE, Settings(preset=preset), DT)
     record = engine.advance(at(SCENE.first_sample, (0.5, 0.0, 0.0)), DT)
     assert record.shown.positions[1, 0] < -0.05
-    method = engine.settings_as_run()["method"]
-    assert isinstance(method, tuple) and method[0] == preset
+    found = engine.settings_as_run()
+    assert isinstance(found["method"], tuple) and found["method"][0] == preset
+    assert [name for name, pair in found.items() if not (isinstance(pair, tuple) and pair[1])] == [], "each has a meaning"
 
 
 def test_a_link_without_pieces_is_a_point_that_meets_nobody() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 
 from avatarsim.collision.path import spun
 from avatarsim.coupling.tracked_motion import TOP_SPEED, TOP_SPIN
+from avatarsim.ik.inertia import minmod
 from avatarsim.ik.kinematics import place_avatar
 from avatarsim.ik.sqp_step import copy_poses, forget_forces
 from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState
@@ -97,7 +98,7 @@ def accelerate(
     for i in range(3):
         gained = v[i] - velocity_out[b, i]
         smooth = gained + keeps * (gained_out[b, i] - gained)
-        ramp_out[b, i] = (gained if abs(gained) < abs(smooth) else smooth) / dt if gained * smooth > 0.0 else 0.0
+        ramp_out[b, i] = minmod(gained, smooth) / dt
         lag_out[b, i] -= share * (gained - smooth)
         velocity_out[b, i], gained_out[b, i] = v[i], smooth
 

@@ -202,9 +202,12 @@ def aim_along_paths(
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             s.step[j] = 0.0
             state_out.inertia.momentum[j] = 0.0 if sees else state_out.inertia.walk[j]
-        if sees:
+        if sees and dt > 0.0:
             is_last = plan_out.searches.place[avatar] == plan_out.searches.length[avatar] - 1
-            go_straight(skel, avatars, avatar, dt, is_last, posture, state_out, s)
+            go_straight(skel, avatars, avatar, is_last, posture, state_out, s)
+        elif sees:
+            # it has already moved along the path in this frame
+            copy_posture(skel, avatars, avatar, posture, s.target)
         t.is_legal[avatar], t.is_located[avatar] = 1, 0
         locate(skel, avatars, avatar, s.target, t, s.objective)
         # what the target moves by in this frame, in place of the tracker's own motion
@@ -259,20 +262,19 @@ def put_target(skel: Skeleton, avatars: Avatars, avatar: int, place: int, plan: 
 
 @kernel
 def go_straight(
-    skel: Skeleton, avatars: Avatars, avatar: int, dt: float, is_last: bool, posture: Posture, state: IkState,
-    scratch_out: IkScratch,
+    skel: Skeleton, avatars: Avatars, avatar: int, is_last: bool, posture: Posture, state: IkState, scratch_out: IkScratch
 ) -> None:
-    """The target: towards the node as far as the budget reaches, all joints and the root by one factor, at a speed that changes
-    as the spring's does: it sets out as the avatar moves, and to the path's end as the spring pulls. dt = 0: what this frame was
-    to go along the path it has gone."""
+    """Move the target towards the node as far as the budget reaches, all joints and the root by one factor.
+
+    Its speed is low-passed by the spring, so that it begins with that of the avatar; it slows down towards the path's end."""
     s, keep = scratch_out, state.tracking.keep[avatar]
     most = state.tracking.share[avatar] / (1.0 - keep) if is_last else 1.0
     tangent_error(skel, avatars, avatar, posture, s.target, s.step)
     frames = budgets_of(skel, avatars, avatar, s.step, state.budget)
-    if dt > 0.0 and frames <= STOP:
+    if frames <= STOP:
         return
-    scale_step(avatars, avatar, min(most, 1.0 / frames) if dt > 0.0 else 0.0, s.step)
-    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1] if dt > 0.0 else 0):
+    scale_step(avatars, avatar, min(most, 1.0 / frames), s.step)
+    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         s.step[j] = keep * state.inertia.walk[j] + (1.0 - keep) * s.step[j]
     keep_budget(skel, avatars, avatar, state.budget, False, s.step)
     copy_posture(skel, avatars, avatar, posture, s.target)
