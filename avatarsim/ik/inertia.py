@@ -24,10 +24,6 @@ from avatarsim.model.skeleton import FREE, Posture, Skeleton
 from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import dot, norm, row, sub
 
-SETTLED = 2.0 * AT_REST
-"""[rad/s or m/s] a straight step that is slower beyond the target's own motion ends at the target: nothing shakes at that
-speed. Larger: limbs stop abruptly; smaller: targets in free motion are reached later."""
-
 SETTLING = 5.0
 """Time constants 1 / omega after which a critically damped spring has come within 4 % of where it goes."""
 
@@ -124,8 +120,8 @@ def resist_straight(avatars: Avatars, avatar: int, state: IkState, scratch_out: 
     if state.tracking.keep[avatar] == 0.0:
         return
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-        far = max(far, abs(step[j] - own[j] + inertia.gone[j]), 0.5 * abs(inertia.momentum[j]))
-    if SETTLED * state.tracking.frame_time[avatar] < far < inf:
+        far = max(far, abs(step[j] - own[j] + inertia.gone[j]), abs(inertia.momentum[j]))
+    if AT_REST * state.tracking.frame_time[avatar] < far < inf:
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             # between two postures within limits momentum may lead out of them
             step[j] = min(max(goal_of(avatar, j, step[j], state, own), s.low[j]), s.high[j])

@@ -16,8 +16,8 @@ from avatarsim.model.skeleton import FREE, SLIDE, Posture, Skeleton, has_angles
 from avatarsim.settings import PostureSettings
 
 AT_REST = 0.06
-"""[rad/s or m/s] a target that is slower holds still, and the catch-up speed falls in proportion: a millimetre in a frame of 1/60
-s, what a hand that is held still trembles."""
+"""[rad/s or m/s] a target that is slower holds still, and the catch-up speed falls in proportion; an avatar that is slower and on
+its straight way ends at its target. A millimetre in a frame of 1/60 s, what a hand that is held still trembles."""
 
 
 SLACK = 0.15

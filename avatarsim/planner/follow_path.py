@@ -18,7 +18,7 @@ from avatarsim.ik.certify import certify
 from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.inertia import SETTLING
 from avatarsim.ik.kinematics import take_step, tangent_error, try_step
-from avatarsim.ik.motion_budget import budgets_of, keep_budget, time_of
+from avatarsim.ik.motion_budget import AT_REST, budgets_of, keep_budget, time_of
 from avatarsim.ik.objective import locate
 from avatarsim.ik.solve import ARRIVED, activate
 from avatarsim.ik.sqp_step import copy_poses, scale_step, work_done
@@ -171,11 +171,8 @@ def time_between(
 
 FOLLOW_PATH = int(Mode.FOLLOW_PATH)
 
-AHEAD = 4.0
+AHEAD = 3.0
 """Budgets of a frame within which nodes are looked at. 1: kinks of the path are shown as shaking limbs; more costs work."""
-
-STOP = 0.1
-"""Budgets of a frame within which an avatar ends at a node. Larger: it stops abruptly; smaller: it circles about nodes."""
 
 AT = FINE
 """Budgets of a frame within which an avatar is at a node, and goes on whether it sees the next one or not: along its edge.
@@ -271,10 +268,11 @@ def go_straight(
     most = state.tracking.share[avatar] / (1.0 - keep) if is_last else 1.0
     tangent_error(skel, avatars, avatar, posture, s.target, s.step)
     frames = budgets_of(skel, avatars, avatar, s.step, state.budget)
-    if frames <= STOP:
+    first, last = avatars.first_dof[avatar], avatars.first_dof[avatar + 1]
+    if largest(s.step, first, last) <= AT_REST * state.tracking.frame_time[avatar]:
         return
     scale_step(avatars, avatar, min(most, 1.0 / frames), s.step)
-    for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
+    for j in range(first, last):
         s.step[j] = keep * state.inertia.walk[j] + (1.0 - keep) * s.step[j]
     keep_budget(skel, avatars, avatar, state.budget, False, s.step)
     copy_posture(skel, avatars, avatar, posture, s.target)

@@ -6,17 +6,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.engine import Settings
-from avatarsim.ik.inertia import SETTLED, minmod
+from avatarsim.ik.inertia import minmod
+from avatarsim.ik.motion_budget import AT_REST
 from avatarsim.simulator import AvatarsimEngine
 from tests.worlds.little_worlds import at, hand_scene
 
 
 def spring(way: float, omega: float, times: list[float]) -> list[float]:
     """Ways [m] that are left after frames of so many seconds, from rest: x'' = -2 omega x' - omega^2 x by backward Euler, as
-    the two equations that it is; what is slower than SETTLED ends at the target."""
+    the two equations that it is; what is slower than AT_REST ends at the target."""
     speed, left = 0.0, []
     for dt in times:
-        if max(abs(way), 0.5 * abs(speed) * dt) <= SETTLED * dt:
+        if max(abs(way), abs(speed) * dt) <= AT_REST * dt:
             way, speed = 0.0, 0.0
         else:
             matrix = np.array([[1.0, -dt], [omega**2 * dt, 1.0 + 2.0 * omega * dt]])
