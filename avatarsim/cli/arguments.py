@@ -156,7 +156,7 @@ def _scene(one: argparse.ArgumentParser) -> None:
     scene.add_argument("--avatar", metavar="FILE", type=path_option,
                        help="MJCF or URDF model of the avatar; a BVH or AMC recording brings its own skeleton")
     scene.add_argument("--room", metavar="FILE", type=path_option,
-                       help="MJCF, URDF or mesh (.obj .stl .ply .glb .dae) of what stands still, or the word floor")
+                       help="MJCF, URDF or mesh (.obj .stl .ply .glb .dae) of the fixed room, or the word floor")
     scene.add_argument("--loose", action="store_true",
                        help="leave out the loose bodies of files; else they stand still where they are")
 

@@ -19,7 +19,7 @@ SILENT = ("$schema", "$defs", "title", "description")
 BOUNDS: Mapping[str, Callable[[Any, Any], bool]] = {
     "minimum": ge, "exclusiveMinimum": gt, "maximum": le, "minItems": ge, "maxItems": le,
 }
-"""How a number, or the number of parts, must compare with the keyword's."""
+"""Comparison of a number, or of a length, with the value of the keyword."""
 
 
 def fault(value: object, schema: Mapping[str, Any], root: Mapping[str, Any], place: str = "") -> str:

@@ -33,7 +33,7 @@ def carry_momentum(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, dt: float, posture: Posture, state_out: IkState,
     scratch: IkScratch,
 ) -> None:
-    """Begin a frame of dt [s]: how the avatars go on moving from the last one. `scratch` has the target's own motion."""
+    """Compute the momentum of the avatars at the start of a frame of dt [s], from the last frame and the target's own motion."""
     t, inertia, w = state_out.tracking, state_out.inertia, settings.natural_frequency * dt
     for avatar in range(avatars.first_link.shape[0] - 1):
         t.keep[avatar] = 1.0 / (1.0 + w) ** 2
@@ -51,14 +51,13 @@ def carry_momentum(
 
 @kernel
 def terminal_speed(settings: PostureSettings, way: float, dt: float) -> float:
-    """Speed [m/s] at which the spring and its damper balance where the way [m] to the target stays the same, as beyond the loss
-    radius."""
+    """Return the steady speed [m/s] of a spring whose distance [m] to the target is constant, as beyond the loss radius."""
     return settings.natural_frequency * way / (2.0 + settings.natural_frequency * dt)
 
 
 @kernel
 def minmod(a: float, b: float) -> float:
-    """The smaller of two numbers of one sign, else 0; also of what is no number."""
+    """Return the smaller of two numbers of the same sign, else 0 (van Leer 1979); 0 for nan."""
     if not a * b > 0.0:
         return 0.0
     return a if abs(a) < abs(b) else b
@@ -66,7 +65,7 @@ def minmod(a: float, b: float) -> float:
 
 @kernel
 def forget_momentum(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, state_out: IkState) -> None:
-    """An avatar stands still at `posture`."""
+    """Set the velocity of an avatar at `posture` to zero."""
     inertia = state_out.inertia
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         inertia.momentum[j], inertia.walk[j], inertia.gone[j] = 0.0, 0.0, 0.0
@@ -76,8 +75,7 @@ def forget_momentum(skel: Skeleton, avatars: Avatars, avatar: int, posture: Post
 
 @kernel
 def shorten_own(skel: Skeleton, avatars: Avatars, avatar: int, reach: float, objective_out: Objective) -> None:
-    """Shorten the target's own motion, for all of an avatar by one factor, to how far the target is: one that leaps back to the
-    avatar is not to be overtaken."""
+    """Scale the target's own motion of one frame down to the distance of the target, so that an avatar never overtakes it."""
     o = objective_out
     moved = longest_part(skel, avatars, avatar, o.own, 1.0, 1.0 / reach)
     far = longest_part(skel, avatars, avatar, o.error, 1.0, 1.0 / reach)
@@ -88,15 +86,17 @@ def shorten_own(skel: Skeleton, avatars: Avatars, avatar: int, reach: float, obj
 
 @kernel
 def goal_of(avatar: int, j: int, newton: float, state: IkState, own: Array) -> float:
-    """The part j of what is left to move in this frame, where the whole Newton step is `newton`."""
+    """Return component j of the remaining step of this frame, for component `newton` of the Newton step."""
     gone, t = state.inertia.gone[j], state.tracking
     return float(own[j] + t.share[avatar] * (newton - own[j] + gone) + t.keep[avatar] * state.inertia.momentum[j] - gone)
 
 
 @kernel
 def resist(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, objective_out: Objective) -> None:
-    """Make the Newton step what is left to move in this frame. Nothing slows down a root towards a target that is drawn near:
-    its way is as long as the target is far. An avatar that is not shown has no inertia."""
+    """Replace the Newton step by the step with inertia.
+
+    The root is not damped towards a target that is drawn near, which moves away as the root moves. The planner's ghost has no
+    inertia."""
     o, root = objective_out, avatars.first_link[avatar]
     if state.tracking.keep[avatar] == 0.0:
         return
@@ -115,7 +115,7 @@ def resist(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, object
 
 @kernel
 def resist_straight(avatars: Avatars, avatar: int, state: IkState, scratch_out: IkScratch) -> None:
-    """The same of the straight way to the target: the step, which is the tangent error, ends there if it is slow."""
+    """Replace the tangent error by the step with inertia, unless the avatar is slow enough to end at its target."""
     s, step, own, inertia, far = scratch_out, scratch_out.step, scratch_out.objective.own, state.inertia, 0.0
     if state.tracking.keep[avatar] == 0.0:
         return
@@ -129,6 +129,6 @@ def resist_straight(avatars: Avatars, avatar: int, state: IkState, scratch_out: 
 
 @kernel
 def note_way(avatars: Avatars, avatar: int, step: Array, own: Array, state_out: IkState) -> None:
-    """An avatar takes a step (nd)."""
+    """Add a step (nd) to the motion of this frame beyond the target's own."""
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         state_out.inertia.gone[j] += step[j] - own[j]

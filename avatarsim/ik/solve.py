@@ -75,7 +75,7 @@ def activate(first: int, last: int, scratch_out: IkScratch) -> None:
 
 @kernel
 def went_straight(first: int, last: int, state: IkState, scratch: IkScratch) -> bool:
-    """Whether members first .. last all went straight, so that nothing of this frame's motion is left."""
+    """Return True if the last step of all members first .. last was straight; a frame has one straight step at most."""
     for m in range(first, last):
         if state.tracking.is_straight[scratch.members[m]] == 0:
             return False

@@ -269,12 +269,12 @@ class Touching(NamedTuple):
 
 
 class Inertia(NamedTuple):
-    """How the avatars move.
+    """Velocities of the avatars, as displacements in a frame.
 
-    shown     the posture as the frame began
-    walk      (nd) what the last frame moved, for a frame of this length
-    momentum  (nd) the part of that beyond the target's own motion, with which this frame goes on
-    gone      (nd) what this frame has moved beyond the target's own motion so far
+    shown     posture at the start of the frame
+    walk      (nd) displacement of the last frame, scaled to the length of this one
+    momentum  (nd) initial velocity relative to the target
+    gone      (nd) displacement relative to the target so far in this frame
     """
 
     shown: Posture

@@ -16,8 +16,6 @@ OVERLAP, GHOST, MOVES = "overlap", "ghost", "moves"
 """Kinds of captions: the view overlaps, only its ghost overlaps, it moves in a way that is worth a remark."""
 MISSING, LEAST, MOST = 0, 1, 65535
 """The code of a number that is not finite, and the codes of the least and the greatest value."""
-SHORT = 65536
-"""Corners of a mesh up to which its triangles are whole numbers of 16 bits, else of 32."""
 AIR = 0.25
 """Share by which the box of all bodies is wider than the leading view and the ghost; bodies beyond it are drawn at its edge."""
 CLOSEST = 1.0 / 3.0
@@ -134,7 +132,7 @@ def payload(
 def _mesh(points: Array, faces: NDArray[np.int64]) -> dict[str, object]:
     """Return a mesh as text, its corners to 1e-5 of its size."""
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(3), np.zeros(3))
-    whole = np.uint16 if len(points) <= SHORT else np.uint32
+    whole = np.uint16 if len(points) <= 1 << 16 else np.uint32
     return {
         "low": low.tolist(), "high": high.tolist(), "corners": text(codes(points, low, high)), "faces": text(faces.astype(whole)),
     }

@@ -118,7 +118,7 @@ def _index(word: str, count: int) -> int:
 
 
 BY_TRIMESH = (".glb", ".gltf", ".off", ".ply", ".stl", ".dae")
-"""What trimesh reads, .dae with pycollada. Scenes of several meshes become one mesh."""
+"""Formats read by trimesh, COLLADA with pycollada. A scene of several meshes becomes one mesh."""
 
 MOST_INSTANCES = 8
 """Nodes of a COLLADA file that stand for other nodes: nested ones multiply, eight make 18 copies at most. More: a small file

@@ -52,7 +52,7 @@ MOVED_BY_PLUGIN = ("actuator", "sensor", "body", "composite", "flexcomp")
 """Elements whose plugins act, measure or bend: without them bodies and joints are where they are. Others make shapes."""
 
 FILLERS = {"mujoco": b"<custom/>", **dict.fromkeys(("worldbody", "body", "frame", "replicate"), b"<frame/>")}
-"""What stands, by the element around it, in an included file of which nothing is left: MuJoCo refuses an empty one."""
+"""Content of an included file of which nothing is left, by the enclosing element. MuJoCo refuses empty files."""
 
 COLLIDE = ("collision", "visual")
 """Shapes that bodies collide with: those that the file means for it, or those that it means to be looked at."""

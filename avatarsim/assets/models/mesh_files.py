@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from avatarsim.assets import caps
-from avatarsim.assets.meshes.mesh import STL_HEADER, STL_TRIANGLE, read_mesh
+from avatarsim.assets.meshes.mesh import BY_TRIMESH, STL_HEADER, STL_TRIANGLE, read_mesh
 from avatarsim.assets.models import doors
 from avatarsim.errors import InvalidFile, MissingPackage
 from avatarsim.files import read_bytes
@@ -19,8 +19,8 @@ from avatarsim.files import read_bytes
 BY_MUJOCO = (".msh", ".obj", ".stl")
 """Mesh files that MuJoCo reads."""
 
-BY_TRIMESH = (".ply", ".off", ".glb", ".dae")
-"""Mesh files that are read for it."""
+CONVERTED = tuple(ending for ending in BY_TRIMESH if ending not in (*BY_MUJOCO, ".gltf"))
+"""Formats that are read by trimesh for MuJoCo. A .gltf file would name further files."""
 
 PLATE = 1e-3
 """Thickness of a mesh without any, as a share of its size. Less: its hull's planes are lost in rounding; more: it is felt."""
@@ -31,9 +31,13 @@ MOST_TRIANGLES = 200_000
 
 @dataclass
 class MeshFiles:
-    """The mesh files of one model. `assets` is what MuJoCo is given, by names of their own that take the place of paths;
-    `nowhere` the folder in which its texts lie for MuJoCo, and `read` is told how many bytes were read so far; `plates` are the
-    names of meshes that were thickened."""
+    """The mesh files of one model.
+
+    texts    the model's XML files
+    nowhere  the folder of the texts as MuJoCo sees it
+    read     called with the number of bytes read so far
+    assets   contents of files for MuJoCo, by generated names in place of paths
+    plates   names of meshes that were given a thickness"""
 
     texts: doors.Texts
     nowhere: str
@@ -61,13 +65,13 @@ class MeshFiles:
     def _place(self, thing: str, file: str, tried: list[PurePosixPath]) -> Path:
         """Where the file lies; of one in a format that is not read, a copy in another that lies beside it."""
         ending = PurePosixPath(file).suffix.lower()
-        if ending in (*BY_MUJOCO, *BY_TRIMESH):
+        if ending in (*BY_MUJOCO, *CONVERTED):
             return doors.existing(thing, tried, self.texts.folder)[1]
-        copies = [path.with_suffix(other) for path in tried for other in (".obj", ".stl", ".STL", *BY_TRIMESH)]
+        copies = [path.with_suffix(other) for path in tried for other in (".obj", ".stl", ".STL", *CONVERTED)]
         try:
             return doors.existing(thing, copies, self.texts.folder)[1]
         except InvalidFile as error:
-            formats = " ".join((*BY_MUJOCO, *BY_TRIMESH))
+            formats = " ".join((*BY_MUJOCO, *CONVERTED))
             valid = f"a file {formats}: convert it, and put the copy beside it under the same name"
             raise InvalidFile(thing, file, valid) from error
 
@@ -77,7 +81,7 @@ class MeshFiles:
             self._bytes += len(content)
             self.read(self._bytes)
             ending = place.suffix.lower()
-            if ending in BY_TRIMESH or (ending == ".stl" and not is_read_by_mujoco(content)):
+            if ending in CONVERTED or (ending == ".stl" and not is_read_by_mujoco(content)):
                 self._by_trimesh(mesh, thing, place)
                 return
             self._names[place] = f"{len(self._names)}{ending}"

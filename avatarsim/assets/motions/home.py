@@ -23,13 +23,16 @@ ENDINGS = (".amc", ".bvh")
 VALID = 'a frame of the clip from 0, or another clip of the skeleton: 12, "walk.bvh" or "walk.bvh:12"'
 
 STILL = 1e-6
-"""Difference [m] up to which two offsets count as equal: below what any of our promises is about."""
+"""Difference [m] up to which two offsets are equal: the accuracy of overlaps."""
 
 
 @dataclass(frozen=True, eq=False)
 class Home:
-    """The posture, as a `clip` of one frame, the standing height `stature` [m], and whether it `is_stated`, and counts also where
-    the skeleton stands at rest."""
+    """Home of one recording.
+
+    clip       the posture, as a clip of one frame
+    stature    standing height [m]
+    is_stated  True for a posture that the user chose, which replaces an upright rest pose too"""
 
     clip: Motion
     stature: float
@@ -51,7 +54,7 @@ def parsed_home(thing: str, home: object) -> tuple[Path | None, int | None]:
 
 @dataclass(frozen=True)
 class StatedHome:
-    """What a reader of `name` is asked for: another file, a frame of it, or a frame of the clip itself; None for neither."""
+    """The user's choice of home for the clip `name`: another file, a frame of that file, or a frame of the clip itself."""
 
     name: str
     file: Path | None
@@ -80,7 +83,7 @@ class StatedHome:
         if self.frame is not None:
             part = self.measured(recording)
             if stance(part.skeleton, parts(part.skeleton), part.motion, at_rest=False)[0] is None:
-                valid = "one in which a body of named hips, feet and head stands with straight legs"
+                valid = "a frame with straight legs, of a skeleton whose hips, feet and head have known names"
                 raise InvalidInput(f"home of {self.name}", f"frame {self.frame}", valid)
             return recording, Home(part.motion, standing(part), True), []
         _, frame = home_frame(recording)

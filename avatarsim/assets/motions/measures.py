@@ -76,7 +76,7 @@ def _up(rest: Array, clip: Array) -> tuple[str, str]:
 
 
 def home_frame(recording: Recording) -> tuple[Stance | None, int | None]:
-    """The standing posture of a recording, and its frame: none where the skeleton stands at rest, and where no posture stands."""
+    """Find the standing posture of a recording, and its frame; None for an upright rest pose, and without any upright frame."""
     chosen = recording.evenly(POSTURES)
     found, frame = stance(recording.skeleton, parts(recording.skeleton), recording.at(chosen).motion)
     return found, None if frame is None else chosen[frame]

@@ -35,7 +35,7 @@ class MotionFile(Protocol):
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Notes:
-    """Sentences for the user, which grow when a motion is asked for: only then the joints of the avatar are known."""
+    """Notes of a reader for the user. More are added once the joints of the avatar are known."""
 
     notes: list[str] = field(default_factory=list)
     object: ObjectPoses | None = None
