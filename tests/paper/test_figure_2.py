@@ -6,7 +6,7 @@ from reference.judging.judge import Judge
 from scenarios.catalog.paper.into_wall import FACE
 from tests.paper.scene_run import of_shown, of_user, scene_run
 
-FRAMES = 90
+FRAMES = 92
 
 
 def test_arm_and_leg_are_pushed_back_and_the_rest_goes_on() -> None:

@@ -50,7 +50,7 @@ TEXTS = {
     "absolute texture": (asset('<texture name="t" type="2d" file="/dev/zero"/>'), "file of <texture> in bad.xml, line 1"),
     "absolute attached": (asset('<model name="t" file="/etc/passwd"/>'), "file of <model>"),
     "deformable file": (world('<flexcomp name="f" type="mesh" file="a.obj"/>'), "file of <flexcomp> in bad.xml"),
-    "mesh of no format": (MESH.format("bad.xml"), r"mesh m of bad\.xml is 'bad\.xml'; valid: a file \.msh \.obj \.stl \.ply"),
+    "mesh of no format": (MESH.format("bad.xml"), r"mesh m of bad\.xml is 'bad\.xml'; valid: a file \.msh \.obj \.stl"),
     "deep": ("<mujoco>" + "<a>" * 1000 + "</a>" * 1000 + "</mujoco>", "depth of elements in bad.xml, line 1, is 201; .* 200"),
     "deep bodies": (world(CHAIN), "depth of elements"),
     "many elements": ("<mujoco>" + "<a/>" * 200_001 + "</mujoco>", "number of elements"),
