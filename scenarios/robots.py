@@ -21,11 +21,10 @@ from numpy.typing import NDArray
 
 import avatarsim as av
 from avatarsim.assets.models.compile_process import compiled_by_mujoco
-from avatarsim.assets.models.coordinates import WIDTHS, Slot
+from avatarsim.assets.models.coordinates import WIDTHS, Coordinates, Slot
 from avatarsim.assets.models.doors import MODELS, folder_of
 from avatarsim.assets.models.pieces_of_geoms import vector_of
 from avatarsim.cleaning.chords import scene_of
-from avatarsim.cleaning.joint_rates import LONGEST_STOP
 from avatarsim.cleaning.result import DEFAULTS
 from avatarsim.console import ended, path_option
 from avatarsim.errors import AvatarsimError, InvalidFile, StartOverlaps
@@ -68,7 +67,8 @@ class Driven:
     """Result of one model. `note` has the refusal, or what the load reports; `options` those that it needed.
 
     `overlap` [m] of its own geoms beyond what they may have at rest, `beyond` [rad, m] the limits of joints, `speed` and
-    `acceleration` as shares of their limits, times of a call [us], `load` [s]. `kind` is robot, room or refused."""
+    `acceleration` as shares of their limits, times of a call [us], `load` [s]. `kind` is robot, room or refused. `own_joints` are
+    the file's own moving joints without free ones, `lost` those of them that move nothing though no option fixes them."""
 
     package: str
     model: str
@@ -84,13 +84,15 @@ class Driven:
     call_p50: float = 0.0
     call_p99: float = 0.0
     free: float = 0.0
+    own_joints: int = 0
+    lost: str = ""
     options: str = ""
     note: str = ""
 
     @property
     def is_kept(self) -> bool:
-        """Return True where neither geoms overlap nor a limit is passed."""
-        return max(self.overlap, self.beyond) <= SEEN and max(self.speed, self.acceleration) <= 1.0 + ROUNDING
+        """Return True where neither geoms overlap, nor a limit is passed, nor a joint is lost."""
+        return not self.lost and max(self.overlap, self.beyond) <= SEEN and max(self.speed, self.acceleration) <= 1.0 + ROUNDING
 
 
 class OwnGeoms:
@@ -154,6 +156,31 @@ class OwnGeoms:
             if depth > worst:
                 worst, found = depth, f"{m.body(m.geom_bodyid[g]).name}, {m.body(m.geom_bodyid[h]).name}"
         return worst, found
+
+
+def own_joints(path: Path) -> list[str]:
+    """Return names of the joints, free ones left out, of a file as MuJoCo reads it; unnamed ones are empty.
+
+    Only what MuJoCo cannot read as it is, such as a URDF with two materials of one name, is read through the loader."""
+    import mujoco
+
+    try:
+        spec = mujoco.MjSpec.from_file(str(path))
+    except (ValueError, RuntimeError):
+        return []
+    return [joint.name for joint in spec.joints if joint.type != mujoco.mjtJoint.mjJNT_FREE]
+
+
+def lost_joints(own: Sequence[str], coordinates: Coordinates | None, is_fixed: bool) -> list[str]:
+    """Return joints of the file that are no coordinate of the avatar; with `is_fixed`, an option may hold joints that are named.
+
+    Unnamed ones are compared by their number."""
+    slots = () if coordinates is None else coordinates.slots
+    found = Counter(slot.name for slot in slots if slot.kind != "free" and (is_fixed or slot.kind != "fixed"))
+    missing = list((Counter(name for name in own if name) - found).elements())
+    unnamed = len(own) - sum(bool(name) for name in own)
+    spare = sum((found - Counter(own)).values())
+    return missing + [f"{unnamed - spare} unnamed"] * (unnamed > spare)
 
 
 def walls(model: av.Model) -> tuple[av.Body, ...]:
@@ -259,11 +286,13 @@ def drive(path: Path, frames: int, seed: int, rate: float) -> Driven:
         load = time.perf_counter() - begun
         given = " ".join(f"{key}={len(value) if key in ('exclude', 'leave') else getattr(value, 'name', value)}"
                          for key, value in options.items() if key != "needed")
+        own = own_joints(path)
+        lost = ", ".join(lost_joints(own, model.coordinates, "fix" in options))
         if model.avatar is None or model.coordinates is None:
-            return Driven(package, name, "room", load=load, options=given, note="; ".join(model.said))
-        # files state 1e4 rad/s where they mean none, from which no braking ends in time
-        speeds = {slot.name: slot.speed if 0.0 < slot.speed <= LONGEST_STOP * ACCELERATION else None
-                  for slot in model.coordinates.slots if slot.kind != "fixed"}
+            return Driven(
+                package, name, "room", load=load, own_joints=len(own), lost=lost, options=given, note="; ".join(model.said),
+            )
+        speeds = {slot.name: slot.speed or None for slot in model.coordinates.slots if slot.kind != "fixed"}
         shield = av.Shield(model, walls(model), rate, speed_limits=speeds, acceleration_limits=ACCELERATION)
         judge = OwnGeoms(path, model, options.get("folder"), options.get("collide", "collision"))
         times, rows, free, deepest, pair = list[float](), list[Array](), 0, 0.0, ""
@@ -282,7 +311,7 @@ def drive(path: Path, frames: int, seed: int, rate: float) -> Driven:
     beyond, speed, acceleration = kept(model, np.array(rows), rate)
     return Driven(
         package, name, "robot", len(model.avatar.links), joints, deepest, pair, beyond, speed, acceleration, load, float(p50),
-        float(p99), free / frames, given, "; ".join(model.said),
+        float(p99), free / frames, len(own), lost, given, "; ".join(model.said),
     )
 
 

@@ -23,9 +23,6 @@ Rates = float | Mapping[str, Rate] | Sequence[Rate] | Array | str | None
 FILE = "file"
 """The word for the limits that the file states."""
 
-LONGEST_STOP = 60.0
-"""[s] that braking from the largest speed may take. Longer: each call looks at all postures on the way to rest."""
-
 
 def speeds_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
     """Speed limits (ng) of the groups of degrees [rad/s, m/s], infinite where there is none. "file": those that the file states,
@@ -51,14 +48,6 @@ def accelerations_of(given: Rates, coordinates: Coordinates, world: World) -> Ar
     if isinstance(given, str) and given == FILE:
         raise InvalidInput("acceleration limits", given, "numbers: no file states them")
     return _by_groups(_named("acceleration limits", given, coordinates, {}), coordinates, world)
-
-
-def require_stop(speed: Array, acceleration: Array) -> None:
-    """Raise InvalidInput where braking from the largest speed would take longer than `LONGEST_STOP`."""
-    limited = np.isfinite(speed) & np.isfinite(acceleration)
-    longest = float((speed[limited] / acceleration[limited]).max(initial=0.0))
-    if longest > LONGEST_STOP:
-        raise InvalidInput("time to brake from the largest speed [s]", longest, f"up to {LONGEST_STOP:g}")
 
 
 def _moving(coordinates: Coordinates) -> list[Slot]:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.chords import Chords, scene_of
-from avatarsim.cleaning.joint_rates import FILE, Rates, accelerations_of, require_stop, speeds_of
+from avatarsim.cleaning.joint_rates import FILE, Rates, accelerations_of, speeds_of
 from avatarsim.cleaning.limited import LimitedFollower
 from avatarsim.cleaning.result import DEFAULTS, Options
 from avatarsim.cleaning.start import approach, free_posture
@@ -63,7 +63,6 @@ class Shield:
         self._chords = Chords(scene)
         speed = speeds_of(speed_limits, self.coordinates, self._chords.world)
         acceleration = accelerations_of(acceleration_limits, self.coordinates, self._chords.world)
-        require_stop(speed, acceleration)
         self._limited: LimitedFollower | None = None
         if np.isfinite(speed).any() or np.isfinite(acceleration).any():
             self._limited = LimitedFollower(self._chords, speed, acceleration, self._step, options.margin)

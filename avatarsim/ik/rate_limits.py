@@ -33,6 +33,10 @@ rounding; less: the avatar is slower than it may be."""
 WIDEST_TURN = 0.9 * pi
 """[rad] by which a root or ball may turn until it is at rest: the way between two rotations is unique below half a turn."""
 
+REACHED = 60.0
+"""[s] of full acceleration after which a limit of speed counts as none when degrees are weighed: files state 1e4 rad/s where they
+mean none. Longer: such a joint yields to all near pairs alone; shorter: joints that accelerate slowly yield like fast ones."""
+
 EASE = 0.5
 """Share of the acceleration limit that catching up with the target plans its braking with. More: what the target does meanwhile,
 and what lies in the way, leave it too little, and it overshoots; less: it catches up later."""
@@ -101,8 +105,8 @@ def make_braking(world: World, speed: Array, acceleration: Array, dt: float) -> 
     avatars, state, scratch = make_solver(geo, skel, world.posture, world.poses)
     scratch.is_active[:] = 1
     # the metric: a degree yields by its share of its largest step; where none has one, a radian counts as a metre
-    finite = most[np.isfinite(most)]
-    scale = np.where(np.isfinite(most), most, finite.max(initial=0.0) or 1.0)
+    is_reached = np.isfinite(most) & (most * dt <= REACHED * change)
+    scale = np.where(is_reached, most, most[is_reached].max(initial=0.0) or 1.0)
     for group, size in zip(groups, scale / max(scale.max(initial=0.0), PROOF), strict=True):
         for j in range(group[0], group[1]):
             scratch.objective.factor[j, avatars.depth[j]] = 1.0 / size

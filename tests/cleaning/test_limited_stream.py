@@ -224,16 +224,26 @@ def test_limits_that_do_not_fit_are_refused(arms: Model, wrong: object) -> None:
             Shield(arms, (), RATE, **limits)  # type: ignore[arg-type]
 
 
-def test_limits_of_joints_that_are_not_there_and_endless_braking_are_refused(arms: Model) -> None:
+def test_limits_of_joints_that_are_not_there_are_refused(arms: Model) -> None:
     with pytest.raises(UnknownName):
         Shield(arms, (), RATE, speed_limits={"left knee": 1.0})
     with pytest.raises(InvalidInput):
         Shield(arms, (), RATE, acceleration_limits="file")
-    with pytest.raises(InvalidInput):
-        Shield(arms, (), RATE, speed_limits=10.0, acceleration_limits=0.1)
     three = {**dict.fromkeys(coordinates(mixed()).names, 1.0), "root": (1.0, 2.0, 3.0)}
     with pytest.raises(InvalidInput):
         Shield(mixed(), (), RATE, speed_limits=three)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("speed", "acceleration"), [(1e4, 30.0), (1e4, 1e-3), (1e300, 1e-300), (None, 1e-2)])
+def test_a_limit_of_speed_that_is_never_reached_is_no_error_and_acceleration_is_kept(
+    arms: Model, speed: float | None, acceleration: float
+) -> None:
+    given = driven(arms, 60, RATE, 15, 3.0, 4)
+    shields = [Shield(arms, room(), RATE, speed_limits=one, acceleration_limits=acceleration) for one in (speed, None)]
+    rows, ways = drive(shields[0], given)
+    require_sound(arms, Chords(scene_of(arms, room(), Options())), rows)
+    require_limited(arms, rows, np.full(8, speed or np.inf), np.full(8, acceleration))
+    assert np.array_equal(rows, [shields[1](q) for q in given]) and len(shields[0].stop()) > 1
 
 
 URDF = """<robot name="r"><link name="world"/>{parts}</robot>"""

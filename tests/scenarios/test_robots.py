@@ -6,7 +6,8 @@ from pathlib import Path
 import pytest
 
 import avatarsim as av
-from scenarios.robots import OwnGeoms, drive, driven
+from avatarsim.assets.models.coordinates import Coordinates, Slot
+from scenarios.robots import OwnGeoms, drive, driven, lost_joints, own_joints
 
 PACKAGE = Path(next(iter(find_spec("pybullet_data").submodule_search_locations)))  # type: ignore[union-attr, arg-type]
 KUKA = PACKAGE / "kuka_iiwa" / "model.urdf"
@@ -15,6 +16,7 @@ KUKA = PACKAGE / "kuka_iiwa" / "model.urdf"
 @pytest.mark.parametrize("path", [KUKA, PACKAGE / "xarm" / "xarm6_robot.urdf"])
 def test_a_robot_never_overlaps_by_its_own_geoms(path: Path) -> None:
     found = drive(path, frames=40, seed=3, rate=60.0)
+    assert found.own_joints == found.joints and not found.lost
     assert found.kind == "robot" and found.joints >= 6 and found.overlap == 0.0 and found.is_kept
     assert 0.0 < found.free < 1.0 and 0.5 < found.acceleration
 
@@ -39,3 +41,15 @@ def test_joints_that_follow_keep_their_own_limits(tmp_path: Path) -> None:
     )
     found = drive(path, frames=40, seed=3, rate=60.0)
     assert found.joints == 2 and found.is_kept and found.acceleration > 0.9
+
+
+def test_joints_that_move_nothing_are_lost_unless_an_option_fixes_them(tmp_path: Path) -> None:
+    arm = '<body name="{0}" pos="{1} 0 0"><joint name="{0}" axis="0 1 0"/><geom size=".1"/></body>'
+    path = tmp_path / "two.xml"
+    loose = '<body pos="0 3 0"><freejoint/><geom size=".1"/></body>'
+    path.write_text(f"<mujoco><worldbody>{arm.format('a', 0)}{arm.format('b', 2)}{loose}</worldbody></mujoco>")
+    own = own_joints(path)
+    slots = (Slot("a", "hinge", 0, 0), Slot("b", "fixed", -1), Slot("joint 2 of c", "slide", 1, 1))
+    assert own == ["a", "b"] and lost_joints(own, av.load_avatar(path).coordinates, False) == ["b"]
+    assert lost_joints(own, Coordinates(slots, 2, 2), False) == ["b"] and lost_joints(own, Coordinates(slots, 2, 2), True) == []
+    assert len(lost_joints([*own, "", ""], Coordinates(slots, 2, 2), True)) == 1 and not drive(path, 2, 0, 60.0).is_kept
