@@ -33,6 +33,13 @@ def test_an_option_of_another_format_is_refused_by_name(tmp_path: Path) -> None:
         load_motion(path, units="cm")
 
 
+@pytest.mark.parametrize("name", ["robot.npz", "body.npz", "robot.csv", "body.txt"])
+def test_a_home_is_refused_where_no_skeleton_is_folded_at_rest(tmp_path: Path, name: str) -> None:
+    with pytest.raises(InvalidInput, match=r"stands at rest.*keyframe") as found:
+        load_motion(tmp_path / name, home=3)
+    assert name in found.value.thing and found.value.value == 3
+
+
 def test_files_are_known_by_the_end_of_their_names(tmp_path: Path) -> None:
     (tmp_path / "a.BVH").write_text(bvh(WALKER, np.zeros((2, 30))))
     (tmp_path / "b.asf").write_text(ASF)

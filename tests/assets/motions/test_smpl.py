@@ -16,6 +16,7 @@ from avatarsim.errors import InvalidFile, InvalidInput, UnknownName
 from avatarsim.scene.joint import Ball, Free
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
+from avatarsim.scene.written import written as scene_data
 from tests.assets.motions.robots import entries, robot, saved, walk
 
 FRAMES = 8
@@ -108,6 +109,14 @@ def test_the_avatar_stands_and_its_joints_are_the_familys(tmp_path: Path) -> Non
     assert shown[0, names.index("left_wrist"), 0] - shown[0, names.index("right_wrist"), 0] > 1.0
     assert shown[0, names.index("left_foot"), 1] < shown[0, names.index("left_ankle"), 1]
     assert sum(link.mass.mass for link in model.avatar.links) == pytest.approx(75.0, abs=3.0)
+
+
+def test_ranges_and_allowed_depths_of_a_body_do_not_depend_on_its_clip(tmp_path: Path) -> None:
+    arrays = amass()
+    bent = arrays | {"poses": arrays["poses"] + np.linspace(0.0, 1.2, 156)}
+    files = [saved(tmp_path / f"{k}.npz", own) for k, own in enumerate((arrays, bent))]
+    one, other = (scene_data(load_motion(file).model().avatar) for file in files)
+    assert one == other and one["at_rest"]
 
 
 def test_size_mass_and_limits_are_the_users_choice(tmp_path: Path) -> None:
