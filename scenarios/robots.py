@@ -125,10 +125,11 @@ class OwnGeoms:
     def _owner(self, geom: int, scene: av.Scene, index: dict[str, int]) -> int:
         """Return the number in the scene of what a geom belongs to; -1 for what is not in it."""
         body = int(self._model.geom_bodyid[geom])
+        if body == 0:
+            # an avatar of several trees has a link of this name
+            return index.get(self._model.geom(geom).name or f"world {geom}", -1)
         name = self._model.body(body).name or f"body {body}"
-        own = self._model.geom(geom).name or f"world {geom}"
-        avatar = scene.avatars[0].name
-        return index.get(f"{avatar}/{name}", index.get(own if body == 0 else name, -1))
+        return index.get(f"{scene.avatars[0].name}/{name}", index.get(name, -1))
 
     def deepest(self, q: Array) -> tuple[float, str]:
         """Return the largest depth [m] at coordinates `q` of the avatar, beyond that which is allowed, and its pair."""
@@ -247,7 +248,11 @@ def loaded(path: Path) -> tuple[av.Model, dict[str, Any]]:
     refusal: AvatarsimError | None = None
     for _ in range(TRIES):
         try:
-            return av.load_avatar(path, **options), options
+            model = av.load_avatar(path, **options)
+            trees = re.search(r"avatar=\(([^)]*)\) drives all", "; ".join(model.said))
+            if trees is None or "avatar" in options:
+                return model, options
+            more = {"avatar": tuple(re.findall('"([^"]*)"', trees[1]))}
         except StartOverlaps as error:
             refusal, more = error, {"exclude": (*options.get("exclude", ()), *((a, b) for a, b, _ in error.pairs))}
         except InvalidFile as error:
@@ -284,7 +289,7 @@ def drive(path: Path, frames: int, seed: int, rate: float) -> Driven:
         begun = time.perf_counter()
         model, options = loaded(path)
         load = time.perf_counter() - begun
-        given = " ".join(f"{key}={len(value) if key in ('exclude', 'leave') else getattr(value, 'name', value)}"
+        given = " ".join(f"{key}={len(value) if isinstance(value, tuple) else getattr(value, 'name', value)}"
                          for key, value in options.items() if key != "needed")
         own = own_joints(path)
         lost = ", ".join(lost_joints(own, model.coordinates, "fix" in options))

@@ -4,8 +4,9 @@ Pairs are left out as MuJoCo does (geoms of one weld, of a weld and its parent, 
 overlap at the reference already (`overlaps`): an avatar with them could not be shown at all.
 """
 
-from collections.abc import Container
+from collections.abc import Container, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +20,12 @@ from avatarsim.assets.models.laws import Laws
 from avatarsim.assets.models.links_of_tree import UNTURNED, JointWishes, Skeleton, Tree, skeleton_of, tree_of, trees
 from avatarsim.assets.models.masses import Masses
 from avatarsim.assets.models.mesh_files import PLATE
-from avatarsim.assets.models.model import Model, without_pairs
+from avatarsim.assets.models.model import Model, Visuals, without_pairs
 from avatarsim.assets.models.pairs import Filter, Part
-from avatarsim.assets.models.pieces_of_geoms import Geoms, MeshWishes, Visual, quaternion_of, vector_of
+from avatarsim.assets.models.pieces_of_geoms import Frames, Geoms, MeshWishes, Visual, quaternion_of, vector_of
 from avatarsim.assets.models.spec_scale import LARGEST, SMALLEST
 from avatarsim.assets.models.start import start_pose
+from avatarsim.assets.models.urdf_visuals import visuals_of_urdf
 from avatarsim.assets.models.welds import attaching_welds
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidScene, InvalidShape, UnknownName
 from avatarsim.scene.avatar import PLAUSIBLE_SIZE, Avatar
@@ -91,7 +93,7 @@ class _Reading:
     """One model on its way from numbers to bodies."""
 
     def __init__(self, model: Compiled, path: Path, options: Options) -> None:
-        self._m, self._file, self._options = model, path.name, options
+        self._m, self._path, self._file, self._options = model, path, path.name, options
         self._said: list[str] = []
         self._names = _distinct([name or f"body {k}" for k, name in enumerate(model.body_name)])
         self._geoms = Geoms(model, options.pieces, options.leave)
@@ -103,6 +105,7 @@ class _Reading:
         self._parts: dict[str, Part] = {}
         self._moving: list[Avatar] = []
         self._visuals: dict[str, tuple[Visual, ...]] = {}
+        self._frames: dict[str, Frames] = {}
 
     def model(self) -> Model:
         """The whole model."""
@@ -116,7 +119,7 @@ class _Reading:
             avatar = replace(avatar, ignore=self._ignored(tree, skeleton))
             start = self._start(tree, avatar, skeleton.coordinates)
             for b, name in self._scene_names(tree, avatar).items():
-                self._visuals[name] = self._geoms.visuals({b: (-skeleton.centres[b], UNTURNED)})
+                self._frames[name] = {b: (-skeleton.centres[b], UNTURNED)}
         bodies = [*self._world(), *(body for bodies in forest if bodies[0] not in (chosen or ()) for body in self._body(bodies))]
         exclude = self._excluded(tree, avatar)
         welds = self._welds(tree, avatar, start, bodies)
@@ -134,7 +137,7 @@ class _Reading:
         found = Model(
             avatar, None if skeleton is None else skeleton.coordinates, tuple(bodies), (), exclude, start,
             moving=tuple(self._moving), attached=tuple(welds.values()), gravity=gravity,
-            frictions=self._laws.found(), visuals={name: parts for name, parts in self._visuals.items() if parts},
+            frictions=self._laws.found(), visuals=self._drawn(),
         )
         if not (found.room if avatar is None else any(link.pieces for link in avatar.links)):
             of = "" if avatar is None else f"avatar {avatar.name} in "
@@ -148,6 +151,17 @@ class _Reading:
 
             found, said = freed(found, tree is not None and tree.is_free)
         return replace(found, said=(*self._said, *said))
+
+    def _drawn(self) -> Mapping[str, tuple[Visual, ...]]:
+        """Return parts that pages draw in place of pieces; visuals of URDF when a page asks for them."""
+        drawn = self._visuals | {name: self._geoms.visuals(frames) for name, frames in self._frames.items()}
+        own = {name: parts for name, parts in drawn.items() if parts}
+        if not self._m.is_urdf or self._options.collide == "visual":
+            return own
+        options = self._options
+        return Visuals(partial(
+            visuals_of_urdf, self._path.absolute(), options.folder, options.scale, self._m.body_name, self._frames, own,
+        ))
 
     def _avatar_tree(self, forest: list[tuple[int, ...]]) -> tuple[int, ...] | None:
         """Return the tree of the avatar: the named one, or the one with the most joints.
@@ -240,11 +254,13 @@ class _Reading:
         geoms = [g for b in bodies for g in self._geoms.of(b)]
         joints = [int(j) for j in np.flatnonzero(np.isin(self._m.jnt_bodyid, bodies))]
         is_loose = any(self._m.jnt_type[j] == JointKind.FREE for j in joints)
+        held = sum(self._m.jnt_type[j] != JointKind.FREE for j in joints)
+        if held and np.isin(self._m.geom_bodyid, bodies).any():
+            named = self._names[bodies[0]]
+            self._said.append(f"{named} is no avatar: its {held} joints stay at the reference{self._driven_too(bodies)}")
         if not geoms:
             return []
         name = self._own_name(self._names[bodies[0]])
-        if held := [j for j in joints if self._m.jnt_type[j] != JointKind.FREE]:
-            self._said.append(f"{name} is no avatar: its {len(held)} joints stay at the reference")
         poses = {bodies[0]: (np.zeros(3), UNTURNED)}
         for b in bodies[1:]:
             origin, frame = poses[int(self._m.body_parentid[b])]
@@ -252,7 +268,7 @@ class _Reading:
         pieces = tuple(p for b in bodies for g in self._geoms.of(b) for p in self._geoms.pieces(g, *poses[b]))
         place, frame = self._pose.root(bodies[0])
         at, turn = vector_of(place), quaternion_of(frame)
-        self._visuals[name] = self._geoms.visuals(poses)
+        self._frames[name] = poses
         self._parts[name] = Part(name, bodies, tuple(geoms), bodies[0] if is_loose else 0)
         material = self._laws.material(name, geoms, self._options.materials[1])
         if self._m.body_mocapid[bodies[0]] >= 0:
@@ -263,6 +279,18 @@ class _Reading:
         if is_loose:
             return [simulated(name, pieces, material, self._masses.of(bodies, poses, pieces), at, turn)]
         return [fixed(name, pieces, material, at, turn)]
+
+    def _driven_too(self, bodies: tuple[int, ...]) -> str:
+        """Return the option that makes one avatar of all trees that joints move, for one of them; none where roots are free."""
+        # points of deformable bodies have joints and no geoms
+        moved = [own for own in trees(self._m)
+                 if np.isin(self._m.jnt_bodyid, own).any() and np.isin(self._m.geom_bodyid, own).any()]
+        free = self._m.jnt_bodyid[self._m.jnt_type == JointKind.FREE]
+        fixed = [self._names[own[0]] for own in moved if not np.isin(free, own).any()]
+        if self._options.driven is False or self._m.is_urdf or self._names[bodies[0]] not in fixed or len(fixed) < 2:
+            return ""
+        listed = ", ".join(f'"{name}"' for name in fixed)
+        return f"; avatar=({listed}) drives all of them"
 
     def _own_name(self, name: str) -> str:
         """A name that no other part of the room has."""

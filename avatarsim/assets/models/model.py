@@ -1,7 +1,8 @@
 """What one file of a robot, a hand or a room gives."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,26 @@ if TYPE_CHECKING:
     from avatarsim.assets.models.pieces_of_geoms import Visual
 
 Array = NDArray[np.float64]
+
+
+class Visuals(Mapping[str, "tuple[Visual, ...]"]):
+    """Parts that pages draw, by names, which `read` returns when the first of them is asked for."""
+
+    def __init__(self, read: Callable[[], Mapping[str, "tuple[Visual, ...]"]]) -> None:
+        self._read = read
+
+    @cached_property
+    def _parts(self) -> Mapping[str, "tuple[Visual, ...]"]:
+        return self._read()
+
+    def __getitem__(self, name: str) -> "tuple[Visual, ...]":
+        return self._parts[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,13 +178,18 @@ def beside(model: Model, room: Model) -> Model:
         tuple((names.get(a, a), names.get(b, b)) for a, b in pairs) for pairs in (room.exclude, room.attached)
     )
     at_rest = tuple((names.get(a, a), names.get(b, b), depth) for a, b, depth in room.at_rest)
-    visuals = {names[name]: parts for name, parts in room.visuals.items() if name in names}
     return replace(
         model, bodies=(*model.bodies, *bodies), moving=(*model.moving, *moving), exclude=(*model.exclude, *exclude),
         at_rest=(*model.at_rest, *at_rest), attached=(*model.attached, *attached),
         gravity=room.gravity if model.gravity == EARTH else model.gravity, frictions=model.frictions | room.frictions,
-        visuals={**model.visuals, **visuals},
+        visuals=Visuals(partial(_both_visuals, model.visuals, room.visuals, names)),
     )
+
+
+def _both_visuals(
+    own: "Mapping[str, tuple[Visual, ...]]", others: "Mapping[str, tuple[Visual, ...]]", names: Mapping[str, str]
+) -> "Mapping[str, tuple[Visual, ...]]":
+    return {**own, **{names[name]: parts for name, parts in others.items() if name in names}}
 
 
 def with_carried(model: Model, carried: Sequence[Carried]) -> Model:

@@ -39,6 +39,9 @@ frame."""
 Visual = Piece | tuple[Array, Indices]
 """A part of a picture of a body: a primitive, or vertices (n, 3) [m] and triangles (t, 3) of a mesh."""
 
+Frames = Mapping[int, tuple[Array, Array]]
+"""Bodies by their numbers, and where their frames are (3,) [m] and how they are turned (4,) in the frame of one body or link."""
+
 WAYS = ("hull", "decompose")
 """What a mesh becomes: one convex piece, or several by approximate convex decomposition."""
 
@@ -113,16 +116,20 @@ class Geoms:
         except InvalidShape as error:
             raise InvalidFile(f"shape of {self.label(geom)}: {error.thing}", error.value, error.valid) from error
 
-    def visuals(self, frames: Mapping[int, tuple[Array, Array]], geoms: Sequence[int] | None = None) -> tuple[Visual, ...]:
-        """Return what is drawn of bodies whose frames are at (3,) [m], turned by (4,), in the frame of one body or link.
+    def visuals(self, frames: Frames, geoms: Sequence[int] | None = None) -> tuple[Visual, ...]:
+        """Return what is drawn of bodies.
 
         Of each body, or of `geoms`, that is what viewers show, else what collides; nothing where just pieces are drawn."""
         of_bodies = [g for body in frames for g in self.of(body)]
         drawn = [g for body in frames for g in self._visible(body) or self.of(body)] if geoms is None else list(geoms)
         if drawn == of_bodies and not any(self.model.geom_type[g] == GeomKind.MESH for g in drawn):
             return ()
+        return self.parts(frames, drawn)
+
+    def parts(self, frames: Frames, geoms: Sequence[int]) -> tuple[Visual, ...]:
+        """Return primitives and meshes of these geoms of these bodies. Raises InvalidFile."""
         found: list[Visual] = []
-        for geom in drawn:
+        for geom in geoms:
             frame = frames[int(self.model.geom_bodyid[geom])]
             if self.model.geom_type[geom] == GeomKind.MESH:
                 vertices, triangles = self.model.mesh(int(self.model.geom_dataid[geom]))

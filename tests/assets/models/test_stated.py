@@ -1,5 +1,6 @@
 """What a model file states is done: gravity, friction, keyframes; what cannot be done is said."""
 
+import pickle
 from math import sqrt
 from pathlib import Path
 
@@ -252,6 +253,20 @@ URDF = """<robot name="r"><material name="grey"><color rgba="1 1 1 1"/></materia
 <limit lower="-1" upper="1"/></joint></robot>"""
 
 
+def test_trees_that_are_no_avatar_are_reported_with_the_option_that_drives_all(tmp_path: Path) -> None:
+    shape = '<geom size=".1"/>'
+    arm = '<body name="{}" pos="{} 0 0"><joint axis="0 0 1"/>{}</body>'
+    seen = shape.replace("/>", ' contype="0" conaffinity="0"/>')
+    loose = '<body name="c" pos="0 3 0"><freejoint/><geom size=".1"/><body pos="0 0 1"><joint/><geom size=".1"/></body></body>'
+    trees = arm.format("a", 0, shape), arm.format("b", 2, shape), arm.format("goal", 4, seen)
+    model = av.load_avatar(mjcf(tmp_path, "".join(trees)))
+    assert sum('avatar=("a", "b", "goal")' in said for said in model.said) == 2
+    path = mjcf(tmp_path, trees[0] + trees[2] + loose)
+    both = av.load_avatar(path, avatar=("a", "goal"))
+    assert both.avatar is not None and both.coordinates is not None and both.coordinates.width == 2
+    assert sum("c is no avatar" in said and "avatar=(" not in said for said in both.said) == 1
+
+
 def test_visuals_that_do_not_compile_are_not_read(tmp_path: Path) -> None:
     path = tmp_path / "r.urdf"
     path.write_text(URDF.format('<collision><geometry><sphere radius="0.1"/></geometry></collision>'))
@@ -259,6 +274,19 @@ def test_visuals_that_do_not_compile_are_not_read(tmp_path: Path) -> None:
     assert model.avatar is not None
     (piece,) = (piece for link in model.avatar.links for piece in link.pieces)
     assert isinstance(piece.shape, av.Sphere)
+
+
+@pytest.mark.parametrize("missing", [False, True])
+def test_pages_draw_visuals_of_urdf_where_they_compile(tmp_path: Path, missing: bool) -> None:
+    more = '<visual><geometry><mesh filename="none.stl"/></geometry></visual>' if missing else ""
+    path = tmp_path / "r.urdf"
+    path.write_text(URDF.format(f'<collision><geometry><sphere radius="0.1"/></geometry></collision>{more}'))
+    model = pickle.loads(pickle.dumps(av.load_avatar(path)))
+    both = beside(model, av.load_room("floor"))
+    for one in (model, both):
+        assert list(one.visuals) == ([] if missing else ["r"])
+        assert missing or [part.shape for part in one.visuals["r"]] == [av.Box((0.4, 0.4, 0.4))]
+    assert [type(piece.shape) for piece in model.avatar.links[-1].pieces] == [av.Sphere]
 
 
 @pytest.mark.parametrize("urdf", [True, False])
