@@ -157,13 +157,6 @@ class Compiled:
                 self.mesh_face[face : face + int(self.mesh_facenum[k])])
 
 
-WIDTHS = {
-    "pos": 3, "ipos": 3, "axis": 3, "size": 3, "inertia": 3, "quat": 4, "iquat": 4, "range": 2, "vert": 3, "face": 3, "data": -1,
-    "qpos": -1, "mpos": -1, "mquat": -1,
-}
-"""Columns of an array, by the end of its name."""
-
-
 def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0, collide: str = "collision") -> Compiled:
     """The model of an MJCF or URDF file, with `scale` metres a unit of length, compiled by MuJoCo in a process of its own, with
     limits. `collide` of `doors.COLLIDE` are the shapes that collide.
@@ -178,7 +171,7 @@ def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0, c
 
 def received(name: str, content: bytes) -> Compiled:
     """The model that the process sent as the bytes of an npz file; `name` is what errors call it. Raises InvalidFile for what it
-    refused, for bytes that are no answer, and for arrays that are not finite or do not belong together."""
+    refused, for bytes that are no answer, and for numbers that are not finite."""
     arrays = _arrays(name, content)
     if "refused" in arrays:
         thing, value, valid = json.loads(str(arrays["refused"]))
@@ -228,55 +221,29 @@ def _arrays(name: str, content: bytes) -> Mapping[str, NDArray[Any]]:
 
 
 def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
-    """The model, if all numbers are finite, of the shapes that belong together, and refer to what is there."""
+    """The model, if all of its arrays are there, none is too long, and all numbers are finite."""
     for field in fields(Compiled):
         if field.name not in arrays:
             raise InvalidFile(f"arrays of compiled model {name}", f"none is {field.name}", "all arrays of it")
-    counts = {kind: len(arrays[f"{kind}_name"]) for kind in ("body", "jnt", "geom", "eq", "mesh", "key")}
-    for thing, count, most in (
-        ("bodies", counts["body"], BODIES), ("shapes", counts["geom"], GEOMS), ("joints", counts["jnt"], BODIES),
-        ("vertices", len(arrays["mesh_vert"]), caps.VERTICES),
+    for thing, key, most in (
+        ("bodies", "body_name", BODIES), ("shapes", "geom_name", GEOMS), ("joints", "jnt_name", BODIES),
+        ("vertices", "mesh_vert", caps.VERTICES),
     ):
-        if count > most:
-            raise InvalidFile(f"number of {thing} of {name}", count, f"up to {most}")
+        if len(arrays[key]) > most:
+            raise InvalidFile(f"number of {thing} of {name}", len(arrays[key]), f"up to {most}")
     found: dict[str, Any] = {}
     for field in fields(Compiled):
-        array, kind = arrays[field.name], field.name.partition("_")[0]
+        array = arrays[field.name]
         if field.type in (bool, int, str):
             found[field.name] = field.type(array)
         elif field.name.endswith("_name"):
             found[field.name] = tuple(str(one) for one in array)
         else:
-            found[field.name] = _array(f"{field.name} of {name}", array, field.type is Array, counts.get(kind), field.name)
-    model = Compiled(**found)
-    places: tuple[tuple[str, Indices, int, int | None], ...] = (
-        ("body_parentid", model.body_parentid, 0, counts["body"]), ("jnt_bodyid", model.jnt_bodyid, 1, counts["body"]),
-        ("geom_bodyid", model.geom_bodyid, 0, counts["body"]), ("geom_dataid", model.geom_dataid, -1, None),
-        ("jnt_qposadr", model.jnt_qposadr, 0, len(model.qpos0)), ("pair_geom1", model.pair_geom1, 0, counts["geom"]),
-        ("pair_geom2", model.pair_geom2, 0, counts["geom"]), ("mesh_face", model.mesh_face, 0, None),
-    )
-    for key, column, least, below in places:
-        if not (column >= least).all() or (below is not None and not (column < below).all()):
-            raise InvalidFile(f"{key} of compiled model {name}", column.tolist(), f"from {least}, below {below}")
-    mocaps = int((model.body_mocapid >= 0).sum())
-    shapes: tuple[tuple[str, int, int], ...] = (
-        ("gravity", len(model.gravity), 3), ("pair_friction", len(model.pair_friction), len(model.pair_geom1)),
-        ("key_qpos", model.key_qpos.shape[1], len(model.qpos0)), ("key_mpos", model.key_mpos.shape[1], 3 * mocaps),
-        ("key_mquat", model.key_mquat.shape[1], 4 * mocaps),
-    )
-    for key, count, wanted in shapes:
-        if count != wanted:
-            raise InvalidFile(f"{key} of compiled model {name}", count, f"{wanted} numbers")
-    return model
+            found[field.name] = _array(f"{field.name} of {name}", array, field.type is Array)
+    return Compiled(**found)
 
 
-def _array(thing: str, array: NDArray[Any], real: bool, rows: int | None, key: str) -> NDArray[Any]:
-    width = WIDTHS.get(key.rpartition("_")[2])
-    shaped = array.ndim == (1 if width is None else 2) and (width in (None, -1) or array.shape[1] == width)
-    if rows is not None and key not in ("mesh_vert", "mesh_face"):
-        shaped = shaped and len(array) == rows
-    if not shaped:
-        raise InvalidFile(f"shape of {thing}", array.shape, f"({rows}, {width})")
+def _array(thing: str, array: NDArray[Any], real: bool) -> NDArray[Any]:
     if array.dtype.kind not in "biuf" or not np.isfinite(array).all():
         raise InvalidFile(thing, "not finite", "finite numbers")
     return np.ascontiguousarray(array, dtype=np.float64 if real else np.int64)

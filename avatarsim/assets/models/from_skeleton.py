@@ -27,7 +27,6 @@ from avatarsim.assets.models.anthropometry import (
     Part,
     parts,
 )
-from avatarsim.assets.models.capsule_gaps import link_gaps
 from avatarsim.assets.models.coordinates import Coordinates, Slot
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.models.range_of_motion import ANY_TWIST, limited
@@ -39,8 +38,9 @@ from avatarsim.scene.body import Mass, solid, volume
 from avatarsim.scene.checks import positive
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Capsule, Piece, Sphere
-from avatarsim.scene.tracker import link_poses, rest
+from avatarsim.scene.tracker import rest
 from avatarsim.spatial import rotation
 from avatarsim.tolerances import POSTURE_GAP
 
@@ -238,22 +238,22 @@ def _overlapping(avatar: Avatar, standing: Stance | None) -> tuple[tuple[str, st
     as far as flesh gives way.
 
     Where no standing one is known, at rest, and then those of one parent and of a parent's alone: the rest may be folded up."""
-    links = avatar.links
-    index = {link.name: k for k, link in enumerate(links)}
-    parent = np.array([-1 if link.parent is None else index[link.parent] for link in links])
-    here = np.arange(len(parent))
-    above = np.where(parent >= 0, parent[parent], -1)
-    near = (parent[:, None] == parent) | (above[:, None] == here) | (here[:, None] == above)
-    home = rest([avatar])
+    # the engine's compiler, which reading a skeleton file does without
+    from avatarsim.model.world import build
+    from avatarsim.pose_queries import deepest_overlaps
+
+    links, home = {f"{avatar.name}/{link.name}": link for link in avatar.links}, rest([avatar])
     if standing is not None:
         home = replace(home, rotations=standing.rotations, angles=standing.angles)
-    gaps = link_gaps(links, *link_poses([avatar], home))
-    found = (gaps < TOUCHING) & (near | (standing is not None)) & (parent[:, None] != here) & (here[:, None] != parent)
-    thick = [max((shape.radius for shape in shapes_of(link)), default=0.0) for link in links]
-    return tuple(
-        (links[a].name, links[b].name, max(0.0, -float(gaps[a, b])) + max(POSTURE_GAP, FLESH * min(thick[a], thick[b])))
-        for a, b in np.argwhere(np.triu(found)).tolist()
-    )
+    parents = {link.name: link.parent for link in avatar.links}
+    found = []
+    for overlap in deepest_overlaps(build(Scene(avatar.name, (), (avatar,), start=home)), least=-TOUCHING):
+        a, b = links[overlap.a], links[overlap.b]
+        near = a.parent == b.parent or parents.get(a.parent or "") == b.name or parents.get(b.parent or "") == a.name
+        if near or standing is not None:
+            flesh = FLESH * min(max(shape.radius for shape in shapes_of(link)) for link in (a, b))
+            found.append((a.name, b.name, max(0.0, overlap.depth) + max(POSTURE_GAP, flesh)))
+    return tuple(found)
 
 
 def shapes_of(link: Link) -> list[Capsule | Sphere]:

@@ -1,4 +1,4 @@
-"""What the compiler's process sends is checked: what is missing, cut off, not finite or out of range is an InvalidFile."""
+"""What the compiler's process sends is checked: what is missing, cut off or not finite is an InvalidFile."""
 
 import io
 from pathlib import Path
@@ -50,12 +50,7 @@ def test_a_whole_answer_is_a_model() -> None:
 @pytest.mark.parametrize(("changed", "said"), [
     ({"qpos0": None}, "arrays of compiled model a.xml"),
     ({"body_pos": np.full((2, 3), np.nan)}, "body_pos of a.xml is 'not finite'"),
-    ({"body_pos": np.zeros((3, 3))}, "shape of body_pos of a.xml"), ({"body_quat": np.zeros((2, 3))}, "shape of body_quat"),
-    ({"jnt_bodyid": np.array([2])}, "jnt_bodyid of compiled model"), ({"jnt_bodyid": np.array([0])}, "jnt_bodyid of comp"),
-    ({"jnt_qposadr": np.array([1])}, "jnt_qposadr"), ({"pair_geom1": np.array([7])}, "pair_geom1"),
-    ({"geom_type": np.array(["2"])}, "geom_type of a.xml"), ({"jnt_pos": np.zeros((1, 3, 1))}, "shape of jnt_pos"),
-    ({"gravity": np.zeros(2)}, "gravity of compiled model"), ({"key_qpos": np.zeros((0, 7))}, "key_qpos"),
-    ({"pair_friction": np.zeros(2)}, "pair_friction"), ({"refused": np.array('["a", 1, "b"]')}, "a is 1; valid: b"),
+    ({"geom_type": np.array(["2"])}, "geom_type of a.xml"), ({"refused": np.array('["a", 1, "b"]')}, "a is 1; valid: b"),
 ])
 def test_an_answer_that_is_none_is_refused(changed: dict[str, object], said: str) -> None:
     with pytest.raises(InvalidFile, match=said):
