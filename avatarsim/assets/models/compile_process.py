@@ -32,8 +32,9 @@ more: two at a time fill a small machine."""
 SECONDS, SECONDS_PER_MEGABYTE = 4, 0.25
 """CPU time [s] for any model, and for each megabyte of its files. MuJoCo takes 0.02 s for one on a machine of 2020."""
 
-WALL = 3
-"""Real time for each second of CPU time: on a machine with other work."""
+WALL = 10
+"""Real time for each second of CPU time, on a machine with other work. Less: sound models are refused on one with ten jobs a
+core; more: a process that waits for something is ended later."""
 
 COPLANAR = re.compile("mesh '(.*)' has coplanar vertices")
 """MuJoCo's word for a mesh without thickness."""

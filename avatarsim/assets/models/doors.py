@@ -66,8 +66,9 @@ _DRIVE = re.compile(r"^[A-Za-z]:[\\/]")
 @dataclass(frozen=True)
 class Texts:
     """The XML of a model: `main` is the path of the file that was asked for, `texts` the bytes of all, by path below `folder`;
-    `plugins` are the names of those that were left out, `velocities` the limits of speed of URDF joints by name;
-    `is_robot` says whether it is URDF, `free_root` whether it is so with no link named world, to which MuJoCo would fix it."""
+    `plugins` are the names of those that were left out, `velocities` the limits of speed of URDF joints by name, `meshes` the
+    files of MJCF meshes by name, as they are written; `is_robot` says whether it is URDF, `free_root` whether it is so with no
+    link named world, to which MuJoCo would fix it."""
 
     folder: Path
     main: str
@@ -76,6 +77,7 @@ class Texts:
     is_robot: bool = False
     plugins: tuple[str, ...] = ()
     velocities: Mapping[str, float] = field(default_factory=dict)
+    meshes: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def bytes(self) -> int:
@@ -120,6 +122,7 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
     texts: dict[str, bytes] = {}
     plugins: list[str] = []
     velocities: dict[str, float] = {}
+    meshes: dict[str, str] = {}
     waiting: list[tuple[str, Path, tuple[values.Element, ...]]] = [(main, path, ())]
     left, free_root, is_robot = XML_BYTES, False, False
     while waiting:
@@ -136,9 +139,10 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
         plugins += scan.plugins
         waiting += scan.found
         velocities |= scan.velocities
+        meshes |= scan.meshes
         free_root |= name == main and scan.is_robot and not scan.has_world
         is_robot |= name == main and scan.is_robot
-    return Texts(folder, main, texts, free_root, is_robot, tuple(dict.fromkeys(plugins)), velocities)
+    return Texts(folder, main, texts, free_root, is_robot, tuple(dict.fromkeys(plugins)), velocities, meshes)
 
 
 def _plain(content: bytes) -> bytes:
@@ -152,7 +156,7 @@ class _Scan:
 
     `found` are the files of XML that it names: (path below the folder, path, elements around), `is_robot` says whether it is URDF
     and `has_world` whether that has a link named world; `plugins` are the names of those left out, `velocities` the limits of
-    speed of its joints by name."""
+    speed of its joints, and `meshes` files of MJCF meshes by name."""
 
     def __init__(
         self, name: str, main: PurePosixPath, folder: Path, collide: str, around: tuple[values.Element, ...] = ()
@@ -168,6 +172,7 @@ class _Scan:
         self._elements = self._kept = 0
         self.found: list[tuple[str, Path, tuple[values.Element, ...]]] = []
         self.velocities: dict[str, float] = {}
+        self.meshes: dict[str, str] = {}
         self.is_robot = self.has_world = False
         # UTF-8 whatever the file says of itself, as MuJoCo's parser takes it
         self._parser = expat.ParserCreate("utf-8")
@@ -250,6 +255,8 @@ class _Scan:
         values.require(self._place, above, own)
         if self.is_robot and tag == "limit" and above[-1].tag == "joint" and "velocity" in attributes:
             self.velocities[above[-1].attributes.get("name", "")] = float(attributes["velocity"])
+        if tag == "mesh" and "file" in attributes:
+            self.meshes[attributes.get("name") or PurePosixPath(attributes["file"]).stem] = attributes["file"]
         if tag == "plugin":
             name = attributes.get("plugin") or attributes.get("name") or attributes.get("instance") or ""
             raise InvalidFile(self._place("<plugin>"), name, "shapes without plugins: a plugin is code, which is not run here")

@@ -57,7 +57,9 @@ class MeshFiles:
             mesh.name = mesh.name or PurePosixPath(mesh.file).stem
             thing, file = f"mesh {mesh.name} of {self.texts.main}", mesh.file.removeprefix(self.nowhere)
             doors.require_relative(thing, file)
-            tried = candidates(file, meshdir, bool(spec.strippath), bases)
+            # MuJoCo puts the folder of an included text before a name and shortens both: as it is written it is tried too
+            names = [file, self.texts.meshes.get(mesh.name, file)]
+            tried = [path for name in names for path in candidates(name, meshdir, bool(spec.strippath), bases)]
             self._give(mesh, thing, self._place(thing, file, tried))
             mesh.content_type = mesh.compiler.meshdir = ""
         spec.meshdir, spec.strippath, spec.assets = "", False, self.assets

@@ -165,6 +165,19 @@ def test_includes_attached_models_and_folders_of_meshes_are_found_as_mujoco_does
     assert model.avatar is not None and [link.name for link in model.avatar.links] == ["hip", "left_leg"]
 
 
+def test_meshes_of_an_include_from_a_sibling_folder_are_found_as_mujoco_does(tmp_path: Path) -> None:
+    for name in ("parts/assets", "parts/meshes", "robot"):
+        (tmp_path / name).mkdir(parents=True)
+    obj_of(tmp_path / "parts" / "meshes", "cube.obj", *cube())
+    mesh = '<mujocoinclude><asset><mesh file="../parts/meshes/cube.obj"/></asset></mujocoinclude>'
+    (tmp_path / "parts" / "assets" / "cube.xml").write_text(mesh)
+    body = '<body name="hip"><joint name="hip"/><geom type="mesh" mesh="cube"/></body>'
+    path = written(tmp_path / "robot", body, head='<include file="../parts/assets/cube.xml"/>')
+    assert mujoco.MjModel.from_xml_path(str(path)).nmesh == 1
+    model = av.load_avatar(path, folder=tmp_path)
+    assert model.avatar is not None and len(model.avatar.links[0].pieces) == 1
+
+
 ROBOT = '<robot name="r"><link name="base"><collision><geometry><mesh filename="{}"/></geometry></collision></link></robot>'
 
 
