@@ -12,7 +12,7 @@ import numpy as np
 
 from avatarsim.assets.models.model import Model
 from avatarsim.assets.motions.home import parsed_home
-from avatarsim.assets.motions.load import options_of
+from avatarsim.assets.motions.load import NO_HOME, options_of
 from avatarsim.cleaning import Audit, Cleaned, audit, clean
 from avatarsim.clips import certificate
 from avatarsim.clips.found import Clip
@@ -96,7 +96,9 @@ class _Clip:
             motion = motion.resampled(self.wishes.rate)
             self.carried = tuple(one.resampled(self.wishes.rate) for one in self.carried)
         bodies = room.room if room else ()
-        told = (*(f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files" for name in unused), *file.said)
+        reasons = {"home": f": {NO_HOME}"}
+        left = (f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files{reasons.get(name, '')}" for name in unused)
+        told = (*left, *file.said)
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning, self.carried)
             measured = certificate.entry(self.place, file.format, key, motion, before, said=said)

@@ -20,10 +20,10 @@ PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
 """Ends of names of pickles, which run what their author wrote into them."""
 
 NO_HOME = (
-    "none: only recorded skeletons (.amc, .bvh) may be folded at rest and need one; a body of the SMPL family stands at rest in "
+    "only recorded skeletons (.amc, .bvh) may be folded at rest and need one; a body of the SMPL family stands at rest in "
     "every clip, and a robot has keyframe= of its model"
 )
-"""Valid home of a motion whose reader has no such option."""
+"""Reason for which a reader has no such option."""
 
 
 def load_motion(path: str | Path, **options: object) -> MotionFile:
@@ -44,7 +44,7 @@ def load_motion(path: str | Path, **options: object) -> MotionFile:
         raise InvalidFile(f"end of the name of {path.name}", path.suffix, f"one of {', '.join(sorted(READERS))}")
     known = options_of(suffix)
     if options.get("home") is not None and "home" not in known:
-        raise InvalidInput(f"home of {path.name}", options["home"], NO_HOME)
+        raise InvalidInput(f"home of {path.name}", options["home"], f"none: {NO_HOME}")
     if unknown := sorted(set(options) - set(known)):
         raise InvalidInput(f"option for {path.name}", unknown[0], f"one of {', '.join(sorted(known))}")
     return cast(MotionFile, _reader(suffix)(path, **options))
