@@ -18,7 +18,7 @@ def quantity(value: float | None, unit: str, digits: int = 3) -> str:
     if value is None:
         return MISSING
     if not math.isfinite(value):
-        return "NaN" if math.isnan(value) else "∞"
+        return rounded(value)
     for name, prefixes in (("m", LENGTHS), ("us", TIMES)):
         if unit == name:
             return _prefixed(value, prefixes, NOTHING[name], digits)
@@ -27,7 +27,9 @@ def quantity(value: float | None, unit: str, digits: int = 3) -> str:
 
 
 def rounded(value: float, digits: int = 3) -> str:
-    """Return a number to so many significant digits, thousands separated, without trailing zeros."""
+    """Return a number to so many significant digits, thousands separated, without trailing zeros; "NaN" and "∞" for others."""
+    if not math.isfinite(value):
+        return "NaN" if math.isnan(value) else "∞" if value > 0.0 else "-∞"
     if abs(value) < 1e-12:
         return "0"
     if not 1e-4 <= abs(value) < 1e6:

@@ -51,3 +51,4 @@ def test_what_is_no_number_is_told_apart_from_what_is_missing(unit: str) -> None
     texts = [quantity(value, unit) for value in (None, math.nan, math.inf)]
     assert texts[0] == MISSING and len(set(texts)) == 3
     assert not any(character.isdigit() for text in texts for character in text)
+    assert rounded(math.nan) == texts[1] and rounded(-math.inf) not in texts
