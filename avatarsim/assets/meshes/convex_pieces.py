@@ -132,11 +132,10 @@ def answered(mesh: Mesh, wishes: Wishes, quiet: bool) -> cache.Answer:
     whole = hull_of(used.vertices, mesh.name)
     closed = not any(fault.open for fault in sound.faults)
     said = sound.repairs
-    if wishes.hull:
+    is_convex = not sound.faults and _is_convex(whole, used)
+    if wishes.hull or is_convex:
         said += tuple(f"the hull closes this: {fault.thing} is {fault.value}" for fault in sound.faults)
-        return _measured([whole], "hull", used, closed, wishes, said)
-    if not sound.faults and _is_convex(whole, used):
-        return _measured([whole], "convex mesh", used, closed, wishes, said)
+        return _measured([whole], "hull" if wishes.hull else "convex mesh", used, closed, wishes, said, is_convex)
     remesh = wishes.repair == "remesh" or (wishes.repair == "auto" and all(fault.crossing for fault in sound.faults))
     if sound.faults and not remesh:
         sound.refuse()
@@ -218,10 +217,12 @@ def _solid(points: Array, name: str) -> Hull | None:
         return None
 
 
-def _measured(hulls: list[Hull], source: str, mesh: Mesh, closed: bool, wishes: Wishes, said: tuple[str, ...]) -> cache.Answer:
-    """Enclose the hulls in ones of few vertices and measure these against the mesh."""
+def _measured(
+    hulls: list[Hull], source: str, mesh: Mesh, closed: bool, wishes: Wishes, said: tuple[str, ...], is_convex: bool = False
+) -> cache.Answer:
+    """Enclose the hulls in ones of few vertices and measure these against the mesh; convex ones by depth alone."""
     around = [enclosing(hull, wishes.most_vertices, mesh.name, wishes.fit)[0] for hull in hulls]
-    if source == "convex mesh" and around[0] is hulls[0]:
+    if is_convex and around[0] is hulls[0]:
         gap = Deviation(0.0, depth_below(around[0], mesh.corners), 0.0)
     else:
         gap = deviation(around, mesh.corners, closed)
