@@ -166,7 +166,9 @@ class IkLoop:
         self, world: World, settings: PostureSettings, coupling: CouplingSettings, seed: int = 0, *, record: bool = False
     ) -> None:
         self.world, self._moving, self._known, self._told = world, NOT_KNOWN, NOT_KNOWN, 0
-        solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0)
+        solver = make_solver(
+            world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0, world.link_friction()
+        )
         # without dynamics nothing gives back what pressing took, and the coupling would run away
         coupled = world.scene.effects.coupling and world.scene.effects.dynamics
         if coupled:

@@ -17,6 +17,8 @@ class PostureSettings(NamedTuple):
     catch_up_move   [m/s] the same of a root. Larger: jumps; smaller: a body that was held off comes late.
     natural_frequency  [rad/s] of the critically damped spring between an avatar and its target. Motion without contact has no
                     lag. Larger: limbs dash off when they come free; smaller: they come back later.
+    sticking_speed  [m/s] of a link's target at which friction on fixed bodies has fallen to a third. Larger: hands that are drawn
+                    along a wall stay behind; smaller: feet that are set down gently skid.
     settle_time     [s] over which the target's speed is low-passed, in proportion to which the catch-up speeds fall once it holds
                     still. Larger: limbs that are pressed on things wander for longer; smaller: what is far away comes late.
     stall_time      [s] without progress after which a path is searched, or else the frame record says that an avatar waits.
@@ -33,6 +35,7 @@ class PostureSettings(NamedTuple):
     catch_up_turn: float = 12.5
     catch_up_move: float = 5.0
     natural_frequency: float = 50.0
+    sticking_speed: float = 0.2
     settle_time: float = 0.5
     stall_time: float = 0.1
     near: float = 0.05

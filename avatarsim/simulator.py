@@ -53,7 +53,7 @@ CHOICES = {"around": 2, "couple": 1}
 
 LEAST = {
     "steps": 1, "sweeps": 1, "work": 1, "stand_off": 1e-7, "rounds": 1, "spring": 1e-3, "walk_back": 1e-12, "settle_time": 1e-3,
-    "catch_up_turn": 1e-3, "catch_up_move": 1e-3, "natural_frequency": 1.0,
+    "catch_up_turn": 1e-3, "catch_up_move": 1e-3, "natural_frequency": 1.0, "sticking_speed": 1e-3,
 }
 """Smallest value of the options that are no switch: with 0 no body moves, no offset decays, or only rounding is left."""
 

@@ -12,7 +12,19 @@ from avatarsim.collision.support import support
 from avatarsim.ik.certificate import EXACT, keep_nearest, nearest_direction
 from avatarsim.ik.couplings import fold_row
 from avatarsim.ik.gaps import least_gap, stand_off_of, wedged_gap
-from avatarsim.ik.state import DROPPED, ROWS, Avatars, ConstraintRows, IkScratch, IkState, RowKind, Touching, axis_at, slot_of
+from avatarsim.ik.state import (
+    DROPPED,
+    MOST_PRESSED,
+    ROWS,
+    Avatars,
+    ConstraintRows,
+    IkScratch,
+    IkState,
+    RowKind,
+    Touching,
+    axis_at,
+    slot_of,
+)
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array, Geometry, Poses, allowed_depth
 from avatarsim.model.joint_limits import (
@@ -114,6 +126,7 @@ def add_contact(
     for i in range(3):
         r.arm[k, i], r.arm[k, 3 + i] = arm[i], opposite[i]
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.multiplier[k] = CONTACT, a, b, 0.0
+    r.least[k], r.most[k] = 0.0, MOST_PRESSED
     r.bound[k] = missing + along_row(avatars, k, step, r.jacobian, r)
     scratch_out.counts[ROWS] += 1
     r.used[0] = k + 1
@@ -316,5 +329,6 @@ def add_turn_row(avatar: int, d: int, direction: Vec3, missing: float, scratch_o
         r.jacobian[k, d + i] = direction[i]
         bound += direction[i] * step[d + i]
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = LIMIT, d, -1, bound, 0.0
+    r.least[k], r.most[k] = 0.0, MOST_PRESSED
     scratch_out.counts[ROWS] += 1
     r.used[0] = k + 1

@@ -44,7 +44,7 @@ def carry_momentum(
             inertia.walk[j] *= ratio
             beyond = inertia.walk[j] - scratch.objective.own[j]
             inertia.momentum[j] = beyond if t.is_led[avatar] > 0 else minmod(ratio * inertia.gone[j], beyond)
-            inertia.gone[j] = 0.0
+            inertia.own[j], inertia.gone[j] = scratch.objective.own[j], 0.0
         t.frame_time[avatar], t.is_led[avatar] = dt, 0
         copy_posture(skel, avatars, avatar, posture, inertia.shown)
 
@@ -68,7 +68,7 @@ def forget_momentum(skel: Skeleton, avatars: Avatars, avatar: int, posture: Post
     """Set the velocity of an avatar at `posture` to zero."""
     inertia = state_out.inertia
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
-        inertia.momentum[j], inertia.walk[j], inertia.gone[j] = 0.0, 0.0, 0.0
+        inertia.momentum[j], inertia.walk[j], inertia.own[j], inertia.gone[j] = 0.0, 0.0, 0.0, 0.0
     state_out.tracking.is_led[avatar] = 0
     copy_posture(skel, avatars, avatar, posture, inertia.shown)
 

@@ -9,6 +9,7 @@ from avatarsim.ik.kinematics import carry_avatar
 from avatarsim.ik.state import (
     ACTIVE_CAP,
     COUNT_NAMES,
+    MOST_PRESSED,
     ROWS_MOST,
     ROWS_PER_AVATAR,
     TOUCHING_PER_AVATAR,
@@ -78,8 +79,9 @@ def finger_links(skel: Skeleton) -> NDArray[np.bool_]:
     return np.asarray(skel.related[:, fingers].any(axis=1))
 
 
-def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses) -> tuple[Avatars, Array]:
-    """What never changes of the avatars, and the mean reach (na) [m] of their links; 1 where no link has a shape."""
+def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, friction: Array | None = None) -> tuple[Avatars, Array]:
+    """What never changes of the avatars, with their friction (nl, nb) on bodies, none by default; and the mean reach (na) [m] of
+    their links, 1 where no link has a shape."""
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
     roots = np.flatnonzero(skel.parent < 0)
     first_link = np.append(roots, nl).astype(np.int64)
@@ -107,7 +109,10 @@ def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses) -> tuple[Avatars, 
     shares = np.where(finger_links(skel), FINGER_WEIGHT, 1.0)
     weight *= shares[joint_of]
     depth = np.array([len(one) - 1 for one in paths], dtype=np.int64)
-    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight, shares), reach
+    rub = zeros(nl, max(skel.first, 1))
+    if friction is not None:
+        rub[:, : skel.first] = friction
+    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight, shares, rub), reach
 
 
 def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
@@ -124,7 +129,7 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
         tracking, before, own, zeros(nl, 3), zeros(nl), make_contacts(ROWS_PER_AVATAR * na),
         Touching(indices(1), indices(pairs, 2), indices(pairs)), make_pair_cache(driven, len(geo.body)),
         indices(na, max(skel.first, 1)), indices(na), zeros(na, 6), axes, Budget(zeros(nl), zeros(nl), zeros(nl), zeros(nl),
-        zeros(2)), Inertia(shown, zeros(nd), zeros(nd), zeros(nd)),
+        zeros(2)), Inertia(shown, zeros(nd), zeros(nd), zeros(nd), zeros(nd)),
     )
     forget_near(state)
     return state
@@ -143,8 +148,8 @@ def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
     m = min(ROWS_PER_AVATAR * (len(avatars.first_link) - 1), ROWS_MOST)
     return ConstraintRows(
         indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m),
-        zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(m, m), np.zeros(1, dtype=np.bool_), zeros(ACTIVE_CAP, ACTIVE_CAP),
-        indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
+        zeros(m), np.full(m, MOST_PRESSED), zeros(m), zeros(m), zeros(m, 3), zeros(m, 6), zeros(m, m),
+        np.zeros(1, dtype=np.bool_), zeros(ACTIVE_CAP, ACTIVE_CAP), indices(ACTIVE_CAP), zeros(ACTIVE_CAP),
     )
 
 
@@ -161,13 +166,14 @@ def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, 
 
 
 def make_solver(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0, friction: Array | None = None
 ) -> tuple[Avatars, IkState, IkScratch]:
     """Everything the solver needs for a world at its first posture."""
     nd = int(skel.first_dof[-1])
     axes, first_link = zeros(nd, 3), np.append(np.flatnonzero(skel.parent < 0), len(skel.kind)).astype(np.int64)
     for a in range(len(first_link) - 1):
-        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, zeros(1), zeros(1))
+        none = zeros(1)
+        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, none, none, zeros(1, 1))
         carry_avatar(skel, spans, a, posture, zeros(nd), poses, axes)
-    avatars, reach = make_avatars(geo, skel, poses)
+    avatars, reach = make_avatars(geo, skel, poses, friction)
     return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, kept)

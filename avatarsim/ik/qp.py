@@ -50,7 +50,7 @@ def find_active(tolerance: float, rows_out: ConstraintRows) -> bool:
     """The same, but that multipliers and residuals are anywhere if it does not get there."""
     r, size, done = rows_out, 0, 0
     for k in range(r.used[0]):
-        if r.multiplier[k] > 0.0:
+        if r.least[k] < r.multiplier[k] < r.most[k]:
             if size == r.active.shape[0]:
                 return False
             r.active[size] = k
@@ -59,17 +59,19 @@ def find_active(tolerance: float, rows_out: ConstraintRows) -> bool:
         if not extend(done, size, r):
             return False
         solve_change(size, r)
-        share, first = 1.0, -1
+        share, first, end = 1.0, -1, 0.0
         for i in range(size):
-            here = r.multiplier[r.active[i]]
-            if not (here + r.change[i] < MOST_PRESSED):
+            k = r.active[i]
+            here, change = r.multiplier[k], r.change[i]
+            if not (here + change < MOST_PRESSED):
                 return False
-            if here + share * r.change[i] < 0.0:
-                share, first = -here / r.change[i], i
+            reached = min(max(r.least[k], here + share * change), r.most[k])
+            if reached != here + share * change:
+                share, first, end = (reached - here) / change, i, reached
         change_multipliers(size, share, r)
         done = size
         if first >= 0:
-            r.multiplier[r.active[first]] = 0.0
+            r.multiplier[r.active[first]] = end
             size -= 1
             for i in range(first, size):
                 r.active[i] = r.active[i + 1]
@@ -77,8 +79,10 @@ def find_active(tolerance: float, rows_out: ConstraintRows) -> bool:
             continue
         worst, found = -MET * tolerance, -1
         for k in range(r.used[0]):
-            if r.multiplier[k] == 0.0 and r.residual[k] < worst:
+            if r.multiplier[k] <= r.least[k] and r.residual[k] < worst:
                 worst, found = r.residual[k], k
+            if r.multiplier[k] >= r.most[k] and -r.residual[k] < worst:
+                worst, found = -r.residual[k], k
         if found < 0:
             return True
         if size == r.active.shape[0]:
@@ -94,7 +98,7 @@ def change_multipliers(size: int, share: float, rows_out: ConstraintRows) -> Non
     r = rows_out
     for i in range(size):
         k, step = r.active[i], share * r.change[i]
-        r.multiplier[k] = max(0.0, r.multiplier[k] + step)
+        r.multiplier[k] = min(max(r.least[k], r.multiplier[k] + step), r.most[k])
         for q in range(r.used[0]):
             r.residual[q] += r.gram[k, q] * step
 
@@ -240,9 +244,9 @@ def sweep(rows_out: ConstraintRows, most: int, tolerance: float) -> int:
         change = 0.0
         for k in range(r.used[0]):
             before = multiplier[k]
-            if before == 0.0 and residual[k] >= 0.0:
+            if before == r.least[k] and residual[k] >= 0.0:
                 continue
-            after = min(max(0.0, before - residual[k] / (gram[k, k] + SOFTNESS)), MOST_PRESSED)
+            after = min(max(r.least[k], before - residual[k] / (gram[k, k] + SOFTNESS)), r.most[k])
             step = after - before
             if step != 0.0:
                 multiplier[k] = after
@@ -264,7 +268,7 @@ def assemble(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) ->
             step[j] = 0.0
     for k in range(r.used[0]):
         push = r.multiplier[k]
-        for side in range(2 if push > 0.0 else 0):
+        for side in range(2 if push != 0.0 else 0):
             avatar = r.owner[k, side]
             if avatar >= 0:
                 for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
@@ -318,6 +322,7 @@ def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float
     for j in range(first, last):
         r.jacobian[k, j] = -s.step[j] / far
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BUDGET, first, -1, -left, 0.0
+    r.least[k], r.most[k] = 0.0, MOST_PRESSED
     r.used[0] = k + 1
     return 1
 
@@ -339,4 +344,5 @@ def add_bound(avatars: Avatars, avatar: int, j: int, sign: float, bound: float, 
     clear_row(avatars, k, r)
     r.jacobian[k, j] = sign
     r.kind[k], r.pair[k, 0], r.pair[k, 1], r.bound[k], r.multiplier[k] = BOUND, j, -1, bound, 0.0
+    r.least[k], r.most[k] = 0.0, MOST_PRESSED
     r.used[0] = k + 1

@@ -12,6 +12,7 @@ Lagrangian.
 from avatarsim.ik.certify import certify, foresee
 from avatarsim.ik.constraints import add_touching, along_row, is_solved_for, keep_touching, touch
 from avatarsim.ik.couplings import share_budget
+from avatarsim.ik.friction import FRICTION, add_friction
 from avatarsim.ik.gaps import least_gap
 from avatarsim.ik.inertia import note_way, resist, resist_straight, shorten_own
 from avatarsim.ik.kinematics import place_avatar, take_step, tangent_error, try_step
@@ -61,7 +62,7 @@ def note_forces(geo: Geometry, skel: Skeleton, avatars: Avatars, rows: Constrain
     """Add what the contact rows of a solved step press on each link with."""
     s = state_out
     for k in range(rows.used[0]):
-        if rows.kind[k] != CONTACT or not (rows.multiplier[k] > 0.0):
+        if (rows.kind[k] != CONTACT and rows.kind[k] != FRICTION) or rows.multiplier[k] == 0.0:
             continue
         for side in range(2):
             link = geo.body[rows.pair[k, side]] - skel.first
@@ -138,7 +139,7 @@ def try_qp(
     add_touching(geo, skel, avatars, settings, is_soft, poses, state_out, s)
     for round_ in range(CUTS + 1):
         for _ in range(CUTS):
-            choose_step(skel, avatars, poses, first, last, tolerance, state_out, s)
+            choose_step(geo, skel, avatars, settings, poses, first, last, tolerance, state_out, s)
             s.counts[QPS] += 1
             if not foresee(geo, skel, avatars, settings, posture, poses, first, last, is_soft, state_out, s):
                 break
@@ -157,8 +158,8 @@ def try_qp(
 
 @kernel
 def choose_step(
-    skel: Skeleton, avatars: Avatars, poses: Poses, first: int, last: int, tolerance: float, state_out: IkState,
-    scratch_out: IkScratch,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, first: int, last: int,
+    tolerance: float, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
     """The straight way to the target where no row is in its way: there it is the least of the objective, and no metric is needed.
     Else the QP's step."""
@@ -173,6 +174,8 @@ def choose_step(
             return
         for m in range(first, last):
             model(skel, avatars, s.members[m], state, poses, s.objective)
+        add_friction(geo, skel, avatars, settings, poses, state, s)
+        for m in range(first, last):
             resist(skel, avatars, s.members[m], state, s.objective)
             state.tracking.has_model[s.members[m]], state.tracking.has_arrived[s.members[m]] = 1, 0
             state.tracking.is_straight[s.members[m]] = 0

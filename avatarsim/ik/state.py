@@ -139,6 +139,8 @@ class RowKind(IntEnum):
     """One degree of freedom stays within its budget or its hinge's limits [rad or m]."""
     BUDGET = 3
     """A root or a joint of several degrees stays within its budget along one direction [m or rad]."""
+    FRICTION = 4
+    """A contact does not slip along one direction [m], unless that takes a larger multiplier than friction allows."""
 
 
 class Mode(IntEnum):
@@ -218,7 +220,7 @@ known_as_table(Tracking, TRACKING)
 class Avatars(NamedTuple):
     """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
     the degrees that carry degree j, and with couplings its ancestors in the elimination tree, from the root on, itself at place
-    depth[j] of them; turn_weight (nd) [m^2] of a squared
+    depth[j] of them; friction (nl, nb) of a link on a fixed body, 0 on all others; turn_weight (nd) [m^2] of a squared
     angle, [1] of the squared way of a slide, 0 for translations of a root; link_weight (nl) of a squared distance of a link's
     origin."""
 
@@ -230,6 +232,7 @@ class Avatars(NamedTuple):
     depth: IndexLine
     turn_weight: Line
     link_weight: Line
+    friction: Grid
 
 
 class Budget(NamedTuple):
@@ -274,12 +277,14 @@ class Inertia(NamedTuple):
     shown     posture at the start of the frame
     walk      (nd) displacement of the last frame, scaled to the length of this one
     momentum  (nd) initial velocity relative to the target
+    own       (nd) displacement of the target in this frame
     gone      (nd) displacement relative to the target so far in this frame
     """
 
     shown: Posture
     walk: Line
     momentum: Line
+    own: Line
     gone: Line
 
 
@@ -344,7 +349,8 @@ class Objective(NamedTuple):
 class ConstraintRows(NamedTuple):
     """Linear conditions J x >= bound of one step: used, ready (1 each) how many there are, and how many are transformed; kind
     (m) a RowKind; pair (m, 2) pieces of a contact, or a degree and -1; owner (m, 2) avatars whose degrees a row is of, -1 for
-    none; jacobian (m, nd); weighted (m, nd) = L^-T J^T; multiplier, residual, before (m);
+    none; jacobian (m, nd); weighted (m, nd) = L^-T J^T; multiplier, residual, before (m); least, most (m) of
+    a multiplier, 0 and MOST_PRESSED but for friction, whose rows are equations;
     normal (m, 3), arm (m, 6) [m] from the origins of both bodies to the contact; gram (m, m) of the weighted rows; is_solved (1)
     whether the sweeps came to an end; active (a) the active rows, factor (a, a) of
     their Gram matrix, change (a) of their multipliers."""
@@ -358,6 +364,8 @@ class ConstraintRows(NamedTuple):
     weighted: Grid
     bound: Line
     multiplier: Line
+    least: Line
+    most: Line
     residual: Line
     before: Line
     normal: Vectors

@@ -143,8 +143,12 @@ def bouncing(parts: Parts) -> list[str]:
 
 
 def rubbing(parts: Parts) -> list[str]:
-    """Pairs of materials with friction."""
-    return [f"{pair} {contact.friction:g}" for pair, contact in met(parts).items() if contact.friction > 0.0]
+    """Pairs of materials with friction: what simulated bodies meet, and links and fixed bodies."""
+    fixed = {body.material for body in parts.bodies if body.role is Role.FIXED}
+    links = {link.material for avatar in parts.avatars for link in avatar.links}
+    pairs = {(a, b) for a in links for b in fixed if (a, b) in parts.materials.pairs}
+    pressed = {"{} on {}".format(*sorted(pair)): parts.materials.pairs[pair] for pair in sorted(pairs)}
+    return [f"{pair} {contact.friction:g}" for pair, contact in (met(parts) | pressed).items() if contact.friction > 0.0]
 
 
 def tumbling(parts: Parts) -> list[str]:
@@ -171,8 +175,8 @@ CALLS = (
     Call("dynamics", "a simulated or moving body", "it falls, is pushed and pushes", BOUNCES, moving),
     Call("restitution", "a pair of materials, one of them a simulated body's, with restitution above 0",
          "bodies bounce, eq. 8", BOUNCES, bouncing),
-    Call("friction", "a pair of materials, one of them a simulated body's, with friction above 0",
-         "bodies stick and roll, eq. 10", BOUNCES, rubbing),
+    Call("friction", "a pair of materials with friction above 0, one of them a simulated body's or a link's",
+         "bodies stick and roll, eq. 10; hands and feet stick to fixed bodies", BOUNCES, rubbing),
     Call("gyroscopic", "a simulated body with unequal moments of inertia", "its axis of rotation moves though nothing pushes it",
          BOUNCES, tumbling),
     Call("continuous", "a simulated or moving body", "impacts happen when surfaces meet, and thin things are not jumped",

@@ -35,9 +35,9 @@ def test_each_part_calls_for_its_effects_and_no_other() -> None:
     assert called(FLOOR) == set()
     assert called(FLOOR, DROP) == bodily
     assert called(FLOOR, TUMBLE) == bodily | {"gyroscopic"}
-    assert called(FLOOR, avatars=(HAND,)) == {"overlap_removal"}
+    assert called(FLOOR, avatars=(HAND,)) == {"overlap_removal", "friction"}
     assert called(DROP, avatars=(HAND,)) == bodily | {"overlap_removal", "coupling"}
-    assert called(FLOOR, avatars=(hinged_avatar(),)) == {"overlap_removal", "kinematics", "self_contact", "limits"}
+    assert called(FLOOR, avatars=(hinged_avatar(),)) == {"overlap_removal", "kinematics", "self_contact", "limits", "friction"}
 
 
 def test_only_materials_that_can_meet_call_for_bounce_and_friction() -> None:
@@ -94,7 +94,7 @@ def test_a_scene_is_judged_whole_whatever_was_left_out() -> None:
 
 def test_a_forced_effect_is_on_though_nothing_calls() -> None:
     scene = Scene("s", (FLOOR,), (HAND,), force=("sleeping", "reach_cones"))
-    assert scene.effects.sleeping and scene.effects.reach_cones and not scene.effects.friction
+    assert scene.effects.sleeping and scene.effects.reach_cones and not scene.effects.restitution
     assert not scene.lapsed
 
 
