@@ -144,6 +144,8 @@ def compile_part(part: str) -> None:
                 engine.advance(sample, DT)
         if part == "posture":
             engine.put(first)
+            # in the floor, and so at the nearest free posture
+            engine.put(replace(first, positions=first.positions - np.array([0.0, 0.0, 0.5])))
         if part in ("posture", "worlds", "paper"):
             call_between_frames(engine, scene)
 

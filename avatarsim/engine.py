@@ -3,7 +3,7 @@
 import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Final, Protocol, runtime_checkable
+from typing import Final, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ Array = NDArray[np.float64]
 
 NOTHING = Tally()
 """Nothing counted, nothing timed."""
+STARTS = ("nearest", "exact")
+"""How a start that overlaps is taken; see `Settings.start`."""
+
 ADAPTER = "adapter"
 """Name of the stage in which an engine reports what is not its own: the Python that wraps another simulator for this protocol. It
 is no part of that engine's own time; see `FrameRecord.stage_ns`."""
@@ -52,6 +55,22 @@ class Snapshot:
         self.velocities, self.angular_velocities = velocities, angular_velocities
 
 
+class Moved(NamedTuple):
+    """An avatar or a loose body that begins elsewhere than it was put, since it overlapped something there.
+
+    name      of the avatar or the body
+    distance  [m] of the body's origin, or of the link origin that was moved farthest
+    angle     [rad] by which the body, or the link that turned most, was turned
+    overlaps  (name, name, depth [m]) of the pairs that overlapped and of which it is one, deepest first; empty for one that made
+              way for another
+    """
+
+    name: str
+    distance: float
+    angle: float
+    overlaps: tuple[tuple[str, str, float], ...]
+
+
 @dataclass(eq=False, init=False, slots=True)
 class FrameRecord:
     """What an engine shows at the end of one rendered frame, and what it cost. Nothing is assigned to after it is made.
@@ -66,6 +85,7 @@ class FrameRecord:
                  not overlap, and their sum without `ADAPTER` is the frame time that an engine is compared by; an engine that
                  reports none is charged the whole call of `advance`, Python included
     inside       sub-steps and events inside the frame, in order; empty unless recording
+    moved        of a start: avatars and loose bodies that begin elsewhere than they were put, and why (`Settings.start`)
     """
 
     shown: Final[Snapshot]
@@ -74,12 +94,13 @@ class FrameRecord:
     statuses: Final[Mapping[str, int]]
     stage_ns: Final[Mapping[str, int]]
     inside: Final[tuple[Snapshot, ...]]
+    moved: Final[tuple[Moved, ...]]
 
     def __init__(
         self, shown: Snapshot, angles: Array, counts: Mapping[str, int] = NOTHING, statuses: Mapping[str, int] = NOTHING,
-        stage_ns: Mapping[str, int] = NOTHING, inside: tuple[Snapshot, ...] = (),
+        stage_ns: Mapping[str, int] = NOTHING, inside: tuple[Snapshot, ...] = (), moved: tuple[Moved, ...] = (),
     ) -> None:
-        self.shown, self.angles, self.inside = shown, angles, inside
+        self.shown, self.angles, self.inside, self.moved = shown, angles, inside, moved
         # an empty dictionary of its own would be one more object in every frame
         self.counts, self.statuses, self.stage_ns = counts, statuses or NOTHING, stage_ns or NOTHING
 
@@ -101,6 +122,9 @@ class Settings:
     seed           of what is drawn: orders of chains, and samples of the search for a path
     record_inside  whether records hold sub-steps and events; costs time
     time_stages    whether records hold nanoseconds per stage; costs time
+    start          "nearest": a start that overlaps begins at the nearest free posture, with loose bodies moved apart, and its
+                   record says how far and why (`FrameRecord.moved`); "exact": it is refused (`StartOverlaps`). Other engines
+                   begin as they are told
 
     Raises InvalidInput where one of them is of another type; which names and values an engine takes, it says at `load`."""
 
@@ -109,6 +133,7 @@ class Settings:
     seed: int = 0
     record_inside: bool = False
     time_stages: bool = False
+    start: str = "nearest"
 
     def __post_init__(self) -> None:
         if not isinstance(self.preset, str):
@@ -123,6 +148,8 @@ class Settings:
         for name, flag in (("record_inside", self.record_inside), ("time_stages", self.time_stages)):
             if not isinstance(flag, bool | np.bool_):
                 raise InvalidInput(f"{name} of the settings", flag, "True or False")
+        if self.start not in STARTS:
+            raise InvalidInput("start of the settings", self.start, f"one of {', '.join(STARTS)}")
 
 
 @runtime_checkable

@@ -6,8 +6,10 @@ import numpy as np
 
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance
+from avatarsim.engine import Moved
 from avatarsim.errors import AvatarsimError, InvalidInput, InvalidSample, StartOverlaps, UnknownName
 from avatarsim.frame import Frames
+from avatarsim.free_start import move_apart
 from avatarsim.ik.constraints import touch
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.conversion import read_sample
@@ -30,8 +32,11 @@ def require_placing(frames: Frames) -> IkLoop:
     return frames.lower
 
 
-def put_avatars(frames: Frames, sample: TrackerSample, user: TrackerSample, bodies: Mapping[str, Pose]) -> None:
-    """Put the avatars at `sample`, their users at `user`, and fixed bodies at poses of theirs.
+def put_avatars(
+    frames: Frames, sample: TrackerSample, user: TrackerSample, bodies: Mapping[str, Pose], is_exact: bool
+) -> tuple[Moved, ...]:
+    """Put the avatars at `sample`, their users at `user`, and fixed bodies at poses of theirs; return which avatars overlapped
+    there and are at the nearest free posture instead, unless `is_exact`.
 
     Raises what `AvatarsimEngine.put` does; then nothing has changed.
     """
@@ -49,6 +54,7 @@ def put_avatars(frames: Frames, sample: TrackerSample, user: TrackerSample, bodi
         lower.show()
         _move(frames, given)
         require_within_limits(world, NOTHING)
+        moved = () if is_exact else move_apart(world)
         require_free(world)
     except AvatarsimError:
         for array, kept in zip(world.posture, before[0], strict=True):
@@ -61,6 +67,7 @@ def put_avatars(frames: Frames, sample: TrackerSample, user: TrackerSample, bodi
     if given:
         lower.look_at_all()
     frames.passed = ()
+    return moved
 
 
 def place_bodies(frames: Frames, bodies: Mapping[str, Pose]) -> None:

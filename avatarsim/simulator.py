@@ -8,19 +8,21 @@ from math import inf
 from threading import Lock
 from time import perf_counter
 from types import TracebackType
-from typing import NoReturn, Self, SupportsIndex, get_type_hints
+from typing import NoReturn, Self, SupportsIndex
 
 import numpy as np
 
 from avatarsim.attaching import attach, attach_at_start, attached, gripped, release, require_sound
 from avatarsim.batch import Shown
 from avatarsim.contact_forces import contacts_with_forces, felt
-from avatarsim.engine import FrameRecord, Settings, Snapshot
+from avatarsim.engine import FrameRecord, Moved, Settings, Snapshot
 from avatarsim.errors import AvatarsimError, EngineInUse, InvalidInput, InvalidSnapshot, NotCopied, UnknownName
 from avatarsim.frame import Frames
+from avatarsim.free_start import move_apart
 from avatarsim.jit.linking import CalledKernel
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.world import Array, build, shown_again, shown_poses, shown_sample
+from avatarsim.options import METHOD_SETTINGS, choose
 from avatarsim.placing import place_bodies, put_avatars
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
@@ -42,40 +44,8 @@ METHODS_SAID = {
 }
 """What each preset is, in words that stand beside its settings."""
 
-MOST = 1e9
-"""Largest value of any option: a billion of anything here is a slip of the hand."""
-
 NOWHERE = np.zeros((0, 3))
 """What is shown before a scene is loaded."""
-
-CHOICES = {"around": 2, "couple": 1}
-"""Largest value of the options that are a choice between 0 and this."""
-
-LEAST = {
-    "steps": 1, "sweeps": 1, "work": 1, "stand_off": 1e-7, "rounds": 1, "spring": 1e-3, "walk_back": 1e-12, "settle_time": 1e-3,
-    "catch_up_turn": 1e-3, "catch_up_move": 1e-3, "natural_frequency": 1.0, "sticking_speed": 1e-3,
-}
-"""Smallest value of the options that are no switch: with 0 no body moves, no offset decays, or only rounding is left."""
-
-METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupling", "attraction")}
-"""The groups of settings that each method reads."""
-
-
-def choose(method: str, options: Mapping[str, object]) -> Chosen:
-    """The method's settings with those fields replaced that `options` names, checked for name, type and finiteness."""
-    chosen, left = Chosen(), dict(options)
-    known: list[str] = []
-    for group in METHOD_SETTINGS[method]:
-        defaults = getattr(chosen, group)
-        fields = get_type_hints(type(defaults))
-        known += fields
-        replaced = {name: number(name, left.pop(name), kind) for name, kind in fields.items() if name in left}
-        chosen = chosen._replace(**{group: defaults._replace(**replaced)})
-    for name in left:
-        raise UnknownName(f"option of avatarsim, preset {method}", name, known)
-    require_order(chosen, method)
-    return chosen
-
 
 def at_rest(velocities: Array) -> Array:
     """Velocities of a scene without simulated bodies, all zero: shared by all its records, and therefore read-only."""
@@ -99,22 +69,6 @@ def require_scene(thing: str, scene: object) -> None:
 def same_poses(one: Snapshot, other: Snapshot) -> bool:
     """Whether all bodies are at the same places, to the last bit."""
     return np.array_equal(one.positions, other.positions) and np.array_equal(one.orientations, other.orientations)
-
-
-def number(name: str, value: object, kind: type[float] | type[int]) -> float:
-    """`value` as a number of `kind`, within the range of option `name`."""
-    found, least, most = as_number(value), LEAST.get(name, 0.0), CHOICES.get(name, MOST)
-    if not least <= found <= most:
-        raise InvalidInput(f"option {name}", value, f"a number from {least:g} to {most:g}")
-    if kind is int and found != int(found):
-        raise InvalidInput(f"option {name}", value, f"a whole number from {least:g} to {most:g}")
-    return kind(found)
-
-
-def require_order(chosen: Chosen, method: str) -> None:
-    """Refuse a tolerance that is no smaller than the gap it belongs to: goals would then be reached in contact."""
-    if method == "paper" and chosen.paper.tolerance >= chosen.paper.stand_off:
-        raise InvalidInput("option tolerance", chosen.paper.tolerance, f"below stand_off, {chosen.paper.stand_off:g} m")
 
 
 class AvatarsimEngine:
@@ -164,8 +118,7 @@ class AvatarsimEngine:
         self._running()
         method = self._settings.preset
         in_force: dict[str, object] = {"method": (method, METHODS_SAID[method])}
-        for group in METHOD_SETTINGS[method]:
-            values = getattr(self._chosen, group)
+        for values in (getattr(self._chosen, group) for group in METHOD_SETTINGS[method]):
             said = meanings(type(values))
             in_force |= {name: (value, said.get(name, "")) for name, value in values._asdict().items()}
         return in_force
@@ -173,9 +126,12 @@ class AvatarsimEngine:
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the world of `scene` for frames of `dt` [s], above 0 and at most 1; returns the first state shown, at time 0.
 
-        The first load on a machine compiles the engine, about a minute; later ones take milliseconds. Raises StartOverlaps
-        where the first pose is not free, InvalidScene for a start beyond joint limits, UnknownName and InvalidInput for settings;
-        if it raises, the engine is what it was.
+        What overlaps begins at the nearest free posture or place that is found; `moved` of the record says how far and why. Users
+        are where the scene has them. With `Settings(start="exact")` a start that overlaps is refused.
+
+        The first load on a machine compiles the engine, about a minute; later ones take milliseconds. Raises StartOverlaps where
+        nothing free is found nearby, InvalidScene for a start beyond joint limits, UnknownName and InvalidInput for settings.
+        If it raises, the engine is what it was.
         """
         require_scene("scene to load", scene)
         if not isinstance(settings, Settings):
@@ -186,8 +142,8 @@ class AvatarsimEngine:
     def reset(self, start: TrackerSample | None = None) -> FrameRecord:
         """Load the same scene again with the same settings, and return the first state shown.
 
-        Avatars begin at `start`, which must be free of overlap; without it where they began last. Simulated bodies begin where
-        the scene has them. If it raises, the engine is what it was.
+        Avatars begin at `start`, or near it, as in `load`; without it at the last start. Simulated bodies begin where the scene
+        has them. If it raises, the engine is what it was.
         """
         with self._alone():
             scene = self._running().world.scene
@@ -224,8 +180,7 @@ class AvatarsimEngine:
                 within = 2.0 * (chosen.paper if self._settings.preset == "paper" else chosen.posture).stand_off
             found = contacts_of(world, within)
             if forces:
-                frames = self._with_forces()
-                found = contacts_with_forces(frames, within, chosen.posture.stand_off, self._dt)
+                found = contacts_with_forces(self._with_forces(), within, chosen.posture.stand_off, self._dt)
             return found
 
     def felt(self, avatar: str) -> Array:
@@ -298,16 +253,19 @@ class AvatarsimEngine:
         Fixed bodies go where `bodies` has them, as in `place`.
         Takes some tens of microseconds and the check of near pairs, where `reset` builds the scene anew.
 
-        Raises InvalidSample for what does not fit the avatars or is farther away than 1e8 m, StartOverlaps where they would
-        overlap, InvalidScene for a posture beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset
-        `paper`, whose coupling would take the way there for a motion of the users. If it raises, the engine is what it was.
+        Avatars that would overlap there go to the nearest free posture, as in `load`, in some milliseconds.
+
+        Raises InvalidSample for what does not fit the avatars or is farther away than 1e8 m, StartOverlaps where nothing free is
+        found, InvalidScene for a posture beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset
+        `paper`, whose coupling would take the way for a motion of the users. If it raises, the engine is what it was.
         """
         with self._alone():
             # what is no sample may count as false
-            put_avatars(self._running(), sample, sample if user is None else user, bodies or {})
+            user = sample if user is None else user
+            moved = put_avatars(self._running(), sample, user, bodies or {}, self._settings.start == "exact")
             if bodies:
                 self._before = shown_poses(self._running().world)
-            return self._record({}, {}, ())
+            return self._record({}, {}, (), moved=moved)
 
     def place(self, poses: Mapping[str, Pose]) -> FrameRecord:
         """Put fixed bodies elsewhere between two frames, `{"box": (position, orientation)}`; returns what is shown there.
@@ -370,19 +328,22 @@ class AvatarsimEngine:
         # what was shown is within its limits up to rounding
         require_within_limits(world, NOTHING if old else 0.0)
         # and what was at rest on something is as deep in it as frames let it
+        moved = move_apart(world) if not old and settings.start == "nearest" else ()
         require_free(world, JUDGED if old else NOTHING)
         frames = Frames(
             world, settings.preset, chosen, settings.seed, record=settings.record_inside, time_stages=settings.time_stages
         )
         if old and both:
             carry_loops(old, frames, both)
+        if moved and frames.driven and isinstance(frames.lower, IkLoop):
+            frames.lower.stand(frames.target)
         attach_at_start(frames, old.world if old else None)
         self._settings, self._chosen, self._frames, self._dt, self._identity = settings, chosen, frames, float(dt), None
         self._before = shown_poses(world)
         v, moves = world.velocities, world.scene.effects.dynamics or world.scene.effects.coupling
         self._still = None if moves else (at_rest(v.linear), at_rest(v.angular))
         self._rehearse(frames, scene.first_sample, dt)
-        return self._record({}, {}, ())
+        return self._record({}, {}, (), moved=moved)
 
     def advance(self, sample: TrackerSample, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
         """One rendered frame of `dt` [s], above 0 and at most 1: follow `sample`, move loose bodies on, return what is shown.
@@ -473,7 +434,8 @@ class AvatarsimEngine:
         return self._frames
 
     def _record(
-        self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...], written: Shown | None = None
+        self, counts: Mapping[str, int], statuses: Mapping[str, int], inside: tuple[Snapshot, ...], written: Shown | None = None,
+        moved: tuple[Moved, ...] = (),
     ) -> FrameRecord:
         frames = self._running()
         world = frames.world
@@ -490,4 +452,5 @@ class AvatarsimEngine:
             # nothing has moved since the last step
             inside = inside[:-1]
         steps = (*inside, shown) if self._settings.record_inside else ()
-        return FrameRecord(shown, angles, counts, statuses, frames.clock.ns, steps)
+        statuses = {"moved_at_start": len(moved)} if moved else statuses
+        return FrameRecord(shown, angles, counts, statuses, frames.clock.ns, steps, moved)

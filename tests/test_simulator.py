@@ -295,7 +295,8 @@ def test_a_reset_engine_begins_where_it_is_told_to_and_there_the_next_time() -> 
     ("home", InvalidSample),
 ])
 def test_a_reset_that_fails_leaves_the_engine_as_it_is(start: object, error: type[AvatarsimError]) -> None:
-    engine = loaded()
+    engine = AvatarsimEngine()
+    engine.load(SCENE, Settings(start="exact"), DT)
     engine.advance(ELSEWHERE, DT)
     before = engine.snapshot()
     with pytest.raises(error):

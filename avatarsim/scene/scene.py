@@ -27,7 +27,7 @@ class Scene:
     """Everything an engine needs to know before the first frame: `name`, `bodies`, `avatars`, `materials`, `gravity` [m/s^2].
 
     Canonical order, used by every array in the project: `bodies` first, then the links of each avatar.
-    `start` is the avatars' first posture and must be free of overlap (default: rest posture at the origin).
+    `start` is the avatars' first posture (default: rest posture at the origin); what overlaps begins as near to it as it can.
     `attached` names pairs of a simulated body and the link, or moving body, that holds it from the first frame on.
     `at_rest` names pairs of a link and another link, or a fixed or moving body, that overlap at home, and how deep [m] each may
     be, besides those of an avatar's own `at_rest`.
