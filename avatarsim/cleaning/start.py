@@ -1,68 +1,36 @@
-"""Where tracking starts: the first free frame; without any, a free posture near the first frame's, found by lifting the root.
+"""Where tracking starts: the first free frame; without any, the free posture nearest to the first frame's (`free_start`)."""
 
-Postures between the first frame's and that of the model's start, or at rest, are looked at as well, since no lift helps an avatar
-that overlaps itself.
-"""
-
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from avatarsim.cleaning.chords import Chords, between, difference
 from avatarsim.errors import StartOverlaps
+from avatarsim.free_start import Postures
+from avatarsim.model.world import posture_of, shown_sample
 from avatarsim.scene.tracker import TrackerSample
+from avatarsim.tolerances import WEDGED_SHARE
 
 if TYPE_CHECKING:
     from avatarsim.cleaning.track import Follower
-
-LIFTS = (0.0, *(1e-3 * 2.0**k for k in range(13)))
-"""[m] how far a root is moved, to 4 m: a doubling finds a place of any size in as many looks."""
-
-SHARES = (0.0, 0.1, 0.2, 0.4, 0.7, 1.0)
-"""Shares of the way to the model's start."""
-
-DIRECTIONS = ((0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, -1.0, 0.0))
-"""Where a root is moved: upwards first, out of the ground."""
 
 PACE, LED, LOOKS, STILL = 1.0 / 60.0, 60, 120, 1e-6
 """[s] of one look at the approach to the first posture; looks in which the user is led there from the free posture; looks at
 most; and [rad, m] of what then moves no more."""
 
 
-def candidates(chords: Chords, sample: TrackerSample) -> Iterator[TrackerSample]:
-    """Postures near one, nearest first."""
-    clipped, _ = chords.clipped(sample)
-    at_rest = replace(chords.scene.first_sample, positions=sample.positions)
-    at_rest = replace(at_rest, rotations=at_rest.rotations.copy())
-    kept = [*chords.free_roots, *chords.given]
-    at_rest.rotations[kept] = sample.rotations[kept]
-    at_rest, _ = chords.clipped(at_rest)
-    has_root = len(chords.free_roots) > 0
-    for share in SHARES:
-        mixed, _ = chords.clipped(between(clipped, at_rest, share) if share > 0.0 else clipped)
-        for lift in LIFTS if has_root else LIFTS[:1]:
-            for direction in DIRECTIONS if lift > 0.0 else DIRECTIONS[:1]:
-                positions = mixed.positions.copy()
-                positions[chords.free_roots] += lift * np.array(direction)
-                yield chords.with_given(replace(mixed, positions=positions), sample)
-
-
 def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> TrackerSample:
-    """A posture near `sample` that keeps all pairs at least `margin` [m] apart, else one that keeps them apart at all; raises
-    StartOverlaps where none is found."""
-    touching: TrackerSample | None = None
-    for candidate in candidates(chords, sample):
-        gap, _ = chords.nearest(candidate, margin)
-        if gap >= margin:
-            return candidate
-        if gap > 0.0 and touching is None:
-            touching = candidate
-    if touching is not None:
-        return touching
-    gap, pair = chords.nearest(chords.clipped(sample)[0], margin)
-    raise StartOverlaps([(*(pair or ("", "")), -gap)])
+    """The posture nearest to `sample` that keeps all pairs at least `margin` [m] apart, else one that keeps them apart at all;
+    raises StartOverlaps where none is found."""
+    clipped, _ = chords.clipped(sample)
+    world = chords.world
+    target, search = posture_of(world.skeleton, world.hinges, clipped), Postures(world)
+    for gap in (margin, WEDGED_SHARE * margin):
+        if search.nearest(target, gap, True):
+            found = chords.clipped(shown_sample(world, sample.time))[0]
+            if chords.nearest(found, margin)[0] > 0.0:
+                return chords.with_given(found, sample)
+    depth, pair = chords.nearest(clipped, margin)
+    raise StartOverlaps([(*(pair or ("", "")), -depth)])
 
 
 def approach(follower: "Follower", sample: TrackerSample) -> TrackerSample:

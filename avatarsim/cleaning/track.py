@@ -144,7 +144,7 @@ class Follower:
         if level not in self._engines:
             self._engines[level] = AvatarsimEngine()
             options = {"stand_off": self.options.margin * GROWTH**level, "around": 0, **CATCH_UP}
-            settings = Settings(options=options, seed=self.options.seed)
+            settings = Settings(options=options, seed=self.options.seed, start="exact")
             self._engines[level].load(self._scene(), settings, 1.0 / SUB_STEPS)
         if self._at != level:
             self._put(self._engines[level], self.shown, user)
