@@ -78,7 +78,7 @@ class Drop:
 
 
 REFUSAL = "refusal"
-"""Key in a scenario's `expects`: true when an engine should refuse the first pose because it overlaps."""
+"""Key in a scenario's `expects`: true when the first pose overlaps, so that an engine begins elsewhere or may refuse it."""
 
 EXPECTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "drops": ("tuple of `Drop`", ("restitution_error_max", "apex_error_max", "bounce_time_error_max")),
@@ -102,7 +102,7 @@ EXPECTS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "elastic": ("tuple of groups that lose no energy", ("energy_drift_max",)),
     "alone": ("tuple of groups that gain no energy from a user", ("energy_gain_max",)),
     "nothing_touches": ("True: no engine can be caught here by contacts", ()),
-    REFUSAL: ("True: the first pose overlaps, and should be refused", ()),
+    REFUSAL: ("True: the first pose overlaps; an engine begins near it, or refuses it", ("start_moved_max",)),
 }
 """Key of a scenario's `expects` -> its value, of a type in `scenarios/building/expected.py`, and the metrics that only scenes
 with this key have."""

@@ -35,8 +35,9 @@ def test_blocks_run_in_their_order_and_do_what_is_said(capsys: pytest.CaptureFix
         exec(block, names)
         said.append(capsys.readouterr().out)
     assert len(said) > 5
-    # the records and the contacts of the page are printed: half the table, the fist, and the gap that the option asks for
-    [placed, touching] = [out for out in said if out]
+    # what was moved, the records and the contacts of the page are printed: half the table, the fist, the gap that is asked for
+    [moved, placed, touching] = [out for out in said if out]
+    assert moved.startswith("hand ") and "table" in moved
     height = float(placed.partition("]")[0].split()[-1])
     assert height == pytest.approx(0.025 + 0.04 + 1e-4, abs=1e-5) and touching.startswith("table hand ")
     records, engine = names["records"], names["engine"]

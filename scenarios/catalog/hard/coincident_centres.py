@@ -1,7 +1,7 @@
 """Deep overlap: a driven ball is led into the very centres of fixed bodies, and bodies or a hand begin in others.
 
-An engine that divides by the distance of centres loses its numbers there. A start that overlaps may be refused, with the pairs
-and their depths; an engine that resolves it must add no velocity.
+An engine that divides by the distance of centres loses its numbers there. A start that overlaps begins at the nearest free
+places, from the first state on, and without a velocity; an engine may refuse it as well, with the pairs and their depths.
 """
 
 from collections.abc import Callable, Iterator
@@ -12,7 +12,7 @@ from avatarsim.scene.body import Body
 from avatarsim.scene.checks import Vector
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Shape, Sphere
-from scenarios.building.avatars.hand import rigid_hand
+from scenarios.building.avatars.hand import PALM, rigid_hand
 from scenarios.building.cases import NOWHERE, driven, fixture, loose
 from scenarios.building.promises import FINITE, FOLLOWS_WHEN_FREE, MOVES, NO_OVERLAP
 from scenarios.building.scenes import undriven
@@ -26,6 +26,8 @@ SHAPES: dict[str, Shape] = {
     "sphere": Sphere(RADIUS), "capsule": Capsule(RADIUS, RADIUS), "box": Box((2.0 * RADIUS,) * 3),
     "ellipsoid": Ellipsoid((RADIUS, 0.8 * RADIUS, 1.2 * RADIUS)), "hull": ConvexHull(RADIUS * CORNERS),
 }
+SPARE = 5e-4
+"""[m] beyond the nearest place: more than the gap that an engine keeps between bodies."""
 EDGE, DEPTHS = 0.2, (0.01, 0.05, 0.1, 0.2)
 """Edge of the boxes, and by how much they overlap [m]; the last two are in the same place."""
 
@@ -60,11 +62,19 @@ def boxes() -> Iterator[Body]:
             yield loose(f"{side}_{k}", Box((EDGE, EDGE, EDGE)), "wood", 1.0, (sign * (EDGE - depth), 2.0 * k, 0.0))
 
 
+def moved_at_most(limit: float) -> Bound:
+    """The bound on the distance [m] that bodies are moved at the start, which is known in closed form."""
+    return Bound("start_moved_max", limit + SPARE, "what overlaps begins at the nearest free place, and no farther away")
+
+
 def start(name: str, title: str, judged: str, bodies: Callable[[], Iterator[Body]]) -> Scenario:
-    """A scene whose loose bodies overlap at the start."""
+    """A scene whose loose bodies overlap at the start by at most an edge or a diameter: each of two moves by half of it."""
     return undriven(
         name, title, judged, bodies, gravity=NOWHERE, frames=60,
-        bounds=(NO_OVERLAP, FINITE, Bound("energy_added_max", 0.0, "bodies at rest that are moved apart are still at rest")),
+        bounds=(
+            NO_OVERLAP, FINITE, Bound("energy_added_max", 0.0, "bodies at rest that are moved apart are still at rest"),
+            moved_at_most(0.5 * EDGE),
+        ),
         metrics=("energy_added_max",), expects={REFUSAL: True}, family="" if name == "deep_overlap" else "coincident_centres",
     )
 
@@ -82,18 +92,18 @@ SCENARIOS = (
     ),
     start(
         "coincident_start", "Balls, capsules, cubes, ellipsoids and hulls begin two by two in the same place.",
-        "Whether the engine refuses to begin and says which pairs overlap, and how deep.", pairs,
+        "Overlap from the first state on, the distance that bodies are moved, and no energy.", pairs,
     ),
     Scenario(
         "start_inside", "The first pose overlaps: a hand begins inside a table.",
-        "Whether the engine refuses to begin and says which pairs overlap.",
+        "Overlap from the first state on, how far the hand is moved, and that it then follows its user over the table.",
         lambda: Scene("start_inside", (fixture("table", Box((1.0, 1.0, 0.05)), "wood", (0.0, 0.0, -0.025)),), (rigid_hand(),),
                       start=hands_at((NOWHERE,))),
-        led(lambda time: ((0.2 * time, 0.0, 0.0),)), 60, bounds=(NO_OVERLAP, FINITE, *MOVES),
+        led(lambda time: ((0.2 * time, 0.0, 0.0),)), 60, bounds=(NO_OVERLAP, FINITE, *MOVES, moved_at_most(PALM[2])),
         expects={REFUSAL: True},
     ),
     start(
         "deep_overlap", "Pairs of boxes begin 1 to 20 cm inside each other.",
-        "Energy that removing the overlap adds; a refusal that names the pairs is right as well.", boxes,
+        "Overlap from the first state on, the distance that boxes are moved, and no energy.", boxes,
     ),
 )

@@ -5,9 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from avatarsim.scene.scene import Scene
+from avatarsim.scene.tracker import link_poses
 from runfiles.record import Recording
 from scenarios.measure.value import Values, measure
-from scenarios.scenario import Scenario
+from scenarios.scenario import REFUSAL, Scenario
 
 
 @measure
@@ -40,6 +41,18 @@ def travel(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
         ways = ways[np.isfinite(ways)]
         missing = max(missing, least - (float(ways.max()) if len(ways) else 0.0))
     return {"travel_missing": missing}
+
+
+@measure
+def start_moved(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
+    """start_moved_max [m]: farthest that the origin of a body or link is, in the first state shown, from where the scene puts it.
+    Empty unless the scene overlaps there."""
+    if not scenario.expects.get(REFUSAL):
+        return {}
+    places = [np.array([body.position for body in scene.bodies]).reshape(-1, 3)]
+    places.append(link_poses(scene.avatars, scene.first_sample)[0])
+    ways = np.linalg.norm(recording.positions[0] - np.vstack(places), axis=1)
+    return {"start_moved_max": float(ways.max(initial=0.0))}
 
 
 @measure

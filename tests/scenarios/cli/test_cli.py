@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from avatarsim.errors import InvalidFile
+from avatarsim.simulator import AvatarsimEngine
 from runfiles.timing_protocol import REPEATS, WARM_FRAMES
 from scenarios import catalog
 from scenarios.__main__ import main
@@ -210,7 +211,12 @@ def test_a_scene_that_every_engine_refuses_has_no_times_and_ends_nothing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("scenarios.run.harness.QUICK_FROM", 1)
-    words = ["compare", "--engine", "avatarsim", "--preset", "default", "--filter", "coincident_start,ball_drop"]
+    # a start that overlaps and that is to be exact
+    load = AvatarsimEngine.load
+    monkeypatch.setattr(
+        AvatarsimEngine, "load", lambda self, scene, settings, dt: load(self, scene, replace(settings, start="exact"), dt)
+    )
+    words = ["compare", "--engine", "avatarsim", "--preset", "default", "--filter", "coincident_start,ball_drop", "--jobs", "0"]
     called(tmp_path, *words, frames=2)
     found = latest(tmp_path)
     timed = {row["scenario"] for row in found["rows"] if row["metric"] == "frame_time_p50" and row["value"] is not None}
