@@ -153,6 +153,8 @@ def compile_part(part: str) -> None:
 def call_between_frames(engine: AvatarsimEngine, scene: Scene) -> None:
     """Call what a program may ask of an engine between two frames, and load the scene without removal of overlaps."""
     engine.contacts(1.0)
+    engine.advance(None, DT)
+    engine.advance(scene.first_sample, DT)
     engine.restore(engine.snapshot())
     engine.change(scene)
     engine.reset()

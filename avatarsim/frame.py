@@ -43,10 +43,10 @@ class Frames:
     # places of their own: which attributes there are depends on the scene, and after some thirty scenes of other kinds Python
     # would keep those of this one in a dictionary
     __slots__ = (
-        "_counted", "_job", "clock", "driven", "effects", "given", "lower", "moves", "output", "passed", "record", "target",
-        "time", "upper", "world",
+        "_counted", "_job", "clock", "driven", "effects", "given", "is_lost", "lower", "moves", "output", "passed", "record",
+        "target", "time", "upper", "world",
     )
-    ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed")
+    ASSIGNED: ClassVar[tuple[str, ...]] = ("time", "passed", "is_lost")
     WRITTEN: ClassVar[tuple[str, ...]] = ("given",)
     KEPT: ClassVar[tuple[str, ...]] = ("given",)
     WORKING: ClassVar[tuple[str, ...]] = ()
@@ -55,6 +55,7 @@ class Frames:
         self.world, self.effects, self.clock = world, world.scene.effects, StageClock(time_stages)
         self.time, self.driven, self.record = 0.0, bool(world.scene.avatars), record
         self.passed: tuple[Snapshot, ...] = ()
+        self.is_lost = False
         self.moves = any(avatar.moves for avatar in world.scene.avatars)
         self.given = tuple(array.copy() for array in sample_arrays(world.scene.first_sample)) if self.moves else ()
         moving = np.zeros(len(world.scene.names), dtype=np.int64)
@@ -80,7 +81,16 @@ class Frames:
             return None
         return job_of(self.world, self.target, self.lower, upper, self.output, moving)
 
-    def begin(self, sample: TrackerSample) -> Index | None:
+    def _read(self, sample: TrackerSample | None) -> None:
+        """Take a sample over; where tracking is lost the last one stays."""
+        if sample is not None:
+            self.target.read(sample)
+            if self.moves:
+                self._keep(sample)
+        if isinstance(self.lower, IkLoop):
+            self.lower.note_tracking(self.is_lost, self.target)
+
+    def begin(self, sample: TrackerSample | None) -> Index | None:
         """Begin a frame that `batch` will pass, and return its row; None, and nothing is begun, where a frame has to go
         stage by stage: another method than `default`, a recording, stages that are timed. InvalidSample as in `frame`."""
         if self._job is None:
@@ -88,9 +98,7 @@ class Frames:
         # nothing is timed here, so the clock has nothing to forget
         self.passed = ()
         if self.driven:
-            self.target.read(sample)
-            if self.moves:
-                self._keep(sample)
+            self._read(sample)
             if isinstance(self.lower, IkLoop):
                 self._job[MOVING + 1] = len(self.lower.begin())
         return self._job
@@ -107,15 +115,13 @@ class Frames:
                 stages["coupling"].calls += 1
         self.time += dt
 
-    def frame(self, sample: TrackerSample, dt: float) -> None:
+    def frame(self, sample: TrackerSample | None, dt: float) -> None:
         """Pass `dt` seconds: first the driven bodies, then the simulated ones. What is changed here is changed in
         `batch.advance_worlds` too."""
         self.clock.frame()
         self.passed = ()
         if self.driven:
-            self.target.read(sample)
-            if self.moves:
-                self._keep(sample)
+            self._read(sample)
             with self.clock.stage("posture"):
                 self.lower.follow(self.target, dt)
             if self.record:
@@ -137,8 +143,14 @@ class Frames:
         for kept, array in zip(self.given, sample_arrays(sample), strict=True):
             kept[...] = array
 
-    def completed(self, sample: TrackerSample, poses: Mapping[str, Pose]) -> TrackerSample:
-        """The sample with the given poses of moving bodies, and the last ones of those that are not given."""
+    def completed(self, sample: TrackerSample | None, poses: Mapping[str, Pose]) -> TrackerSample | None:
+        """The sample with the given poses of moving bodies, and the last ones of those that are not given; None where tracking is
+        lost, and the last sample stays."""
+        self.is_lost = sample is None
+        if not (self.moves or poses):
+            return sample
+        if sample is None:
+            sample = TrackerSample(self.time, *(self.given or sample_arrays(self.world.scene.first_sample)))
         last = TrackerSample(self.time, *self.given) if self.moves else sample
         return with_moving(self.world.scene.avatars, sample, poses, last)
 
@@ -152,6 +164,8 @@ class Frames:
     def statuses(self) -> dict[str, int]:
         """What did not end well in the last frame."""
         statuses = self.lower.statuses() if self.driven else {}
+        if self.is_lost and self.driven:
+            statuses["tracking_lost"] = sum(not avatar.moves for avatar in self.world.scene.avatars)
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:

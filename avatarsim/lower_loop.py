@@ -25,7 +25,7 @@ from avatarsim.engine import Snapshot
 from avatarsim.errors import InvalidSnapshot
 from avatarsim.ik.broad_phase import notice_bodies
 from avatarsim.ik.inertia import forget_momentum
-from avatarsim.ik.kinematics import carry_avatar, place_avatar
+from avatarsim.ik.kinematics import carry_avatar, place_avatar, tangent_error
 from avatarsim.ik.make import make_solver
 from avatarsim.ik.solve import begin_frame, solve
 from avatarsim.ik.sqp_step import copy_poses, forget_forces
@@ -44,11 +44,11 @@ from avatarsim.ik.state import (
     Mode,
     state_is_sound,
 )
-from avatarsim.ik.target import clip_to_limits, copy_posture
+from avatarsim.ik.target import clip_to_limits, copy_posture, largest
 from avatarsim.jit.arena import opened, packed
 from avatarsim.jit.kernel import entry_kernel
-from avatarsim.jit.layout import Array, Index
-from avatarsim.model.skeleton import forward
+from avatarsim.jit.layout import Array, Index, IndexLine
+from avatarsim.model.skeleton import carry, forward
 from avatarsim.model.world import Target, TargetParts, World, WorldParts
 from avatarsim.planner.follow_path import aim_along_paths
 from avatarsim.planner.state import NODES, NONE, Ghost, Phase, Plan, make_planner, plan_is_sound
@@ -72,9 +72,10 @@ NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 
 
 class IkParts(NamedTuple):
-    """What lies in the arena of the lower loop; `coupled`: whether the coupling acts."""
+    """What lies in the arena of the lower loop; `coupled`: whether the coupling acts; lost (1): 1 while tracking is lost."""
 
     coupled: bool
+    lost: IndexLine
     trackers: TrackedMotion
     settings: PostureSettings
     avatars: Avatars
@@ -154,12 +155,32 @@ def stand(world: Index, target: Index, kept: Index) -> None:
     state.pairs.step[0] += 1
 
 
+@entry_kernel
+def resume(world: Index, target: Index, kept: Index) -> None:
+    """Tracking is found again at the target: the way there since it was lost is no motion of the users. It is caught up with, as
+    fast as after a motion of that speed, and no velocity comes of it."""
+    w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
+    skeleton, avatars, state, working = w.skeleton, own.avatars, own.state, own.working
+    clip_to_limits(skeleton, avatars, tracker, state.tracking, working.target)
+    for avatar in range(avatars.first_link.shape[0] - 1):
+        dt = state.tracking.frame_time[avatar]
+        tangent_error(skeleton, avatars, avatar, state.before, working.target, working.step)
+        way = largest(working.step, avatars.first_dof[avatar], avatars.first_dof[avatar + 1])
+        if dt > 0.0:
+            state.tracking.speed[avatar] = max(state.tracking.speed[avatar], way / dt)
+        copy_posture(skeleton, avatars, avatar, working.target, state.before)
+        copy_posture(skeleton, avatars, avatar, tracker, state.own)
+    if own.trackers.turn[0] >= 0:
+        _, last = last_and_now(own.trackers)
+        carry(skeleton, tracker, own.trackers.still, last, own.trackers.axes)
+
+
 class IkLoop:
     """The driven bodies of a world: every state shown was certified from the last one."""
 
     ASSIGNED: ClassVar[tuple[str, ...]] = ("_known", "_told")
     WRITTEN: ClassVar[tuple[str, ...]] = ("words",)
-    KEPT: ClassVar[tuple[str, ...]] = ("trackers", "state", "plan")
+    KEPT: ClassVar[tuple[str, ...]] = ("lost", "trackers", "state", "plan")
     WORKING: ClassVar[tuple[str, ...]] = ("trackers.still",)
 
     def __init__(
@@ -181,8 +202,11 @@ class IkLoop:
             world.geometry, world.skeleton, *solver[:2], world.posture, world.poses, np.array(world.scene.gravity), seed
         )
         self.settings = settings
-        self.words, own = packed(IkParts(coupled, trackers, settings, *solver, *planner))
+        self.words, own = packed(
+            IkParts(coupled, np.zeros(1, dtype=np.int64), trackers, settings, *solver, *planner)
+        )
         self.trackers, self.avatars, self.state, self.working = own.trackers, own.avatars, own.state, own.working
+        self.lost = own.lost
         self.plan, self.ghost = own.plan, own.ghost
 
     def follow(self, target: Target, dt: float) -> None:
@@ -201,8 +225,8 @@ class IkLoop:
         geo = self.world.geometry
         pieces, bodies = len(geo.body), len(geo.first_shape) - 1
         return {
-            **self._planned(), "trackers.turn": (-1, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST), "pairs.step": (0, MOST),
-            "used": (0, MOST),
+            **self._planned(), "lost": (0, 1), "trackers.turn": (-1, 1), "axis_step": (-1, MOST), "gap_step": (-1, MOST),
+            "pairs.step": (0, MOST), "used": (0, MOST),
             "key": (-1, pieces * pieces - 1), "pieces": (pieces, pieces), "near": (0, max(bodies - 1, 0)),
             "near_count": (0, bodies), "pair": (0, max(pieces - 1, 0)), "age": (0, MOST),
             "mode": (min(Mode), max(Mode)), "island": (0, max(len(self.state.tracking) - 1, 0)), "is_legal": (0, 1),
@@ -245,6 +269,12 @@ class IkLoop:
     def stand(self, target: Target) -> None:
         """The world's posture was written: avatars stand there, their users at the target, and nothing has touched yet."""
         stand(self.world.words, target.words, self.words)
+
+    def note_tracking(self, is_lost: bool, target: Target) -> None:
+        """Note whether tracking is lost in this frame, whose target was read."""
+        if self.lost[0] and not is_lost:
+            resume(self.world.words, target.words, self.words)
+        self.lost[0] = is_lost
 
     def watch(self, moving: Index) -> None:
         """From now on look only at bodies that `moving` (nb) names: the upper loop keeps which moved in its last frame."""

@@ -37,13 +37,13 @@ PORTIONS = 2
 
 
 def advance_many(
-    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float, threads: int | None = None,
+    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample | None], dt: float, threads: int | None = None,
     moving: Sequence[Mapping[str, Pose]] | None = None,
 ) -> tuple[FrameRecord, ...]:
     """One rendered frame of many engines, each with its own sample: bit for bit what `engine.advance(sample, dt)` returns.
 
     engines  engines that have loaded scenes, equal or not, each of them once
-    samples  as many samples, in the same order
+    samples  as many samples, in the same order; None where tracking is lost
     dt       [s] time of the frame, above 0 and at most 1
     threads  how many run at once, 1 to 1024; by default one per processor that this process may use. Where frames are so
              short that their records take longer, further threads win little. Frames of method `paper`, recorded ones and those
@@ -106,7 +106,8 @@ def _listed(thing: str, given: Sequence[T], valid: str) -> tuple[T, ...]:
 
 
 def _require(
-    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], threads: int | None, moving: Sequence[object] | None
+    engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample | None], threads: int | None,
+    moving: Sequence[object] | None,
 ) -> None:
     """Raise InvalidInput where the arguments do not fit together."""
     for thing, given in (("samples", samples), ("mappings of moving bodies", moving)):
@@ -129,7 +130,7 @@ class _Call:
     """
 
     def __init__(
-        self, engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample], dt: float,
+        self, engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample | None], dt: float,
         moving: Sequence[Mapping[str, Pose]] | None,
     ) -> None:
         self.engines, self.samples, self.dt, self.moving = engines, samples, dt, moving
@@ -155,7 +156,7 @@ class _Call:
                 taken.append(engine)
                 try:
                     frames, sample = engine._running(), self.samples[place]
-                    if frames.moves or self.moving:
+                    if frames.moves or self.moving or sample is None or frames.is_lost:
                         sample = frames.completed(sample, (self.moving[place] if self.moving else None) or {})
                     job = frames.begin(sample)
                     if job is None:
@@ -177,7 +178,7 @@ class _Call:
         for (place, engine, frames), (status, said, finite) in zip(begun, jobs[:, STATUS:].tolist(), strict=True):
             try:
                 frames.end(self.dt, status)
-                statuses = frames.statuses() if said or status or frames.moves else {}
+                statuses = frames.statuses() if said or status or frames.moves or frames.is_lost else {}
                 self.records[place] = engine._record(frames.counts(), statuses, (), frames.output.shown if finite else None)
             except AvatarsimError as error:
                 self.errors[place] = error

@@ -345,11 +345,13 @@ class AvatarsimEngine:
         self._rehearse(frames, scene.first_sample, dt)
         return self._record({}, {}, (), moved=moved)
 
-    def advance(self, sample: TrackerSample, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
+    def advance(self, sample: TrackerSample | None, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
         """One rendered frame of `dt` [s], above 0 and at most 1: follow `sample`, move loose bodies on, return what is shown.
 
         `moving` gives poses of moving bodies at the end of the frame, `{"door": (position, orientation)}`, or angles of those
-        that turn in hinges; what is not given keeps its last ones. `sample` is of all avatars, or of all but moving bodies.
+        that turn in hinges; what is not given keeps its last ones. `sample` is of all avatars, or of all but moving bodies; None
+        where tracking is lost: users stay at the last sample, with the status `tracking_lost`. Once there is a sample again, the
+        way to it is caught up with, and is no motion of the users.
 
         Raises InvalidSample for a sample that is not finite or does not fit the scene's avatars, and UnknownName for a pose of
         an unknown moving body. The state is then unchanged.
@@ -362,10 +364,10 @@ class AvatarsimEngine:
         finally:
             self._turn.release()
 
-    def _advance(self, sample: TrackerSample, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
+    def _advance(self, sample: TrackerSample | None, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
         frames = self._running()
         frame_time(dt)
-        if frames.moves or moving:
+        if frames.moves or moving or sample is None or frames.is_lost:
             sample = frames.completed(sample, {} if moving is None else moving)
         # a whole number would compile every kernel again, for integers
         frames.frame(sample, float(dt))
