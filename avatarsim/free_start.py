@@ -40,9 +40,9 @@ REACH = 4.0
 """How much farther a root is moved than the posture is that was found before. Larger: more looks; smaller: what is around a
 corner is not found."""
 
-STEPS = 90
-"""Steps after which no search begins any more, once a posture is found; a step of a human takes 0.1 to 0.2 ms. Fewer: postures
-that are farther away than they need be."""
+WORK = 9_000
+"""Work, in units of about a microsecond, after which no search begins any more once a posture is found; counted, so that results
+repeat. Less: postures that are farther away than they need be; more: time."""
 
 LOOSE = 0.01
 """How little the heaviest loose body weighs beside a link of an avatar, where both have to be moved. Larger: avatars make way for
@@ -87,11 +87,11 @@ class Postures:
             return True
         least, found, spent, self.farthest = inf, None, 0, inf
         for start in self._starts(target, margin, is_strict):
-            if found is not None and spent > STEPS:
+            if found is not None and spent > WORK:
                 break
             self._put(start)
-            value, steps = search_from(self.world.words, self.words, margin, is_strict, least)
-            spent += steps
+            value, work = search_from(self.world.words, self.words, margin, is_strict, least)
+            spent += work
             if value < least:
                 least, found = value, copied(self.best)
                 self.farthest = self._moved(target, found)

@@ -24,7 +24,8 @@ from avatarsim.ik.make import empty_posture, make_avatars, make_state, make_work
 from avatarsim.ik.motion_budget import bound_step
 from avatarsim.ik.objective import locate, model, value_of
 from avatarsim.ik.qp import solve_qp
-from avatarsim.ik.state import DROPPED, STEPS, Array, Avatars, IkScratch, IkState, Index
+from avatarsim.ik.sqp_step import work_done
+from avatarsim.ik.state import DROPPED, QUERIES, Array, Avatars, IkScratch, IkState, Index
 from avatarsim.ik.target import clip_avatar, copy_posture, largest
 from avatarsim.jit.arena import opened
 from avatarsim.jit.kernel import entry_kernel, kernel
@@ -150,6 +151,7 @@ def gap_of(
 ) -> tuple[float, Vec3, Vec3, Vec3]:
     """Gap [m] of two pieces beyond the depth that they may have, -inf if it is not known, with normal and points as
     `signed_distance_up_to`."""
+    scratch.counts[QUERIES] += 1
     status, gap, n, on_a, on_b = signed_distance_up_to(poses.vertices, geo.shapes, a, b, (0.0, 0.0, 0.0), within, scratch.narrow)
     if status == NOT_FINITE or not (gap == gap):
         return -inf, n, on_a, on_b
@@ -231,7 +233,6 @@ def value_at(skel: Skeleton, posture: Posture, poses: Poses, search_out: FreeSea
 def solve_step(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, pull: float, search_out: FreeSearch) -> float:
     """The QP's step from a posture, with `pull` as the share of the way to the target that is asked for; its largest part."""
     s, state, avatars, count = search_out.scratch, search_out.state, search_out.avatars, 0
-    s.counts[STEPS] += 1
     for avatar in range(avatars.first_link.shape[0] - 1):
         if s.is_active[avatar] == 0:
             continue
@@ -392,10 +393,10 @@ def value_of_posture(world: Index, search: Index) -> float:
 @entry_kernel
 def search_from(world: Index, search: Index, margin: float, is_strict: bool, most: float) -> tuple[float, int]:
     """The f of the free posture that is found from the posture of the world, and left in `best`; infinite where none is with less
-    than about `most`. And the number of steps."""
+    than about `most`. And the work, in units of about a microsecond, counted so that results repeat."""
     w, own = opened(world, WorldParts), opened(search, FreeSearch)
-    own.scratch.counts[STEPS] = 0
+    own.scratch.counts[:] = 0
     least = restore(w.geometry, w.skeleton, margin, is_strict, w.posture, w.poses, most, own)
     if least < FAR * most:
         least = descend(w.geometry, w.skeleton, margin, is_strict, w.posture, w.poses, least, own)
-    return least, own.scratch.counts[STEPS]
+    return least, work_done(own.scratch)
