@@ -54,8 +54,9 @@ def put_avatars(
         lower.show()
         _move(frames, given)
         require_within_limits(world, NOTHING)
+        if is_exact:
+            require_free(world)
         moved = () if is_exact else move_apart(world)
-        require_free(world)
     except AvatarsimError:
         for array, kept in zip(world.posture, before[0], strict=True):
             array[...] = kept

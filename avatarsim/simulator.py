@@ -328,8 +328,9 @@ class AvatarsimEngine:
         # what was shown is within its limits up to rounding
         require_within_limits(world, NOTHING if old else 0.0)
         # and what was at rest on something is as deep in it as frames let it
+        if old or settings.start == "exact":
+            require_free(world, JUDGED if old else NOTHING)
         moved = move_apart(world) if not old and settings.start == "nearest" else ()
-        require_free(world, JUDGED if old else NOTHING)
         frames = Frames(
             world, settings.preset, chosen, settings.seed, record=settings.record_inside, time_stages=settings.time_stages
         )

@@ -100,7 +100,7 @@ def bad_samples(good: TrackerSample) -> list[object]:
         *(("angles", one) for one in (np.zeros(99), "x", *([crooked] if len(crooked) else []))),
         *(("time", one) for one in (math.nan, "x", None)),
     ]
-    return [None, *(replace(good, **{name: value}) for name, value in fields)]
+    return ["lost", *(replace(good, **{name: value}) for name, value in fields)]
 
 
 @pytest.mark.parametrize("scene", [SCENE, hinged_trial().scene])
@@ -363,7 +363,7 @@ def test_one_thread_after_the_other_is_welcome() -> None:
 
 def test_an_error_in_a_frame_leaves_the_engine_free_for_the_next() -> None:
     engine = loaded()
-    for bad in (None, replace(ELSEWHERE, angles=np.zeros(9)), replace(ELSEWHERE, positions=ELSEWHERE.positions * (1.0 + 0j))):
+    for bad in ("lost", replace(ELSEWHERE, angles=np.zeros(9)), replace(ELSEWHERE, positions=ELSEWHERE.positions * (1.0 + 0j))):
         with pytest.raises(InvalidSample):
             engine.advance(bad, DT)
     assert engine.advance(ELSEWHERE, DT).shown.time == pytest.approx(DT)
