@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.cleaning.chords import Chords, certified
+from avatarsim.cleaning.foot_contact import foot_slide
 from avatarsim.cleaning.result import OVERLAP, AtRest, Audit, Excluded, Moved
 from avatarsim.cleaning.second_opinion import opinion_of
 from avatarsim.cleaning.track import Judged
@@ -52,9 +53,10 @@ def high(values: Array) -> float:
 
 
 def audited(
-    chords: Chords, motion: Motion, judged: Judged, was_free: Flags, with_opinion: bool
+    chords: Chords, motion: Motion, judged: Judged, was_free: Flags, planted: Flags, with_opinion: bool
 ) -> Audit:
-    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free."""
+    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free, `planted` (F-1, feet):
+    on which ways between frames its feet were planted."""
     jerks = jerk(chords, motion)
     deepest = int(np.argmin(judged.gap))
     depths = np.maximum(0.0, -judged.gap)
@@ -70,7 +72,7 @@ def audited(
     return Audit(
         depths, judged.pair[deepest] if depths[deepest] > 0.0 else None, certified(chords, motion, -OVERLAP).until,
         float(judged.beyond[:, 0].max()), float(judged.beyond[:, 1].max()), high(jerks[was_free]), high(jerks[~was_free]),
-        excluded, opinion, tuple(said), at_rest_pairs(chords, motion),
+        excluded, opinion, tuple(said), at_rest_pairs(chords, motion), foot_slide(chords, motion, planted),
     )
 
 

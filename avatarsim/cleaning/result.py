@@ -1,5 +1,6 @@
 """What cleaning and auditing a motion give: measures of overlap, limits, smoothness and displacement, and flagged frames."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,7 +97,8 @@ class Audit:
     excluded      the pairs that no measure and no proof looks at, since they are excluded
     opinion       of an independent library; None where it is not installed or was not asked
     said          sentences for the user
-    at_rest       the pairs that overlap at home"""
+    at_rest       the pairs that overlap at home
+    foot_slide    mean speed at which soles slide where a foot of the input is planted [m/s]; nan without such a foot"""
 
     depths: Array
     deepest_pair: tuple[str, str] | None
@@ -109,6 +111,7 @@ class Audit:
     opinion: Opinion | None
     said: tuple[str, ...]
     at_rest: tuple[AtRest, ...] = ()
+    foot_slide: float = math.nan
 
     @property
     def frames(self) -> int:

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from avatarsim.assets.models.model import Model
 from avatarsim.cleaning.chords import Chords, scene_of
+from avatarsim.cleaning.foot_contact import planted_feet
 from avatarsim.cleaning.lookahead import Smoothing
 from avatarsim.cleaning.measures import audited, moved
 from avatarsim.cleaning.result import Audit, Cleaned, Flagged, Options
@@ -53,7 +54,7 @@ def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Op
     """See `avatarsim.cleaning.audit`."""
     chords, motion = chords_of(motion, model, room, options, carried)
     judged = Judged(chords, motion, options.margin)
-    return audited(chords, motion, judged, judged.is_free, options.opinion)
+    return audited(chords, motion, judged, judged.is_free, planted_feet(chords, motion), options.opinion)
 
 
 def clean_motion(
@@ -64,14 +65,15 @@ def clean_motion(
     tell = progress or (lambda share: None)
     chords, motion = chords_of(motion, model, room, options, carried)
     judged = Judged(chords, motion, options.margin)
-    before = audited(chords, motion, judged, judged.is_free, options.opinion)
+    planted = planted_feet(chords, motion)
+    before = audited(chords, motion, judged, judged.is_free, planted, options.opinion)
     tell(0.1)
     written = Written(motion)
     follower = tracked(chords, motion, judged, options, written, lambda share: tell(0.1 + 0.4 * share))
     Smoothing(chords, follower, motion, written, judged.is_free, options).improve(lambda share: tell(0.5 + 0.4 * share))
     written.rotations = rotation.with_signs_of(written.rotations, motion.rotations, written.kind == Kind.INPUT)
     done = written.motion
-    after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, options.opinion)
+    after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, planted, options.opinion)
     tell(1.0)
     return Cleaned(
         of_avatar(done, chords.scene.avatars[0]), before, after, moved(chords, motion, done), written.kind != Kind.INPUT,

@@ -22,7 +22,7 @@ from avatarsim.files import parsed_json, read_text
 from avatarsim.running.sources import code_hash, versions
 from avatarsim.scene.motion import Motion
 
-LAYOUT = 2
+LAYOUT = 3
 """Version of the layout."""
 LINES = 3
 """Levels of a certificate whose members have a line each."""
@@ -74,6 +74,7 @@ def entry(
             "slide_excess_before_m": before.slide_excess, "slide_excess_after_m": after.slide_excess if after else None,
         },
         "jerk_p95_m_s3": {"before": _jerk(before), "after": _jerk(after) if after else None},
+        "foot_slide_m_s": {"before": before.foot_slide, "after": after.foot_slide if after else None},
         "excluded": [{"a": one.a, "b": one.b, "depth_m": one.depth} for one in last.excluded],
         "at_rest": [{"a": one.a, "b": one.b, "allowed_m": one.allowed, "depth_m": one.depth} for one in last.at_rest],
         "said": list(dict.fromkeys(sentences)),

@@ -149,8 +149,9 @@ class _Clip:
         if same:
             return back, cleaned.after
         found = audit(back, model, bodies, self.wishes.cleaning, self.carried)
-        # over the frames where the input was free, which is not to be seen in what was written; rounding moves no digit of it
-        return back, replace(found, jerk_free=cleaned.after.jerk_free, jerk_held=cleaned.after.jerk_held)
+        # over frames that the input decides on, which are not to be seen in the written motion; rounding moves no digit
+        kept_measures = {name: getattr(cleaned.after, name) for name in ("jerk_free", "jerk_held", "foot_slide")}
+        return back, replace(found, **kept_measures)
 
     def _require_free(self, target: Path, content: str) -> None:
         """Raise InvalidInput where a file stands in the place of the result that no command of ours wrote."""

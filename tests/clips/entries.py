@@ -26,7 +26,7 @@ def audit(depth: float = 0.0, opinion: bool = True) -> Audit:
     depths = np.array([0.0, depth, 0.0, 0.0])
     return Audit(depths, ("hand", "table") if depth else None, np.array([1.0, 0.5 if depth else 1.0, 1.0]), 0.01 * depth, 0.0,
                  12.5, math.nan, (Excluded("a", "b", 0.02),), found, ("said of the audit",),
-                 (AtRest("walk/a", "walk/c", 0.01, 0.005),))
+                 (AtRest("walk/a", "walk/c", 0.01, 0.005),), 0.07)
 
 
 def entry(**changed: Any) -> dict[str, object]:

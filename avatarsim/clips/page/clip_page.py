@@ -177,6 +177,8 @@ def measures(entry: Mapping[str, Any]) -> str:
     for name, key in (("where the input is free", "where_free"), ("elsewhere", "elsewhere")):
         told = [_per_cubed(jerk[when][key]) for when in both]
         row("jerk, 95th percentile", name, esc(told[0]), esc(told[1]))
+    slides = [entry["foot_slide_m_s"][when] for when in both]
+    row("foot slide", "mean over planted feet", *("—" if one is None else f"{one:.3f} m/s" for one in slides))
     return table(["", "", "before", "after"], rows)
 
 
