@@ -208,6 +208,11 @@ class IkLoop:
         self.trackers, self.avatars, self.state, self.working = own.trackers, own.avatars, own.state, own.working
         self.lost = own.lost
         self.plan, self.ghost = own.plan, own.ghost
+        self._link_weight = self.avatars.link_weight.copy()
+
+    def weigh_links(self, factors: Array) -> None:
+        """Multiply the weight of each link's origin (links,) in the objective, in place of earlier factors."""
+        self.avatars.link_weight[:] = self._link_weight * factors
 
     def follow(self, target: Target, dt: float) -> None:
         """One frame towards the tracker's posture."""

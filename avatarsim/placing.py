@@ -17,7 +17,7 @@ from avatarsim.model.geometry import may_meet, place, rest_depth
 from avatarsim.model.world import Array, World, sample_arrays
 from avatarsim.pose_queries import require_free, require_within_limits
 from avatarsim.scene.body import Role
-from avatarsim.scene.checks import require_near
+from avatarsim.scene.checks import finite_array, require_near
 from avatarsim.scene.moving import Pose, checked_pose
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
@@ -69,6 +69,15 @@ def put_avatars(
         lower.look_at_all()
     frames.passed = ()
     return moved
+
+
+def weigh_links(frames: Frames, factors: Array) -> None:
+    """Weigh link origins in the objective; raises what `AvatarsimEngine.weigh_links` does."""
+    links = len(frames.world.scene.links)
+    found = finite_array("weights of links", factors, (links,), InvalidInput)
+    if not (found > 0.0).all():
+        raise InvalidInput("weights of links", float(found.min()), "numbers above 0")
+    require_placing(frames).weigh_links(found)
 
 
 def place_bodies(frames: Frames, bodies: Mapping[str, Pose]) -> None:

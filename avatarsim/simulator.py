@@ -23,7 +23,7 @@ from avatarsim.jit.linking import CalledKernel
 from avatarsim.lower_loop import IkLoop
 from avatarsim.model.world import Array, build, shown_again, shown_poses, shown_sample
 from avatarsim.options import METHOD_SETTINGS, choose
-from avatarsim.placing import place_bodies, put_avatars
+from avatarsim.placing import place_bodies, put_avatars, weigh_links
 from avatarsim.pose_queries import Contact, contacts_of, require_free, require_within_limits
 from avatarsim.rehearsal import ENOUGH, REHEARSALS, Undo
 from avatarsim.scene.checks import as_number
@@ -280,6 +280,12 @@ class AvatarsimEngine:
             place_bodies(self._running(), poses)
             self._before = shown_poses(self._running().world)
             return self._record({}, {}, ())
+
+    def weigh_links(self, factors: Array) -> None:
+        """Multiply weights of link origins (links,) in the objective of the posture from now on, 1 at first; no snapshot has
+        them. Raises InvalidInput for another shape, for numbers that are not above 0, and as `put`."""
+        with self._alone():
+            weigh_links(self._running(), factors)
 
     def snapshot(self) -> bytes:
         """All that the next frames depend on. An engine that has loaded the same scene with the same settings, in this process

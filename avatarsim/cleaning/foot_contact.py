@@ -88,19 +88,20 @@ def slip_speeds(chords: Chords, motion: Motion) -> Array:
     return np.asarray(level / np.diff(motion.times)[:, None])
 
 
-def lowered_gaps(chords: Chords, motion: Motion, links: Sequence[int], height: float) -> Array:
-    """Return the signed distance (F, links) [m] of links from the fixed bodies with the avatar lowered by `height` [m]; of links
-    that are apart from them then some number above 0."""
+def lowered_gaps(chords: Chords, motion: Motion, links: Sequence[int], heights: float | Array) -> Array:
+    """Return the signed distance (F, links) [m] of links from the fixed bodies with the avatar lowered by heights (F,) [m];
+    some number above 0 of links that are apart from them then."""
     bodies = len(chords.scene.bodies)
     fixed = [k for k, body in enumerate(chords.scene.bodies) if body.role is Role.FIXED]
     pairs = np.array([(body, bodies + link) for link in links for body in fixed], dtype=np.int64).reshape(-1, 2)
     found = np.full((len(motion), len(links)), np.inf)
     if not len(pairs):
         return found
+    lowered = np.broadcast_to(heights, len(motion))
     for frame in range(len(motion)):
         sample = motion.sample(frame)
         positions = sample.positions.copy()
-        positions[chords.free_roots, 2] -= height
+        positions[chords.free_roots, 2] -= lowered[frame]
         gaps = chords.gaps(TrackerSample(sample.time, positions, sample.rotations, sample.angles), pairs)
         found[frame] = gaps.reshape(len(links), len(fixed)).min(axis=1)
     return found

@@ -8,7 +8,7 @@ first, and those keep the input to the bit. Only where that leaves too much jerk
 most the length of the window before and after.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from avatarsim.cleaning.chords import Chords
 from avatarsim.cleaning.measures import high, jerk
+from avatarsim.cleaning.planting import Planting
 from avatarsim.cleaning.result import Options
 from avatarsim.cleaning.track import Follower, Judged, Kind, Written, track
 from avatarsim.scene.motion import Motion
@@ -132,17 +133,17 @@ class Smoothing:
     written: Written
     is_free: NDArray[np.bool_]
     options: Options
+    planting: Planting
 
-    def improve(self, progress: Callable[[float], None]) -> None:
+    def improve(self) -> None:
         """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
         motion, blend = self.motion, self.options.blend
         if blend == 0.0 or len(motion) <= LEAST_FRAMES:
             return
         half = max(LEAST_FRAMES, round(blend * motion.rate)) // 2
         found = episodes(self.written.kind == Kind.INPUT, 2 * half)
-        for n, episode in enumerate(found):
+        for episode in found:
             self._tried(episode, half, is_compact=True)
-            progress((n + 1) / len(found))
         before, jerks = jerk(self.chords, motion), jerk(self.chords, self.written.motion)
         for episode in by_jerk(found, jerks, 2 * half):
             if not any(high(jerks[some]) > MOST_JERK * high(before[some]) for some in (self.is_free, ~self.is_free)):
@@ -195,7 +196,7 @@ class Smoothing:
     def _is_smoother(self, new: Motion, old: Motion, some: slice, is_compact: bool) -> bool:
         """Whether the jerk is worth a change; if compact, with no more of it in free frames than there was, or may be."""
         jerks, before, free = jerk(self.chords, new), jerk(self.chords, old), self.is_free[some]
-        if not high(jerks) < WORTH * high(before):
+        if not high(jerks) < WORTH * high(before) or self.planting.slides_more(new, old, some):
             return False
         if not is_compact or not free.any():
             return True

@@ -53,7 +53,8 @@ def high(values: Array) -> float:
 
 
 def audited(
-    chords: Chords, motion: Motion, judged: Judged, was_free: Flags, planted: Flags, with_opinion: bool
+    chords: Chords, motion: Motion, judged: Judged, was_free: Flags, planted: Flags, with_opinion: bool,
+    notes: tuple[str, ...] = (),
 ) -> Audit:
     """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free, `planted` (F-1, feet):
     on which ways between frames its feet were planted."""
@@ -72,7 +73,7 @@ def audited(
     return Audit(
         depths, judged.pair[deepest] if depths[deepest] > 0.0 else None, certified(chords, motion, -OVERLAP).until,
         float(judged.beyond[:, 0].max()), float(judged.beyond[:, 1].max()), high(jerks[was_free]), high(jerks[~was_free]),
-        excluded, opinion, tuple(said), at_rest_pairs(chords, motion), foot_slide(chords, motion, planted),
+        excluded, opinion, tuple(said), at_rest_pairs(chords, motion), foot_slide(chords, motion, planted), notes,
     )
 
 
@@ -104,8 +105,8 @@ def deepest_of(chords: Chords, motion: Motion, pairs: Sequence[tuple[int, int]])
     return [float(depth) for depth in depths]
 
 
-def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
-    """How far the written motion of the avatar is from the input."""
+def link_moves(chords: Chords, motion: Motion, written: Motion) -> Array:
+    """Return how far (F, links) [m] the middles of the avatar's links in a written motion are from those of the input."""
     avatar = chords.scene.avatars[0]
     motion, written = of_avatar(motion, avatar), of_avatar(written, avatar)
     before, after = (poses_of_links((avatar,), one.positions, one.rotations, one.angles) for one in (motion, written))
@@ -113,7 +114,18 @@ def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
         np.mean([piece.position for piece in link.pieces], axis=0) if link.pieces else np.zeros(3) for link in avatar.links
     ])
     places = [at + rotation.rotate(turns, np.broadcast_to(middles, at.shape)) for at, turns in (before, after)]
-    away = np.linalg.norm(places[1] - places[0], axis=2)
+    return np.asarray(np.linalg.norm(places[1] - places[0], axis=2))
+
+
+def farthest(chords: Chords, motion: Motion, written: Motion) -> float:
+    """Return the largest way [m] of any link from the input to a written motion."""
+    return float(link_moves(chords, motion, written).max())
+
+
+def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
+    """How far the written motion of the avatar is from the input."""
+    away, avatar = link_moves(chords, motion, written), chords.scene.avatars[0]
+    motion, written = of_avatar(motion, avatar), of_avatar(written, avatar)
     turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(motion.rotations), written.rotations))
     names, columns, slides = [], [], []
     hinge = 0
@@ -133,6 +145,6 @@ def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
     slid = ways[:, [column for _, column in slides]].T
     return Moved(
         tuple(link.name for link in avatar.links), np.sqrt(np.mean(away**2, axis=0)), np.percentile(away, HIGH, axis=0),
-        tuple(names), np.sqrt(np.mean(turned**2, axis=1)), np.percentile(turned, HIGH, axis=1),
+        away.max(axis=0), tuple(names), np.sqrt(np.mean(turned**2, axis=1)), np.percentile(turned, HIGH, axis=1),
         tuple(name for name, _ in slides), np.sqrt(np.mean(slid**2, axis=1)), np.percentile(slid, HIGH, axis=1),
     )

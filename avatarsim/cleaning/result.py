@@ -25,6 +25,7 @@ class Options:
     blend     how long limbs take to give way at either end of a contact [s], 0: none; at least 4 frames are taken
     loose     whether the bodies that the files call loose are left out; else they are fixed where they are
     seed      of the engine's random directions
+    ground    whether a clip that is in the room in every frame is cleaned higher by a constant lift
     opinion   whether an independent library is asked as well, where it is installed: as long again as all else
 
     Raises InvalidInput for numbers outside these ranges."""
@@ -34,11 +35,12 @@ class Options:
     loose: bool = False
     seed: int = 0
     opinion: bool = True
+    ground: bool = True
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "margin", within("margin [m]", self.margin, 1e-5, 0.1, InvalidInput))
         object.__setattr__(self, "blend", within("blend [s]", self.blend, 0.0, 2.0, InvalidInput))
-        for name in ("loose", "opinion"):
+        for name in ("loose", "opinion", "ground"):
             instance(name, getattr(self, name), bool, "True or False", InvalidInput)
         if isinstance(self.seed, bool) or not isinstance(self.seed, int | np.integer):
             raise InvalidInput("seed", self.seed, "a whole number")
@@ -98,7 +100,8 @@ class Audit:
     opinion       of an independent library; None where it is not installed or was not asked
     said          sentences for the user
     at_rest       the pairs that overlap at home
-    foot_slide    mean speed at which soles slide where a foot of the input is planted [m/s]; nan without such a foot"""
+    foot_slide    mean speed at which soles slide where a foot of the input is planted [m/s]; nan without such a foot
+    notes         sentences on the recording: frames that are all in the room"""
 
     depths: Array
     deepest_pair: tuple[str, str] | None
@@ -112,6 +115,7 @@ class Audit:
     said: tuple[str, ...]
     at_rest: tuple[AtRest, ...] = ()
     foot_slide: float = math.nan
+    notes: tuple[str, ...] = ()
 
     @property
     def frames(self) -> int:
@@ -146,15 +150,16 @@ class Audit:
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """How far the written motion is from the input: root mean square and 95th percentile over all frames.
+    """How far the written motion is from the input: root mean square, 95th percentile and, of links, maximum over all frames.
 
-    links      names; link_rms, link_p95 (links,) of the distance of their middles [m]
+    links      names; link_rms, link_p95, link_most (links,) of the distance of their middles [m]
     joints     names; joint_rms, joint_p95 (joints,) of the angle between the rotations, or of the hinge angle [rad]
     slides     names; slide_rms, slide_p95 (slides,) of their ways [m]"""
 
     links: tuple[str, ...]
     link_rms: Array
     link_p95: Array
+    link_most: Array
     joints: tuple[str, ...]
     joint_rms: Array
     joint_p95: Array

@@ -10,7 +10,7 @@ Bodies that are carried are fixed ones to the engine, put on in steps so small t
 way between. The way from frame to frame is proved with both in motion.
 """
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import ceil
 
@@ -92,11 +92,26 @@ class Judged:
         self.is_free: NDArray[np.bool_] = (self.gap >= margin) & (self.beyond <= 0.0).all(axis=1)
 
 
-class Follower:
-    """The avatar as it follows postures: `shown` is what was written last, `is_input` whether that is the input itself."""
+@dataclass(frozen=True, eq=False)
+class LinkWeights:
+    """Weights (F, links) of link origins in the objective at times (F,) [s] of a motion."""
 
-    def __init__(self, chords: Chords, options: Options, start: TrackerSample, is_input: bool) -> None:
-        self.chords, self.options = chords, options
+    times: Array
+    rows: Array
+
+    def at(self, time: float) -> Array:
+        """Return the weights (links,) of the frame at or after a time."""
+        return np.asarray(self.rows[min(int(np.searchsorted(self.times, time - 1e-9)), len(self.rows) - 1)])
+
+
+class Follower:
+    """The avatar as it follows postures: `shown` is what was written last, `is_input` whether that is the input itself.
+    `weights` are those of links in the objective, by time; None: all count as much."""
+
+    def __init__(
+        self, chords: Chords, options: Options, start: TrackerSample, is_input: bool, weights: LinkWeights | None = None
+    ) -> None:
+        self.chords, self.options, self._weights = chords, options, weights
         self.shown, self.is_input = start, is_input
         self._engines: dict[int, AvatarsimEngine] = {}
         self._avatar, self._carried = chords.scene.avatars[0], chords.scene.avatars[1:]
@@ -202,6 +217,8 @@ class Follower:
                 user = after if k == count else between(before, after, k / count)
                 if self._carried:
                     engine.place(self._poses(user))
+                if self._weights is not None:
+                    engine.weigh_links(self._weights.at(user.time))
                 engine.advance(self._own(user), duration / count)
                 tried.append(self._whole(engine.posture(), after))
         except StartOverlaps:

@@ -1,18 +1,24 @@
 """Cleaning of a recorded motion: tracked with hold-back from where it is free, smoothed by looking ahead, measured as written."""
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from math import inf
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.assets.models.model import Model
-from avatarsim.cleaning.chords import Chords, scene_of
+from avatarsim.cleaning.chords import Chords, certified, scene_of
 from avatarsim.cleaning.foot_contact import planted_feet
-from avatarsim.cleaning.lookahead import Smoothing
-from avatarsim.cleaning.measures import audited, moved
-from avatarsim.cleaning.result import Audit, Cleaned, Flagged, Options
+from avatarsim.cleaning.ground import Ground, ground_of, raised
+from avatarsim.cleaning.lookahead import Smoothing, part_of
+from avatarsim.cleaning.measures import audited, farthest, moved
+from avatarsim.cleaning.planting import RESPONSES, Planting
+from avatarsim.cleaning.reference_frame import audit_with_reference, cleaned_with_reference, note_of, reference_frames
+from avatarsim.cleaning.result import OVERLAP, Audit, Cleaned, Flagged, Options
 from avatarsim.cleaning.start import approach, free_posture
-from avatarsim.cleaning.track import Follower, Judged, Kind, Written, track
+from avatarsim.cleaning.track import Follower, Judged, Kind, LinkWeights, Written, track
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.body import Body
 from avatarsim.scene.carried import Carried, joined, of_avatar
@@ -52,9 +58,14 @@ def require_fit(scene: Scene, motion: Motion) -> None:
 
 def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried]) -> Audit:
     """See `avatarsim.cleaning.audit`."""
-    chords, motion = chords_of(motion, model, room, options, carried)
-    judged = Judged(chords, motion, options.margin)
-    return audited(chords, motion, judged, judged.is_free, planted_feet(chords, motion), options.opinion)
+    chords, whole = chords_of(motion, model, room, options, carried)
+    first = reference_frames(chords, whole)
+    found = part_of(whole, slice(first, None))
+    judged = Judged(chords, found, options.margin)
+    ground = ground_of(chords, found, options.margin)
+    notes = (ground.said,) if ground.is_off else ()
+    audit = audited(chords, found, judged, judged.is_free, planted_feet(chords, found), options.opinion, notes)
+    return audit_with_reference(audit, note_of(chords, whole)) if first else audit
 
 
 def clean_motion(
@@ -62,15 +73,34 @@ def clean_motion(
     carried: Sequence[Carried],
 ) -> Cleaned:
     """See `avatarsim.cleaning.clean`."""
-    tell = progress or (lambda share: None)
-    chords, motion = chords_of(motion, model, room, options, carried)
+    chords, whole = chords_of(motion, model, room, options, carried)
+    first = reference_frames(chords, whole)
+    cleaned = clean_recorded(chords, part_of(whole, slice(first, None)), options, progress or (lambda share: None), carried)
+    return cleaned_with_reference(cleaned, motion, note_of(chords, whole)) if first else cleaned
+
+
+def clean_recorded(
+    chords: Chords, motion: Motion, options: Options, tell: Callable[[float], None], carried: Sequence[Carried]
+) -> Cleaned:
+    """Clean a motion of which every frame was recorded."""
     judged = Judged(chords, motion, options.margin)
+    ground = ground_of(chords, motion, options.margin)
+    notes = (ground.said,) if ground.is_off else ()
     planted = planted_feet(chords, motion)
-    before = audited(chords, motion, judged, judged.is_free, planted, options.opinion)
+    before = audited(chords, motion, judged, judged.is_free, planted, options.opinion, notes)
     tell(0.1)
-    written = Written(motion)
-    follower = tracked(chords, motion, judged, options, written, lambda share: tell(0.1 + 0.4 * share))
-    Smoothing(chords, follower, motion, written, judged.is_free, options).improve(lambda share: tell(0.5 + 0.4 * share))
+    is_off = ground.is_off and not carried
+    heights = [ground.usual, 0.0] if is_off and options.ground else [0.0]
+    best = Followed(Written(motion), inf)
+    for n, height in enumerate(heights):
+        planting = Planting.of(chords, raised(motion, chords, height), judged.is_free, options)
+        steps = partial(_part_of_way, tell, n, len(heights))
+        best = min(best, best_written(planting, judged, steps), key=lambda one: one.excess)
+        if best.excess <= 1.0:
+            break
+    written = best.written
+    if is_off and farthest(chords, motion, written.motion) > ground.free:
+        written = constant_lift(chords, motion, ground, options.margin) or written
     written.rotations = rotation.with_signs_of(written.rotations, motion.rotations, written.kind == Kind.INPUT)
     done = written.motion
     after = audited(chords, done, Judged(chords, done, options.margin), judged.is_free, planted, options.opinion)
@@ -81,8 +111,45 @@ def clean_motion(
     )
 
 
+def _part_of_way(tell: Callable[[float], None], n: int, parts: int, share: float) -> None:
+    """Tell the share of the whole that is done, of a share of part n of the search for a result."""
+    tell(0.1 + 0.8 * (n + share) / parts)
+
+
+def constant_lift(chords: Chords, motion: Motion, ground: Ground, margin: float) -> Written | None:
+    """The motion as it is, higher by the constant lift that takes it out of the room; None where it is not free then."""
+    lifted = raised(motion, chords, ground.free)
+    if not Judged(chords, lifted, margin - OVERLAP).is_free.all() or not (certified(chords, lifted).until >= 1.0).all():
+        return None
+    written = Written(lifted)
+    written.kind[:] = Kind.TRACKED
+    return written
+
+
+class Followed(NamedTuple):
+    """A result, and how far planted feet and jerk are from what they may be: at most 1 where they are within bounds."""
+
+    written: Written
+    excess: float
+
+
+def best_written(planting: Planting, judged: Judged, tell: Callable[[float], None]) -> Followed:
+    """Follow one aim after the other until planted feet and jerk are within bounds; the result that is nearest to them."""
+    chords, motion, options = planting.chords, planting.motion, planting.options
+    best = Followed(Written(motion), inf)
+    for n, aim in enumerate(planting.aims()):
+        written = Written(motion)
+        follower = tracked(chords, aim, judged, options, planting.weights(), written)
+        Smoothing(chords, follower, motion, written, judged.is_free, options, planting).improve()
+        best = min(best, Followed(written, planting.excess(written.motion)), key=lambda one: one.excess)
+        tell((n + 1.0) / len(RESPONSES))
+        if best.excess <= 1.0:
+            break
+    return best
+
+
 def tracked(
-    chords: Chords, motion: Motion, judged: Judged, options: Options, written: Written, tell: Callable[[float], None]
+    chords: Chords, motion: Motion, judged: Judged, options: Options, weights: LinkWeights | None, written: Written
 ) -> Follower:
     """The first pass: from the first free frame forwards, and backwards to frame 0; without a free one from near frame 0."""
     free = np.flatnonzero(judged.is_free)
@@ -93,16 +160,14 @@ def tracked(
     else:
         first = 0
         start = free_posture(chords, motion.sample(0), options.margin)
-    follower = Follower(chords, options, start, bool(free.size))
+    follower = Follower(chords, options, start, bool(free.size), weights)
     if not free.size:
         start = approach(follower, motion.sample(0))
         written.put(0, start, Kind.TRACKED)
     track(follower, motion, judged.is_free, range(first, len(motion)), written)
-    tell(1.0 - first / len(motion))
     if first > 0:
         follower.begin(start, True)
         track(follower, motion, judged.is_free, range(first, -1, -1), written)
-    tell(1.0)
     return follower
 
 

@@ -161,11 +161,19 @@ def _scene(one: argparse.ArgumentParser) -> None:
                        help="leave out the loose bodies of files; else they stand still where they are")
 
 
+def height_option(text: str) -> float | None:
+    """A height [m]; None for the word auto."""
+    return None if text == "auto" else float(text)
+
+
 def _cleaning(one: argparse.ArgumentParser) -> None:
     cleaning = one.add_argument_group("cleaning")
     cleaning.add_argument("--margin", type=float, default=None, metavar="M", help="gap that is kept [m] (default 0.001)")
     cleaning.add_argument("--blend", type=float, default=None, metavar="S",
                           help="how long limbs take to give way at a contact [s] (default 0.1)")
+    cleaning.add_argument("--ground", type=height_option, default=None, metavar="auto | M",
+                          help="height of the ground in the motion [m], which is put at 0; auto: clips that are in the room in "
+                          "every frame are raised by a constant (default)")
 
 
 def _opinion(one: argparse.ArgumentParser) -> None:

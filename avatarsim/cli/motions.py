@@ -26,7 +26,7 @@ from avatarsim.clips.wishes import FLOOR, Wishes
 from avatarsim.console import Progress, printable
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.running.stopping import stoppable
-from avatarsim.scene.checks import within
+from avatarsim.scene.checks import FARTHEST, within
 
 if TYPE_CHECKING:
     from avatarsim.running.processes import Workers
@@ -47,7 +47,7 @@ SENTENCES = 24
 WIDEST = 40
 """Characters of a clip's name in the table; of longer ones the end."""
 HEAD = {
-    "clean": f"{'clip':{WIDEST}} frames  overlap before       after           ways before/after  moved p95  ",
+    "clean": f"{'clip':{WIDEST}} frames  overlap before       after           ways before/after    moved p95 / most  ",
     "audit": f"{'clip':{WIDEST}} frames  overlap              ways not certified  outside limits  ",
 }
 
@@ -162,11 +162,15 @@ def wishes_of(asked: argparse.Namespace) -> Wishes:
         within("--rate [1/s]", asked.rate, SLOWEST, FASTEST, InvalidInput)
     if asked.workers is not None and not 0 <= asked.workers <= WORKERS:
         raise InvalidInput("--workers", asked.workers, f"0 to {WORKERS}")
+    height = getattr(asked, "ground", None)
+    if height is not None:
+        within("--ground [m]", height, -FARTHEST, FARTHEST, InvalidInput)
     given_ = {name: getattr(asked, name) for name in ("margin", "blend") if getattr(asked, name, None) is not None}
     room = asked.room if asked.room is None or str(asked.room) == FLOOR else asked.room.absolute()
+    cleaning = Options(**given_, loose=asked.loose, opinion=not asked.no_opinion, ground=height is None)
     return Wishes(
         avatar=None if asked.avatar is None else asked.avatar.absolute(), room=room, rate=asked.rate, reading=reading,
-        cleaning=Options(**given_, loose=asked.loose, opinion=not asked.no_opinion), page=not getattr(asked, "no_page", True),
+        ground=height, cleaning=cleaning, page=not getattr(asked, "no_page", True),
     )
 
 
@@ -183,8 +187,9 @@ def row(command: str, one: Outcome) -> str:
         line = f"{begin} {chords['not_certified_before']:18}  {limit_excess(limits, 'before'):>14}  {last}"
         return f"{line}{_where(overlap['before'], entry['frames'])}"
     ways = f"{chords['not_certified_before']} / {chords['not_certified_after']}"
-    most = max((link["p95_m"] for link in entry["moved"]["links"]), default=0.0)
-    return f"{begin}{_deepest(overlap['after']):15} {ways:>18}  {length(most):>9}  {last}"
+    p95, most = (max((link[name] for link in entry["moved"]["links"]), default=0.0) for name in ("p95_m", "most_m"))
+    moved = f"{length(p95)} / {length(most)}"
+    return f"{begin}{_deepest(overlap['after']):15} {ways:>18}  {moved:>18}  {last}"
 
 
 def verdict(entry: Mapping[str, Any]) -> str:

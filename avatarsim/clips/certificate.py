@@ -59,7 +59,7 @@ def entry(
 ) -> dict[str, object]:
     """The entry of one clip. `before` is of its input, `after` of what was written and read back, `decides` its `key`."""
     last = after or before
-    sentences = [*said, *last.said]
+    sentences = [*said, *before.notes, *last.said]
     found: dict[str, object] = {
         "motion": place, "format": format_, "frames": len(motion), "rate_hz": _rate(motion), **decides,
         "is_clean": last.is_clean,
@@ -125,11 +125,13 @@ def _jerk(one: Audit) -> dict[str, object]:
 
 
 def _moved(one: Moved) -> dict[str, object]:
-    links = zip(one.links, one.link_rms, one.link_p95, strict=True)
+    links = zip(one.links, one.link_rms, one.link_p95, one.link_most, strict=True)
     joints = zip(one.joints, one.joint_rms, one.joint_p95, strict=True)
     slides = zip(one.slides, one.slide_rms, one.slide_p95, strict=True)
     return {
-        "links": [{"name": name, "rms_m": float(rms), "p95_m": float(p95)} for name, rms, p95 in links],
+        "links": [
+            {"name": name, "rms_m": float(rms), "p95_m": float(p95), "most_m": float(most)} for name, rms, p95, most in links
+        ],
         "joints": [{"name": name, "rms_rad": float(rms), "p95_rad": float(p95)} for name, rms, p95 in joints],
         "slides": [{"name": name, "rms_m": float(rms), "p95_m": float(p95)} for name, rms, p95 in slides],
     }

@@ -95,6 +95,9 @@ class _Clip:
         if self.wishes.rate is not None:
             motion = motion.resampled(self.wishes.rate)
             self.carried = tuple(one.resampled(self.wishes.rate) for one in self.carried)
+        if self.wishes.ground is not None:
+            motion = lowered(motion, self.wishes.ground)
+            self.carried = tuple(replace(one, motion=lowered(one.motion, self.wishes.ground)) for one in self.carried)
         bodies = room.room if room else ()
         reasons = {"home": f": {NO_HOME}"}
         left = (f"--{OPTIONS.get(name, name)} is not for {self.path.suffix} files{reasons.get(name, '')}" for name in unused)
@@ -102,10 +105,10 @@ class _Clip:
         if self.task.out is None:
             before = audit(motion, model, bodies, self.wishes.cleaning, self.carried)
             measured = certificate.entry(self.place, file.format, key, motion, before, said=said)
-            return Outcome(self.place, measured, said=told)
+            return Outcome(self.place, measured, said=(*told, *_of_clip(self.place, before)))
         cleaned = clean(motion, model, bodies, self.wishes.cleaning, progress, self.carried)
         entry = self._written(file.written(cleaned.motion, model), file.format, key, motion, cleaned, model, room, said)
-        return Outcome(self.place, entry, said=told)
+        return Outcome(self.place, entry, said=(*told, *_of_clip(self.place, cleaned.before)))
 
     def _written(
         self, content: bytes, format_: str, key: Mapping[str, object], motion: Motion, cleaned: Cleaned, model: Model,
@@ -172,6 +175,16 @@ def _model(avatar: Model | None, own: Model | None, path: Path) -> Model:
     if own is None:
         raise InvalidFile(f"avatar for {path.name}", "none", "--avatar with an MJCF or URDF file: this format brings no skeleton")
     return own
+
+
+def _of_clip(place: str, before: Audit) -> tuple[str, ...]:
+    """Notes on the recording of a clip, with its place."""
+    return tuple(f"{place}: {note}" for note in before.notes)
+
+
+def lowered(motion: Motion, height: float) -> Motion:
+    """The motion with its ground, which is at a height [m], at 0."""
+    return replace(motion, positions=motion.positions - np.array([0.0, 0.0, height]))
 
 
 def certificate_of(place: str) -> str:

@@ -20,6 +20,7 @@ class Wishes:
     avatar, room   files; None for the skeleton that a motion brings, and for no room
     rate           frames a second at which motions are cleaned and written [1/s]; None: their own
     reading        how files are read
+    ground         height of the ground in motions [m]; None: as recorded, and found where every frame is in the room
     cleaning       how motions are cleaned
     page           whether a page is made of each clip"""
 
@@ -27,6 +28,7 @@ class Wishes:
     room: Path | None = None
     rate: float | None = None
     reading: Reading = Reading()
+    ground: float | None = None
     cleaning: Options = Options()
     page: bool = True
 
@@ -38,7 +40,7 @@ class Wishes:
                 reading[name] = Path(reading[name]).name
         return {
             "avatar": self.avatar.name if self.avatar else None, "room": self.room.name if self.room else None,
-            "rate_hz": self.rate,
+            "rate_hz": self.rate, "ground_m": self.ground,
             "reading": {name: list(value) if isinstance(value, tuple) else value for name, value in reading.items()},
             "cleaning": {field.name: getattr(self.cleaning, field.name) for field in fields(Options)}, "page": self.page,
         }

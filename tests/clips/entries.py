@@ -30,7 +30,8 @@ def audit(depth: float = 0.0, opinion: bool = True) -> Audit:
 
 
 def entry(**changed: Any) -> dict[str, object]:
-    moved = Moved(("hand", "arm"), np.array([0.01, 0.02]), np.array([0.03, 0.04]), ("elbow",), np.array([0.1]), np.array([0.2]),
+    links = np.array([0.01, 0.02]), np.array([0.03, 0.04]), np.array([0.05, 0.06])
+    moved = Moved(("hand", "arm"), *links, ("elbow",), np.array([0.1]), np.array([0.2]),
                   ("finger",), np.array([0.001]), np.array([0.002]))
     cleaned = Cleaned(motion(), audit(0.03), audit(), moved, np.array([False, True, True, False]),
                       np.array([False, True, False, False]), (

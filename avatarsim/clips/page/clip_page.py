@@ -199,14 +199,20 @@ def _moved(entry: Mapping[str, Any]) -> str:
         f"{entry['held_frames']} of {entry['frames']} frames of the input are not free or not within limits; "
         f"{entry['changed_frames']} differ from the input in what was written."
     )
-    parts = [f"<h2>How far it moved</h2><p class=soft>{changed}</p>"]
+    if links:
+        far = max(links, key=lambda one: float(one["most_m"]))
+        changed += (
+            f" No link is farther from the input than {length(far['most_m'])} ({far['name']}); the 95th percentile of the link "
+            f"that moved most is {length(links[0]['p95_m'])} ({links[0]['name']})."
+        )
+    parts = [f"<h2>How far it moved</h2><p class=soft>{esc(changed)}</p>"]
     for title, rows in (
-        ("link", [[esc(one["name"]), esc(length(one["rms_m"])), esc(length(one["p95_m"]))] for one in links]),
+        ("link", [[esc(one["name"]), *(esc(length(one[name])) for name in ("rms_m", "p95_m", "most_m"))] for one in links]),
         ("joint", [[esc(one["name"]), esc(angle(one["rms_rad"])), esc(angle(one["p95_rad"]))] for one in joints]),
         ("slide", [[esc(one["name"]), esc(length(one["rms_m"])), esc(length(one["p95_m"]))] for one in entry["moved"]["slides"]]),
     ):
         if rows:
-            found = table([title, "root mean square", "95th percentile"], rows)
+            found = table([title, "root mean square", "95th percentile", *(["largest"] if title == "link" else [])], rows)
             parts.append(f"<details><summary>By {title}</summary>{found}</details>")
     return "\n".join(parts)
 

@@ -7,7 +7,7 @@ from avatarsim.clips.page.layout import address, esc, length, page, table
 
 HEAD = [
     "clip", "length", "overlap before", "overlap after", "ways not certified, before / after", "second opinion after",
-    "moved, 95th percentile of the link that moved most", "jerk where free, after / before", "flagged",
+    "moved, 95th percentile of the link that moved most / largest of any link", "jerk where free, after / before", "flagged",
 ]
 
 
@@ -44,7 +44,8 @@ def _row(one: Mapping[str, Any]) -> list[str]:
     opinion = one["second_opinion"]["after"]
     told = "—" if opinion is None else length(max(opinion["frames_deepest_m"], opinion["between_deepest_m"]))
     most = max(one["moved"]["links"], key=lambda link: link["p95_m"], default=None)
-    moved = "—" if most is None else f"{length(most['p95_m'])}, {most['name']}"
+    farthest = max((link["most_m"] for link in one["moved"]["links"]), default=0.0)
+    moved = "—" if most is None else f"{length(most['p95_m'])} / {length(farthest)}, {most['name']}"
     return [
         f"{link}<br>{verdict}", esc(f"{one['frames']} frames"), _overlap(overlap["before"]), _overlap(overlap["after"]),
         esc(f"{chords['not_certified_before']} / {chords['not_certified_after']}"), esc(told), esc(moved), esc(jerk_ratio(one)),
