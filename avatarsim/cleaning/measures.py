@@ -74,6 +74,7 @@ def audited(
         depths, judged.pair[deepest] if depths[deepest] > 0.0 else None, certified(chords, motion, -OVERLAP).until,
         float(judged.beyond[:, 0].max()), float(judged.beyond[:, 1].max()), high(jerks[was_free]), high(jerks[~was_free]),
         excluded, opinion, tuple(said), at_rest_pairs(chords, motion), foot_slide(chords, motion, planted), notes,
+        tuple(pair if depth > OVERLAP else None for pair, depth in zip(judged.pair, depths, strict=True)),
     )
 
 

@@ -47,7 +47,7 @@ def audit_with_reference(audit: Audit, note: str) -> Audit:
     """Return the audit of a motion with a frame before its first, which no measure includes."""
     return replace(
         audit, depths=np.concatenate([[0.0], audit.depths]), proven=np.concatenate([[1.0], audit.proven]),
-        notes=(note, *audit.notes),
+        notes=(note, *audit.notes), pairs=(None, *audit.pairs),
     )
 
 

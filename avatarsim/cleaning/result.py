@@ -101,7 +101,8 @@ class Audit:
     said          sentences for the user
     at_rest       the pairs that overlap at home
     foot_slide    mean speed at which soles slide where a foot of the input is planted [m/s]; nan without such a foot
-    notes         sentences on the recording: frames that are all in the room"""
+    notes         sentences on the recording: frames that are all in the room, a reference posture in frame 0
+    pairs         the deepest pair of each frame, None where nothing overlaps; empty where that is not known"""
 
     depths: Array
     deepest_pair: tuple[str, str] | None
@@ -116,6 +117,7 @@ class Audit:
     at_rest: tuple[AtRest, ...] = ()
     foot_slide: float = math.nan
     notes: tuple[str, ...] = ()
+    pairs: tuple[tuple[str, str] | None, ...] = ()
 
     @property
     def frames(self) -> int:

@@ -26,8 +26,8 @@ FOLLOWS = 0.85
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A body: its role ("fixed", "simulated" or "driven"), its surface, and that of the shapes that are tested for overlap where
-    it is another. Equal surfaces are stored once."""
+    """A body: its role ("fixed", "furniture", "simulated" or "driven"), its surface, and that of the shapes that are tested for
+    overlap where it is another. Equal surfaces are stored once."""
 
     role: str
     surface: Surface
@@ -85,8 +85,8 @@ def payload(
         leader: number of the view whose bodies all views follow.
         ghost: its name, its bodies and their poses, drawn as a veil in each view; views follow these bodies, else all that move.
         azimuth: of the eye at first [rad], for the middle (3,) [m] and the radius [m] of the whole motion.
-        more: `name`, `calm` (caption of other states), `opens` (state), `frames` (numbers of the states), `ground` (flag: lines
-            at z = 0).
+        more: `name`, `ghost_overlaps` (pairs of bodies by state), `calm` (caption of other states), `opens` (state), `frames`
+            (numbers of the states), `ground` (flag: lines at z = 0).
     """
     shapes = dict[tuple[bytes, bytes], tuple[int, Surface]]()
 

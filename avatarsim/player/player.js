@@ -59,9 +59,10 @@ function startPlayer(root, data) {
   const line = (colour, opacity = 1) => new THREE.LineBasicMaterial({ color: colour, transparent: opacity < 1, opacity });
   const VEIL = 0.26;
   const ink = {
-    driven: solid(0x7b9cc4), simulated: solid(0xd9a33c), fixed: thin(0x8b95a5, 0.22), bad: solid(0xe02020),
+    driven: solid(0x7b9cc4), simulated: solid(0xd9a33c), fixed: thin(0x8b95a5, 0.22), furniture: thin(0xb5793a, 0.5), bad: solid(0xe02020),
     // where a ghost is just where its body is, the body is seen
     ghost: thin(0x9b59d0, VEIL, { polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 4 }),
+    ghostBad: thin(0xe02020, 0.6, { polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -4 }),
     edge: line(0x8b95a5, 0.55), outline: line(0x5b6b80), dark: line(0x4a3a12, 0.7),
     ring: new THREE.MeshBasicMaterial({ color: 0xe02020, depthTest: false, transparent: true, opacity: 0.85 }),
   };
@@ -137,6 +138,8 @@ function startPlayer(root, data) {
       ring.scale.setScalar(Math.max(0.035 * eye.distance, 0.4 * Math.min(shared.getSize(new THREE.Vector3()).length(), 0.2 * eye.distance)));
       ring.quaternion.copy(camera.quaternion);
     });
+    const overlapping = data.ghost_overlaps?.[state] || [];
+    view.ghosts.forEach((mesh, slot) => { mesh.material = overlapping.includes(data.ghost.bodies[slot]) ? ink.ghostBad : ink.ghost; });
     // fixed bodies keep their colour: a whole floor in red would hide where it happens
     for (const k of pairs.flat()) if (data.bodies[k].role !== "fixed") view.meshes[k].material = ink.bad;
   }
@@ -293,7 +296,7 @@ function startPlayer(root, data) {
       Object.assign(ink.ghost, { opacity: on ? VEIL : 1, depthWrite: !on });
     }, single && view.colour).dataset.view = k;
   });
-  if (ghost) box(data.ghost.name, (on) => { ink.ghost.visible = on; }, "#9b59d0").dataset.part = "ghost";
+  if (ghost) box(data.ghost.name, (on) => { ink.ghost.visible = ink.ghostBad.visible = on; }, "#9b59d0").dataset.part = "ghost";
   if (data.still.length) box("room", (on) => { hidden.room = !on; }, "#8b95a5").dataset.part = "room";
   if (data.bodies.some((body) => body.tested !== undefined)) {
     box("shapes that are tested", (on) => {

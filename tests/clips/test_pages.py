@@ -5,16 +5,19 @@ import hashlib
 import html
 import json
 import re
+from typing import Any
 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
 from avatarsim.assets.models.model import Model
-from avatarsim.clips.page.clip_page import PIECES, RUNS, room_of, runs
+from avatarsim.cleaning import Options, audit
+from avatarsim.clips.page.clip_page import PIECES, RUNS, Shown, replay, room_of, runs
 from avatarsim.clips.page.layout import address, data, esc, page
 from avatarsim.scene.body import fixed
 from avatarsim.scene.shape import Box, ConvexHull, Piece
+from tests.cleaning.rooms import lowered, model, swinging
 
 GRID = np.stack(np.meshgrid(*[np.linspace(-0.5, 0.5, 7)] * 3), axis=-1).reshape(-1, 3)
 
@@ -35,6 +38,19 @@ def test_a_body_with_visuals_is_drawn_by_them_and_tested_by_its_pieces() -> None
     (found,) = room_of(Model(None, None, (table,), (), visuals={"table": (Piece(Box((1.0, 1.0, 0.2))),)}))
     assert found.tested is not None and found.tested[0].min() == -0.5 and found.tested[0].max() == 2.5
     assert found.surface[0][:, 2].min() == 1.9 and found.surface[0][:, 2].max() == 2.1
+
+
+def test_furniture_and_ground_differ_and_parts_that_overlap_are_known_to_the_player() -> None:
+    human, table = model(), fixed("table", (Piece(Box((1.0, 1.0, 0.5))),), "wood", (0.0, 0.0, 0.2))
+    room = Model(None, None, (fixed("ground", (Piece(Box((100.0, 100.0, 1.0))),), "wood", (0.0, 0.0, -0.5)), table), ())
+    assert [one.role for one in room_of(room)] == ["fixed", "furniture"]
+    heights = np.array([2.0, 0.6, 2.0, 2.0])
+    motion = lowered(swinging(4, 0.0), heights)
+    before, after = (audit(one, human, room.room, Options(opinion=False)) for one in (motion, swinging(4, 2.0)))
+    found: Any = replay("clip", Shown(human, room, motion, swinging(4, 2.0), before, after, ()), [])
+    assert list(found["ghost_overlaps"]) == [1]
+    roles = {found["bodies"][k]["role"] for k in found["ghost_overlaps"][1]}
+    assert roles == {"driven", "furniture"} and found["views"][0]["pairs"] == {}
 
 
 @given(st.lists(st.booleans(), min_size=1, max_size=300))

@@ -37,6 +37,8 @@ RUNS = 1_500
 """Marks of one kind on the time line at most; those that lie closer together than a pixel become one."""
 THINNEST = 1.0 / 600.0
 """Least width of a mark, as a share of the line: a single frame is to be seen."""
+GROUND_WIDTH = 20.0
+"""Width [m] above which a body of the room is drawn as ground and not as furniture."""
 MOMENTS = 120
 """Moments with a button of their own; the certificate has all."""
 
@@ -91,7 +93,8 @@ def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
 
 LEGEND = (
     '<p class=soft><span class="key red"></span>overlap, above before, below after <span class="key chord"></span>way to the '
-    'next frame not certified <span class="key flag"></span>flagged</p>'
+    'next frame not certified <span class="key flag"></span>flagged. In the view the deepest pair of a frame in overlap is red, '
+    'furniture brown.</p>'
 )
 
 
@@ -257,9 +260,12 @@ def replay(name: str, shown: Shown, moments: Sequence[payload.Moment]) -> dict[s
         both.append(payload.Poses(places[:, moving], turns[:, moving]))
     room = [body for model in (shown.model, shown.room) if model is not None for body in room_of(model)]
     own = sum(k < len(avatar.links) for k in moving)
+    still = [body.name for model in (shown.model, shown.room) if model is not None for body in model.room]
+    number = {name: n for n, name in enumerate([*(names[k] for k in moving), *still])}
+    before, after = (overlapping(audit, number, at) for audit in (shown.audit_before, shown.audit_after))
     ghost = "before", range(own), payload.Poses(both[0].positions[:, :own], both[0].orientations[:, :own])
     view = payload.View(
-        "after", "#7b9cc4", both[1], captions(shown, at),
+        "after", "#7b9cc4", both[1], captions(shown, at), {k: [pair] for k, pair in after.items()},
         moments=[replace(one, state=int(np.searchsorted(at, one.state))) for one in moments],
     )
     return payload.payload(
@@ -267,7 +273,14 @@ def replay(name: str, shown: Shown, moments: Sequence[payload.Moment]) -> dict[s
         {len(moving) + k: (np.zeros(3), np.array(rotation.IDENTITY)) for k in range(len(room))},
         shown.before.times[at] - shown.before.times[0], [view], 0, ghost, lambda *_: AZIMUTH,
         name=name, frames=at.tolist(), calm=_caption(0.0, 0.0), ground=True, opens=view.moments[0].state if moments else 0,
+        ghost_overlaps=before,
     )
+
+
+def overlapping(audit: Audit, number: Mapping[str, int], at: NDArray[np.int64]) -> dict[int, tuple[int, int]]:
+    """Return the deepest pair of those frames ``at`` that overlap, by the place of the frame; bodies by their numbers."""
+    found = ((k, audit.pairs[frame]) for k, frame in enumerate(at.tolist()) if frame < len(audit.pairs))
+    return {k: (number[pair[0]], number[pair[1]]) for k, pair in found if pair and number.keys() >= set(pair)}
 
 
 def captions(shown: Shown, at: NDArray[np.int64]) -> dict[int, tuple[str, str]]:
@@ -295,8 +308,14 @@ def room_of(model: Model) -> list[payload.Drawn]:
             return rotation.rotate(np.array(body.orientation), surface[0]) + np.array(body.position), surface[1]
 
         hull = placed(surfaces.surface([piece for piece in body.pieces if _size(piece) >= least], most))
-        found.append(payload.Drawn("fixed", placed(seen[body.name]), hull) if body.name in seen else payload.Drawn("fixed", hull))
+        role = "fixed" if _is_ground(hull) else "furniture"
+        found.append(payload.Drawn(role, placed(seen[body.name]), hull) if body.name in seen else payload.Drawn(role, hull))
     return found
+
+
+def _is_ground(surface: surfaces.Surface) -> bool:
+    """Return whether a body is level ground: wider than rooms are, on both sides."""
+    return len(surface[0]) > 0 and bool((np.ptp(surface[0][:, :2], axis=0) > GROUND_WIDTH).all())
 
 
 def _corners(pieces: int) -> int:
