@@ -59,3 +59,14 @@ def test_the_user_may_keep_a_clip_where_it_is() -> None:
     higher, as_it_is = (clean(motion, human, (FLOOR,), replace(OPTIONS, ground=ground)) for ground in (True, False))
     rises = [np.median((one.motion.positions - motion.positions)[:, 0, 2]) for one in (higher, as_it_is)]
     assert as_it_is.after.is_clean and rises[0] > 0.01 and as_it_is.before.notes
+
+
+def test_the_verdict_on_a_frame_is_the_same_in_each_cut() -> None:
+    human, motion = walk(-0.004)
+    whole = clean(motion, human, (FLOOR,), OPTIONS)
+    for first, end in ((0, 12), (9, 30), (25, 39)):
+        some = slice(first, end)
+        part = Motion(motion.times[some], motion.positions[some], motion.rotations[some], motion.angles[some])
+        cut = clean(part, human, (FLOOR,), OPTIONS)
+        assert np.array_equal(cut.held, whole.held[some]) and np.array_equal(cut.before.depths, whole.before.depths[some])
+        assert np.array_equal(cut.before.proven, whole.before.proven[first : end - 1])
