@@ -1,4 +1,4 @@
-"""A humanoid follows recorded motion of pybullet_data: all fifteen human clips in the gallery, and three before obstacles.
+"""A humanoid follows recorded motion of pybullet_data: the fifteen human clips in the gallery, three before obstacles, one sunken.
 
 At 60 Hz, after half a second in which the user walks from a free posture into the clip's first one. Floor, furniture and walls
 are not the user's, whose motion leads into them.
@@ -13,11 +13,13 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box
 from scenarios.building.cases import fixture
 from scenarios.building.gallery import gallery, inside
+from scenarios.building.promises import AVATAR
+from scenarios.building.reach import reach
 from scenarios.building.stage import above_floor, before_wall, floor, wall_ahead, with_human
-from scenarios.motion.mocap import load_clip, placed, retimed, upper_body_of
+from scenarios.motion.mocap import load_clip, placed, repeated, retimed, upper_body_of
 from scenarios.motion.resampled import at_rate
 from scenarios.motion.track import LEAD_IN, to_and_fro, track_of
-from scenarios.scenario import Motion, Scenario
+from scenarios.scenario import Bound, Motion, Scenario
 
 NEAR = 2.0
 """Distance [m] from where a clip begins beyond which exhibits of many pieces are left out: none is ever met there."""
@@ -33,6 +35,8 @@ class Played(NamedTuple):
     heading: float
     what: str
 
+
+STANDS = Bound("creep_mean", 0.1, "a foot that its user sets down stands: 0.1 m/s is up to where a link counts as still")
 
 PLAYED = (
     Played("backflip", 106, 1.0, 0.8, 90.0, "a backflip"),
@@ -58,6 +62,8 @@ PUNCH_FACE = 1.43
 """Where the wall begins along x [m]: the fist reaches 1.73 m."""
 WALK_FACE, WALK_FRAMES = 1.34, LEAD_IN + 4 * 75 + 1
 """Where the wall begins along x [m], and frames: the leading foot reaches 1.64 m; twice there and twice back."""
+SUNKEN, SUNKEN_FRAMES = 0.05, LEAD_IN + 3 * 75 + 1
+"""Depth [m] of the soles below the floor, and frames of three rounds."""
 HUG = 170.0 / 60.0
 """Time in the clip "spin" at which the upper body starts [s]: the arms close round the hips and open again within the walk."""
 
@@ -98,6 +104,15 @@ def walk(scene: Scene, seed: int) -> Motion:
     return to_and_fro(upper_body_of(retimed(load_clip("spin")), HUG, retimed(load_clip("walk"))), scene, WALK_FRAMES)
 
 
+def sunken_walk(scene: Scene, seed: int) -> Motion:
+    """Three rounds of a walk whose lowest points are SUNKEN below the floor: the user is taller than the avatar."""
+    avatar = scene.avatars[0]
+    track = track_of(placed(retimed(repeated(load_clip("walk"), 3)), 0.0, 0.0, 0.0), avatar)
+    lowest = -reach((avatar,), [track.posture(k) for k in range(len(track))], (0.0, 0.0, -1.0))
+    track.positions[:, 0, 2] -= SUNKEN + lowest.min()
+    return track.led_in(scene.first_sample).motion()
+
+
 PUNCH = with_human(
     "mocap_punch_wall", "A recorded punch is thrown again and again at a wall that stands 0.3 m inside its reach.",
     "Overlap with wall, floor and itself; the right side of the wall; limits; offset from the user; jumps.",
@@ -118,5 +133,10 @@ SCENARIOS = (
         "Overlap with wall, floor and itself; the right side of the wall; limits; offset from the user; jumps.",
         walk, lambda: (floor(), wall_ahead(WALK_FACE)), frames=WALK_FRAMES, region=before_wall(WALK_FACE, "human/*"),
         family="mocap", everyday=True,
+    ),
+    with_human(
+        "mocap_sunken_walk", "A recorded walk whose user is 5 cm taller than the avatar: each step leads into the floor.",
+        "Feet that skid while their user's stand; overlap, limits, offset from the user.", sunken_walk,
+        frames=SUNKEN_FRAMES, region=above_floor("human/*"), family="mocap", bounds=(*AVATAR, STANDS),
     ),
 )

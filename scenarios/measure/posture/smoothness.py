@@ -30,6 +30,8 @@ WITHIN = 0.05
 release would be excused by the motion before it."""
 DASH = 0.5
 """Speed [m/s] beyond the user's from which a motion is seen as the avatar's own: half a metre a second is a limb that runs."""
+RESTS = 0.1
+"""Speed [m/s] of a link below which its user holds it still, as the sole of a recorded foot that stands does."""
 CALM = 0.5
 """Time [s] for which the target must have been free before an avatar elsewhere must report a status: a way back takes a while."""
 
@@ -74,6 +76,20 @@ def dashes(shown: Array, target: Array, dt: float) -> int:
     return int((~(own <= most[:, None] + DASH)).any(axis=1).sum())
 
 
+def creep(shown: Array, target: Array, dt: float) -> Value:
+    """Return the mean speed [m/s] of links beyond their user's while the user holds them still.
+
+    Of link origins (F+1, L, 3), over links and frames in which the target is slower than RESTS within WITHIN and the link is
+    farther than HELD_OFF from it. Feet that skid on the floor and limbs that creep along a wall are seen here.
+    """
+    own, user = (np.linalg.norm(np.diff(places, axis=0), axis=-1) / dt for places in (shown, target))
+    off = ~(np.linalg.norm(shown - target, axis=-1) <= HELD_OFF)[1:]
+    still = off & (largest_within(user, round(WITHIN / dt)) <= RESTS)
+    if not still.any():
+        return Missing("in no frame that was run is a link held off whose user holds it still", "scene")
+    return float(np.maximum(own - user, 0.0)[still].mean())
+
+
 def free_for(free: Flags, frames: int) -> Flags:
     """(F,) True where state k and the `frames` - 1 before it are all free, of the states after the first in `free` (F+1,)."""
     counted = np.concatenate([[0], np.cumsum(free)])
@@ -96,8 +112,8 @@ def silent_frames(recording: Recording, free: Flags) -> Flags:
 
 
 def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) -> Values:
-    """Return chatter_frames, jitter_rms, reversal_p95, reversal_max, own_acceleration_rms, dash_frames and silent_offset_frames:
-    see `runfiles.metrics`.
+    """Return chatter_frames, jitter_rms, reversal_p95, reversal_max, own_acceleration_rms, dash_frames, creep_mean and
+    silent_offset_frames: see `runfiles.metrics`.
 
     free (F+1,): the raw posture could be shown; contact (F+1,): something holds the avatar, see `Known.contact`. Empty without
     avatars."""
@@ -113,6 +129,7 @@ def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) 
         "reversal_p95": float(np.percentile(reversed_by.max(axis=1)[held], 95.0)) if held.any() else none,
         "own_acceleration_rms": own_acceleration(shown, target, recording.dt),
         "dash_frames": float(dashes(shown, target, recording.dt)),
+        "creep_mean": creep(shown, target, recording.dt),
         "silent_offset_frames": float(silent_frames(recording, free).sum()),
     }
 
