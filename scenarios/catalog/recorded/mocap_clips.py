@@ -1,4 +1,4 @@
-"""A humanoid follows recorded motion of pybullet_data: the fifteen human clips in the gallery, three before obstacles, one sunken.
+"""A humanoid follows recorded motion of pybullet_data: fifteen human clips in the gallery, three before obstacles, one sunken.
 
 At 60 Hz, after half a second in which the user walks from a free posture into the clip's first one. Floor, furniture and walls
 are not the user's, whose motion leads into them.
