@@ -77,7 +77,7 @@ def show(world: Index, shown: Index) -> bool:
 
 @kernel
 def has_said(lower: Index) -> bool:
-    """Whether a lower loop has counted anything that a record shows as a status."""
+    """Return True if a lower loop has counted anything that a record shows as a status."""
     counts = opened(lower, IkParts).working.counts
     for place in SAID_AT:
         if counts[place] != 0:

@@ -229,7 +229,7 @@ def stamp_names(cpu: Cpu) -> list[Path]:
 
 
 def is_compiled() -> bool:
-    """Whether everything is compiled for a processor whose code this machine runs."""
+    """Return True if everything is compiled for a processor whose code this machine runs."""
     names = [name for cpu in usable() for name in stamp_names(cpu)]
     found = [(base, name) for base in places.current().read for name in names if (base / name).exists()]
     for base, name in found:

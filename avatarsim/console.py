@@ -62,7 +62,7 @@ class Progress:
 
     @property
     def due(self) -> bool:
-        """Whether `step` would write anything now: for callers for which computing the progress takes long."""
+        """Return True if `step` would write anything now: for callers for which computing the progress takes long."""
         return self.stream is not None and time.monotonic() >= self.next
 
     def step(self, share: float, what: str) -> None:

@@ -67,7 +67,7 @@ def require_scene(thing: str, scene: object) -> None:
 
 
 def same_poses(one: Snapshot, other: Snapshot) -> bool:
-    """Whether all bodies are at the same places, to the last bit."""
+    """Return True if all bodies are at the same places, to the last bit."""
     return np.array_equal(one.positions, other.positions) and np.array_equal(one.orientations, other.orientations)
 
 

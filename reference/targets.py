@@ -141,7 +141,7 @@ class Targets:
         return positions, orientations
 
     def _beyond(self, goals: Goals) -> bool:
-        """Whether the first posture is beyond a limit."""
+        """Return True if the first posture is beyond a limit."""
         kept = self.within_limits(TrackerSample(0.0, goals.roots[0], goals.turns[0], goals.angles[0]))
         return bool((kept.angles != goals.angles[0]).any() or np.abs(kept.rotations - goals.turns[0]).max() > ROUNDING)
 

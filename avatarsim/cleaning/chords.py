@@ -158,7 +158,7 @@ def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequ
 
 
 def is_taken(body: Body, options: Options) -> bool:
-    """Whether a body takes part: loose ones may be left out."""
+    """Return True if a body takes part: loose ones may be left out."""
     return body.role is Role.FIXED or not options.loose
 
 

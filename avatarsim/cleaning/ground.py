@@ -25,7 +25,7 @@ class Ground:
 
     @property
     def is_off(self) -> bool:
-        """Whether every frame is in the room, and can be lifted out of it."""
+        """Return True if every frame is in the room, and can be lifted out of it."""
         return bool(len(self.lifts) > 0 and self.lifts.min() > self.margin + OVERLAP and np.isfinite(self.lifts).all())
 
     @property

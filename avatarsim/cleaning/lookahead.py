@@ -152,7 +152,7 @@ class Smoothing:
                 jerks = jerk(self.chords, self.written.motion)
 
     def _tried(self, episode: Episode, half: int, is_compact: bool) -> bool:
-        """Whether an episode became smoother with a window, or one twice as long."""
+        """Return True if an episode became smoother with a window, or one twice as long."""
         return any(self._again(episode, half << attempt, is_compact) for attempt in range(TRIES))
 
     def _again(self, episode: Episode, half: int, is_compact: bool) -> bool:
@@ -194,7 +194,7 @@ class Smoothing:
         return trial
 
     def _is_smoother(self, new: Motion, old: Motion, some: slice, is_compact: bool) -> bool:
-        """Whether the jerk is worth a change; if compact, with no more of it in free frames than there was, or may be."""
+        """Return True if the jerk is worth a change; if compact, with no more of it in free frames than there was, or may be."""
         jerks, before, free = jerk(self.chords, new), jerk(self.chords, old), self.is_free[some]
         if not high(jerks) < WORTH * high(before) or self.planting.slides_more(new, old, some):
             return False

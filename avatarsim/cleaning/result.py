@@ -146,7 +146,7 @@ class Audit:
 
     @property
     def is_clean(self) -> bool:
-        """Whether no frame overlaps, every way between frames is proved free, and joints are within limits."""
+        """Return True if no frame overlaps, every way between frames is proved free, and joints are within limits."""
         return self.overlapping == 0 and self.unproven == 0 and max(self.limit_excess, self.slide_excess) <= 1e-9
 
 

@@ -196,7 +196,7 @@ def _parsed(path: Path, largest: int) -> object:
 
 
 def _is_of_clean(one: Mapping[str, Any]) -> bool:
-    """Whether an entry that keeps to the schema is of a clip that was cleaned, and not audited alone."""
+    """Return True if an entry that keeps to the schema is of a clip that was cleaned, and not audited alone."""
     after = (one["overlap"]["after"], one["between_frames"]["not_certified_after"], one["jerk_p95_m_s3"]["after"])
     return None not in after and {"moved", "held_frames", "changed_frames", "flagged", "outputs"} <= set(one)
 

@@ -87,8 +87,8 @@ def _place(at: Path, named: Path) -> str:
 
 
 def is_motion(path: Path) -> bool:
-    """Whether a file of a folder is taken for a motion: by the end of its name, and a text by its first character as well, since
-    notes lie beside clips."""
+    """Return True if a file of a folder is taken for a motion: by the end of its name, and a text by its first character as well,
+    since notes lie beside clips."""
     suffix = path.suffix.lower()
     if suffix != ".txt":
         return suffix in READERS or suffix in PICKLES

@@ -137,7 +137,7 @@ SECOND_HALF = 2**32 - 1
 
 @kernel
 def holds(fat: Boxes, boxes: Boxes, b: int) -> bool:
-    """Whether the fat box of body b holds its box; not if a bound is not finite."""
+    """Return True if the fat box of body b holds its box; not if a bound is not finite."""
     # low <= high keeps out a low bound of +inf; `&` and not `and`: one branch for all nine
     inside = (boxes[b, 0] >= fat[b, 0]) & (boxes[b, 1] >= fat[b, 1]) & (boxes[b, 2] >= fat[b, 2])
     inside &= (boxes[b, 0] <= boxes[b, 3]) & (boxes[b, 1] <= boxes[b, 4]) & (boxes[b, 2] <= boxes[b, 5])

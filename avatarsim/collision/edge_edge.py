@@ -80,7 +80,7 @@ def edges_apart(
     geometry: Geometry, trial: Poses, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, spin_a: Vec3,
     twist_a: Vec3, spin_b: Vec3, twist_b: Vec3, rows_out: Array,
 ) -> bool:
-    """Whether two edges face each other along n; then ``rows_out[0]`` and ``rows_out[1]`` hold what `edge_step` needs.
+    """Return True if two edges face each other along n; then ``rows_out[0]`` and ``rows_out[1]`` hold what `edge_step` needs.
 
     With e, f along the edges and p from B's line to A's, N = (e x f) . p is their distance times |e x f|. First row: N, N', N'',
     |e x f|, |e| |f|, least slope of the other corners. Second: |e|, |f|, |p|, |p'|, distances of the points from the centres.

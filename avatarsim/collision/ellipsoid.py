@@ -198,7 +198,7 @@ def rolling_radius(vertices: Rows, shapes: Shapes, s: int) -> float:
 
 @kernel
 def proves_itself(vertices: Rows, shapes: Shapes, a: int, b: int, found: bool, m: Vec3, height: float, rolled: float) -> bool:
-    """Whether a stationary point is known to be the answer without looking elsewhere.
+    """Return True if a stationary point is known to be the answer without looking elsewhere.
 
     It is if the shapes without the balls that roll in them, of radius ``rolled`` together, are apart: there is but one
     nearest point of two convex shapes.
@@ -208,7 +208,7 @@ def proves_itself(vertices: Rows, shapes: Shapes, a: int, b: int, found: bool, m
 
 @kernel
 def ball_fits(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: float) -> bool:
-    """Whether the ball about the origin that touches the surface of A - B from inside at normal m lies in A - B.
+    """Return True if the ball about the origin that touches the surface of A - B from inside at normal m lies in A - B.
 
     For one ellipsoid E around a point of the other shape: {x: x.Q^-1 x <= 1}, Q = E^T E, the nearest point of its surface
     minimises |x|^2 under one quadratic condition, and a stationary point is the global one if and only if
@@ -245,7 +245,7 @@ def ball_fits(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: fl
 
 @kernel
 def not_negative(x: Vec3, y: Vec3, z: Vec3, shift: float, rounding: float) -> bool:
-    """Whether x x^T + y y^T + z z^T - shift I has no eigenvalue below -``rounding``, by the pivots of its elimination."""
+    """Return True if x x^T + y y^T + z z^T - shift I has no eigenvalue below -``rounding``, by the pivots of its elimination."""
     shift -= rounding
     xx = x[0] * x[0] + y[0] * y[0] + z[0] * z[0] - shift
     yy = x[1] * x[1] + y[1] * y[1] + z[1] * z[1] - shift
@@ -277,7 +277,7 @@ def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth:
 
 @kernel
 def bends_out(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, w: Vec3, cos: float, depth: float) -> bool:
-    """Whether h is nowhere below ``depth`` in a cone about m, which need not be stationary.
+    """Return True if h is nowhere below ``depth`` in a cone about m, which need not be stationary.
 
     Args:
         w: the point of A - B farthest along m.

@@ -53,7 +53,7 @@ EXPLAINED = PROOF
 
 @kernel
 def explained(f: int, minima: int, depth: float, scratch: Scratch) -> bool:
-    """Whether what face f may hide at less than ``depth`` lies in the cone of a stationary point.
+    """Return True if what face f may hide at less than ``depth`` lies in the cone of a stationary point.
 
     A direction d with h(d) < depth has the point depth d outside the polytope, beyond the plane of a face of height H
     and normal n, so n.d > H / depth; hence d is at most the sum of two angles from the stationary normal.
@@ -73,7 +73,7 @@ def explained(f: int, minima: int, depth: float, scratch: Scratch) -> bool:
 
 @kernel
 def already_found(m: Vec3, minima: int, scratch: Scratch) -> bool:
-    """Whether m is one of the stationary points kept."""
+    """Return True if m is one of the stationary points kept."""
     for i in range(minima):
         if dot(m, row(scratch.w, POINTS_CAP - 2 - i)) > 1.0 - SAME:
             return True

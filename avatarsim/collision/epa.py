@@ -392,8 +392,8 @@ def flat_normal(points: int, seed: Vec3, scratch: Scratch) -> Vec3:
 
 @kernel
 def points_agree(on_a: Vec3, on_b: Vec3, m: Vec3, depth: float, size: float) -> bool:
-    """Whether points of A and of B differ by depth m, as far as it counts. If depth < 0 that proves the distance: m says that it
-    is no smaller, the points that it is no larger."""
+    """Return True if points of A and of B differ by depth m, as far as it counts. If depth < 0 that proves the distance: m says
+    that it is no smaller, the points that it is no larger."""
     return norm(along(sub(on_a, on_b), -depth, m)) <= POINTS_APART * size
 
 

@@ -81,7 +81,7 @@ class Found(NamedTuple):
 
 @kernel
 def tumbles_too_far(angular: Array, paths: Paths, b: int, t: float) -> bool:
-    """Whether body b turns farther in t seconds than `tumbled` integrates."""
+    """Return True if body b turns farther in t seconds than `tumbled` integrates."""
     return bool(paths.kind[b] == FREE and paths.round[b] == 0 and not (norm(row(angular, b)) * t < TURN * STEPS_CAP))
 
 

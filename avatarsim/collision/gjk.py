@@ -139,8 +139,7 @@ def closest_on_thin_triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, Vec3]:
 
 @kernel
 def closest_on_tetrahedron(a: Vec3, b: Vec3, c: Vec3, d: Vec3) -> tuple[bool, Vec3, Share4]:
-    """Whether the origin is strictly inside the tetrahedron; else the closest point to it, and its four
-    shares.
+    """Return True if the origin is strictly inside the tetrahedron; else the closest point to it, and its four shares.
 
     Inside, the shares are those of the origin itself. A face is tested if the origin is not certainly on its inner side.
     """
@@ -261,7 +260,7 @@ def add_support(vertices: Rows, shapes: Shapes, a: int, b: int, d: Vec3, balls: 
 
 @kernel
 def known(slot: int, scratch: Scratch) -> bool:
-    """Whether the point in ``slot`` equals one of those before it."""
+    """Return True if the point in ``slot`` equals one of those before it."""
     for i in range(slot):
         if (
             scratch.w[i, 0] == scratch.w[slot, 0]

@@ -214,7 +214,7 @@ ALL = -1
 
 @kernel
 def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
-    """Whether boxes i and j share a point; boxes that only touch do."""
+    """Return True if boxes i and j share a point; boxes that only touch do."""
     # `|` and not `or`: a mispredicted branch costs more than testing all three axes
     x = (boxes[i, 0] > boxes[j, 3]) | (boxes[j, 0] > boxes[i, 3])
     y = (boxes[i, 1] > boxes[j, 4]) | (boxes[j, 1] > boxes[i, 4])

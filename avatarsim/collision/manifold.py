@@ -90,7 +90,7 @@ def wrap(points: Array, count: int, equal: float, out: Array) -> int:
 
 @kernel
 def flat(corner: Array, count: int) -> bool:
-    """Whether a polygon is a sliver, or no polygon at all."""
+    """Return True if a polygon is a sliver, or no polygon at all."""
     if count < 3:
         return True
     area, perimeter = 0.0, 0.0

@@ -216,7 +216,7 @@ CLEARLY_DEEP = NOTHING
 
 @kernel
 def are_boxes(shapes: Shapes, a: int, b: int) -> bool:
-    """Whether both shapes may be boxes: eight points each."""
+    """Return True if both shapes may be boxes: eight points each."""
     eight_a: bool = shapes[a].kind == POINTS and shapes[a + 1].start - shapes[a].start == BOX_CORNERS
     eight_b: bool = shapes[b].kind == POINTS and shapes[b + 1].start - shapes[b].start == BOX_CORNERS
     return eight_a and eight_b
@@ -224,7 +224,7 @@ def are_boxes(shapes: Shapes, a: int, b: int) -> bool:
 
 @kernel
 def edges_of(vertices: Rows, shapes: Shapes, s: int) -> tuple[bool, Edges]:
-    """Whether the eight points of shape s are a box, which may be sheared, and its edges from corner 0."""
+    """Return True if the eight points of shape s are a box, which may be sheared, and its edges from corner 0."""
     f = shapes[s].start
     low, three, five, six = row(vertices, f), row(vertices, f + 3), row(vertices, f + 5), row(vertices, f + 6)
     x, y, z = sub(row(vertices, f + 4), low), sub(row(vertices, f + 2), low), sub(row(vertices, f + 1), low)
@@ -284,7 +284,7 @@ def corner_towards(low: Vec3, u: Edges, m: Vec3, free: int) -> Vec3:
 
 @kernel
 def on_face(p: Vec3, low: Vec3, u: Edges, i: int) -> bool:
-    """Whether p, in the plane of a face that edge i leaves, is on the face."""
+    """Return True if p, in the plane of a face that edge i leaves, is on the face."""
     d, s, t = sub(p, low), u[(i + 1) % 3], u[(i + 2) % 3]
     n = cross(s, t)
     nn = dot(n, n)

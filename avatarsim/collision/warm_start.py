@@ -129,7 +129,7 @@ def recall_differences(vertices: Rows, shapes: Shapes, a: int, b: int, memory: P
 
 @kernel
 def met(f: int, e: int, faces: int, memory: PairRecord) -> bool:
-    """Whether edge e of face f is met by an edge of another face that runs the other way, and the two name each other."""
+    """Return True if edge e of face f is met by an edge of another face that runs the other way, and the two name each other."""
     other = number(memory.twin[f, e])
     g, back = other // EDGES, other % EDGES
     if not (g < faces and back < 3):

@@ -60,7 +60,7 @@ longer lists in every frame; smaller: they are made more often."""
 
 @kernel
 def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
-    """Whether two axis-aligned boxes touch."""
+    """Return True if two axis-aligned boxes touch."""
     return bool(
         boxes[i, 0] <= boxes[j, 3] and boxes[j, 0] <= boxes[i, 3]
         and boxes[i, 1] <= boxes[j, 4] and boxes[j, 1] <= boxes[i, 4]

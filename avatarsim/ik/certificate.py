@@ -37,7 +37,8 @@ longer searches; smaller: directions of pairs that touch next are off."""
 def cached_axis_holds(
     geo: Geometry, poses: Poses, at: int, a: int, b: int, least: float, state_out: IkState, scratch_out: IkScratch
 ) -> bool:
-    """Whether the direction in a slot certifies the pair: gap > 0 at the shown state, at least `least` [m] at the trial."""
+    """Return True if the direction in a slot certifies the pair: gap > 0 at the shown state, at least `least` [m] at the
+    trial."""
     pairs, depth = state_out.pairs, allowed_depth(geo, a, b)
     n = axis_at(pairs, at)
     if not (dot(n, n) > 0.5):
@@ -103,14 +104,14 @@ def keep_nearest(at: int, gap: float, n: Vec3, state_out: IkState) -> None:
 
 @kernel
 def is_apart(geo: Geometry, poses: Poses, a: int, b: int, n: Vec3, scratch_out: IkScratch) -> bool:
-    """Whether the pair is apart along n, or touches to rounding."""
+    """Return True if the pair is apart along n, or touches to rounding."""
     scratch_out.counts[SUPPORTS] += 1
     return gap_along(poses.vertices, geo.shapes, a, b, n) + allowed_depth(geo, a, b) > -NOTHING
 
 
 @kernel
 def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: Vec3, scratch_out: IkScratch) -> bool:
-    """Whether one direction separates both ends of the step: n1, the mean of n0 and n1, or one of these carried by a body.
+    """Return True if one direction separates both ends of the step: n1, the mean of n0 and n1, or one of these carried by a body.
 
     n0 is the nearest direction at the shown state, n1 at the trial; at its own end each is known to separate.
     """
@@ -145,7 +146,7 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
 
 @kernel
 def turn_little(poses: Poses, trial: Poses, one: int, other: int) -> bool:
-    """Whether a step turns two bodies by so little against each other that a direction that one carries proves something.
+    """Return True if a step turns two bodies by so little against each other that a direction that one carries proves something.
 
     Seen from a body that spins, all else moves on arcs: both ends may lie on the same side of it with a wall passed in
     between."""
@@ -176,8 +177,8 @@ def accepted_gap(stand_off: float, gap_now: float) -> float:
 def certify_pair(
     geo: Geometry, poses: Poses, settings: PostureSettings, a: int, b: int, state_out: IkState, scratch_out: IkScratch
 ) -> tuple[bool, float, Vec3, int]:
-    """Whether pieces a and b hold their certificate. If not: the gap [m] and direction at the trial and the simplex size of the
-    query, where a direction separates both ends; else -inf and the direction that separated at the shown state."""
+    """Return True if pieces a and b hold their certificate. If not: the gap [m] and direction at the trial and the simplex size
+    of the query, where a direction separates both ends; else -inf and the direction that separated at the shown state."""
     at, stand_off = slot_of(state_out.pairs, a, b), stand_off_of(geo, settings.stand_off, a, b)
     if cached_axis_holds(geo, poses, at, a, b, least_gap(stand_off), state_out, scratch_out):
         return True, 0.0, (0.0, 0.0, 0.0), 0

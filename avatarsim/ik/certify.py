@@ -74,7 +74,7 @@ def farthest_of(geo: Geometry, poses: Poses, a: int, d: Vec3) -> Vec3:
 
 @kernel
 def lies_in(boxes: Rows, b: int, p: Vec3) -> bool:
-    """Whether a point is in the box around piece b: beyond the edge of a table nothing is below its top."""
+    """Return True if a point is in the box around piece b: beyond the edge of a table nothing is below its top."""
     for k in range(3):
         if not (boxes[b, k] <= p[k] <= boxes[b, 3 + k]):
             return False
@@ -181,7 +181,7 @@ def certify_bodies(
 
 @kernel
 def is_no_pose(skel: Skeleton, avatars: Avatars, avatar: int, scratch: IkScratch) -> bool:
-    """Whether a link's trial pose is not finite: boxes of nowhere meet nothing, so no pair would be asked."""
+    """Return True if a link's trial pose is not finite: boxes of nowhere meet nothing, so no pair would be asked."""
     trial, total = scratch.trial, 0.0
     for b in range(skel.first + avatars.first_link[avatar], skel.first + avatars.first_link[avatar + 1]):
         for i in range(3):

@@ -195,7 +195,7 @@ def put_at(geo: Geometry, skel: Skeleton, share: float, chord_out: Chord, poses_
 
 @kernel
 def swept_meet(left: Array, right: Array, i: int, j: int, grow: float) -> bool:
-    """Whether boxes i and j, each around both ends of an interval and together grown by `grow` [m], meet."""
+    """Return True if boxes i and j, each around both ends of an interval and together grown by `grow` [m], meet."""
     for k in range(3):
         if not (
             min(left[i, k], right[i, k]) - grow <= max(left[j, 3 + k], right[j, 3 + k])
@@ -291,7 +291,8 @@ def brought(skel: Skeleton, poses: Poses, above: int, n: Vec3) -> Vec3:
 def holds(
     geo: Geometry, skel: Skeleton, left: Poses, right: Poses, above: int, a: int, b: int, n: Vec3, bulge: float, least: float
 ) -> bool:
-    """Whether the direction n, in the frame of the link `above`, keeps pieces a and b at least `least` [m] apart all along."""
+    """Return True if the direction n, in the frame of the link `above`, keeps pieces a and b at least `least` [m] apart all
+    along."""
     if not (dot(n, n) > 0.5):
         return False
     gap0 = gap_along(left.vertices, geo.shapes, a, b, carried(skel, left, above, n)) - least
@@ -318,8 +319,8 @@ def proposed(geo: Geometry, poses: Poses, a: int, b: int, seed: Vec3, enough: fl
 def test_pair(
     geo: Geometry, skel: Skeleton, left: Poses, right: Poses, share: float, a: int, b: int, least: float, chord_out: Chord
 ) -> int:
-    """Whether pieces a and b are shown to be at least `least` [m] apart over an interval of so large a share of the way; less by
-    the depth that a pair may have which overlaps at home."""
+    """Return True if pieces a and b are shown to be at least `least` [m] apart over an interval of so large a share of the way;
+    less by the depth that a pair may have which overlaps at home."""
     least -= allowed_depth(geo, a, b)
     c, one, other = chord_out, geo.body[a] - skel.first, geo.body[b] - skel.first
     square = SAGITTA * share * share

@@ -94,7 +94,7 @@ def owner_of(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int, scratc
 
 @kernel
 def is_solved_for(geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, scratch: IkScratch) -> bool:
-    """Whether one of two pieces is of an avatar of the island that is solved for."""
+    """Return True if one of two pieces is of an avatar of the island that is solved for."""
     return owner_of(geo, skel, avatars, a, scratch) >= 0 or owner_of(geo, skel, avatars, b, scratch) >= 0
 
 

@@ -109,7 +109,7 @@ def place_solved(geo: Geometry, skel: Skeleton, posture: Posture, poses_out: Pos
 
 @kernel
 def meet(one: Array, other: Array, i: int, k: int, within: float) -> bool:
-    """Whether two boxes are at most `within` [m] apart along each axis."""
+    """Return True if two boxes are at most `within` [m] apart along each axis."""
     for axis in range(3):
         if not (one[i, axis] <= other[k, 3 + axis] + within and other[k, axis] <= one[i, 3 + axis] + within):
             return False
@@ -118,7 +118,7 @@ def meet(one: Array, other: Array, i: int, k: int, within: float) -> bool:
 
 @kernel
 def is_looked_at(geo: Geometry, skel: Skeleton, search: FreeSearch, b: int, other: int) -> bool:
-    """Whether the pair of a link b that is solved for and another body counts, each pair once."""
+    """Return True if the pair of a link b that is solved for and another body counts, each pair once."""
     if other == b or search.is_seen[other] == 0 or not may_meet(geo.wanted, b, other):
         return False
     link = other - skel.first
@@ -168,7 +168,7 @@ def excess_of(geo: Geometry, a: int, b: int, gap: float, margin: float, is_stric
 
 @kernel
 def is_alone(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int) -> bool:
-    """Whether a piece is of a free link without others: a loose body, or a hand without joints."""
+    """Return True if a piece is of a free link without others: a loose body, or a hand without joints."""
     link = geo.body[piece] - skel.first
     if link < 0 or skel.kind[link] != FREE:
         return False
@@ -358,7 +358,7 @@ def aim(world: Index, search: Index) -> None:
 
 @kernel
 def is_apart(geo: Geometry, skel: Skeleton, poses: Poses, margin: float, is_strict: bool, search: FreeSearch) -> bool:
-    """Whether all pairs have the gaps that they need; it ends at the first one that does not."""
+    """Return True if all pairs have the gaps that they need; it ends at the first one that does not."""
     avatars = search.avatars
     for b in range(skel.first, poses.position.shape[0]):
         if search.is_solved[avatars.avatar[b - skel.first]] == 0 or search.is_seen[b] == 0:
@@ -377,7 +377,7 @@ def is_apart(geo: Geometry, skel: Skeleton, poses: Poses, margin: float, is_stri
 
 @entry_kernel
 def is_free_at(world: Index, search: Index, margin: float, is_strict: bool) -> bool:
-    """Whether the posture of the world is free; its poses are left in the world."""
+    """Return True if the posture of the world is free; its poses are left in the world."""
     w, own = opened(world, WorldParts), opened(search, FreeSearch)
     place_solved(w.geometry, w.skeleton, w.posture, w.poses, own)
     return is_apart(w.geometry, w.skeleton, w.poses, margin, is_strict, own)

@@ -329,7 +329,7 @@ def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float
 
 @kernel
 def has_bound(rows: ConstraintRows, j: int, sign: float) -> bool:
-    """Whether one of the rows is the lower (sign 1) or upper (-1) bound of degree j."""
+    """Return True if one of the rows is the lower (sign 1) or upper (-1) bound of degree j."""
     for k in range(rows.used[0]):
         if rows.kind[k] == BOUND and rows.pair[k, 0] == j and rows.jacobian[k, j] == sign:
             return True

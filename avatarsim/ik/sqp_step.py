@@ -201,7 +201,7 @@ def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkSt
 
 @kernel
 def breaks_rows(avatars: Avatars, scratch: IkScratch) -> bool:
-    """Whether the step breaks a row."""
+    """Return True if the step breaks a row."""
     r = scratch.rows
     for k in range(r.used[0]):
         if not (along_row(avatars, k, scratch.step, r.jacobian, r) >= r.bound[k]):

@@ -425,14 +425,14 @@ of searches, beside all else."""
 
 
 def names_pieces(geo: Geometry, skel: Skeleton, pairs: NDArray[np.int64]) -> bool:
-    """Whether every pair (k, 2) is a driven piece and a piece."""
+    """Return True if every pair (k, 2) is a driven piece and a piece."""
     first, pieces = int(geo.first_shape[skel.first]), len(geo.body)
     driven, other = pairs[:, 0], pairs[:, 1]
     return bool(((driven >= first) & (driven < pieces) & (other >= 0) & (other < pieces)).all())
 
 
 def state_is_sound(geo: Geometry, skel: Skeleton, avatars: Avatars, state: IkState) -> bool:
-    """Whether all that the state names is there: pairs in contact, bodies in reach, islands."""
+    """Return True if all that the state names is there: pairs in contact, bodies in reach, islands."""
     for listed, room in ((state.contacts, len(state.contacts.pair)), (state.touching, len(state.touching.pair))):
         count = int(listed.used[0])
         if not 0 <= count <= room or not names_pieces(geo, skel, listed.pair[:count]):

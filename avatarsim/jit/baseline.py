@@ -25,7 +25,7 @@ LISTED = ",".join(f"+{feature}" for feature in FEATURES)
 
 
 def runs_baseline() -> bool:
-    """Whether this machine runs code of that level."""
+    """Return True if this machine runs code of that level."""
     host = llvm.get_host_cpu_features()
     return platform.machine() in ("x86_64", "AMD64") and all(host.get(feature, False) for feature in FEATURES)
 

@@ -22,7 +22,7 @@ takes 3 % longer; fewer blocks: sums over the terms of a contact are called in t
 
 
 def is_large(function: Any) -> bool:
-    """Whether a function of LLVM's has so many instructions that it is called instead of inlined."""
+    """Return True if a function of LLVM's has so many instructions that it is called instead of inlined."""
     branching = sum(1 for _ in islice(function.blocks, BRANCHING_FROM)) == BRANCHING_FROM
     most = SEALED_FROM // 2 if branching else SEALED_FROM
     # To count thousands of instructions takes longer than to compile some of them.

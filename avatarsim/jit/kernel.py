@@ -69,7 +69,7 @@ _RELATIVE_IMPORT = re.compile(r"^\s*from\s+\.", re.MULTILINE)
 
 
 def is_stock() -> bool:
-    """Whether kernels are compiled with numba alone."""
+    """Return True if kernels are compiled with numba alone."""
     return os.environ.get(STOCK) == "1" and not config.DISABLE_JIT
 
 

@@ -155,7 +155,7 @@ def _options(options: Mapping[str, object]) -> dict[str, Any]:
 
 
 def _is_large(scene: Scene) -> bool:
-    """Whether a file with this scene would be refused."""
+    """Return True if a file with this scene would be refused."""
     return len(scene.bodies) > BODIES or len(scene.links) > LINKS
 
 

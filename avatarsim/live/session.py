@@ -56,8 +56,8 @@ class Driven:
         self.touching: Touching | None = None
 
     def is_loaded(self) -> bool:
-        """Whether it has begun, once it says so. Raises LoopRefused with its sentence where it could not, LoopDied where it
-        ended."""
+        """Return True if it has begun, once it says so. Raises LoopRefused with its sentence where it could not, LoopDied where
+        it ended."""
         answer = self.answered(0, LOADING)
         if answer.refused:
             raise LoopRefused(f"{self.plan.name} could not begin: {answer.refused}")
@@ -65,7 +65,7 @@ class Driven:
 
     @property
     def is_alive(self) -> bool:
-        """Whether its process runs."""
+        """Return True if its process runs."""
         return self._process.is_alive()
 
     def look(self) -> State | None:

@@ -94,7 +94,7 @@ def pair_filter(family: ArrayLike, skipped: Iterable[tuple[int, int]] = ()) -> P
 
 @kernel
 def may_meet(wanted: PairFilter, a: int, b: int) -> bool:
-    """Whether the pair of bodies a and b, in any order, is of interest. Logarithmic in the skipped pairs of one body."""
+    """Return True if the pair of bodies a and b, in any order, is of interest. Logarithmic in the skipped pairs of one body."""
     if wanted.family[a] == wanted.family[b] and wanted.family[a] != OPEN:
         return False
     low, high = min(a, b), max(a, b)

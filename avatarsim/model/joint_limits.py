@@ -20,7 +20,7 @@ from avatarsim.tolerances import FINE, NOTHING, PROOF, ROUNDING
 
 @kernel
 def has_reach(skel: Skeleton, link: int) -> bool:
-    """Whether the limb of a link has a spherical polygon."""
+    """Return True if the limb of a link has a spherical polygon."""
     return bool(skel.reach_first[link + 1] > skel.reach_first[link])
 
 
@@ -36,7 +36,7 @@ def edge(skel: Skeleton, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
 
 @kernel
 def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
-    """Whether a unit direction is in one of the triangles of the seeing point and an edge."""
+    """Return True if a unit direction is in one of the triangles of the seeing point and an edge."""
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
     beside = dot(row(skel.reach_side, first), limb)
     for k in range(first, last):
@@ -137,7 +137,8 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
 
 @kernel
 def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float) -> bool:
-    """Whether a limb's direction is farther from the plane of an edge than the root of `square`, without computing the root."""
+    """Return True if a limb's direction is farther from the plane of an edge than the root of `square`, without computing the
+    root."""
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
     normal = cross(row(skel.reach_corner, first + k), row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first))
     away = dot(normal, limb)
@@ -226,7 +227,7 @@ def any_normal(v: Vec3) -> Vec3:
 
 @kernel
 def has_cone(skel: Skeleton, link: int) -> bool:
-    """Whether the ball of a link has limits."""
+    """Return True if the ball of a link has limits."""
     return bool(skel.cone[link, 6] > UNLIMITED_COSINE + 0.5)
 
 
@@ -241,8 +242,8 @@ def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
 
 @kernel
 def surely_inside(skel: Skeleton, link: int, turn: Columns, spare: float) -> bool:
-    """Whether the rotation of a ball is inside its limits by more than `spare` [rad], at least SURELY: a test without angles,
-    which nearly every ball of every trial passes. Where it fails `cone_excess` decides."""
+    """Return True if the rotation of a ball is inside its limits by more than `spare` [rad], at least SURELY: a test without
+    angles, which nearly every ball of every trial passes. Where it fails `cone_excess` decides."""
     limb, t = limb_of(skel, link, turn), skel.cone
     centre, edge = (t[link, 3], t[link, 4], t[link, 5]), (t[link, 6], t[link, 7])
     probe, untwisted = (t[link, 10], t[link, 11], t[link, 12]), (t[link, 13], t[link, 14], t[link, 15])

@@ -46,7 +46,7 @@ from avatarsim.spatial.vec3 import Rows, add, dot, put_row, row
 
 @kernel
 def may_translate(skel: Skeleton, chains: Chains, body: int, must: bool) -> bool:
-    """Whether a body may be pushed: a trunk link under a free root always, a limb's link not before ``must``."""
+    """Return True if a body may be pushed: a trunk link under a free root always, a limb's link not before ``must``."""
     if body < skel.first:
         return True
     link = body - skel.first
@@ -131,7 +131,7 @@ def treat_chain(
 
 @kernel
 def is_caught(chains: Chains, chain: int, hit: NDArray[np.bool_], first_link: int) -> bool:
-    """Whether a link of the chain was found overlapping."""
+    """Return True if a link of the chain was found overlapping."""
     for at in range(chains.first[chain], chains.first[chain + 1]):
         if hit[first_link + chains.link[at]]:
             return True

@@ -218,7 +218,8 @@ def joints_of(skel: Skeleton, links: Index, first: int, last: int) -> int:
 def on_one_line(
     skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, tolerance: float, poses: Poses
 ) -> bool:
-    """Whether effector and goal are in one line with every joint while the goal is at a distance that the bent chain has."""
+    """Return True if effector and goal are in one line with every joint while the goal is at a distance that the bent chain
+    has."""
     total, longest, base, before = 0.0, 0.0, effector, effector
     for k in range(last, first - 1, -1):
         if skel.kind[links[k]] == HINGES or skel.kind[links[k]] == BALL:
@@ -370,7 +371,7 @@ def keep_heading(skel: Skeleton, link: int, heading: Columns, posture_out: Postu
 
 @kernel
 def is_parallel(poses: Poses, skel: Skeleton, link: int, limb: Vec3, depth: Vec3, most_sine: float) -> bool:
-    """Whether the limb lies almost in the obstacle's surface, whose normal is that of PD_g."""
+    """Return True if the limb lies almost in the obstacle's surface, whose normal is that of PD_g."""
     direction = turned(columns(poses.rotation, skel.first + link), limb)
     return abs(dot(direction, depth)) < most_sine * norm(direction) * norm(depth)
 

@@ -94,7 +94,7 @@ def answer_for(body: int, moved: bool, overlaps_out: Overlaps) -> None:
 
 @kernel
 def pieces_overlap(geo: Geometry, poses: Poses, s: int, t: int, overlaps_out: Overlaps) -> bool:
-    """Whether pieces s < t overlap deeper than they may: their signed distance is negative, or not a number."""
+    """Return True if pieces s < t overlap deeper than they may: their signed distance is negative, or not a number."""
     if not boxes_meet(poses.boxes, s, t):
         return False
     remembered = t - (geo.body.shape[0] - overlaps_out.seed.shape[0])
@@ -112,7 +112,7 @@ def pieces_overlap(geo: Geometry, poses: Poses, s: int, t: int, overlaps_out: Ov
 
 @kernel
 def bodies_overlap(geo: Geometry, poses: Poses, a: int, b: int, overlaps_out: Overlaps) -> bool:
-    """Whether any piece of body a overlaps one of body b > a; stops at the first that does."""
+    """Return True if any piece of body a overlaps one of body b > a; stops at the first that does."""
     for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
         for t in range(geo.first_shape[b], geo.first_shape[b + 1]):
             if pieces_overlap(geo, poses, s, t, overlaps_out):

@@ -38,8 +38,8 @@ def is_in_sight(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, m: int, posture: Posture, poses: Poses,
     state_out: IkState, scratch_out: IkScratch,
 ) -> bool:
-    """Whether the straight motion of member m, the only active one, to its target is certified; not so once the work of the frame
-    is spent. The trial is left there."""
+    """Return True if the straight motion of member m, the only active one, to its target is certified; not so once the work of
+    the frame is spent. The trial is left there."""
     s = scratch_out
     avatar = s.members[m]
     if work_done(s) >= settings.work:
@@ -145,8 +145,8 @@ def end_cut(avatar: int, has_reached: bool, is_lost: bool, plan_out: Plan) -> No
 def spares_time(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, plan: Plan, ghost_out: Ghost
 ) -> bool:
-    """Whether a shortcut, and a straight way from where it has come to on to where it goes, takes less time than what it is to
-    take the place of. From the end of the path there is no other way."""
+    """Return True if a shortcut, and a straight way from where it has come to on to where it goes, takes less time than what it
+    is to take the place of. From the end of the path there is no other way."""
     s, total, last = plan.searches, 0.0, plan.path[avatar, plan.searches.cut_from[avatar]]
     if s.cut_from[avatar] == s.length[avatar] - 1:
         return True
@@ -283,7 +283,7 @@ def go_straight(
 def is_near(
     skel: Skeleton, avatars: Avatars, avatar: int, ahead: float, posture: Posture, state: IkState, scratch_out: IkScratch
 ) -> bool:
-    """Whether the target of an avatar is within so many budgets of a frame."""
+    """Return True if the target of an avatar is within so many budgets of a frame."""
     error = scratch_out.objective.error
     tangent_error(skel, avatars, avatar, posture, scratch_out.target, error)
     return budgets_of(skel, avatars, avatar, error, state.budget) <= ahead

@@ -37,7 +37,7 @@ TRAPPED, ADVANCED, REACHED = range(3)
 
 @kernel
 def has_moved(poses: Poses, b: int, ghost: Ghost) -> bool:
-    """Whether body b is shown elsewhere than the ghost has it."""
+    """Return True if body b is shown elsewhere than the ghost has it."""
     for i in range(3):
         if poses.position[b, i] != ghost.poses.position[b, i]:
             return True

@@ -72,7 +72,7 @@ def is_goal(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, value: float,
     ghost_out: Ghost
 ) -> bool:
-    """Whether the ghost stands free where a path may end: the shown posture's objective is `value` [m^2].
+    """Return True if the ghost stands free where a path may end: the shown posture's objective is `value` [m^2].
 
     The ghost's own objective holds the link origins of the target."""
     g = ghost_out
@@ -85,7 +85,7 @@ def is_goal(
 
 @kernel
 def is_free(geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, ghost_out: Ghost) -> bool:
-    """Whether the ghost overlaps nothing and keeps its limits: then standing still is certified."""
+    """Return True if the ghost overlaps nothing and keeps its limits: then standing still is certified."""
     g = ghost_out
     g.scratch.step[:] = 0.0
     g.state.tracking.is_certified[g.scratch.members[0]] = 0

@@ -182,7 +182,7 @@ def packed_width(skel: Skeleton, avatars: Avatars) -> int:
 
 
 def plan_is_sound(plan: Plan) -> bool:
-    """Whether every node that a plan from bytes names is there, and its trees have no circles."""
+    """Return True if every node that a plan from bytes names is there, and its trees have no circles."""
     s, numbers = plan.searches, np.arange(NODES)
     used, length = s["count"], s["length"]
     last = np.maximum(used - 1, 0)

@@ -101,7 +101,7 @@ def supervise(
 
 @kernel
 def may_plan(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int) -> bool:
-    """Whether paths are sought for an avatar: one without joints is to lie on what it is pushed into, and waits."""
+    """Return True if paths are sought for an avatar: one without joints is to lie on what it is pushed into, and waits."""
     if settings.around == NEVER:
         return False
     root = avatars.first_link[avatar]

@@ -72,7 +72,7 @@ FOUND, NO_ROOM, BROKEN = 0, 1, 2
 
 @kernel
 def boxes_apart(boxes: Array, i: int, k: int, margin: float) -> bool:
-    """Whether two boxes of pieces are more than ``margin`` apart."""
+    """Return True if two boxes of pieces are more than ``margin`` apart."""
     for x in range(3):
         if boxes[i, x] > boxes[k, 3 + x] + margin or boxes[k, x] > boxes[i, 3 + x] + margin:
             return True

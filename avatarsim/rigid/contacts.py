@@ -32,7 +32,7 @@ class Masses(NamedTuple):
 
 @kernel
 def is_diagonal(tensors: Array, b: int) -> bool:
-    """Whether tensor b of (nb, 3, 3) is given along its principal axes: those of balls and boxes are."""
+    """Return True if tensor b of (nb, 3, 3) is given along its principal axes: those of balls and boxes are."""
     upper = (tensors[b, 0, 1] == 0.0) & (tensors[b, 0, 2] == 0.0) & (tensors[b, 1, 2] == 0.0)
     return bool(upper & (tensors[b, 1, 0] == 0.0) & (tensors[b, 2, 0] == 0.0) & (tensors[b, 2, 1] == 0.0))
 

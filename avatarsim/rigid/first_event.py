@@ -100,7 +100,7 @@ of such boxes take longer than the budget says; more: they lose time."""
 
 @kernel
 def out_of_reach(memory: Memory, a: int, b: int, begin: float, h: float) -> bool:
-    """Whether a fixed plane separates the bounding balls of two bodies from ``begin`` to h seconds."""
+    """Return True if a fixed plane separates the bounding balls of two bodies from ``begin`` to h seconds."""
     gap, rate, gain = ahead_of(memory, a, b, begin)
     if not (TOUCH < gap < inf and abs(rate) + abs(gain) < inf):
         return False

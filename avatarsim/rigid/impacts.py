@@ -176,7 +176,7 @@ def next_approach(
 
 @kernel
 def same_pair(contacts: Contacts, i: int, k: int) -> bool:
-    """Whether two contacts belong to the same pair of bodies."""
+    """Return True if two contacts belong to the same pair of bodies."""
     return bool(contacts.body[i, 0] == contacts.body[k, 0] and contacts.body[i, 1] == contacts.body[k, 1])
 
 
@@ -217,7 +217,7 @@ def choose_block(contacts: Contacts, fastest: float) -> tuple[int, int, int]:
 
 @kernel
 def central(contacts: Contacts, k: int) -> bool:
-    """Whether both arms of contact k are parallel to its normal, as they are between spheres."""
+    """Return True if both arms of contact k are parallel to its normal, as they are between spheres."""
     n = axis(contacts, k, 0)
     ra, rb = row(contacts.arm_a, k), row(contacts.arm_b, k)
     return norm(cross(ra, n)) <= CENTRAL * norm(ra) and norm(cross(rb, n)) <= CENTRAL * norm(rb)

@@ -60,7 +60,7 @@ def forget_faces(memory: Memory, a: int, b: int) -> None:
 
 @kernel
 def is_face(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> bool:
-    """Whether three corners of shape s or more are farthest in direction d."""
+    """Return True if three corners of shape s or more are farthest in direction d."""
     if shapes.start[s + 1] - shapes.start[s] < 3:
         return False
     count, _, _ = foremost(vertices, shapes, s, d, EVEN * shapes.extent[s])

@@ -86,7 +86,7 @@ def keeps_promise(
     hulls: Array, position: Array, span: Array, b: int, linear: Array, angular: Array, paths: Paths, t: float, margin: float,
     boxes: Array,
 ) -> bool:
-    """Whether the path of body b stays in its motion bound for t seconds."""
+    """Return True if the path of body b stays in its motion bound for t seconds."""
     if paths.kind[b] == STILL:
         return True
     w = norm(row(angular, b))
@@ -128,7 +128,7 @@ def near_pairs(
 
 @kernel
 def boxes_near(a: Array, b: Array, i: int, k: int, margin: float) -> bool:
-    """Whether box a[i] comes within the margin of box b[k]."""
+    """Return True if box a[i] comes within the margin of box b[k]."""
     for x in range(3):
         if a[i, x] - margin > b[k, 3 + x] or b[k, x] - margin > a[i, 3 + x]:
             return False
@@ -146,6 +146,6 @@ def wake_beside(old: Array, new: Array, b: int, margin: float, wanted: PairFilte
 
 @kernel
 def stands(linear: Array, angular: Array, b: int) -> bool:
-    """Whether both velocities of body b are exactly zero."""
+    """Return True if both velocities of body b are exactly zero."""
     v, w = row(linear, b), row(angular, b)
     return dot(v, v) + dot(w, w) == 0.0

@@ -262,7 +262,7 @@ def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool
 
 @kernel
 def is_brisk(memory: Memory, velocities: Velocities, members: Index) -> bool:
-    """Whether there are more than MANY contacts and a member faster than MOTION."""
+    """Return True if there are more than MANY contacts and a member faster than MOTION."""
     if memory.contacts.used[0] > MANY:
         for m in range(members.shape[0]):
             if norm(row(velocities.linear, members[m])) > MOTION:

@@ -43,7 +43,8 @@ PARALLEL = NOTHING
 
 @kernel
 def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
-    """Whether contacts i and k are of the same shapes, or of one body and one immovable face, which may be of several pieces."""
+    """Return True if contacts i and k are of the same shapes, or of one body and one immovable face, which may be of several
+    pieces."""
     if contacts.key[i] // POINTS_OF_PAIR == contacts.key[k] // POINTS_OF_PAIR:
         return True
     if contacts.driven[i] != contacts.driven[k]:
@@ -193,7 +194,7 @@ class Care(NamedTuple):
 
 @kernel
 def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
-    """Whether the kinetic energy of a body of contact k can pay for lifting it by ``dip`` [m]."""
+    """Return True if the kinetic energy of a body of contact k can pay for lifting it by ``dip`` [m]."""
     v_a, v_b = row(linear, contacts.body[k, 0]), row(linear, contacts.body[k, 1])
     return bool(max(dot(v_a, v_a), dot(v_b, v_b)) > PAYS * contacts.pace[0] * contacts.pace[0] * dip)
 

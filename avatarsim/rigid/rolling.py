@@ -193,7 +193,7 @@ CORNER, EDGE, FACE = 1, 2, 3
 
 @kernel
 def is_smooth(shapes: Shapes, s: int) -> bool:
-    """Whether the surface of shape s has radii of curvature."""
+    """Return True if the surface of shape s has radii of curvature."""
     return bool(shapes.kind[s] != POINTS or shapes.radius[s] > 0.0)
 
 
@@ -219,7 +219,7 @@ def facing(vertices: Rows, shapes: Shapes, s: int, m: Vec3, touching: Vec3) -> t
 
 @kernel
 def is_lone(shapes: Shapes, s: int) -> bool:
-    """Whether shape s touches in one point whatever it touches: a ball or an ellipsoid."""
+    """Return True if shape s touches in one point whatever it touches: a ball or an ellipsoid."""
     return bool(shapes.kind[s] != POINTS or shapes.start[s + 1] - shapes.start[s] == 1)
 
 

@@ -123,7 +123,7 @@ def regroup(
 
 @kernel
 def all_keep(poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float) -> bool:
-    """Whether the members stay in their promised boxes for h seconds."""
+    """Return True if the members stay in their promised boxes for h seconds."""
     for m in range(members.shape[0]):
         if not keeps_promise(
             poses.hulls, poses.position, memory.span, members[m], velocities.linear, velocities.angular, memory.paths, h,
@@ -135,7 +135,7 @@ def all_keep(poses: Poses, velocities: Velocities, memory: Memory, members: Inde
 
 @kernel
 def charged_last(memory: Memory, i: int) -> bool:
-    """Whether island i consists only of bodies charged last: those whose contacts are in ``memory.contacts``."""
+    """Return True if island i consists only of bodies charged last: those whose contacts are in ``memory.contacts``."""
     islands = memory.islands
     for m in range(islands.first[i], islands.first[i + 1]):
         if islands.charged[islands.order[m]] != memory.counts[SEGMENTS]:

@@ -145,8 +145,8 @@ def real_array(value: ArrayLike) -> Array:
 
 
 def _is_plain(value: object, depth: int) -> bool:
-    """Whether numpy need not be asked what `value` is: of an object that has a length and parts without end it makes an array of
-    as many dimensions as it can, and of a truth value among numbers a number."""
+    """Return True if numpy need not be asked what `value` is: of an object that has a length and parts without end it makes an
+    array of as many dimensions as it can, and of a truth value among numbers a number."""
     if isinstance(value, (list, tuple)):
         return depth > 0 and all(_is_plain(part, depth - 1) for part in value)
     if isinstance(value, (bool, np.bool_)):

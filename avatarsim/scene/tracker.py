@@ -62,8 +62,8 @@ def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
 
 
 def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
-    """Whether `sample` is beyond doubt what it must be; said of plain numbers only, in a third of the time that it takes to find
-    out what is wrong with others."""
+    """Return True if `sample` is beyond doubt what it must be; said of plain numbers only, in a third of the time that it takes
+    to find out what is wrong with others."""
     arrays = (sample.positions, (links, 3)), (sample.rotations, (links, 4)), (sample.angles, (hinges,))
     for array, shape in arrays:
         if type(array) is not np.ndarray or array.dtype != np.float64 or array.shape != shape:

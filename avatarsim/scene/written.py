@@ -121,7 +121,7 @@ def _object(data: object, kind: type[Any], thing: str, place: str) -> Any:
 
 
 def _is_rounding(value: tuple[Any, ...] | np.ndarray, other: Any) -> bool:
-    """Whether unit vectors or quaternions differ by no more than a division by a length near 1."""
+    """Return True if unit vectors or quaternions differ by no more than a division by a length near 1."""
     if isinstance(value, tuple) and not all(isinstance(one, float) for one in (*value, *other)):
         return False
     one, two = np.asarray(value), np.asarray(other)

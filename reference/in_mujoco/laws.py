@@ -37,7 +37,7 @@ class Law:
 
     @property
     def rubs(self) -> bool:
-        """Whether simulated bodies slide on each other without ever bouncing."""
+        """Return True if simulated bodies slide on each other without ever bouncing."""
         return self.friction > 0.0 and self.restitution == 0.0 and not self.stops
 
 

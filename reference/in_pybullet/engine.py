@@ -147,7 +147,7 @@ class PybulletEngine:
             pybullet.setPhysicsEngineParameter(**parameters, physicsClientId=client)
 
     def _falls(self) -> bool:
-        """Whether gravity acts at all: without simulated bodies it acts on nothing that is not held by its user."""
+        """Return True if gravity acts at all: without simulated bodies it acts on nothing that is not held by its user."""
         return any(role is Role.SIMULATED for role in self._scene.roles) or bool(self._chosen["gravity_on_links"].value)
 
     def _gravity(self) -> tuple[float, ...]:

@@ -126,7 +126,7 @@ def principal(mass: Mass, pieces: tuple[Piece, ...]) -> tuple[Array, Array]:
 
 
 def _is_simple(body: Body) -> bool:
-    """Whether Bullet finds the stated inertia by itself; without multibody it cannot be told another."""
+    """Return True if Bullet finds the stated inertia by itself; without multibody it cannot be told another."""
     if body.role is not Role.SIMULATED or body.mass is None or len(body.pieces) != 1:
         return False
     piece = body.pieces[0]

@@ -57,7 +57,7 @@ class Request:
 
     @property
     def long(self) -> bool:
-        """Whether the long form is asked for."""
+        """Return True if the long form is asked for."""
         return self.kept is not None
 
     def checkpoint(self, study: str) -> Checkpoint:

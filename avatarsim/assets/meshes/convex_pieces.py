@@ -190,7 +190,7 @@ def _convex_groups(mesh: Mesh) -> tuple[tuple[Hull, Mesh], ...]:
 
 
 def _is_convex(hull: Hull, mesh: Mesh) -> bool:
-    """Whether a closed surface lies on its hull all over, and goes around it once."""
+    """Return True if a closed surface lies on its hull all over, and goes around it once."""
     own, full = signed_volume(mesh.corners), signed_volume(_outward(hull))
     return depth_below(hull, mesh.corners) <= CONVEX * mesh.size and own >= HALF * full
 

@@ -114,7 +114,7 @@ AT_ONCE = 20_000
 
 
 def inside_closed(points: Array, corners: Array) -> NDArray[np.bool_]:
-    """Whether points (n, 3) lie inside a closed, outward surface (t, 3, 3): it winds around them at least once."""
+    """Return True if points (n, 3) lie inside a closed, outward surface (t, 3, 3): it winds around them at least once."""
     triangles = corners @ SKEW.T
     flat = triangles[:, :, :2]
     low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
@@ -140,7 +140,7 @@ def inside_closed(points: Array, corners: Array) -> NDArray[np.bool_]:
 
 
 def inside_open(points: Array, corners: Array) -> NDArray[np.bool_]:
-    """Whether a surface with holes fills more than half of the view from each point (its generalised winding number)."""
+    """Return True if a surface with holes fills more than half of the view from each point (its generalised winding number)."""
     found = np.zeros(len(points), dtype=bool)
     step = max(1, 2_000_000 // max(1, len(corners)))
     for begin in range(0, len(points), step):

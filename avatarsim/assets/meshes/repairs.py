@@ -122,7 +122,8 @@ def crossing_pairs(vertices: Array, triangles: Indices) -> Indices:
 
 
 def _pierced(one: Array, other: Array) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-    """Whether an edge of triangle `one` (n, 3, 3) goes through the inside of `other` (n, 3, 3), by volumes of tetrahedra."""
+    """Return True if an edge of triangle `one` (n, 3, 3) goes through the inside of `other` (n, 3, 3), by volumes of
+    tetrahedra."""
     a, b, c = other[:, 0], other[:, 1], other[:, 2]
     normal = np.cross(b - a, c - a)
     scale = np.einsum("ni,ni->n", normal, normal)
@@ -284,7 +285,7 @@ def _outwards(mesh: Mesh, part: Indices, said: list[str]) -> Mesh:
 
 
 def _within(point: Array, corners: Array, part: Indices, own: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]") -> bool:
-    """Whether a point lies in any other part, whichever way that one faces."""
+    """Return True if a point lies in any other part, whichever way that one faces."""
     for k in np.unique(part[~own]):
         other = corners[part == k]
         outward = other if signed_volume(other) > 0.0 else other[:, ::-1]

@@ -201,7 +201,8 @@ class _Reading:
         raise UnknownName(f"body of {self._file} to be the avatar", name, known)
 
     def _free_root(self) -> bool:
-        """Whether a root without a joint is free: in URDF, which has no word for it, unless the file or the user fixes it."""
+        """Return True if a root without a joint is free: in URDF, which has no word for it, unless the file or the user fixes
+        it."""
         root = self._options.joints.root
         return root == "free" or (root == "file" and self._m.free_root)
 

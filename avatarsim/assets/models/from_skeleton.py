@@ -183,13 +183,13 @@ def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> 
 
 
 def _is_bearer(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
-    """Whether bone k is a root that only carries the hips about: no body reaches from the floor to them."""
+    """Return True if bone k is a root that only carries the hips about: no body reaches from the floor to them."""
     children = skeleton.children[k]
     return skeleton.bones[k].parent < 0 and len(children) == 1 and named[children[0]].kind == "pelvis"
 
 
 def _is_end(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
-    """Whether bone k has no extent and only says where the one that it hangs on, of the same part, ends."""
+    """Return True if bone k has no extent and only says where the one that it hangs on, of the same part, ends."""
     bone = skeleton.bones[k]
     longest = max((float(np.linalg.norm(end)) for end in skeleton.ends(k)), default=0.0)
     return bone.parent >= 0 and longest < SHORTEST_BONE and named[k] == named[bone.parent]

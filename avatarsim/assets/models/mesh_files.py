@@ -112,7 +112,7 @@ class MeshFiles:
 
 
 def is_read_by_mujoco(content: bytes) -> bool:
-    """Whether an STL file is binary, whole and not too large for MuJoCo."""
+    """Return True if an STL file is binary, whole and not too large for MuJoCo."""
     count = int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
     return len(content) == STL_HEADER + STL_TRIANGLE * count and count <= MOST_TRIANGLES
 

@@ -74,7 +74,7 @@ class Filter:
         return found
 
     def apart(self, one: Part, other: Part) -> bool:
-        """Whether two parts never touch since they are rigid with one another, or one is jointed to the other."""
+        """Return True if two parts never touch since they are rigid with one another, or one is jointed to the other."""
         return one.weld == other.weld or one.above == other.weld or other.above == one.weld
 
     def states(self, one: Part, other: Part) -> bool:
@@ -82,7 +82,7 @@ class Filter:
         return bool(self._stated) and any((min(g, h), max(g, h)) in self._stated for g in one.geoms for h in other.geoms)
 
     def meet(self, one: Part, other: Part) -> bool:
-        """Whether the file lets any geom of one part touch any of the other."""
+        """Return True if the file lets any geom of one part touch any of the other."""
         if self.states(one, other):
             return True
         if self._excluded and all(

@@ -63,7 +63,7 @@ class MeshWishes:
         Wishes(most_vertices=self.most_vertices, repair=self.repair, fit=self.fit)
 
     def decomposes(self, mesh: str) -> bool:
-        """Whether a mesh of this name is decomposed."""
+        """Return True if a mesh of this name is decomposed."""
         return mesh in self.meshes if isinstance(self.meshes, tuple) else self.meshes == "decompose"
 
 

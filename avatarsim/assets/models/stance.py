@@ -84,7 +84,7 @@ def _of_kind(named: Sequence[Part], kind: str) -> list[int]:
 
 
 def _straight(skeleton: Skeleton, places: Array, hip: int, feet: Sequence[int]) -> bool:
-    """Whether the leg below a hip is straight, as far as a foot of it is known."""
+    """Return True if the leg below a hip is straight, as far as a foot of it is known."""
     for foot in feet:
         length, bone = 0.0, foot
         while bone not in (hip, -1):

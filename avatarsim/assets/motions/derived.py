@@ -127,7 +127,7 @@ def spins(turns: Array, times: Array) -> Array:
 
 
 def is_like(computed: Array, recorded: AnyArray) -> bool:
-    """Whether a computed speed is what was recorded."""
+    """Return True if a computed speed is what was recorded."""
     if computed.shape != recorded.shape or recorded.dtype.kind != "f" or not np.isfinite(recorded).all():
         return False
     scale = float(np.sqrt((recorded.astype(np.float64) ** 2).mean()))

@@ -47,7 +47,7 @@ AXES = np.array([0.5, -0.5, -0.5, -0.5])
 
 
 def is_one(archive: Archive) -> bool:
-    """Whether an archive holds a body of the family."""
+    """Return True if an archive holds a body of the family."""
     return archive.first((TRANS,)) is not None and archive.first((POSES, "pose_body")) is not None
 
 

@@ -58,7 +58,7 @@ class Changed:
 
     @property
     def nothing(self) -> bool:
-        """Whether all is as it was."""
+        """Return True if all is as it was."""
         return self.stayed is not None and bool(self.stayed.all())
 
 
@@ -221,7 +221,7 @@ def _parts(archive: Archive, names: tuple[str, ...] | None) -> tuple[tuple[Part,
 
 
 def _has_no_root(archive: Archive, key: str, names: tuple[str, ...] | None) -> bool:
-    """Whether the joints of an entry are as many as their names, so that their root is elsewhere."""
+    """Return True if the joints of an entry are as many as their names, so that their root is elsewhere."""
     return names is not None and archive.table(key).shape[1] == len(names)
 
 

@@ -89,12 +89,12 @@ class Gait:
         self.is_on = False
 
     def is_leg(self, link: int) -> bool:
-        """Whether a link is part of a leg."""
+        """Return True if a link is part of a leg."""
         return link in self._own
 
     @property
     def is_stepping(self) -> bool:
-        """Whether a stride has not yet ended."""
+        """Return True if a stride has not yet ended."""
         return self.is_on and max(hypot(*self._way), abs(self._spin) * self.leg) > AT_REST
 
     def begin(self, posture: Posture, finds_floor: bool) -> None:

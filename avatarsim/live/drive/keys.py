@@ -79,5 +79,5 @@ class Speeds:
 
     @property
     def is_moving(self) -> bool:
-        """Whether any is not zero."""
+        """Return True if any is not zero."""
         return any(self._asked.values()) or any(self.now.values())

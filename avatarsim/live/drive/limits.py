@@ -55,7 +55,7 @@ class Limits:
     seen: Vector
 
     def is_allowed(self, limb: Vector, most: float) -> bool:
-        """Whether a direction swings at most `most` [rad] and is in the polygon, if there is one."""
+        """Return True if a direction swings at most `most` [rad] and is in the polygon, if there is one."""
         return _angle(limb, self.centre) <= most and (not self.edges or self._is_in_polygon(limb))
 
     def _is_in_polygon(self, limb: Vector) -> bool:

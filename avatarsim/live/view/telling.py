@@ -72,7 +72,7 @@ def at_ports(refusals: Refusals) -> str:
 
 
 def is_held(state: State) -> bool:
-    """Whether the avatar does not come to its user."""
+    """Return True if the avatar does not come to its user."""
     return any(name in HELD for name in state.statuses)
 
 

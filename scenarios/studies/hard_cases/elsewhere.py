@@ -52,7 +52,7 @@ class Elsewhere:
 
     @property
     def here(self) -> bool:
-        """Whether nothing changes: then not one bit does."""
+        """Return True if nothing changes: then not one bit does."""
         return self == Elsewhere()
 
     def place(self, place: object) -> Array:

@@ -41,7 +41,7 @@ class Setting:
 
     @property
     def is_preset(self) -> bool:
-        """Whether it is the preset beneath as it comes."""
+        """Return True if it is the preset beneath as it comes."""
         return self.name == self.base
 
     @property
@@ -124,6 +124,6 @@ def short_order(engine: str, presets: Iterable[str]) -> tuple[str, ...]:
 
 
 def applicable(setting: Setting, scene: Scene) -> bool:
-    """Whether the setting can change anything in this scene."""
+    """Return True if the setting can change anything in this scene."""
     derived = scene.derived_effects
     return kind_of(scene) in setting.kinds and all(getattr(derived, effect) for effect in (*setting.narrow, *setting.calls))

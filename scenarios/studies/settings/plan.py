@@ -121,13 +121,13 @@ def _turn(cell: Cell, rank: int, request: Request) -> tuple[int, float]:
 
 
 def turns_solver(cell: Cell) -> bool:
-    """Whether a cell turns nothing but SOLVER in the preset that the ladder is of, in a scene without an avatar."""
+    """Return True if a cell turns nothing but SOLVER in the preset that the ladder is of, in a scene without an avatar."""
     options = set(cell.setting.options)
     return bool(options) and options <= set(SOLVER) and cell.setting.base == ladder.BASE and not cell.scene.avatars
 
 
 def _tells(cell: Cell, request: Request) -> bool:
-    """Whether a setting says more than the preset beneath it."""
+    """Return True if a setting says more than the preset beneath it."""
     setting, base = cell.setting, _base(cell, request)
     if base is None or setting.is_preset:
         return True
