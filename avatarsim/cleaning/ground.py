@@ -39,7 +39,7 @@ class Ground:
         return float(self.lifts.max())
 
     @property
-    def said(self) -> str:
+    def note(self) -> str:
         """A sentence on a clip that is in the room in every frame."""
         least, most = (1e3 * (lift - self.margin) for lift in (self.lifts.min(), self.lifts.max()))
         return (

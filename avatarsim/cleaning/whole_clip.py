@@ -63,7 +63,7 @@ def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Op
     found = part_of(whole, slice(first, None))
     judged = Judged(chords, found, options.margin)
     ground = ground_of(chords, found, options.margin)
-    notes = (ground.said,) if ground.is_off else ()
+    notes = (ground.note,) if ground.is_off else ()
     audit = audited(chords, found, judged, judged.is_free, planted_feet(chords, found), options.opinion, notes)
     return audit_with_reference(audit, note_of(chords, whole)) if first else audit
 
@@ -85,7 +85,7 @@ def clean_recorded(
     """Clean a motion of which every frame was recorded."""
     judged = Judged(chords, motion, options.margin)
     ground = ground_of(chords, motion, options.margin)
-    notes = (ground.said,) if ground.is_off else ()
+    notes = (ground.note,) if ground.is_off else ()
     planted = planted_feet(chords, motion)
     before = audited(chords, motion, judged, judged.is_free, planted, options.opinion, notes)
     tell(0.1)
