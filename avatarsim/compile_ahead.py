@@ -26,6 +26,7 @@ import numpy as np
 
 from avatarsim.assets.models.coordinates import coordinates_of
 from avatarsim.assets.models.model import Model
+from avatarsim.assets.models.reach import Limb
 from avatarsim.cleaning import Carried, Options, Shield, clean
 from avatarsim.collision.scratch import make_scratch
 from avatarsim.collision.signed_distance import signed_distance, signed_distance_up_to
@@ -33,6 +34,8 @@ from avatarsim.console import Progress
 from avatarsim.engine import Settings
 from avatarsim.errors import described, ended_by
 from avatarsim.files import VARIABLE, make_private
+from avatarsim.ik.bare_avatars import BareAvatars
+from avatarsim.ik.goals import approach, make_goal_scratch, make_goals
 from avatarsim.jit import places
 from avatarsim.jit.first_compile import FIRST_COMPILE, seconds
 from avatarsim.jit.kernel import ROOT, config, is_stock, kernel_folder
@@ -87,12 +90,15 @@ HARNESS = ROOT.parent / "reference" / "compile_ahead.py"
 SOURCES = (ROOT / "compile_ahead.py", *([HARNESS] if HARNESS.is_file() else []))
 """Files that import, directly or not, every kernel that is compiled ahead."""
 
-SHARES = (("distance", "posture", "cleaning"), ("motion", "paper", "worlds", *(["harness"] if HARNESS.is_file() else [])))
+SHARES = (
+    ("distance", "posture", "cleaning"),
+    ("motion", "paper", "worlds", "goals", *(["harness"] if HARNESS.is_file() else [])),
+)
 """Shares of the compilation, each in a process of its own, its parts one after the other; the shares take equally long.
 Distances, which all other parts call, come first in one and a third of the way through the other: a process waits for a kernel
 that another one is compiling. Posture and motion together compile all kernels of a scene with both; worlds compile the calls for
-many engines at once and those between frames; cleaning proves ways between recorded postures. Memory grows by half a gigabyte per
-process."""
+many engines at once and those between frames; cleaning proves ways between recorded postures; goals drag links. Memory grows by
+half a gigabyte per process."""
 
 PARTS = tuple(part for share in SHARES for part in share)
 """All parts."""
@@ -211,6 +217,16 @@ def compile_cleaning() -> None:
     shield.stop()
 
 
+def compile_goals() -> None:
+    """Reach for places with a tip, and drag it."""
+    avatar = part_scene("posture")[0].avatars[0]
+    Limb(avatar, {2: np.array([9.0, 0.0, 0.0])}).reach(rest((avatar,)))
+    alone, goals = BareAvatars((avatar,)), make_goals(1)
+    posture = alone.read(rest((avatar,)))
+    approach(alone.skeleton, goals, 0.1, 1e-5, 1, 0.1, posture, make_goal_scratch(alone.skeleton, 1))
+    alone.poses(alone.clipped(posture))
+
+
 def compile_harness() -> None:
     """Compile the kernels of the harness in the checkout around this package."""
     if str(ROOT.parent) not in sys.path:
@@ -218,7 +234,7 @@ def compile_harness() -> None:
     import_module("reference.compile_ahead").compile_kernels()
 
 
-WITHOUT_FRAMES = {"distance": compile_distances, "cleaning": compile_cleaning, "harness": compile_harness}
+WITHOUT_FRAMES = {"distance": compile_distances, "cleaning": compile_cleaning, "goals": compile_goals, "harness": compile_harness}
 """Parts that run no frames of an engine."""
 
 

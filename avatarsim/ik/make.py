@@ -165,15 +165,22 @@ def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, 
     )
 
 
+def spans(skel: Skeleton) -> Avatars:
+    """Return which links and degrees each avatar has, and nothing else of them."""
+    first_link = np.append(np.flatnonzero(skel.parent < 0), len(skel.kind)).astype(np.int64)
+    none = zeros(1)
+    return Avatars(
+        first_link, skel.first_dof[first_link], first_link, first_link, indices(1, 1), first_link, none, none, zeros(1, 1)
+    )
+
+
 def make_solver(
     geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0, friction: Array | None = None
 ) -> tuple[Avatars, IkState, IkScratch]:
     """Everything the solver needs for a world at its first posture."""
     nd = int(skel.first_dof[-1])
-    axes, first_link = zeros(nd, 3), np.append(np.flatnonzero(skel.parent < 0), len(skel.kind)).astype(np.int64)
-    for a in range(len(first_link) - 1):
-        none = zeros(1)
-        spans = Avatars(first_link, first_link, first_link, first_link, indices(1, 1), first_link, none, none, zeros(1, 1))
-        carry_avatar(skel, spans, a, posture, zeros(nd), poses, axes)
+    axes, own = zeros(nd, 3), spans(skel)
+    for a in range(len(own.first_link) - 1):
+        carry_avatar(skel, own, a, posture, zeros(nd), poses, axes)
     avatars, reach = make_avatars(geo, skel, poses, friction)
     return avatars, make_state(geo, skel, avatars, reach, axes, posture), make_working(geo, skel, avatars, poses, kept)

@@ -120,7 +120,7 @@ class Model:
         else:
             row = finite_array("generalized coordinates to start from", start, (coordinates.width,), InvalidInput)
             begin = coordinates.motion(row[None], np.zeros(1)).sample(0)
-        found = Limb(avatar).reach(begin, wanted)
+        found = Limb(avatar, wanted).reach(begin)
         motion = Motion(np.zeros(1), found.positions[None], found.rotations[None], found.angles[None])
         return np.asarray(coordinates.rows(motion)[0])
 

@@ -406,7 +406,7 @@ class Driver:
         tips = tuple(arm.tip for arm in self._arms)
         held = frozenset(range(len(self._tree.nodes))) - frozenset(k for arm in self._arms for k in arm.links)
         pull = Pull(self._tree, tips, LEVER * self._span, held)
-        poses = self._tree.poses(found, pull.needed)
+        poses = self._tree.poses(found)
         goals = []
         for arm in self._arms:
             length = sum(norm(self._tree.nodes[k].anchor) for k in arm.links[2:])

@@ -1,7 +1,6 @@
 """Minimum-jerk time courses (Flash and Hogan 1985), and the decaying offset that hides a change of source (Bollo 2016).
 """
 
-from avatarsim.live.drive.pull import allowed
 from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.live.drive.turns import add, norm, scaled, sub, turned_by, way
 
@@ -34,20 +33,16 @@ def mixed(tree: Tree, a: Posture, b: Posture, share: float, links: list[int], ou
     for k in links:
         node = tree.nodes[k]
         if node.is_ball:
-            turn = turned_by(scaled(way(a.turns[k], b.turns[k]), share), a.turns[k])
-            out.turns[k] = allowed(node.limits, node.orientation, turn)
+            out.turns[k] = turned_by(scaled(way(a.turns[k], b.turns[k]), share), a.turns[k])
         for h in range(node.first_angle, node.first_angle + len(node.hinges)):
             out.angles[h] = a.angles[h] + share * (b.angles[h] - a.angles[h])
+    tree.clip(out)
 
 
 def within_limits(tree: Tree, posture: Posture) -> Posture:
     """The posture with each joint inside its limits."""
     found = posture.copy()
-    for k, node in enumerate(tree.nodes):
-        if node.is_ball:
-            found.turns[k] = allowed(node.limits, node.orientation, posture.turns[k])
-        for h, hinge in enumerate(node.hinges, start=node.first_angle):
-            found.angles[h] = min(max(posture.angles[h], hinge.lower), hinge.upper)
+    tree.clip(found)
     return found
 
 

@@ -72,9 +72,8 @@ class Gait:
             above = frozenset(leg.links[: leg.links.index(knee)])
             self._aim.append(Pull(tree, (ankle,), lever, every - above))
             self._turn.append(Pull(tree, (leg.tip,), lever, every - frozenset(leg.links) | above | {knee}))
-        self._chains = sorted({k for pull in self._turn for k in pull.needed})
         back = conjugate(self._facing(start))
-        poses, root = tree.poses(start, self._chains), start.roots[0]
+        poses, root = tree.poses(start), start.roots[0]
         self._home = [rotate(back, sub(poses[leg.tip][0], root)) for leg in legs]
         self._heel = [rotate(back, sub(poses[ankle][0], poses[leg.tip][0]))
                       for leg, (_, ankle) in zip(legs, self._bent, strict=True)]
@@ -104,7 +103,7 @@ class Gait:
         self.is_on, self._phase, self._drop, self._way, self._spin = True, 0.0, 0.0, (0.0, 0.0), 0.0
         self._heels = [(0.0, 0.0, 0.0) for _ in self._legs]
         if finds_floor:
-            poses = self._tree.poses(posture, self._chains)
+            poses = self._tree.poses(posture)
             self._floor = min(poses[leg.tip][0][2] for leg in self._legs)
 
     def end(self) -> None:
@@ -124,7 +123,7 @@ class Gait:
         return self._facing(posture)
 
     def _facing(self, posture: Posture) -> Quaternion:
-        hips = self._tree.poses(posture, self._tree.chain(self._legs[0].links[0]) + self._tree.chain(self._legs[1].links[0]))
+        hips = self._tree.poses(posture)
         x, y, _ = sub(hips[self._legs[0].links[0]][0], hips[self._legs[1].links[0]][0])
         # left is a quarter turn from forward
         return about(UP, atan2(-x, y))
@@ -170,7 +169,7 @@ class Gait:
         """Put the ankle of a leg where that of a level foot with its tip at `toe` [m] is, by knee and hip."""
         (knee, ankle), leg = self._bent[number], self._legs[number]
         goal = add(toe, rotate(facing, self._heel[number]))
-        poses = self._tree.poses(posture, self._chains)
+        poses = self._tree.poses(posture)
         hip, middle, low = (poses[k][0] for k in (leg.links[0], knee, ankle))
         thigh, shank, left = sub(middle, hip), sub(low, middle), rotate(facing, (0.0, 1.0, 0.0))
         a, b, d = norm(thigh), norm(shank), norm(sub(goal, hip))

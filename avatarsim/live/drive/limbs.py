@@ -89,7 +89,7 @@ def limbs_of(tree: Tree, posture: Posture) -> Limbs:
         left, right = _row(tree, side, k), _row(tree, side, other[k])
         if min(len(left), len(right)) >= LIMB and min(len(tree.moving(left)), len(tree.moving(right))) >= 2:
             pairs.append((Limb(left), Limb(right)))
-    poses = tree.poses(posture, own)
+    poses = tree.poses(posture)
     legs: tuple[Limb, ...] = ()
     lowest = min(pairs, key=lambda pair: poses[pair[0].tip][0][2], default=None)
     if lowest is not None and tree.nodes[0].is_free and poses[lowest[0].tip][0][2] < poses[0][0][2]:

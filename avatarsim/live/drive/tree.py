@@ -1,20 +1,21 @@
-"""Trees of links as plain lists, postures that may be changed in place, and forward kinematics (Featherstone 2008, 4.1).
-
-The twin of `avatarsim.scene.tracker.link_poses` for a few links at a time, without numpy: a chain of eight links in 30 us.
-"""
+"""Trees of links as plain lists, and postures that may be changed in place; kinematics and limits are the engine's own."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from avatarsim.live.drive.limits import Limits, limits_of
-from avatarsim.live.drive.turns import about, add, multiply, normalised, rotate, scaled
+from avatarsim.ik.bare_avatars import BareAvatars
+from avatarsim.live.drive.turns import multiply, normalised
+from avatarsim.model import skeleton
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Slide, axes_of
 from avatarsim.scene.tracker import TrackerSample
-from avatarsim.spatial.rotation import IDENTITY
+
+Pose = tuple[Vector, Quaternion]
+"""Place [m] and orientation of a link in the world."""
 
 
 @dataclass(slots=True)
@@ -46,8 +47,7 @@ def posture_of(sample: TrackerSample) -> Posture:
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A link: its parent's number or -1, its place in that, its hinges, or its slide, and the number of their first angle, and
-    the limits of its ball."""
+    """A link: its parent's number or -1, its place in that, its hinges, or its slide, and the number of their first angle."""
 
     name: str
     avatar: int
@@ -58,7 +58,6 @@ class Node:
     is_ball: bool
     hinges: tuple[Hinge | Slide, ...]
     first_angle: int
-    limits: Limits | None
 
     @property
     def is_slide(self) -> bool:
@@ -70,6 +69,7 @@ class Tree:
     """The links of all avatars of a scene, in its order."""
 
     def __init__(self, avatars: Sequence[Avatar]) -> None:
+        self._avatars = tuple(avatars)
         self.nodes: list[Node] = []
         angle = 0
         for number, avatar in enumerate(avatars):
@@ -77,17 +77,34 @@ class Tree:
             index = {link.name: first + k for k, link in enumerate(avatar.links)}
             for link in avatar.links:
                 hinges = axes_of(link.joint)
-                is_ball = isinstance(link.joint, Ball)
                 self.nodes.append(Node(
                     link.name, number, -1 if link.parent is None else index[link.parent], link.anchor, link.orientation,
-                    isinstance(link.joint, Free), is_ball, hinges, angle,
-                    limits_of(link.joint, link.orientation) if isinstance(link.joint, Ball) else None,
+                    isinstance(link.joint, Free), isinstance(link.joint, Ball), hinges, angle,
                 ))
                 angle += len(hinges)
         self.children: list[list[int]] = [[] for _ in self.nodes]
         for k, node in enumerate(self.nodes):
             if node.parent >= 0:
                 self.children[node.parent].append(k)
+
+    @cached_property
+    def arrays(self) -> BareAvatars:
+        """The engine's arrays of these links."""
+        return BareAvatars(self._avatars)
+
+    def take_over(self, found: skeleton.Posture, links: Iterable[int], posture_out: Posture) -> None:
+        """Take over all angles, and the turns of these links, from arrays."""
+        sample = self.arrays.sample(found)
+        turns, posture_out.angles = sample.rotations.tolist(), sample.angles.tolist()
+        for k in links:
+            w, x, y, z = turns[k]
+            posture_out.turns[k] = (w, x, y, z)
+
+    def clip(self, posture_out: Posture) -> None:
+        """Put each joint inside its limits; turns inside them stay to the bit."""
+        own = self.arrays.read(posture_out.sample(0.0))
+        clipped = self.arrays.clipped(own)
+        self.take_over(clipped, np.flatnonzero((clipped.turn != own.turn).any(axis=(1, 2))).tolist(), posture_out)
 
     def chain(self, link: int) -> tuple[int, ...]:
         """A link and all above it, the root first."""
@@ -108,32 +125,16 @@ class Tree:
         """Those of some links that turn or slide against their parent."""
         return [k for k in links if self.nodes[k].is_ball or self.nodes[k].hinges]
 
-    def above(self, k: int, poses: dict[int, tuple[Vector, Quaternion]]) -> Quaternion:
+    def above(self, k: int, poses: Sequence[Pose]) -> Quaternion:
         """The frame that the joint of link k turns in, in the world."""
         node = self.nodes[k]
         return node.orientation if node.parent < 0 else multiply(poses[node.parent][1], node.orientation)
 
-    def poses(self, posture: Posture, links: Iterable[int]) -> dict[int, tuple[Vector, Quaternion]]:
-        """Place [m] and orientation in the world of links; of each its parent is in the list before it, or it has none."""
-        found: dict[int, tuple[Vector, Quaternion]] = {}
-        for k in links:
-            node = self.nodes[k]
-            if node.is_free:
-                found[k] = posture.roots[k], posture.turns[k]
-                continue
-            place, frame = found[node.parent] if node.parent >= 0 else ((0.0, 0.0, 0.0), IDENTITY)
-            turned = multiply(frame, node.orientation)
-            if node.is_ball:
-                turned = multiply(turned, posture.turns[k])
-            origin = add(place, rotate(frame, node.anchor))
-            for h, hinge in enumerate(node.hinges, start=node.first_angle):
-                if isinstance(hinge, Slide):
-                    origin = add(origin, scaled(rotate(turned, hinge.axis), posture.angles[h]))
-                else:
-                    turned = multiply(turned, about(hinge.axis, posture.angles[h]))
-            found[k] = origin, normalised(turned)
-        return found
+    def poses(self, posture: Posture) -> list[Pose]:
+        """Return the poses of all links."""
+        places, turns = self.arrays.poses(self.arrays.read(posture.sample(0.0)))
+        return [((a, b, c), (w, x, y, z)) for (a, b, c), (w, x, y, z) in zip(places.tolist(), turns.tolist(), strict=True)]
 
-    def pose(self, posture: Posture, link: int) -> tuple[Vector, Quaternion]:
+    def pose(self, posture: Posture, link: int) -> Pose:
         """Place [m] and orientation in the world of one link."""
-        return self.poses(posture, self.chain(link))[link]
+        return self.poses(posture)[link]

@@ -49,12 +49,6 @@ def shortened(a: Vector, most: float) -> Vector:
     return scaled(a, most / length) if length > most else a
 
 
-def any_normal(a: Vector) -> Vector:
-    """A unit vector at right angles to the unit vector a."""
-    across = cross(a, (1.0, 0.0, 0.0) if abs(a[0]) < 0.6 else (0.0, 1.0, 0.0))
-    return scaled(across, 1.0 / norm(across))
-
-
 def multiply(p: Quaternion, q: Quaternion) -> Quaternion:
     """Hamilton product p q."""
     pw, px, py, pz = p
@@ -114,13 +108,3 @@ def way(a: Quaternion, b: Quaternion) -> Vector:
 def turned_by(v: Vector, q: Quaternion) -> Quaternion:
     """q, and then the turn of a rotation vector [rad]."""
     return normalised(multiply(exp(v), q))
-
-
-def between(a: Vector, b: Vector) -> Quaternion:
-    """The smallest turn of unit vector a into unit vector b; about any axis where they are opposite."""
-    w = 1.0 + dot(a, b)
-    if w < NO_LENGTH:
-        x, y, z = any_normal(a)
-        return 0.0, x, y, z
-    x, y, z = cross(a, b)
-    return normalised((w, x, y, z))

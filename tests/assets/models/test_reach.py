@@ -63,6 +63,7 @@ def test_a_free_root_stays_and_a_ball_keeps_its_limits() -> None:
 
 def test_what_is_no_goal_is_refused(arms: Model, tmp_path: Path) -> None:
     assert np.array_equal(arms.reach({}), np.zeros(8))
+    assert (arms.reach({}, start=np.full(8, 3.0)) <= [1.5, 2.5, 0.2, 2.0] * 2).all()
     with pytest.raises(UnknownName):
         arms.reach({"hand": (0.0, 0.0, 0.0)})
     for goal in ((0.0, 0.0), (0.0, 0.0, float("nan")), "there", (0.0, 0.0, 1e12)):
