@@ -9,7 +9,7 @@ from math import atan2, exp, hypot, pi, sin, sqrt
 from avatarsim.live.drive.ease import minimum_jerk
 from avatarsim.live.drive.limbs import Limb
 from avatarsim.live.drive.pull import Goal, Pull, exterior_angle, turn_about
-from avatarsim.live.drive.tree import Posture, Tree
+from avatarsim.live.drive.tree import Pose, Posture, Tree
 from avatarsim.live.drive.turns import (
     UP,
     about,
@@ -147,10 +147,10 @@ class Gait:
         for number, leg in enumerate(self._legs):
             place = self._foot(number, (x, y, ground + self._stand), facing)
             self._turn[number].solve(posture, [Goal(leg.tip, None, multiply(facing, self._turned[number]))], most)
-            toe = self._tree.pose(posture, leg.tip)[0]
-            ax, ay, az = add(self._heels[number], scaled(sub(place, toe), HEEL))
+            poses = self._tree.poses(posture)
+            ax, ay, az = add(self._heels[number], scaled(sub(place, poses[leg.tip][0]), HEEL))
             self._heels[number] = shortened((ax, ay, max(0.0, az)), HIGHEST_HEEL * self.leg)
-            self._stand_on(number, posture, add(place, self._heels[number]), facing, most)
+            self._stand_on(number, posture, poses, add(place, self._heels[number]), facing, most)
 
     def _foot(self, number: int, root: Vector, facing: Quaternion) -> Vector:
         """Where a foot is to be [m], under a root that stands."""
@@ -165,11 +165,10 @@ class Gait:
         stride = self.period * STANCE * along
         return root[0] + home[0] + ux * stride, root[1] + home[1] + uy * stride, root[2] + home[2] + lift
 
-    def _stand_on(self, number: int, posture: Posture, toe: Vector, facing: Quaternion, most: float) -> None:
+    def _stand_on(self, number: int, posture: Posture, poses: list[Pose], toe: Vector, facing: Quaternion, most: float) -> None:
         """Put the ankle of a leg where that of a level foot with its tip at `toe` [m] is, by knee and hip."""
         (knee, ankle), leg = self._bent[number], self._legs[number]
         goal = add(toe, rotate(facing, self._heel[number]))
-        poses = self._tree.poses(posture)
         hip, middle, low = (poses[k][0] for k in (leg.links[0], knee, ankle))
         thigh, shank, left = sub(middle, hip), sub(low, middle), rotate(facing, (0.0, 1.0, 0.0))
         a, b, d = norm(thigh), norm(shank), norm(sub(goal, hip))

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 
@@ -33,10 +34,9 @@ class Posture:
 
     def sample(self, time: float) -> TrackerSample:
         """As a sample at `time` [s]."""
-        return TrackerSample(
-            time, np.array(self.roots, dtype=np.float64).reshape(-1, 3), np.array(self.turns, dtype=np.float64).reshape(-1, 4),
-            np.array(self.angles, dtype=np.float64),
-        )
+        # two thirds of the time of np.array
+        roots, turns = (np.fromiter(chain.from_iterable(rows), np.float64) for rows in (self.roots, self.turns))
+        return TrackerSample(time, roots.reshape(-1, 3), turns.reshape(-1, 4), np.array(self.angles, dtype=np.float64))
 
 
 def posture_of(sample: TrackerSample) -> Posture:
