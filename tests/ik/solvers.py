@@ -76,7 +76,7 @@ class Solver:
 def solver_of(scene: Scene) -> Solver:
     """The arrays of a scene at its first posture."""
     world = build(scene)
-    made = make_solver(world.geometry, world.skeleton, world.posture, world.poses)
+    made = make_solver(world.geometry, world.skeleton, world.posture, world.poses, 0, world.link_friction())
     found = Solver(world, *made)
     found.stand()
     return found

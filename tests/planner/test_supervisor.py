@@ -91,7 +91,8 @@ def test_an_avatar_whose_path_is_blocked_waits_before_it_and_goes_on_once_that_i
     alone, _ = behind_the_wall(one)
     start = rest((one, plug))
     start.positions[3] = (2.6, 1.5, 0.9)
-    scene = Scene("blocked", alone.bodies, (one, plug), start=start)
+    # with friction on the wall it pushes the plug aside while it plans
+    scene = Scene("blocked", alone.bodies, (one, plug), start=start, narrow=("friction",))
     judge = Judge(scene)
 
     def goal(is_shut: bool) -> TrackerSample:

@@ -16,7 +16,7 @@ from scenarios.motion.keyframes import Key
 from scenarios.motion.rigid_hands import keyed
 from scenarios.scenario import Bound, Scenario
 
-FRAMES, SHORT = 300, 240
+FRAMES, SHORT = 300, 280
 TOP, BALL = 0.75, 0.03
 """Height of the table's upper face, and radius of the ball [m]; the table's edge is at x = 0.5."""
 BONES, RADIUS = (0.045, 0.028, 0.022), 0.008
