@@ -14,7 +14,7 @@ from math import exp
 
 from avatarsim.ik.constraints import add_contact
 from avatarsim.ik.qp import SOFTNESS, transform
-from avatarsim.ik.state import Avatars, Contacts, IkScratch, IkState, RowKind
+from avatarsim.ik.state import Avatars, ConstraintRows, Contacts, IkScratch, IkState, RowKind
 from avatarsim.jit.kernel import kernel
 from avatarsim.model.geometry import Array, Geometry, Poses
 from avatarsim.model.skeleton import FREE, SLIDE, Skeleton
@@ -25,22 +25,42 @@ from avatarsim.tolerances import NOTHING
 
 CONTACT, FRICTION = int(RowKind.CONTACT), int(RowKind.FRICTION)
 
+HELD = 6
+"""Contacts of an avatar that have friction at most, those that press hardest. Fewer: a hand turns about the ones that are left;
+more: slowest frames of hands that grip take longer."""
+
 
 @kernel
 def add_friction(
-    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, state: IkState,
+    geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, members: int, poses: Poses, state: IkState,
     scratch_out: IkScratch,
 ) -> None:
-    """Append friction rows for the contacts with fixed bodies that pressed in the last step; the planner's ghost has none."""
-    rows = scratch_out.rows
-    for k in range(rows.used[0]):
-        a, b = rows.pair[k, 0], rows.pair[k, 1]
-        link, body = geo.body[a] - skel.first, geo.body[b]
-        if rows.kind[k] != CONTACT or body >= skel.first or state.tracking.keep[avatars.avatar[link]] == 0.0:
-            continue
-        most = avatars.friction[link, body] * normal_force(a, b, state.contacts)
-        if most > 0.0:
-            hold(geo, skel, avatars, settings, k, most, poses, state, scratch_out)
+    """Append friction rows for the contacts with fixed bodies that press hardest, HELD for each of so many members.
+
+    The planner's ghost has none."""
+    rows, count = scratch_out.rows, scratch_out.rows.used[0]
+    for k in range(count):
+        rows.before[k] = largest_force(geo, skel, avatars, k, state, rows)
+    for _ in range(HELD * members):
+        hardest = 0
+        for k in range(1, count):
+            hardest = k if rows.before[k] > rows.before[hardest] else hardest
+        if count == 0 or not (rows.before[hardest] > NOTHING):
+            return
+        hold(geo, skel, avatars, settings, hardest, rows.before[hardest], poses, state, scratch_out)
+        rows.before[hardest] = 0.0
+
+
+@kernel
+def largest_force(geo: Geometry, skel: Skeleton, avatars: Avatars, k: int, state: IkState, rows: ConstraintRows) -> float:
+    """Return the largest multiplier of friction that row k has by Coulomb's law, 0 for all but links on fixed bodies."""
+    if rows.kind[k] != CONTACT:
+        return 0.0
+    a, b = rows.pair[k, 0], rows.pair[k, 1]
+    link, body = geo.body[a] - skel.first, geo.body[b]
+    if body >= skel.first or state.tracking.keep[avatars.avatar[link]] == 0.0:
+        return 0.0
+    return float(avatars.friction[link, body] * normal_force(a, b, state.contacts))
 
 
 @kernel

@@ -174,7 +174,7 @@ def choose_step(
             return
         for m in range(first, last):
             model(skel, avatars, s.members[m], state, poses, s.objective)
-        add_friction(geo, skel, avatars, settings, poses, state, s)
+        add_friction(geo, skel, avatars, settings, last - first, poses, state, s)
         for m in range(first, last):
             resist(skel, avatars, s.members[m], state, s.objective)
             state.tracking.has_model[s.members[m]], state.tracking.has_arrived[s.members[m]] = 1, 0
