@@ -19,11 +19,12 @@ INKS: Mapping[str, tuple[str, str]] = {
 """Inks of charts, light and dark."""
 
 LENGTH_LABEL = (
-    "datum.value >= 1 ? datum.value + ' m' : datum.value > 9e-4 ? round(datum.value * 1e3) + ' mm' : "
+    "datum.value == 0 ? '0' : datum.value >= 1 ? datum.value + ' m' : datum.value > 9e-4 ? round(datum.value * 1e3) + ' mm' : "
     "datum.value > 9e-7 ? round(datum.value * 1e6) + ' µm' : round(datum.value * 1e9) + ' nm'"
 )
 TIME_LABEL = (
-    "datum.value >= 1e3 ? datum.value / 1e3 + ' ms' : datum.value >= 1 ? datum.value + ' µs' : round(datum.value * 1e3) + ' ns'"
+    "datum.value == 0 ? '0' : datum.value >= 1e3 ? datum.value / 1e3 + ' ms' : "
+    "datum.value >= 1 ? datum.value + ' µs' : round(datum.value * 1e3) + ' ns'"
 )
 """Vega expressions of axis labels: of lengths in metres, of times in microseconds."""
 
