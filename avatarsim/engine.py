@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 NOTHING = Tally()
 """Nothing counted, nothing timed."""
 STARTS = ("nearest", "exact")
-"""How a start that overlaps is taken; see `Settings.start`."""
+"""Treatment of a start that overlaps; see `Settings.start`."""
 
 ADAPTER = "adapter"
 """Name of the stage in which an engine reports what is not its own: the Python that wraps another simulator for this protocol. It

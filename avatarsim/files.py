@@ -100,7 +100,7 @@ def make_private(folder: Path) -> None:
 
 
 def is_readable(folder: Path) -> bool:
-    """Return True if a folder exists and is trusted; distrust is said once per folder."""
+    """Return True if a folder exists and is trusted; one that is not is reported once."""
     try:
         require_trusted_folder(folder)
     except Distrusted as error:
@@ -112,7 +112,7 @@ def is_readable(folder: Path) -> bool:
 
 
 def is_writable(folder: Path) -> bool:
-    """Return True if a folder, made if need be, is trusted and takes a file; distrust is said once per folder."""
+    """Return True if a folder, made if need be, is trusted and takes a file; one that is not is reported once."""
     with suppress(OSError):
         make_private(folder)
     if not is_readable(folder):

@@ -37,7 +37,7 @@ AXES = tuple(axis / np.linalg.norm(axis) for axis in np.indices((3, 3, 3)).resha
 """Where roots are moved: along axes, and between them, since what opens a corner is its diagonal."""
 
 REACH = 4.0
-"""How much farther a root is moved than the posture is that was found before. Larger: more looks; smaller: what is around a
+"""Factor by which a root is moved farther than the best posture so far. Larger: more looks; smaller: what is around a
 corner is not found."""
 
 WORK = 9_000
@@ -45,11 +45,11 @@ WORK = 9_000
 repeat. Less: postures that are farther away than they need be; more: time."""
 
 LOOSE = 0.01
-"""How little the heaviest loose body weighs beside a link of an avatar, where both have to be moved. Larger: avatars make way for
+"""Weight of the heaviest loose body relative to a link of an avatar, where both have to be moved. Larger: avatars make way for
 furniture; smaller: the QP is worse conditioned."""
 
 WEDGED = 2.0
-"""How many times farther than the deepest overlap a loose body goes before avatars make way with it. Larger: bodies leave slots
+"""Multiple of the deepest overlap that a loose body is moved before avatars make way with it. Larger: bodies leave slots
 that they were put in; smaller: avatars are moved by bodies in piles."""
 
 MOST_LOOSE = 128
@@ -104,7 +104,7 @@ class Postures:
         is_free_at(self.world.words, self.words, 0.0, False)
 
     def _moved(self, one: Posture, other: Posture) -> float:
-        """How far [m] the link origin that is farther than any other has gone from one posture to another."""
+        """Return the largest distance [m] of a link origin between two postures."""
         places = []
         for posture in (one, other):
             self.show(posture)

@@ -47,6 +47,7 @@ METHODS_SAID = {
 NOWHERE = np.zeros((0, 3))
 """What is shown before a scene is loaded."""
 
+
 def at_rest(velocities: Array) -> Array:
     """Velocities of a scene without simulated bodies, all zero: shared by all its records, and therefore read-only."""
     shared = velocities.copy()

@@ -13,7 +13,7 @@ from avatarsim.scene.motion import Motion
 Array = NDArray[np.float64]
 
 LOOKS = 16
-"""How often a posture is lifted by its depth in the room: once out of level ground, and more often out of what stands on it."""
+"""Times that a posture is lifted by its depth in the room: once out of level ground, and more often out of what stands on it."""
 
 
 @dataclass(frozen=True, eq=False)

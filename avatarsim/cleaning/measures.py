@@ -124,7 +124,7 @@ def farthest(chords: Chords, motion: Motion, written: Motion) -> float:
 
 
 def moved(chords: Chords, motion: Motion, written: Motion) -> Moved:
-    """How far the written motion of the avatar is from the input."""
+    """Return the distances of the written motion of the avatar from the input."""
     away, avatar = link_moves(chords, motion, written), chords.scene.avatars[0]
     motion, written = of_avatar(motion, avatar), of_avatar(written, avatar)
     turns = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(motion.rotations), written.rotations))

@@ -37,7 +37,7 @@ FLIGHT_WEIGHT = 1e-3
 in flight it goes higher than any foot needs."""
 
 MOST_SLIDE, SLIDE_FLOOR = 1.1, 0.01
-"""How far planted feet may slide: in multiples of the input's foot slide, or [m/s] above it, whichever is more."""
+"""Bound on the slide of planted feet: in multiples of the input's foot slide, or [m/s] above it, whichever is more."""
 
 MOST_JERK = 1.1
 """95th percentile of jerk of all links up to which a result is taken at once, in multiples of the input's."""

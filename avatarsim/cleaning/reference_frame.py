@@ -18,7 +18,7 @@ LEAP_SPEED = 10.0
 Larger: a T-pose near the first posture is tracked, and limbs are thrown; smaller: fast clips lose their first frame."""
 
 LEAP_RATIO = 3.0
-"""How many times the mean speed on the next way that is: in recorded motion it is at most twice as much."""
+"""Factor of the mean speed on the next way above which it is a leap: in recorded motion it is at most twice as much."""
 
 
 def reference_frames(chords: Chords, motion: Motion) -> int:

@@ -152,7 +152,7 @@ class Audit:
 
 @dataclass(frozen=True, eq=False)
 class Moved:
-    """How far the written motion is from the input: root mean square, 95th percentile and, of links, maximum over all frames.
+    """Distances of the written motion from the input: root mean square, 95th percentile and, of links, maximum over all frames.
 
     links      names; link_rms, link_p95, link_most (links,) of the distance of their middles [m]
     joints     names; joint_rms, joint_p95 (joints,) of the angle between the rotations, or of the hinge angle [rad]

@@ -58,9 +58,10 @@ def largest_force(geo: Geometry, skel: Skeleton, avatars: Avatars, k: int, state
         return 0.0
     a, b = rows.pair[k, 0], rows.pair[k, 1]
     link, body = geo.body[a] - skel.first, geo.body[b]
-    if body >= skel.first or state.tracking.keep[avatars.avatar[link]] == 0.0:
+    one, other = avatars.material[geo.body[a]], avatars.material[body]
+    if body >= skel.first or other < 0 or one < 0 or state.tracking.keep[avatars.avatar[link]] == 0.0:
         return 0.0
-    return float(avatars.friction[link, body] * normal_force(a, b, state.contacts))
+    return float(avatars.friction[one, other] * normal_force(a, b, state.contacts))
 
 
 @kernel

@@ -79,9 +79,12 @@ def finger_links(skel: Skeleton) -> NDArray[np.bool_]:
     return np.asarray(skel.related[:, fingers].any(axis=1))
 
 
-def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, friction: Array | None = None) -> tuple[Avatars, Array]:
-    """What never changes of the avatars, with their friction (nl, nb) on bodies, none by default; and the mean reach (na) [m] of
-    their links, 1 where no link has a shape."""
+def make_avatars(
+    geo: Geometry, skel: Skeleton, poses: Poses, friction: tuple[NDArray[np.int64], Array] | None = None
+) -> tuple[Avatars, Array]:
+    """Return what never changes of the avatars, and the mean reach (na) [m] of their links, 1 where no link has a shape.
+
+    `friction`: materials (nb) and coefficients (nm, nm) as of `World.link_friction`; without it there is none."""
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
     roots = np.flatnonzero(skel.parent < 0)
     first_link = np.append(roots, nl).astype(np.int64)
@@ -109,10 +112,9 @@ def make_avatars(geo: Geometry, skel: Skeleton, poses: Poses, friction: Array | 
     shares = np.where(finger_links(skel), FINGER_WEIGHT, 1.0)
     weight *= shares[joint_of]
     depth = np.array([len(one) - 1 for one in paths], dtype=np.int64)
-    rub = zeros(nl, max(skel.first, 1))
-    if friction is not None:
-        rub[:, : skel.first] = friction
-    return Avatars(first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight, shares, rub), reach
+    material, coefficients = friction or (np.full(len(geo.first_shape) - 1, -1), zeros(1, 1))
+    parts = first_link, skel.first_dof[first_link], avatar, joint_of, path, depth, weight, shares, material, coefficients
+    return Avatars(*parts), reach
 
 
 def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
@@ -170,12 +172,14 @@ def spans(skel: Skeleton) -> Avatars:
     first_link = np.append(np.flatnonzero(skel.parent < 0), len(skel.kind)).astype(np.int64)
     none = zeros(1)
     return Avatars(
-        first_link, skel.first_dof[first_link], first_link, first_link, indices(1, 1), first_link, none, none, zeros(1, 1)
+        first_link, skel.first_dof[first_link], first_link, first_link, indices(1, 1), first_link, none, none, first_link,
+        zeros(1, 1),
     )
 
 
 def make_solver(
-    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0, friction: Array | None = None
+    geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0,
+    friction: tuple[NDArray[np.int64], Array] | None = None,
 ) -> tuple[Avatars, IkState, IkScratch]:
     """Everything the solver needs for a world at its first posture."""
     nd = int(skel.first_dof[-1])

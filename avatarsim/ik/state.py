@@ -220,7 +220,8 @@ known_as_table(Tracking, TRACKING)
 class Avatars(NamedTuple):
     """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
     the degrees that carry degree j, and with couplings its ancestors in the elimination tree, from the root on, itself at place
-    depth[j] of them; friction (nl, nb) of a link on a fixed body, 0 on all others; turn_weight (nd) [m^2] of a squared
+    depth[j] of them; material (nb) of links and fixed bodies,
+    -1 of bodies on which links have no friction, and friction (nm, nm) of pairs of materials; turn_weight (nd) [m^2] of a squared
     angle, [1] of the squared way of a slide, 0 for translations of a root; link_weight (nl) of a squared distance of a link's
     origin."""
 
@@ -232,6 +233,7 @@ class Avatars(NamedTuple):
     depth: IndexLine
     turn_weight: Line
     link_weight: Line
+    material: IndexLine
     friction: Grid
 
 

@@ -87,11 +87,10 @@ class World:
         """Driven bodies that the upper loop moves."""
         return self.dynamics.drive
 
-    def link_friction(self) -> Array:
-        """Coefficients of friction (nl, nb) of the links on fixed bodies; 0 on all others."""
-        masses, first = self.dynamics, int(self.skeleton.first)
-        found = masses.friction[np.ix_(masses.material[first:], masses.material[:first])]
-        return np.where(masses.role[:first] == Role.FIXED.value, found, 0.0)
+    def link_friction(self) -> tuple[NDArray[np.int64], Array]:
+        """Return the material of each link and fixed body (nb), -1 of loose bodies, and the coefficients of pairs (nm, nm)."""
+        masses = self.dynamics
+        return np.where(masses.role == Role.SIMULATED.value, -1, masses.material), masses.friction.copy()
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
         """Flags, and frames of a pause, of which the longest lasts a second of frames of a microsecond."""
