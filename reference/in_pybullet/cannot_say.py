@@ -7,9 +7,9 @@ import numpy as np
 from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Ellipsoid
-from reference.in_pybullet.factors import Array, coefficients, fit, weights
 from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES, WIDEST
 from reference.narrowing import alike_in_both
+from reference.pair_factors import Array, coefficients, fit, weights
 
 RARE = 1e-3
 """Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not worth a word."""

@@ -17,10 +17,10 @@ from avatarsim.spatial import rotation
 from reference.in_pybullet.calls import Name, call, grouped
 from reference.in_pybullet.cannot_say import cannot_say
 from reference.in_pybullet.drive import DRIVES, Drive
-from reference.in_pybullet.factors import coefficients, fit, weights
 from reference.in_pybullet.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_pybullet.reading import STATED, Reading
 from reference.in_pybullet.world import World, build_world
+from reference.pair_factors import coefficients, fit, weights
 from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
 

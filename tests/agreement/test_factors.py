@@ -7,8 +7,8 @@ from avatarsim.scene.body import fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Ellipsoid, Piece, Sphere
 from reference.in_pybullet.cannot_say import cannot_say
-from reference.in_pybullet.factors import Array, coefficients, fit, weights
-from reference.in_pybullet.minimax import CLOSE, least_worst
+from reference.minimax import CLOSE, least_worst
+from reference.pair_factors import Array, coefficients, fit, weights
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.scenes import hand, pressed
 

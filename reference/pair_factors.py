@@ -1,5 +1,4 @@
-"""One factor per body whose products come closest to a table of pairs: all that Bullet's product rule can
-say.
+"""One factor per body whose products come closest to a table of pairs, for engines that multiply the coefficients of two bodies.
 
 Three mutually touching bodies can always be said exactly: r_i = sqrt(e_ij e_ik / e_jk). For more, least
 squares of the logarithms, weighted by how likely two bodies meet; where those miss something and any two bodies are as likely
@@ -15,7 +14,7 @@ from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere
 from avatarsim.spatial import rotation
-from reference.in_pybullet.minimax import least_worst
+from reference.minimax import least_worst
 
 Array = NDArray[np.float64]
 
