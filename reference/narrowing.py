@@ -6,8 +6,10 @@ impacts within a step, and sleeping is off in both unless a preset asks for it: 
 
 from collections.abc import Mapping
 
-from avatarsim.scene.joint import Ball
+from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.scene import Scene
+from avatarsim.scene.shape import Ellipsoid
+from reference.pair_factors import missed
 
 ALWAYS_THERE: Mapping[str, str] = {
     "overlap_removal": "cannot be switched off apart from contact as a whole",
@@ -28,3 +30,19 @@ def alike_in_both(scene: Scene) -> dict[str, str]:
     if any(avatar.coupled_mass is not None for avatar in scene.avatars):
         found["coupled mass"] = "an avatar's links have one mass: their own"
     return found | {f"no {effect.replace('_', ' ')}": ALWAYS_THERE[effect] for effect in scene.lapsed if effect in ALWAYS_THERE}
+
+
+def alike_in_game_engines(scene: Scene, vertices: int) -> dict[str, str]:
+    """Return features -> consequence in engines with a joint per pair of bodies, a coefficient per body and hulls of `vertices`
+    points for ellipsoids."""
+    found, links = missed(scene), scene.links
+    pieces = [piece for body in scene.bodies for piece in body.pieces] + [piece for link in links for piece in link.pieces]
+    if any(isinstance(piece.shape, Ellipsoid) for piece in pieces):
+        found["ellipsoids"] = f"replaced by hulls of {vertices} points on their surface"
+    if any(isinstance(link.joint, Hinges) and len(link.joint.hinges) > 1 for link in links):
+        found["shared centres"] = "one joint per body: stand-ins of 0.1 % of the link's mass and inertia between hinges"
+    if any(avatar.couplings for avatar in scene.avatars):
+        found["couplings"] = "each joint is led by itself: what blocks a follower does not stop its leader"
+    if scene.effects.coupling:
+        found["virtual coupling"] = "no spring of eq. 6: after a collision a link goes back to its user as its own drive has it"
+    return found | alike_in_both(scene)

@@ -39,6 +39,12 @@ ALIKE = 0.9
 """Smallest weight over the largest from which on no pair matters more than another. Where some do, the least of the worst
 misses is no better: the course of hand_grasp and ball_off_table changes as much as by any other change of a percent."""
 
+RARE = 1e-3
+"""Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not worth a word."""
+
+LISTED = 4
+"""Pairs named in full when the product rule misses them; the others are counted."""
+
 MOST_BODIES = 60
 """Bodies up to which each has its own factor; above, bodies of one material and role share one (the fit grows
 as n^3)."""
@@ -107,6 +113,20 @@ def coefficients(scene: Scene) -> tuple[Array, Array]:
     if scene.derived_effects.friction and not scene.effects.friction:
         friction[:] = 0.0
     return restitution, friction
+
+
+def missed(scene: Scene) -> dict[str, str]:
+    """Return "restitution" and "friction" -> what products make of pairs that they miss; without those that they reach."""
+    found: dict[str, str] = {}
+    for what, wanted, matters in zip(("restitution", "friction"), coefficients(scene), weights(scene), strict=True):
+        misses = [miss for miss in fit(scene, wanted, matters).misses if matters[miss[0], miss[1]] > RARE * matters.max()]
+        listed = ", ".join(
+            f"{scene.names[a]} on {scene.names[b]} {said:.3f} instead of {meant:.3f}" for a, b, meant, said in misses[:LISTED]
+        )
+        more = f" and {len(misses) - LISTED} more" if len(misses) > LISTED else ""
+        if misses:
+            found[what] = f"a pair's coefficient is the product of its bodies' factors, here the closest fit: {listed}{more}"
+    return found
 
 
 def weights(scene: Scene) -> tuple[Array, Array]:

@@ -40,6 +40,33 @@ class Chosen:
 Preset = Mapping[str, Chosen]
 
 
+class Options(dict[str, Chosen]):
+    """Settings in force by name."""
+
+    def number(self, name: str) -> float:
+        """Return a setting that is a number."""
+        return float(np.asarray(self[name].value, dtype=np.float64))
+
+    def flag(self, name: str) -> bool:
+        """Return a setting that is true or false."""
+        return bool(self[name].value)
+
+    def word(self, engine: str, name: str, known: Sequence[str]) -> str:
+        """Return a setting that is one of `known`; raises UnknownName."""
+        value = str(self[name].value)
+        if value not in known:
+            raise UnknownName(f"option {name} of {engine}", value, known)
+        return value
+
+    def step_count(self, engine: str, dt: float) -> int:
+        """Return the whole number of steps nearest to the setting `dt` of a frame of `dt` seconds; raises InvalidInput."""
+        if not (np.isfinite(dt) and dt > 0.0):
+            raise InvalidInput("frame time [s]", dt, "finite and above 0")
+        if not self.number("dt") > 0.0:
+            raise InvalidInput(f"option dt of {engine}", self["dt"].value, "seconds above 0")
+        return max(1, round(dt / self.number("dt")))
+
+
 def cut_into(count: int) -> str:
     """Why the step is what it is: a frame is cut into `count` of them."""
     return f"{count} step{'' if count == 1 else 's'} per frame: the nearest whole number"
@@ -52,12 +79,12 @@ def kind_of(scene: Scene) -> Kind:
     return Kind.MIXED if any(role is Role.SIMULATED for role in scene.roles) else Kind.DRIVEN
 
 
-def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> dict[str, Chosen]:
+def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> Options:
     """The preset that `settings` names, with its options in place; typed errors for names and values that are
     unknown."""
     if settings.preset not in presets:
         raise UnknownName(f"preset of {engine}", settings.preset, presets)
-    chosen = dict(presets[settings.preset])
+    chosen = Options(presets[settings.preset])
     for name, value in settings.options.items():
         if name not in chosen:
             raise InvalidInput(f"option of {engine}", name, "one of " + ", ".join(sorted(chosen)))

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.engine import ADAPTER, FrameRecord, Settings
-from avatarsim.errors import InvalidInput
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
@@ -23,7 +22,7 @@ from reference.in_mujoco.presets import BETTER_ELSEWHERE, EVERYWHERE, OPTIMISES,
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
-from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
+from reference.presets import Options, cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
 from runfiles.naming import COMPILED
 
@@ -97,24 +96,24 @@ class MujocoEngine:
         self._kept: list[tuple[Array, Array, Array]] = []
         self._keeps = False
         self._settings, self._scene = settings, scene
-        self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
+        self._chosen = in_force(self.name, presets(kind_of(scene), scene.name), settings)
         chosen = self._chosen
         check_words(chosen)
         motors, self._hinged = chosen["drive"].value == "motors", chosen["ball_joints"].value == "hinges"
         self._world = build_world(
             scene, contact_laws(scene, bounce=chosen["contact"].value == "one_step"), limits=scene.effects.limits,
-            swing=bool(chosen["swing_limits"].value), gravity_on_links=bool(chosen["gravity_on_links"].value),
-            armature=float(np.asarray(chosen["armature"].value)), servo=_servo(chosen) if motors else None,
+            swing=chosen.flag("swing_limits"), gravity_on_links=chosen.flag("gravity_on_links"),
+            armature=chosen.number("armature"), servo=_servo(chosen) if motors else None,
             planes=chosen["floors"].value == "planes", hinged=self._hinged,
         )
         self._stiffness = Stiffness(self._world, chosen)
         self._stiffness.set_options()
         self._model, self._data = self._world.model, mujoco.MjData(self._world.model)
-        self._targets = Targets(scene, clamp=bool(chosen["clamp_targets"].value))
+        self._targets = Targets(scene, clamp=chosen.flag("clamp_targets"))
         links, mocap = self._world.mocap
         self._aimed = links[np.argsort(mocap)]
         self._motors = Motors(
-            self._model, scene, self._targets, float(np.asarray(chosen["lead"].value)), bool(chosen["lead_stops"].value),
+            self._model, scene, self._targets, chosen.number("lead"), chosen.flag("lead_stops"),
         ) if motors else None
         self._step, self._count = 0.0, 0
         self._cut(dt)
@@ -135,7 +134,7 @@ class MujocoEngine:
         self._cut(dt)
         goal = self._targets.within_limits(checked(sample, self._scene.avatars))
         goals = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count)
-        steps, stop = self._stiffness.lead(self._step) / self._step, bool(self._chosen["lead_stops"].value)
+        steps, stop = self._stiffness.lead(self._step) / self._step, self._chosen.flag("lead_stops")
         positions, orientations = self._targets.ahead(goals, steps, stop)
         # for all steps at once: a choice of rows costs numpy as much as a tenth of a step
         positions, orientations = positions[:, self._aimed], orientations[:, self._aimed]
@@ -185,12 +184,9 @@ class MujocoEngine:
 
     def _cut(self, dt: float) -> None:
         """Cut a frame of `dt` into the whole number of steps nearest to the step that was set."""
-        if not (np.isfinite(dt) and dt > 0.0):
-            raise InvalidInput("frame time [s]", dt, "finite and above 0")
-        count = max(1, round(dt / float(self._chosen["dt"].value or 0.0)))  # type: ignore[arg-type]  # presets.py took numbers only
-        self._count = count
-        if dt / count != self._step:
-            self._step = dt / count
+        self._count = self._chosen.step_count(self.name, dt)
+        if dt / self._count != self._step:
+            self._step = dt / self._count
             self._stiffness.set_step(self._step)
 
     def _first_state(self) -> None:
@@ -237,9 +233,6 @@ class MujocoEngine:
         return found
 
 
-def _servo(chosen: Mapping[str, Chosen]) -> Servo:
+def _servo(chosen: Options) -> Servo:
     """The servos that settings ask for."""
-    stiffness, ratio, most = (
-        float(np.asarray(chosen[f"motor_{name}"].value, dtype=np.float64)) for name in ("stiffness", "damping_ratio", "force")
-    )
-    return Servo(stiffness, ratio, most)
+    return Servo(*(chosen.number(f"motor_{name}") for name in ("stiffness", "damping_ratio", "force")))

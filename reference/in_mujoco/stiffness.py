@@ -4,11 +4,11 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.errors import InvalidInput
 from reference.in_mujoco.laws import Law
 from reference.in_mujoco.motors import DRIVES
 from reference.in_mujoco.world import World
-from reference.presets import Chosen
+from reference.presets import Options
 
 SOFTEST = 0.02
 """MuJoCo's default time constant [s] of limits."""
@@ -28,29 +28,27 @@ FLOORS = ("boxes", "planes")
 """What a fixed box is: a box, or an infinite plane at its top."""
 
 
-def check_words(chosen: dict[str, Chosen]) -> None:
+def check_words(chosen: Options) -> None:
     """Raise for words that MuJoCo or the adapter does not know, and for a step or servos that are not above 0."""
     for name, ours in (("contact", CONTACTS), ("drive", DRIVES), ("floors", FLOORS), ("ball_joints", JOINTS)):
-        if chosen[name].value not in ours:
-            raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), ours)
+        chosen.word("mujoco", name, ours)
     if chosen["drive"].value == "motors" and chosen["ball_joints"].value == "hinges":
         raise InvalidInput("option ball_joints of mujoco", "hinges", "balls where the drive is motors, whose servos are in balls")
     words_of = {"integrator": mujoco.mjtIntegrator, "cone": mujoco.mjtCone, "solver": mujoco.mjtSolver}
     for name, prefix in (("integrator", "mjINT_"), ("cone", "mjCONE_"), ("solver", "mjSOL_")):
         known = [word.removeprefix(prefix) for word in words_of[name].__members__ if word.startswith(prefix)]
-        if chosen[name].value not in known:
-            raise UnknownName(f"option {name} of mujoco", str(chosen[name].value), known)
+        chosen.word("mujoco", name, known)
     for name in ("dt", "motor_stiffness", "motor_damping_ratio"):
-        if not float(np.asarray(chosen[name].value, dtype=np.float64)) > 0.0:
+        if not chosen.number(name) > 0.0:
             raise InvalidInput(f"option {name} of mujoco", chosen[name].value, "above 0")
-    if not float(np.asarray(chosen["motor_force"].value, dtype=np.float64)) >= 0.0:
+    if not chosen.number("motor_force") >= 0.0:
         raise InvalidInput("option motor_force of mujoco", chosen["motor_force"].value, "0 or above")
 
 
 class Stiffness:
     """Writes time step, contact law, limits and welds into the model of one world."""
 
-    def __init__(self, world: World, chosen: dict[str, Chosen]) -> None:
+    def __init__(self, world: World, chosen: Options) -> None:
         self._world, self._chosen = world, chosen
 
     def set_options(self) -> None:
@@ -58,8 +56,8 @@ class Stiffness:
         option, model = self._world.model.opt, self._world.model
         option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{self._word('integrator')}")
         option.cone = getattr(mujoco.mjtCone, f"mjCONE_{self._word('cone')}")
-        option.iterations, option.tolerance = int(self._number("iterations")), self._number("tolerance")
-        option.impratio, option.noslip_iterations = self._number("impratio"), int(self._number("noslip_iterations"))
+        option.iterations, option.tolerance = int(self._chosen.number("iterations")), self._chosen.number("tolerance")
+        option.impratio, option.noslip_iterations = self._chosen.number("impratio"), int(self._chosen.number("noslip_iterations"))
         option.solver = getattr(mujoco.mjtSolver, f"mjSOL_{self._word('solver')}")
         for name, flag in (("refsafe", "REFSAFE"), ("islands", "ISLAND"), ("warm_starts", "WARMSTART")):
             bit = int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}"))
@@ -67,9 +65,10 @@ class Stiffness:
         if self._chosen["sleep"].value:
             option.enableflags |= int(mujoco.mjtEnableBit.mjENBL_SLEEP)
         model.eq_solimp[:, :3] = self._chosen["weld_solimp"].value
-        model.eq_data[:, 10] = self._number("weld_rotation")
+        model.eq_data[:, 10] = self._chosen.number("weld_rotation")
         model.geom_margin[:] = self._geom_margins()
-        model.pair_margin[:] = np.where(self._world.pair_driven, self._number("margin"), self._number("loose_margin"))
+        margins = self._chosen.number("margin"), self._chosen.number("loose_margin")
+        model.pair_margin[:] = np.where(self._world.pair_driven, *margins)
         for solimp in (model.geom_solimp, model.pair_solimp, model.jnt_solimp, model.tendon_solimp_lim):
             solimp[:, :3] = self._chosen["solimp"].value
 
@@ -80,7 +79,7 @@ class Stiffness:
         `margin`, so that two links, and a link and a wall, meet at one. Where something is loose links carry all of it but the
         half that the others have, since nothing is to hover at `margin` over what does not move; two links then meet at more.
         """
-        world, margin, half = self._world, self._number("margin"), 0.5 * self._number("loose_margin")
+        world, margin, half = self._world, self._chosen.number("margin"), 0.5 * self._chosen.number("loose_margin")
         if not len(world.free[0]):
             return np.full(len(world.geom_driven), 0.5 * margin)
         return np.where(world.geom_driven, max(margin - half, 0.0), half)
@@ -94,37 +93,37 @@ class Stiffness:
         for p, law in enumerate(self._world.pair_law):
             model.pair_solref[p] = self._contact(law, step)
             model.pair_solreffriction[p] = self._friction(law, step)
-        steps = self._number("limit_steps")
+        steps = self._chosen.number("limit_steps")
         limit = (steps * step if steps > 0.0 else SOFTEST, 1.0)
         model.jnt_solref[:] = limit
         model.tendon_solref_lim[:] = limit
-        if self._number("weld_stiffness") > 0.0:
+        if self._chosen.number("weld_stiffness") > 0.0:
             for weld, (one, other) in enumerate(zip(model.eq_obj1id, model.eq_obj2id, strict=True)):
                 mass = float(max(model.body_mass[one], model.body_mass[other]))
-                model.eq_solref[weld] = -self._number("weld_stiffness") / mass, -self._number("weld_damping") / mass
+                model.eq_solref[weld] = -self._chosen.number("weld_stiffness") / mass, -self._chosen.number("weld_damping") / mass
         else:
             model.eq_solref[:] = (self.weld_time(step), 1.0)
 
     def weld_time(self, step: float) -> float:
         """Time constant [s] of the welds to the tracked poses."""
-        steps = self._number("weld_steps")
-        return steps * step if steps > 0.0 else self._number("weld_time")
+        steps = self._chosen.number("weld_steps")
+        return steps * step if steps > 0.0 else self._chosen.number("weld_time")
 
     def lead(self, step: float) -> float:
         """How far ahead [s] of the tracker the welds aim.
 
         A weld of time constant T and full impedance d follows a steady motion 2 T d behind (damping over stiffness).
         """
-        if self._number("weld_stiffness") > 0.0:
-            return self._number("lead") * self._number("weld_damping") / self._number("weld_stiffness")
-        return self._number("lead") * 2.0 * self.weld_time(step) * float(self._world.model.eq_solimp[:1, 1].sum())
+        if self._chosen.number("weld_stiffness") > 0.0:
+            return self._chosen.number("lead") * self._chosen.number("weld_damping") / self._chosen.number("weld_stiffness")
+        return self._chosen.number("lead") * 2.0 * self.weld_time(step) * float(self._world.model.eq_solimp[:1, 1].sum())
 
     def _contact(self, law: Law, step: float) -> tuple[float, float]:
         """MuJoCo's two solref numbers: (time constant, damping ratio), or negative (stiffness, damping)."""
         if self._word("contact") == "soft":
-            steps = self._number("contact_steps")
-            return (steps * step if steps > 0.0 else self._number("contact_time")), 1.0
-        kappa = self._number("kappa_driven" if law.stops else "kappa_resting" if law.rubs else "kappa")
+            steps = self._chosen.number("contact_steps")
+            return (steps * step if steps > 0.0 else self._chosen.number("contact_time")), 1.0
+        kappa = self._chosen.number("kappa_driven" if law.stops else "kappa_resting" if law.rubs else "kappa")
         # a stiffness of exactly 0 would be read as the other format
         return -max(kappa, 1e-12) / step**2, -(1.0 + law.restitution) / step
 
@@ -133,12 +132,9 @@ class Stiffness:
         if self._word("contact") == "soft":
             return 0.0, 0.0
         if not law.rubs:
-            return self._number("friction_steps") * step, 1.0
-        longest = self._number("friction_time_resting")
-        return max(STIFFEST * step, min(self._number("friction_steps_resting") * step, longest)), 1.0
-
-    def _number(self, name: str) -> float:
-        return float(np.asarray(self._chosen[name].value, dtype=np.float64))
+            return self._chosen.number("friction_steps") * step, 1.0
+        longest = self._chosen.number("friction_time_resting")
+        return max(STIFFEST * step, min(self._chosen.number("friction_steps_resting") * step, longest)), 1.0
 
     def _word(self, name: str) -> str:
         return str(self._chosen[name].value)

@@ -16,6 +16,7 @@ from reference.in_mujoco import three_hinges
 from reference.in_mujoco.laws import Law, Laws
 from reference.in_mujoco.motors import Servo, add_motor, damp_swings
 from reference.in_mujoco.three_hinges import NARROWEST
+from reference.principal import principal_axes
 
 Indices = NDArray[np.int64]
 
@@ -180,13 +181,7 @@ def _inertia(body: mujoco.MjsBody, owner: object) -> None:
     """Mass, centre and principal inertia as stated."""
     mass = getattr(owner, "mass", None)
     assert isinstance(mass, Mass)
-    inertia = mass.inertia
-    moments, turn = np.diag(inertia).copy(), np.array(rotation.IDENTITY)
-    if np.abs(inertia - np.diag(moments)).max() > 1e-15 * moments.max():
-        moments, axes = np.linalg.eigh(inertia)
-        if np.linalg.det(axes) < 0.0:
-            axes[:, 0] *= -1.0
-        turn = rotation.from_matrix(axes)
+    moments, turn = principal_axes(mass.inertia)
     # MuJoCo refuses what exceeds the triangle inequality by a rounding error, as thin rods do
     largest = int(np.argmax(moments))
     moments[largest] = min(moments[largest], (moments.sum() - moments[largest]) * (1.0 - 1e-15))

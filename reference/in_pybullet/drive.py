@@ -15,7 +15,7 @@ from reference.in_pybullet.ball_stops import BallStops
 from reference.in_pybullet.calls import Name, call
 from reference.in_pybullet.shapes import wxyz, xyzw
 from reference.in_pybullet.world import World
-from reference.presets import Chosen
+from reference.presets import Options
 from reference.targets import Followed, Goals
 
 Array = NDArray[np.float64]
@@ -38,11 +38,11 @@ CONSTRAINT_LAG = 4.0
 class Drive:
     """Aims roots and joints of one world at the goals of each step."""
 
-    def __init__(self, world: World, scene: Scene, chosen: dict[str, Chosen]) -> None:
+    def __init__(self, world: World, scene: Scene, chosen: Options) -> None:
         self._world, self._chosen, self._client = world, chosen, world.client
         names = ("root_force", "hand_force", "root_speed", "position_gain", "velocity_gain", "hinge_force", "ball_gain",
                  "ball_force", "limit_force")
-        self._numbers = {name: float(np.asarray(chosen[name].value, dtype=np.float64)) for name in names}
+        self._numbers = {name: chosen.number(name) for name in names}
         self._frames = {k: world.parts[len(scene.bodies) + k].frame for _, _, k in world.balls}
         self._constraints: list[int] = []
         by_body: dict[int, tuple[list[int], list[int]]] = {}

@@ -9,7 +9,6 @@ import pybullet
 from numpy.typing import NDArray
 
 from avatarsim.engine import ADAPTER, FrameRecord, Settings
-from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
@@ -21,7 +20,7 @@ from reference.in_pybullet.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_pybullet.reading import STATED, Reading
 from reference.in_pybullet.world import World, build_world
 from reference.pair_factors import coefficients, fit, weights
-from reference.presets import Chosen, cut_into, in_force, kind_of, purpose
+from reference.presets import cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
@@ -60,20 +59,18 @@ class PybulletEngine:
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Open a server, build the world, put everything at its first pose, show it."""
         self.close()
-        self._chosen: dict[str, Chosen] = in_force(self.name, presets(kind_of(scene), scene.name), settings)
-        if self._chosen["drive"].value not in DRIVES:
-            raise UnknownName("option drive of pybullet", str(self._chosen["drive"].value), DRIVES)
-        if not self._number("dt") > 0.0:
-            raise InvalidInput("option dt of pybullet", self._chosen["dt"].value, "seconds above 0")
+        self._chosen = in_force(self.name, presets(kind_of(scene), scene.name), settings)
+        self._chosen.word(self.name, "drive", DRIVES)
+        self._chosen.step_count(self.name, dt)
         self._settings, self._scene = settings, scene
         self._client = int(pybullet.connect(pybullet.DIRECT))
-        self._targets = Targets(scene, clamp=bool(self._chosen["clamp_targets"].value))
+        self._targets = Targets(scene, clamp=self._chosen.flag("clamp_targets"))
         self._last = self._targets.within_limits(scene.first_sample)
         self._set_engine()
         self._world: World = build_world(
-            scene, self._client, maximal=bool(self._chosen["maximal"].value), limits=scene.effects.limits,
-            ball_limits=bool(self._chosen["ball_limits"].value),
-            hulls=bool(self._chosen["boxes_as_hulls"].value), apart=bool(self._chosen["pieces_as_links"].value),
+            scene, self._client, maximal=self._chosen.flag("maximal"), limits=scene.effects.limits,
+            ball_limits=self._chosen.flag("ball_limits"),
+            hulls=self._chosen.flag("boxes_as_hulls"), apart=self._chosen.flag("pieces_as_links"),
         )
         self._set_bodies()
         up = -np.array(scene.gravity)
@@ -131,12 +128,9 @@ class PybulletEngine:
 
     def _cut(self, dt: float) -> None:
         """Cut a frame of `dt` into the whole number of steps nearest to the step that was set."""
-        if not (np.isfinite(dt) and dt > 0.0):
-            raise InvalidInput("frame time [s]", dt, "finite and above 0")
-        count = max(1, round(dt / self._number("dt")))
-        self._count = count
-        if dt / count != self._step:
-            self._step = dt / count
+        self._count = self._chosen.step_count(self.name, dt)
+        if dt / self._count != self._step:
+            self._step = dt / self._count
             pybullet.setPhysicsEngineParameter(fixedTimeStep=self._step, physicsClientId=self._client)
 
     def _set_engine(self) -> None:
@@ -148,7 +142,7 @@ class PybulletEngine:
 
     def _falls(self) -> bool:
         """Return True if gravity acts at all: without simulated bodies it acts on nothing that is not held by its user."""
-        return any(role is Role.SIMULATED for role in self._scene.roles) or bool(self._chosen["gravity_on_links"].value)
+        return any(role is Role.SIMULATED for role in self._scene.roles) or self._chosen.flag("gravity_on_links")
 
     def _gravity(self) -> tuple[float, ...]:
         return tuple(float(g) for g in self._scene.gravity) if self._falls() else (0.0, 0.0, 0.0)
@@ -156,12 +150,13 @@ class PybulletEngine:
     def _parameters(self) -> list[dict[str, float]]:
         """What the engine is told, call by call."""
         told: list[dict[str, float]] = [{
-            "numSolverIterations": int(self._number("solver_iterations")), "contactSlop": self._number("contact_slop"),
-            "contactBreakingThreshold": self._number("breaking_threshold"),
-            "restitutionVelocityThreshold": self._number("restitution_threshold"), "deterministicOverlappingPairs": 1,
+            "numSolverIterations": int(self._chosen.number("solver_iterations")),
+            "contactSlop": self._chosen.number("contact_slop"),
+            "contactBreakingThreshold": self._chosen.number("breaking_threshold"),
+            "restitutionVelocityThreshold": self._chosen.number("restitution_threshold"), "deterministicOverlappingPairs": 1,
         }]
         if self._chosen["set_contact_erp"].value:
-            told.append({"contactERP": self._number("contact_erp")})
+            told.append({"contactERP": self._chosen.number("contact_erp")})
         if self._chosen["split_impulse"].value:
             told.append({"useSplitImpulse": 1, "splitImpulsePenetrationThreshold": 0.0})
         return told
@@ -179,7 +174,7 @@ class PybulletEngine:
         friction = fit(scene, slides, slide_matters).values
         if not scene.effects.restitution:
             restitution = np.zeros(len(scene.names))
-        damping, margin = self._number("damping"), self._number("collision_margin")
+        damping, margin = self._chosen.number("damping"), self._chosen.number("collision_margin")
         for k, part in enumerate(self._world.parts):
             for body, link in sorted({(part.body, part.link), *part.carriers}):
                 # apart: of a link Bullet drops friction and restitution, without a word, if told together with damping or margin
@@ -192,7 +187,7 @@ class PybulletEngine:
             if self._chosen["sleep"].value and scene.roles[k] is Role.SIMULATED:
                 yield part.body, part.link, {"activationState": pybullet.ACTIVATION_STATE_ENABLE_SLEEPING}
             # the smaller threshold of a pair counts: set on what bounces, it leaves a hand on a table its prediction
-            if self._number("processing_threshold") <= 0.0 and scene.roles[k] is Role.SIMULATED:
+            if self._chosen.number("processing_threshold") <= 0.0 and scene.roles[k] is Role.SIMULATED:
                 yield part.body, part.link, {"contactProcessingThreshold": 0.0}
 
     def native(self) -> tuple[str, str]:
@@ -219,6 +214,3 @@ class PybulletEngine:
             pybullet.applyExternalForce(
                 part.body, part.link, force, self._now[place : place + 3], pybullet.WORLD_FRAME, physicsClientId=self._client
             )
-
-    def _number(self, name: str) -> float:
-        return float(np.asarray(self._chosen[name].value, dtype=np.float64))

@@ -24,6 +24,7 @@ from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.in_pybullet import urdf
 from reference.in_pybullet.shapes import IDENTITY, Placed, collision_shape, parted, placed, xyzw
+from reference.principal import principal_axes
 
 Array = NDArray[np.float64]
 
@@ -116,13 +117,7 @@ def principal(mass: Mass, pieces: tuple[Piece, ...]) -> tuple[Array, Array]:
         moments = np.diag(turned).copy()
         if np.abs(turned - np.diag(moments)).max() <= 1e-12 * moments.max():
             return moments, np.array(pieces[0].orientation)
-    moments = np.diag(mass.inertia).copy()
-    if np.abs(mass.inertia - np.diag(moments)).max() <= 1e-15 * moments.max():
-        return moments, IDENTITY
-    moments, axes = np.linalg.eigh(mass.inertia)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 0] *= -1.0
-    return moments, rotation.from_matrix(axes)
+    return principal_axes(mass.inertia)
 
 
 def _is_simple(body: Body) -> bool:

@@ -7,6 +7,7 @@ import pytest
 
 from avatarsim.engine import Engine
 from reference.in_mujoco.engine import MujocoEngine
+from reference.in_rapier.engine import RapierEngine
 
 HAS_PYBULLET = find_spec("pybullet") is not None
 
@@ -22,4 +23,12 @@ if HAS_PYBULLET:
     pybullet, PybulletEngine = installed, Installed
 
 RIVALS: list[Engine] = [MujocoEngine(), *([PybulletEngine()] if HAS_PYBULLET else [])]
+STUDIED = pytest.mark.parametrize("engine", RIVALS, ids=[engine.name for engine in RIVALS])
+"""Engines whose best figures are known from studies of their own (`tests/agreement/reached`)."""
+RIVALS = [*RIVALS, RapierEngine()]
 ENGINES = pytest.mark.parametrize("engine", RIVALS, ids=[engine.name for engine in RIVALS])
+
+
+def digits(engine: Engine, double: float, single: float) -> float:
+    """Return the tolerance for an engine: `single` for one that computes in single precision."""
+    return single if engine.name == "rapier" else double

@@ -16,7 +16,7 @@ from avatarsim.scene.tracker import link_poses, rest
 from avatarsim.spatial import rotation
 from reference.in_mujoco.engine import MujocoEngine
 from reference.in_tracker.engine import RawTracker
-from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
+from tests.agreement.rivals import ENGINES, PybulletEngine, digits, needs_pybullet, pybullet
 from tests.agreement.runs import FRAME, idle, loaded, played
 from tests.agreement.scenes import anchored, ball_on_slab, bodies_of_all_shapes, chain, every_joint, posture
 
@@ -41,9 +41,10 @@ def test_first_pose_is_that_of_the_plain_kinematics(engine: Engine, preset: str,
     shown = engine.load(scene, Settings(preset), FRAME)
     positions, orientations = link_poses(scene.avatars, sample)
     engine.close()
-    assert np.abs(shown.shown.positions - positions).max() <= 1e-12
-    assert same_turn(shown.shown.orientations, orientations) <= 1e-12
-    assert np.abs(shown.angles - sample.angles).max(initial=0.0) <= 1e-12
+    near = digits(engine, 1e-12, 2e-7)
+    assert np.abs(shown.shown.positions - positions).max() <= near
+    assert same_turn(shown.shown.orientations, orientations) <= near
+    assert np.abs(shown.angles - sample.angles).max(initial=0.0) <= near
 
 
 def test_mujoco_has_the_stated_masses_and_inertias() -> None:
@@ -128,10 +129,11 @@ def test_free_fall_is_right_to_the_order_of_the_integrator(engine: Engine, prese
     scene = ball_on_slab(height=5.0)
     options = {"damping": 0.0} if engine.name == "pybullet" else {}
     record = played(engine, scene, idle(scene, 30), Settings(preset, options))[-1]
-    t, step = 30 * FRAME, FRAME / record.counts["steps"]
+    # Rapier's solver iterations are substeps of velocities and places
+    t, step = 30 * FRAME, FRAME / record.counts["steps"] / (4 if engine.name == "rapier" else 1)
     assert record.shown.time == pytest.approx(t, rel=1e-12)
-    assert record.shown.positions[1, 2] == pytest.approx(5.05 - 0.5 * 9.81 * t * (t + step), abs=1e-9)
-    assert record.shown.velocities[1, 2] == pytest.approx(-9.81 * t, abs=1e-9)
+    assert record.shown.positions[1, 2] == pytest.approx(5.05 - 0.5 * 9.81 * t * (t + step), abs=digits(engine, 1e-9, 1e-4))
+    assert record.shown.velocities[1, 2] == pytest.approx(-9.81 * t, abs=digits(engine, 1e-9, 1e-4))
 
 
 def centre_and_momentum(record: FrameRecord, body: int, mass: Mass) -> tuple[np.ndarray, np.ndarray]:
@@ -150,10 +152,11 @@ def test_skewed_bodies_spin_alike(engine: Engine) -> None:
     for k, body in enumerate(scene.bodies):
         assert body.mass is not None
         (at, momentum), (later, after) = (centre_and_momentum(record, k, body.mass) for record in (records[0], records[-1]))
-        # MuJoCo moves the frame's origin, whose path is curved: an error of the order of the step
-        assert np.abs(later - at - t * np.array(body.velocity)).max() <= 1e-5
-        assert np.abs(records[0].shown.velocities[k] - body.velocity).max() <= 1e-12
-        assert np.abs(records[0].shown.angular_velocities[k] - body.angular_velocity).max() <= 1e-12
+        # MuJoCo moves the frame's origin, whose path is curved: an error of the order of the step; in single precision steps are
+        # rounded 8 m from the origin
+        assert np.abs(later - at - t * np.array(body.velocity)).max() <= digits(engine, 1e-5, 4e-3)
+        assert np.abs(records[0].shown.velocities[k] - body.velocity).max() <= digits(engine, 1e-12, 1e-7)
+        assert np.abs(records[0].shown.angular_velocities[k] - body.angular_velocity).max() <= digits(engine, 1e-12, 1e-7)
         assert np.linalg.norm(after - momentum) <= 0.01 * np.linalg.norm(momentum)
 
 

@@ -16,7 +16,7 @@ from reference.in_mujoco.engine import MujocoEngine
 from scenarios import catalog
 from scenarios.engines import opened
 from tests.agreement.reached.test_solvers import scene
-from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet, pybullet
+from tests.agreement.rivals import STUDIED, PybulletEngine, needs_pybullet, pybullet
 from tests.agreement.runs import Array, loaded, of_catalog
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -36,13 +36,13 @@ def fingerprint(engine: Engine, preset: str) -> str:
     return of_catalog(engine, SCENE, Settings(preset), FRAMES)[1][-1].state_hash()
 
 
-@ENGINES
+@STUDIED
 @pytest.mark.parametrize("preset", ["default", "tuned"])
 def test_three_runs_in_this_process_are_the_same(engine: Engine, preset: str) -> None:
     assert len({fingerprint(opened(engine.name), preset) for _ in range(3)}) == 1
 
 
-@ENGINES
+@STUDIED
 def test_a_run_in_another_process_is_the_same(engine: Engine) -> None:
     code = ELSEWHERE.format(name=engine.name, preset="tuned")
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

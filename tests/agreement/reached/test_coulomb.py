@@ -15,7 +15,7 @@ from avatarsim.scene.body import ContactLaw
 from avatarsim.scene.shape import Box
 from reference.in_mujoco.engine import MujocoEngine
 from tests.agreement.reached.bodies import GRAVITY, RATES, Seen, Thrown, over_floor, seen
-from tests.agreement.rivals import ENGINES, PybulletEngine
+from tests.agreement.rivals import STUDIED, PybulletEngine
 
 SPEED, FRICTION = 2.0, 0.3
 """First speed [m/s] and coefficient of friction."""
@@ -67,7 +67,7 @@ def half_a_step(rate: int) -> float:
     return -100.0 * 0.5 * SPEED / rate / WAY
 
 
-@ENGINES
+@STUDIED
 @pytest.mark.parametrize("rate", RATES)
 def test_what_is_left_beside_half_a_step_is_no_more_than_known(engine: Engine, rate: int) -> None:
     known = abs(TOTAL[engine.name][rate] - half_a_step(rate)) + DIGIT[rate]
@@ -79,7 +79,7 @@ def test_what_never_bounces_goes_as_far_in_mujoco(rate: int) -> None:
     assert abs(errors(slid("mujoco", rate, 0.0))[0]) <= abs(TOTAL["mujoco"][rate]) + DIGIT[rate]
 
 
-@ENGINES
+@STUDIED
 def test_no_direction_is_worse(engine: Engine) -> None:
     found = slid(engine.name, 1000, LAW[engine.name][0])
     known = abs(ASKEW[engine.name] - half_a_step(1000)) + DIGIT[1000]
@@ -96,7 +96,7 @@ def test_the_pyramid_is_worse_by_as_much_as_is_known() -> None:
     assert abs(found[0]) < 0.2
 
 
-@ENGINES
+@STUDIED
 @pytest.mark.parametrize(("rate", "case"), [(60, 0), (240, 1), (1000, 2)])
 def test_stopped_boxes_stay(engine: Engine, rate: int, case: int) -> None:
     found = slid(engine.name, rate, 0.0)

@@ -16,7 +16,7 @@ from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from scenarios.building.avatars.hand import rigid_hand
 from tests.agreement.reached.driven import led
-from tests.agreement.rivals import ENGINES
+from tests.agreement.rivals import STUDIED
 from tests.agreement.runs import FRAME, MM
 
 RATES = pytest.mark.parametrize("rate", [60, 240, 1000])
@@ -61,7 +61,7 @@ def hand_at(frame: int) -> TrackerSample:
     return led_to((0.2 * along, 0.0, 0.114 - 0.2 * down), frame)
 
 
-@ENGINES
+@STUDIED
 @RATES
 def test_a_ball_is_no_deeper_and_no_later_than_known(engine: Engine, rate: int) -> None:
     pieces = (Piece(Sphere(RADIUS)),)
@@ -77,7 +77,7 @@ def test_a_ball_is_no_deeper_and_no_later_than_known(engine: Engine, rate: int) 
     assert found.places[:, 0, 0].max() < FACE
 
 
-@ENGINES
+@STUDIED
 @RATES
 def test_a_hand_is_no_deeper_than_known(engine: Engine, rate: int) -> None:
     table = fixed("table", (Piece(Box((1.5, 1.0, 0.06))),), "wood", (0.0, 0.0, -0.03))

@@ -15,7 +15,7 @@ from avatarsim.engine import Engine
 from avatarsim.scene.body import ContactLaw
 from reference.in_mujoco.engine import MujocoEngine
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, RATES, Seen, Thrown, over_floor, seen
-from tests.agreement.rivals import ENGINES, PybulletEngine, needs_pybullet
+from tests.agreement.rivals import STUDIED, PybulletEngine, needs_pybullet
 
 ASKED = (0.1, 0.2, 0.3, 0.5, 0.8, 1.0)
 """Restitution of the balls."""
@@ -80,7 +80,7 @@ def at_surface(ball: int, found: Seen) -> float:
     return sqrt(energy[k + out[0]] / energy[k - 1])
 
 
-@ENGINES
+@STUDIED
 @pytest.mark.parametrize("rate", RATES)
 def test_velocities_across_the_step_of_an_impact_are_exact(engine: Engine, rate: int) -> None:
     found = dropped(engine.name, rate)
@@ -95,7 +95,7 @@ def test_the_preset_adds_no_more_than_its_position_correction(rate: int) -> None
         assert -FOUR_DECIMALS < across_the_step(ball, found)[1] - ASKED[ball // PHASES] < KAPPA + FOUR_DECIMALS
 
 
-@ENGINES
+@STUDIED
 @pytest.mark.parametrize("rate", AT_SURFACE)
 def test_at_the_surface_errors_are_those_of_the_step(engine: Engine, rate: int) -> None:
     """The table is MuJoCo's; PyBullet is found to be as good, but for what it rises by within the step of the impact."""

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.engine import Engine
 from avatarsim.scene.body import ContactLaw
 from tests.agreement.reached.bodies import BALL, BALL_MASS, GRAVITY, Thrown, over_floor, seen
-from tests.agreement.rivals import ENGINES
+from tests.agreement.rivals import STUDIED
 
 SPEED, FRICTION = 2.0, 0.2
 """First speed [m/s] and coefficient of friction of the ball that slides."""
@@ -31,7 +31,7 @@ BOUNCED = 0.304
 """Known restitution there, of 0.3."""
 
 
-@ENGINES
+@STUDIED
 @pytest.mark.parametrize("rate", [60, 240, 1000])
 @pytest.mark.parametrize("restitution", [0.0, 0.3])
 def test_a_sliding_ball_rolls_in_time_at_as_near_to_five_sevenths_of_its_speed_as_known(
@@ -49,7 +49,7 @@ def test_a_sliding_ball_rolls_in_time_at_as_near_to_five_sevenths_of_its_speed_a
         assert ends == pytest.approx(ROLLS_FROM, abs=1.0 / rate)
 
 
-@ENGINES
+@STUDIED
 def test_an_oblique_bounce_loses_what_coulomb_says(engine: Engine) -> None:
     """At eight phases of the step, from the speed at which the ball was found on the floor."""
     along, down = STRIKES

@@ -1,0 +1,1 @@
+"""Rapier as an expert would run it on our scenes: at its documented defaults, and tuned."""
