@@ -1,4 +1,4 @@
-"""`python -m scenarios`: list, metrics, run, compare, check, bench, drawn, study."""
+"""`python -m scenarios`: list, metrics, run, compare, check, bench, drawn, tune, study."""
 
 import argparse
 import os
@@ -11,14 +11,14 @@ from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
-from scenarios.cli import commands, comparison, drawn, listing
+from scenarios.cli import commands, comparison, drawn, listing, tune
 from scenarios.cli import study as studies
 from scenarios.run.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.run.own_settings import EXAMPLE
 
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": comparison.compare,
-    "check": commands.check, "bench": commands.bench, "drawn": drawn.drawn, "study": studies.study,
+    "check": commands.check, "bench": commands.bench, "drawn": drawn.drawn, "tune": tune.tune, "study": studies.study,
 }
 
 
@@ -66,6 +66,10 @@ def parser() -> argparse.ArgumentParser:
     chosen.add_parser("bench", help="frame times only", parents=[shared])
     by_seed = chosen.add_parser("drawn", help="scenes and motions that nothing was tuned for, by seed", parents=[shared])
     by_seed.add_argument("--count", type=int, default=20, metavar="N", help="motions in each room, and crowds (default: 20)")
+    search = chosen.add_parser("tune", help="search for settings of an engine on drawn scenes", parents=[shared])
+    search.add_argument("tuned", metavar="ENGINE", help="engine; with --preset the one to begin from (default: tuned)")
+    search.add_argument("--count", type=int, default=1, metavar="N", help="motions in each room, and crowds (default: 1)")
+    search.add_argument("--rounds", type=int, default=1, metavar="N", help="changes in a row (default: 1)")
     study = chosen.add_parser("study", help="a study at length, added to the last comparison", parents=[shared])
     study.add_argument("name", nargs="+", metavar="NAME", help=", ".join(studies.STUDIES))
     study.add_argument("--run", type=path_option, metavar="RUN", help="run to add it to (default: the last comparison)")
