@@ -118,10 +118,10 @@ def options_of(command: str) -> frozenset[str]:
 def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
     live = commands.add_parser(
         "live", help="drive an avatar in the browser", description=LIVE, epilog=LIVE_END, formatter_class=RAW,
-        usage="avatarsim live [--scene hand | toys | gallery | house] [--avatar FILE] [--room FILE | floor] [options]",
+        usage="avatarsim live [--scene toys | hand | gallery | house] [--avatar FILE] [--room FILE | floor] [options]",
     )
     live_options(live)
-    live.add_argument("--scene", choices=("hand", "toys", "gallery", "house"), help="a scene that is built in (default: hand); "
+    live.add_argument("--scene", choices=("hand", "toys", "gallery", "house"), help="a scene that is built in (default: toys); "
                       "those of the catalogue: python -m scenarios.live in a checkout")
     live.add_argument("--avatar", metavar="FILE", type=path_option, help="an avatar of your own: MJCF, URDF")
     live.add_argument("--room", metavar="FILE", type=path_option, help="your own room: MJCF, URDF, a mesh, or the word floor")

@@ -36,7 +36,7 @@ from avatarsim.scene.scene import Scene
 
 ENDED, DIED, UNREADABLE = 0, 1, 3
 """Exit codes."""
-HAND = "hand"
+SCENE = "toys"
 """The scene that is shown where none is asked for."""
 MARGIN = 1e-3
 """[m] about the first posture of an avatar of one's own, as in cleaning."""
@@ -70,7 +70,7 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
     if asked.avatar is None:
         if asked.room is not None:
             raise InvalidInput("--room", str(asked.room), "an option beside --avatar, which goes about in it")
-        return stage(asked.scene or HAND), None
+        return stage(asked.scene or SCENE), None
     if asked.scene is not None:
         raise InvalidInput("--scene", asked.scene, "no option beside --avatar")
     from avatarsim.assets.models.load import load_avatar, load_room

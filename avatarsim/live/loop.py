@@ -8,6 +8,7 @@ frame is followed by no burst of quick ones. Python's collector runs only where 
 import gc
 import os
 import time
+from collections.abc import Collection
 from contextlib import suppress
 from importlib import import_module
 from multiprocessing.connection import Connection
@@ -82,6 +83,7 @@ class Loop:
         self._frame = self._skipped = self._steps = 0
         self._is_paused = self._is_over = False
         self._log: Recorder | None = None
+        self._links = frozenset(name for one in world.scene.avatars[:1] for name in one.link_names)
         self._logs = self._on_cpu = 0
         self._turns: Array = self.world.shown.shown.orientations
         self._begin_log()
@@ -141,7 +143,7 @@ class Loop:
     def _touch(self) -> None:
         """Send where bodies touch, of an engine that can tell."""
         if isinstance(self.world.engine, AvatarsimEngine):
-            self._channel.send(Touching(self._frame, rows(self.world.engine)))
+            self._channel.send(Touching(self._frame, rows(self.world.engine, self._links)))
 
     def _listen(self) -> None:
         """Take the newest target; one that fits no avatar of the scene is a fault of the door, which checks them all."""
@@ -213,7 +215,7 @@ class Loop:
         self._log = None
 
 
-def rows(engine: AvatarsimEngine) -> Array:
-    """(k, 6) points [m] and normals of all contacts of the state that an engine shows."""
-    found = [(*contact.point, *contact.normal) for contact in engine.contacts()]
+def rows(engine: AvatarsimEngine, links: Collection[str]) -> Array:
+    """Return (k, 6) points [m] and normals of those contacts of the state that an engine shows in which links take part."""
+    found = [(*one.point, *one.normal) for one in engine.contacts() if one.a in links or one.b in links]
     return np.array(found, dtype=np.float64).reshape(-1, 6)

@@ -116,8 +116,8 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class Touching:
-    """Where bodies touch in the state of a frame, `contacts` (k, 6): points [m], and unit normals out of the second body into the
-    first. Sent after the state, where the frame has time left: nothing waits for it."""
+    """Where the first avatar touches in the state of a frame, `contacts` (k, 6): points [m], and unit normals out of the second
+    body into the first. Sent after the state, where the frame has time left: nothing waits for it."""
 
     frame: int
     contacts: Array

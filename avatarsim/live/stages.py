@@ -34,23 +34,14 @@ GAP = 1e-4
 """[m] between things that stand on each other at the start: it closes in the first frames, and is no overlap by rounding."""
 
 
-@dataclass(frozen=True)
-class Camera:
-    """Where a page looks from at first, and at what [m]."""
-
-    position: Vector
-    look_at: Vector
-
-
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A scene that one drives, the links that get gizmos, by their names in the scene, what it is in one line, the first view,
-    and parts that are drawn in place of pieces, as `Model.visuals`."""
+    """A scene that one drives, the links that get gizmos, by their names in the scene, what it is in one line, and parts that are
+    drawn in place of pieces, as `Model.visuals`."""
 
     scene: Scene
     handles: tuple[str, ...]
     what: str
-    camera: Camera
     visuals: Mapping[str, tuple[Visual, ...]] = field(default_factory=dict)
 
 
@@ -62,16 +53,10 @@ def stage(name: str) -> Stage:
 
 
 def staged(scene: Scene, what: str) -> Stage:
-    """A scene with avatars as a stage, seen from behind its first avatar and above: roots and ends of limbs have gizmos.
-
-    Raises InvalidInput without an avatar."""
+    """Return a scene with avatars as a stage: roots and ends of limbs have gizmos. Raises InvalidInput without an avatar."""
     if not scene.avatars:
         raise InvalidInput(f"avatars of scene {scene.name}", 0, "at least 1, to be driven")
-    places, _ = link_poses(scene.avatars, scene.first_sample)
-    middle, span = np.mean(places[: len(scene.avatars[0].links)], axis=0), scene.avatars[0].span
-    x, y, z = (float(value) for value in middle)
-    camera = Camera((x - 0.7 * span, y - 0.7 * span, z + 0.45 * span), (x, y, z))
-    return Stage(scene, handles_of(scene), what, camera)
+    return Stage(scene, handles_of(scene), what)
 
 
 def handles_of(scene: Scene) -> tuple[str, ...]:
@@ -178,13 +163,12 @@ def _table(half: float, rim: float) -> tuple[Body, Body]:
     return fixed("floor", (_box((0.0, 0.0, -0.05), (4.0, 4.0, 0.1)),), "wood"), table
 
 
-def _above_table(name: str, bodies: tuple[Body, ...], what: str, roll: float = 0.0) -> Stage:
-    """The hand above the table, on which bodies lie; turned about its fingers by ``roll`` [degrees]."""
-    avatar = hand()
-    start = replace(rest((avatar,)), positions=_first_root(avatar, (-0.05, 0.0, TOP + 0.22)))
-    start.rotations[0] = _about("x", roll)
-    scene = Scene(name, bodies, (avatar,), start=start)
-    return Stage(scene, handles_of(scene), what, Camera((-0.65, -0.75, 1.35), (0.05, 0.0, 0.82)))
+def _above_table(name: str, bodies: tuple[Body, ...], what: str, roll: float = 0.0, doors: tuple[Avatar, ...] = ()) -> Stage:
+    """Return the hand, turned about its fingers by ``roll`` [degrees], above the table with loose bodies and doors."""
+    avatars = hand(), *doors
+    start = rest(avatars)
+    start.positions[0], start.rotations[0] = (-0.05, 0.0, TOP + 0.14), _about("x", roll)
+    return staged(Scene(name, bodies, avatars, start=start), what)
 
 
 def _hand_stage() -> Stage:
@@ -203,20 +187,44 @@ def _hand_stage() -> Stage:
 
 
 def _toys_stage() -> Stage:
-    """A mug, a tower and a row of dominoes; the palm is turned to them, the thumb up."""
+    """A mug, a tower, a row of dominoes and a small door; the palm is turned to them, the thumb up."""
     # four crossed boxes are a prism of eight sides
     slab = Box((0.07, 0.07 * tan(radians(22.5)), 0.1))
     mug = tuple(Piece(slab, orientation=_about("z", 45.0 * k)) for k in range(4))
     handle = Piece(Box((0.03, 0.012, 0.06)), (0.05, 0.0, 0.0))
-    block, tile = Box((0.06, 0.06, 0.04)), Box((0.008, 0.024, 0.048))
-    tower = tuple(
-        _loose(f"block {k + 1}", (Piece(block),), 0.1, (0.15, 0.25, TOP + 0.02 + k * (0.04 + GAP))) for k in range(6)
+    post = fixed("post", (_box((0.38, 0.08, TOP + 0.11), (0.02, 0.02, 0.22)),), "wood")
+    leaf = (_box((0.0, 0.1, 0.1), (0.012, 0.18, 0.19)), _box((0.0, 0.17, 0.1), (0.05, 0.01, 0.04)))
+    door = moving("door", leaf, "wood", position=(0.38, 0.08, TOP + 0.01), joint=_hinged(100.0), stiffness=0.0, mass=0.4,
+                  damping=0.2)
+    bodies = (
+        *_table(0.45, 0.03), post, _loose("mug", (*mug, handle), 0.3, (0.12, -0.05, TOP + 0.05)),
+        *_tower(6, (0.06, 0.06, 0.04), 0.1, (0.06, 0.3, TOP)),
+        *_dominoes(14, (0.008, 0.024, 0.048), 0.015, 0.026, (-0.05, -0.28, TOP)),
     )
-    dominoes = tuple(
-        _loose(f"domino {k + 1}", (Piece(tile),), 0.015, (-0.05 + 0.026 * k, -0.28, TOP + 0.024)) for k in range(14)
+    what = "a hand of 16 links over a table with a mug, a tower, a row of dominoes and a door"
+    return _above_table("live toys", bodies, what, -90.0, (door,))
+
+
+def _hinged(most: float) -> Hinges:
+    """Return a vertical hinge that opens by up to ``most`` [degrees] to either side."""
+    return Hinges((Hinge((0.0, 0.0, 1.0), radians(-most), radians(most)),))
+
+
+def _tower(count: int, size: Vector, mass: float, foot: Vector) -> tuple[Body, ...]:
+    """Return blocks [kg, m] on top of one another."""
+    x, y, z = foot
+    return tuple(
+        _loose(f"block {k + 1}", (Piece(Box(size)),), mass, (x, y, z + 0.5 * size[2] + k * (size[2] + GAP)))
+        for k in range(count)
     )
-    bodies = (*_table(0.45, 0.03), _loose("mug", (*mug, handle), 0.3, (0.12, -0.05, TOP + 0.05)), *tower, *dominoes)
-    return _above_table("live toys", bodies, "a hand of 16 links over a table with a mug, a tower and a row of dominoes", -90.0)
+
+
+def _dominoes(count: int, size: Vector, mass: float, apart: float, first: Vector) -> tuple[Body, ...]:
+    """Return a row of upright tiles along x, ``apart`` [m]."""
+    x, y, z = first
+    return tuple(
+        _loose(f"domino {k + 1}", (Piece(Box(size)),), mass, (x + apart * k, y, z + 0.5 * size[2])) for k in range(count)
+    )
 
 
 # --- the human
@@ -254,7 +262,7 @@ def _gallery() -> Stage:
     start = replace(start, positions=_first_root(avatar, (-2.2, 0.0, GAP - lowest)))
     scene = Scene("live gallery", (*_rooms(), *_furniture(), *_playthings()), (avatar,), start=start)
     what = "a human of 24 links in two rooms with a doorway, furniture, steps, and eight loose balls and boxes"
-    return Stage(scene, handles_of(scene), what, Camera((-3.4, -6.6, 4.0), (-0.9, 0.0, 0.8)))
+    return staged(scene, what)
 
 
 def _half_height(piece: Piece, orientation: Array) -> float:
@@ -267,14 +275,14 @@ def _half_height(piece: Piece, orientation: Array) -> float:
 
 
 def _rooms() -> tuple[Body, ...]:
-    """Two rooms of 4 by 5 m, between them a wall with a doorway of 1 by 2.1 m."""
+    """Two rooms of 4 by 5 m, between them a wall with a doorway of 1 by 2.1 m; walls towards the eye are low."""
     height, thick = 2.6, 0.12
     middle = fixed("doorway", (
         _box((0.0, 1.5, 0.5 * height), (thick, 2.0, height)), _box((0.0, -1.5, 0.5 * height), (thick, 2.0, height)),
         _box((0.0, 0.0, 2.35), (thick, 1.0, 0.5)),
     ), "wood")
     outer = fixed("walls", (
-        _box((4.06, 0.0, 0.5 * height), (thick, 5.0, height)), _box((-4.06, 0.0, 0.5 * height), (thick, 5.0, height)),
+        _box((4.06, 0.0, 0.5 * height), (thick, 5.0, height)), _box((-4.06, 0.0, 0.25), (thick, 5.0, 0.5)),
         _box((0.0, 2.56, 0.5 * height), (8.0, thick, height)), _box((0.0, -2.56, 0.25), (8.0, thick, 0.5)),
     ), "wood")
     return fixed("floor", (_box((0.0, 0.0, -0.1), (9.0, 6.0, 0.2)),), "wood"), middle, outer
@@ -316,8 +324,7 @@ def _house() -> Stage:
     human_stage = _gallery()
     door = moving(
         "door", (_box((0.0, 0.47, 1.02), (0.05, 0.94, 2.0)), _box((0.0, 0.85, 1.0), (0.18, 0.03, 0.12))), "wood",
-        position=(0.0, -0.47, 0.01), joint=Hinges((Hinge((0.0, 0.0, 1.0), radians(-110.0), radians(110.0)),)), stiffness=0.0,
-        mass=20.0, damping=10.0,
+        position=(0.0, -0.47, 0.01), joint=_hinged(110.0), stiffness=0.0, mass=20.0, damping=10.0,
     )
     lift = moving("lift", (_box((0.0, 0.0, 0.05), (1.2, 1.2, 0.1)),), "wood", position=(2.6, -1.6, GAP), largest_force=3000.0)
     ledge = fixed("ledge", (_box((0.0, 0.0, 0.5), (1.2, 1.2, 1.0)),), "wood", (3.4, 0.2, 0.0))
@@ -329,13 +336,13 @@ def _house() -> Stage:
             ("box behind the door", 0.4, 4.0, (0.9, 0.3, 0.2)),
         )
     )
+    games = *_tower(5, (0.3, 0.3, 0.25), 1.5, (-2.2, 1.6, 0.0)), *_dominoes(7, (0.06, 0.35, 0.7), 1.0, 0.3, (-3.4, -1.8, 0.0))
     avatar, start = human_stage.scene.avatars[0], human_stage.scene.start
     assert start is not None
     avatars = avatar, door, lift
     whole = with_moving(avatars, start, {}, rest(avatars))
-    scene = Scene("live house", (*_rooms(), ledge, stand, *things), avatars, start=whole)
-    what = "a human of 24 links, a door on its hinges between two rooms, a lift (keys y and n), and boxes to carry (key c)"
-    return Stage(scene, handles_of(scene), what, Camera((-2.6, -7.0, 6.6), (0.3, -0.2, 0.6)))
+    scene = Scene("live house", (*_rooms(), ledge, stand, *things, *games), avatars, start=whole)
+    return staged(scene, "a human of 24 links, a door between two rooms, a lift, boxes to carry, a tower and dominoes")
 
 
 def _box(position: Vector, size: Vector) -> Piece:

@@ -31,7 +31,7 @@ WARM = 5.0
 """[s] in which the page is to be there."""
 OF_LIBRARIES = ("THREE.Clock", "preventDefault inside passive", "Software WebGL")
 """Words of viser's own page on the console: nothing of ours."""
-HUD = "!!document.body && document.body.innerText.includes('p99')"
+HUD = "!!document.querySelector('[data-overlap]')"
 PLOT = "Object.values(window.__viserTestpoints.uplots)[0].chart"
 PATIENCE = 10.0
 
@@ -116,14 +116,14 @@ def quiet(one: Browser, running: Running) -> None:
     assert [address for address in one.requests if not address.startswith(own)] == []
 
 
-def drag(one: Browser, running: Running, name: str, way: tuple[float, float], steps: int = 40) -> None:
+def drag(one: Browser, running: Running, name: str, way: tuple[float, float], steps: int = 12) -> None:
     """Drag a link over the window by so many pixels."""
     x, y = running.on_screen(running.state.positions[running.session.scene.names.index(name)])
     one.mouse("Moved", x, y, is_down=False)
     one.mouse("Pressed", x, y)
     for k in range(1, steps + 1):
         one.mouse("Moved", x + way[0] * k / steps, y + way[1] * k / steps)
-        time.sleep(0.02)
+        time.sleep(0.05)
     time.sleep(0.5)
 
 
@@ -204,7 +204,7 @@ def test_keys_move_the_hand_and_no_camera(running: Running, seen: Browser) -> No
 
 @pytest.mark.parametrize("way", ["button", "key"])
 def test_home_brings_a_camera_back_that_flew_away(running: Running, seen: Browser, way: str) -> None:
-    camera = running.page.shows.stage.camera
+    camera = running.page.worlds.camera("Home")
     seen.mouse("Moved", 300.0, 600.0, is_down=False)
     for key in ("s", "d", "ArrowUp"):
         seen.key(key, 1.0)

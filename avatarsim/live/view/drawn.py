@@ -1,6 +1,7 @@
-"""What is drawn of a session: the room once, what moves at each draw, the user's own posture as a ghost, contacts as normals.
+"""Scene graph of one engine in the page: room, bodies, avatar, contacts, a word at the avatar, and its user's ghost.
 
-Retained-mode scene graph (viser): a mesh is sent once, later only where it is.
+Retained mode (viser): a mesh is sent once, later only its pose. viser has no material without a depth test, so that the room
+becomes translucent while the ghost, which is opaque, is apart from the avatar: opaque meshes are drawn first and stay visible.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,50 +11,78 @@ import viser
 from numpy.typing import NDArray
 
 from avatarsim.live.messages import State, Touching
-from avatarsim.player.surfaces import Surface, surface
+from avatarsim.player.surfaces import Surface, corners, surface
+from avatarsim.scene.body import Body as SceneBody
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece
+from avatarsim.spatial import rotation
 
 Array = NDArray[np.float64]
 Colour = tuple[int, int, int]
 
-SHOWN: tuple[Colour, ...] = ((46, 134, 222), (230, 145, 56), (120, 94, 240), (0, 158, 115))
-"""Of the avatar as each engine shows it, the driven one's first: apart for all eyes (Okabe and Ito)."""
+AVATARS: tuple[Colour, ...] = ((46, 134, 222), (230, 145, 56), (120, 94, 240), (0, 158, 115))
+"""Avatars of the engines, the driven one first; distinct for colour-blind eyes (Okabe and Ito)."""
 OVERLAPPING: Colour = (214, 39, 40)
-"""Of an avatar that overlaps more than a micrometre."""
-LOOSE: Colour = (196, 160, 110)
-"""Of bodies that are loose."""
-ROOM: dict[bool, Colour] = {False: (205, 208, 212), True: (88, 94, 104)}
-"""Of what is fixed, by whether the page is dark."""
-GHOST: dict[bool, Colour] = {False: (90, 90, 90), True: (220, 220, 220)}
-"""Of the user's own posture."""
-FAINT, BESIDE = 0.25, 0.55
-"""How opaque the ghost is, and bodies of engines beside the driven one."""
-NORMAL = 0.05
-"""Length of a drawn normal [m]."""
-CONTACT: Colour = (214, 39, 140)
-"""Of normals."""
+"""Avatar or ghost that overlaps."""
+FLASH: Colour = (255, 236, 140)
+"""Avatar in the moment of an event."""
+GHOST: Colour = (128, 128, 136)
+"""Ghost that overlaps nothing."""
+GLOW: Colour = (255, 196, 0)
+"""Contacts."""
+LOOSE: tuple[Colour, ...] = ((226, 184, 116), (205, 140, 92), (152, 176, 110))
+"""Loose bodies, in turn."""
+FLOOR: Colour = (140, 146, 154)
+WALL: Colour = (200, 208, 216)
+FURNITURE: Colour = (168, 128, 92)
+DOOR: Colour = (112, 152, 160)
+"""Fixed and moving bodies, all of a middle lightness, which suits a light and a dark page."""
+FLAT, HIGH = 0.2, 1.2
+"""Height of a floor, at most, as a share of its width; height of a wall [m], at least. Other fixed bodies are furniture."""
+THROUGH = 0.35
+"""Opacity of the room while the ghost is seen through it."""
+APART = 4e-3
+"""[m] between a link and its ghost from which the ghost is drawn. Less: the two flicker through each other."""
+GLOWING = 0.03
+"""Diameter of a contact's glow, as a share of the avatar's span."""
+FLASHING = 0.15
+"""[s] of a flash."""
 
 
 def colour_of(number: int) -> Colour:
-    """Of the avatar of an engine, by its place among them."""
-    count = len(SHOWN)
-    return SHOWN[number % count]
+    """Return the colour of the avatar of an engine, by its number."""
+    return AVATARS[number % len(AVATARS)]
+
+
+def room_colours(bodies: Sequence[SceneBody]) -> dict[str, Colour]:
+    """Return colours that tell floor, walls and furniture apart, by the bodies' extents."""
+    boxes = {}
+    for body in bodies:
+        points = np.concatenate([corners(piece) for piece in body.pieces]) if body.pieces else np.zeros((1, 3))
+        points = rotation.rotate(np.asarray(body.orientation), points) + np.asarray(body.position)
+        boxes[body.name] = points.min(axis=0), points.max(axis=0)
+    ground = min((float(high[2]) for _, high in boxes.values()), default=0.0)
+    found = {}
+    for name, (low, high) in boxes.items():
+        x, y, z = high - low
+        is_floor = high[2] <= ground and z <= FLAT * min(x, y)
+        found[name] = FLOOR if is_floor else WALL if z >= HIGH else FURNITURE
+    return found
 
 
 class Body:
-    """A node that moves: the mesh of the pieces, or, of a body with a surface of its own, a frame with a mesh of each."""
+    """A moving node: the mesh of the pieces or, of a body with a surface of its own, a frame with a mesh of each."""
 
     def __init__(
         self, server: viser.ViserServer, place: str, pieces: Sequence[Piece], seen: Surface | None, colour: Colour,
-        opacity: float | None,
+        visible: bool = True,
     ) -> None:
         def mesh(name: str, of: Surface) -> viser.MeshHandle:
             at = place if seen is None else f"{place}/{name}"
-            return server.scene.add_mesh_simple(at, *of, color=colour, opacity=opacity, flat_shading=False)
+            return server.scene.add_mesh_simple(at, *of, color=colour, visible=visible or seen is not None)
 
-        frame = None if seen is None else server.scene.add_frame(place, show_axes=False)
+        frame = None if seen is None else server.scene.add_frame(place, show_axes=False, visible=visible)
         self._tested = mesh("tested", surface(pieces)) if pieces else None
         self._seen = None if seen is None else mesh("seen", seen)
         self.meshes = [one for one in (self._seen, self._tested) if one is not None]
@@ -69,8 +98,13 @@ class Body:
         for mesh in self.meshes:
             mesh.color = colour
 
+    def fade(self, opacity: float | None) -> None:
+        """Draw it translucent, or opaque for None."""
+        for mesh in self.meshes:
+            mesh.opacity = opacity
+
     def test(self, tested: bool) -> None:
-        """Draw the pieces that are tested, or the surface."""
+        """Draw the pieces that are tested for overlap, or the surface."""
         if self._seen is not None:
             self._seen.visible = not tested
             if self._tested is not None:
@@ -78,90 +112,114 @@ class Body:
 
 
 class Drawn:
-    """Meshes of one engine's state: links, and loose bodies; the room only for the driven one, the ghost likewise. `seen` has the
-    surfaces that are drawn in place of pieces."""
+    """The world of one engine as meshes, at `offset` (3,) [m] beside that of the driven engine, which is number 0 and has the
+    ghost. `seen`: surfaces drawn in place of pieces."""
 
-    def __init__(self, server: viser.ViserServer, scene: Scene, name: str, number: int, seen: Mapping[str, Surface]) -> None:
-        self._scene, self._name, self._number = scene, name, number
-        self._is_driven = number == 0
-        self._first = len(scene.bodies)
-        self._links = [link for avatar in scene.avatars for link in avatar.links]
-        names = scene.names
-        self._room = {
-            body.name: Body(server, f"/room/{body.name}", body.pieces, seen.get(body.name), ROOM[False], None)
-            for body in scene.bodies if self._is_driven and body.role is Role.FIXED
-        }
-        for body in scene.bodies:
-            if body.name in self._room:
-                self._room[body.name].place(np.asarray(body.position), np.asarray(body.orientation))
-        opacity = None if self._is_driven else BESIDE
-        loose = LOOSE if self._is_driven else colour_of(number)
+    def __init__(
+        self, server: viser.ViserServer, scene: Scene, name: str, number: int, seen: Mapping[str, Surface], offset: Array,
+    ) -> None:
+        self._server, self._number, self._first = server, number, len(scene.bodies)
+        self._frame = server.scene.add_frame(f"/{name}", show_axes=False, position=offset)
+        names, links = scene.names, [link for avatar in scene.avatars for link in avatar.links]
+        fixed = [body for body in scene.bodies if body.role is Role.FIXED]
+        colours = room_colours(fixed)
+        self._room = [
+            Body(server, f"/{name}/room/{body.name}", body.pieces, seen.get(body.name), colours[body.name]) for body in fixed
+        ]
+        for body, node in zip(fixed, self._room, strict=True):
+            node.place(np.asarray(body.position), np.asarray(body.orientation))
+        loose = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
         self.moving = {
-            k: Body(server, f"/{name}/{names[k]}", body.pieces, seen.get(names[k]), loose, opacity)
-            for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED
+            k: Body(server, f"/{name}/{names[k]}", scene.bodies[k].pieces, seen.get(names[k]), LOOSE[at % len(LOOSE)])
+            for at, k in enumerate(loose)
         }
-        shown = {k: link.pieces for k, link in enumerate(self._links, self._first) if link.pieces or names[k] in seen}
+        shown = {k: link.pieces for k, link in enumerate(links, self._first) if link.pieces or names[k] in seen}
+        driven = range(self._first, self._first + len(scene.avatars[0].links))
         self.links = {
-            k: Body(server, f"/{name}/{names[k]}", pieces, seen.get(names[k]), self.colour, opacity)
+            k: Body(server, f"/{name}/{names[k]}", pieces, seen.get(names[k]), colour_of(number) if k in driven else DOOR)
             for k, pieces in shown.items()
         }
-        self._ghost = {
-            k: Body(server, f"/ghost/{names[k]}", pieces, seen.get(names[k]), GHOST[False], FAINT)
-            for k, pieces in shown.items() if self._is_driven
+        self._avatar = [body for k, body in self.links.items() if k in driven]
+        self.ghost = {
+            k: Body(server, f"/{name}/ghost/{names[k]}", pieces, seen.get(names[k]), GHOST, visible=False)
+            for k, pieces in shown.items() if number == 0 and k in driven
         }
-        self._normals = server.scene.add_line_segments(
-            f"/{name}/normals", np.zeros((1, 2, 3)), CONTACT, thickness=3.0, thickness_units="screen"
-        ) if self._is_driven else None
-        self._overlaps, self._touched = False, -1
+        self._line = server.scene.add_line_segments(
+            f"/{name}/line", np.zeros((1, 2, 3)), OVERLAPPING, thickness=3.0, thickness_units="screen", visible=False
+        )
+        self._glow = server.scene.add_point_cloud(
+            f"/{name}/contacts", np.zeros((1, 3)), GLOW, point_size=GLOWING * scene.avatars[0].span, point_shape="sparkle",
+            precision="float32", visible=False,
+        )
+        self._above = 0.3 * scene.avatars[0].span
+        self._word = server.scene.add_label(
+            f"/{name}/word", "", font_screen_scale=1.6, anchor="bottom-center", visible=False
+        )
+        self._is_ghost_wanted, self._overlaps, self._flash_end, self._touched = True, False, 0.0, -1
+        self._is_through, self._ghost_overlaps, self._colour = False, False, colour_of(number)
 
-    @property
-    def colour(self) -> Colour:
-        """Of its avatar, where nothing overlaps."""
-        return colour_of(self._number)
-
-    def show(self, state: State, touching: Touching | None) -> None:
-        """Move everything to where a state has it."""
+    def show(self, state: State, touching: Touching | None, now: float) -> None:
+        """Move everything to its pose in a state; `now` [s] ends flashes."""
         for group in (self.moving, self.links):
             for k, body in group.items():
                 body.place(state.positions[k], state.orientations[k])
-        if self._normals is not None and touching is not None and touching.frame != self._touched:
-            self._touched = touching.frame
-            points, normals = touching.contacts[:, :3], touching.contacts[:, 3:]
-            # one segment at least, without length, for the node is never taken away
-            segments = np.stack([points, points + NORMAL * normals], axis=1) if len(points) else np.zeros((1, 2, 3))
-            self._normals.points = segments.astype(np.float32)
+        self._word.position = state.positions[self._first] + (0.0, 0.0, self._above)
+        colour = OVERLAPPING if self._overlaps else FLASH if now < self._flash_end else colour_of(self._number)
+        if colour != self._colour:
+            self._colour = colour
+            for body in self._avatar:
+                body.colour(colour)
+        if touching is not None and touching.frame != self._touched:
+            self._touched, points = touching.frame, touching.contacts[:, :3]
+            self._glow.visible = len(points) > 0
+            if len(points):
+                self._glow.points = points.astype(np.float32)
 
-    def show_ghost(self, positions: Array, orientations: Array) -> None:
-        """Move the ghost to the poses of all links, (links, 3) [m] and (links, 4)."""
-        for k, body in self._ghost.items():
-            body.place(positions[k - self._first], orientations[k - self._first])
+    def show_ghost(self, positions: Array, orientations: Array, state: State) -> float:
+        """Move the ghost to the poses of all links, (links, 3) [m] and (links, 4), and draw the links that are apart from those
+        of a state. Returns the largest distance [m]."""
+        if not self.ghost:
+            return 0.0
+        ks = np.array(list(self.ghost))
+        gaps = np.linalg.norm(positions[ks - self._first] - state.positions[ks], axis=1)
+        farthest = int(ks[np.argmax(gaps)])
+        is_apart = bool(gaps.max() > APART) and self._is_ghost_wanted
+        for k, gap in zip(ks.tolist(), gaps.tolist(), strict=True):
+            self.ghost[k].node.visible = is_apart and gap > 0.5 * APART
+            if is_apart:
+                self.ghost[k].place(positions[k - self._first], orientations[k - self._first])
+        self._line.visible = is_apart
+        if is_apart:
+            self._line.points = np.array([[positions[farthest - self._first], state.positions[farthest]]], dtype=np.float32)
+        return float(gaps.max())
 
-    def mark(self, overlaps: bool) -> None:
-        """Draw the avatar red while it overlaps."""
-        if overlaps != self._overlaps:
-            self._overlaps = overlaps
-            for body in self.links.values():
-                body.colour(OVERLAPPING if overlaps else self.colour)
+    def mark(self, overlaps: bool, ghost_overlaps: bool, is_through: bool) -> None:
+        """Draw avatar and ghost red while they overlap, and the room translucent."""
+        self._overlaps = overlaps
+        if ghost_overlaps != self._ghost_overlaps:
+            self._ghost_overlaps = ghost_overlaps
+            for body in self.ghost.values():
+                body.colour(OVERLAPPING if ghost_overlaps else GHOST)
+        if is_through != self._is_through:
+            self._is_through = is_through
+            for body in self._room:
+                body.fade(THROUGH if is_through else None)
 
-    def see(self, visible: bool) -> None:
-        """Draw it, or not."""
-        for body in (*self.moving.values(), *self.links.values()):
-            body.node.visible = visible
+    def say(self, word: str, flash_end: float = 0.0) -> None:
+        """Show a word at the avatar, none for an empty one, and let the avatar flash until a time [s]."""
+        if word:
+            self._word.text = word
+        self._word.visible, self._flash_end = bool(word), max(self._flash_end, flash_end)
 
     def see_ghost(self, visible: bool) -> None:
         """Draw the ghost, or not."""
-        for body in self._ghost.values():
-            body.node.visible = visible
+        self._is_ghost_wanted = visible
 
     def test(self, tested: bool) -> None:
         """Draw the pieces that are tested for overlap, or the surfaces."""
-        for group in (self._room, self.moving, self.links, self._ghost):
-            for body in group.values():
-                body.test(tested)
+        for body in (*self._room, *self.moving.values(), *self.links.values(), *self.ghost.values()):
+            body.test(tested)
 
-    def darken(self, dark: bool) -> None:
-        """Colours for a dark page, or for a light one."""
-        for body in self._room.values():
-            body.colour(ROOM[dark])
-        for body in self._ghost.values():
-            body.colour(GHOST[dark])
+    def remove(self) -> None:
+        """Remove everything of it from the page."""
+        self._frame.remove()

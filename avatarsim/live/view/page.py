@@ -10,7 +10,7 @@ import queue
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -22,16 +22,18 @@ from numpy.typing import NDArray
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import State
+from avatarsim.live.orders import posture_of
 from avatarsim.live.ports.protocol import Goals
 from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Session
 from avatarsim.live.stages import Stage
-from avatarsim.live.view.depth import Depth, OwnOverlap
-from avatarsim.live.view.drawn import Drawn
+from avatarsim.live.view.depth import LEAST, Depth, OwnOverlap
+from avatarsim.live.view.drawn import APART, FLASHING, Drawn
 from avatarsim.live.view.panel import Panel
 from avatarsim.live.view.server import AdmittingServer
-from avatarsim.live.view.telling import at_page, at_ports, is_held, overlapping, sentence, table
-from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
+from avatarsim.live.view.telling import at_page, at_ports, numbers, overlapping, situation, table, timing, word_of
+from avatarsim.live.view.worlds import Worlds
+from avatarsim.scene.body import Role
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
@@ -41,12 +43,14 @@ AHEAD = 3e-3
 TURN = 5e-4
 """[s] after which a thread of this process hands over Python's lock. Python's own 5 ms is longer than `AHEAD`, so that a target
 would come a frame late; shorter: threads do little but change places."""
-DRAWN, TOLD = 1.0 / 30.0, 0.25
-"""[s] between two drawings, and between two looks at the figures, as fast as they can be read. Shorter: drawing takes all."""
+DRAWN, TOLD, TIMED = 1.0 / 30.0, 0.125, 1.0
+"""[s] between two drawings, between two looks at overlaps, and between two at timing. Shorter: drawing takes all."""
+NEWEST = 8
+"""States that a word is about, at most: those of two drawings at the usual rates."""
+WORD = 0.8
+"""[s] for which a word is shown, at least. Shorter: it cannot be read."""
 SOONEST = 1e-3
 """[s] of a wait at least, so that other threads have their turn."""
-UP = np.array((0.0, 0.0, 1.0))
-"""Up in the world."""
 DEEPER = 2.0
 """[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
 
@@ -77,10 +81,12 @@ class Page:
             raise InvalidInput("port of the page", shows.port, f"a port that is free ({error.strerror})") from error
         self._names = {name: k for k, name in enumerate(self._scene.names)}
         self._offset = len(self._scene.bodies)
+        self._loose = [k for k, body in enumerate(self._scene.bodies) if body.role is Role.SIMULATED]
         self._grabbed: dict[str, tuple[Array, Array, Array]] = {}
         self._tracked: set[str] = set()
-        self.drawn: dict[str, Drawn] = {}
         self._gizmos: dict[str, viser.TransformControlsHandle] = {}
+        self._words: dict[str, tuple[str, float, int]] = {}
+        self._apart, self._is_new = 0.0, True
         self._there(self._build)
         self._sample: TrackerSample = self._scene.first_sample
         self._stamp, self._is_over = 0, False
@@ -89,17 +95,21 @@ class Page:
 
     def _build(self) -> None:
         """All that the page has, in the server's thread."""
-        self.server.scene.set_up_direction(UP)
-        camera, seen = self.server.initial_camera, self.shows.stage.camera
-        camera.position, camera.look_at = np.asarray(seen.position), np.asarray(seen.look_at)
-        visuals, names, first = self.shows.stage.visuals, self._scene.names, len(self._scene.bodies)
-        surfaces = drawn(visuals, names[first:]) | drawn(visuals, names[:first], ROOM_TRIANGLES)
-        for k, name in enumerate(self.session.loops):
-            self.drawn[name] = Drawn(self.server, self._scene, name, k, surfaces)
-            self.drawn[name].darken(self.shows.dark)
+        self.worlds = Worlds(self.server, self.shows.stage, self.session.loops)
         self.panel = Panel(self.server, self, list(self.session.loops), list(self.shows.clips), self.shows.dark)
         self._gizmos = self._make_gizmos()
+        self.hint = self._make_hint()
         self._bind_drags()
+
+    def _make_hint(self) -> viser.LabelHandle:
+        """A label at the avatar that says what to do, until something is done."""
+        own = self._scene.avatars[0]
+        places, _ = link_poses(self._scene.avatars, self._scene.first_sample)
+        above = places[: len(own.links)].max(axis=0)
+        text = "drag a hand into something, or walk: i j k l" if self.driver.period else "drag me into the table"
+        return self.server.scene.add_label(
+            "/hint", text, position=(*places[0, :2], above[2] + 0.1 * own.span), font_screen_scale=1.6, anchor="bottom-center"
+        )
 
     def there(self, work: Callable[[], None]) -> None:
         """Have something done in the server's thread, soon. What is written from another one meets events of asyncio there that
@@ -148,13 +158,16 @@ class Page:
         sys.setswitchinterval(TURN)
         hands = threading.Thread(target=self._lead, name="avatarsim targets", daemon=True)
         hands.start()
-        drawn = told = 0.0
+        drawn = told = timed = 0.0
         try:
             while not until() and self._ended is None:
                 now = time.monotonic()
                 if now - told >= TOLD:
                     told = now
                     self._tell()
+                if now - timed >= TIMED:
+                    timed = now
+                    self._time()
                 self._there(self._draw)
                 drawn = max(drawn + DRAWN, now)
                 time.sleep(max(SOONEST, drawn + DRAWN - time.monotonic()))
@@ -203,53 +216,91 @@ class Page:
 
     def _draw(self) -> None:
         """Move all that is drawn to where the newest states have it."""
-        states = self.session.states
+        now, first = time.monotonic(), self.session.first.plan.name
+        positions, orientations = link_poses(self._scene.avatars, self._sample)
         with self.server.atomic():
-            for name, state in states.items():
-                self.drawn[name].show(state, self.session.loops[name].touching)
-            positions, orientations = link_poses(self._scene.avatars, self._sample)
-            first = self.drawn[self.session.first.plan.name]
-            first.show_ghost(positions, orientations)
+            for name, loop in list(self.session.loops.items()):
+                drawn, state = self.worlds.drawn.get(name), loop.state
+                if drawn is None or state is None:
+                    continue
+                if name == first:
+                    self._apart = drawn.show_ghost(positions, orientations, state)
+                drawn.show(state, loop.touching, now)
+                self._say_word(name, drawn, loop.states(), now)
             for name, gizmo in self._gizmos.items():
                 if name not in self._grabbed:
                     k = self._names[name] - self._offset
                     gizmo.position, gizmo.wxyz = positions[k], orientations[k]
+            if self._is_new and self.driver.source != "still":
+                self._is_new = self.hint.visible = False
+
+    def _say_word(self, name: str, drawn: Drawn, states: Sequence[State], now: float) -> None:
+        """Show what an avatar does in a word, for some time, with a flash where it is another one."""
+        word, end, seen = self._words.get(name, ("", 0.0, -1))
+        touching = self.session.first.touching
+        touches, apart = touching is not None and len(touching.contacts) > 0, self._apart
+        news = [state for state in states[-NEWEST:] if state.frame >= seen]
+        is_driven = name == self.session.first.plan.name
+        found = word_of(news, apart, touches, self._offset, self._loose) if is_driven else ""
+        if found and (found == word or now >= end or found == "bounces"):
+            if found != word:
+                drawn.say(found, now + FLASHING)
+            word, end = found, now + WORD
+        elif word and now >= end:
+            word = ""
+            drawn.say("")
+        self._words[name] = (word, end, states[-1].frame if states else -1)
+
+    def _wanted(self, state: State) -> tuple[Array, Array, Array]:
+        """Poses of all bodies and links, and angles, with the user's own posture in place of the avatar's."""
+        places, turns = link_poses(self._scene.avatars, self._sample)
+        positions, orientations, angles = state.positions.copy(), np.array(state.orientations), state.angles.copy()
+        own, first = self._scene.avatars[0], self._offset
+        positions[first : first + len(own.links)] = places[: len(own.links)]
+        orientations[first : first + len(own.links)] = turns[: len(own.links)]
+        angles[: own.hinge_count] = self._sample.angles[: own.hinge_count]
+        return positions, orientations, angles
 
     def _tell(self) -> None:
-        """Figures and depths."""
+        """Overlaps, and what holds the avatar back."""
+        depths, name = dict[str, float](), self.session.first.plan.name
         states = self.session.states
-        figures = {name: self.session.loops[name].figures() for name in states}
-        depths, target = dict[str, float](), float("nan")
+        first = states.get(name)
+        if first is None:
+            return
+        wanted, target = self._wanted(first), 0.0
         if self.shows.depth is not None:
-            for name, state in states.items():
-                depths[name] = self.shows.depth(self._scene, state.positions, state.orientations, state.angles)
-            first = states.get(self.session.first.plan.name)
-            if first is not None:
-                positions, orientations = link_poses(self._scene.avatars, self._sample)
-                at, count = len(self._scene.bodies), len(self._scene.bodies) + len(positions)
-                raw = np.array(first.positions), np.array(first.orientations)
-                raw[0][at:count], raw[1][at:count] = positions, orientations
-                target = self.shows.depth(self._scene, *raw, self._sample.angles)
-        name = self.session.first.plan.name
-        if name in states:
-            heard = [sentence(states[name], figures[name], self._overlapping(states[name])), at_page(self.server.refusals)]
-            if self.ports is not None:
-                heard.append(at_ports(self.ports.refusals))
-            rows, words = table(figures, depths, target), "\n\n".join(filter(None, heard))
-            times = {n: [s.engine_ns for s in self.session.loops[n].states()] for n in states}
-            self._there(lambda: self._write(rows, words, times, depths))
+            for one, state in states.items():
+                depths[one] = self.shows.depth(self._scene, state.positions, state.orientations, state.angles)
+            target = self.shows.depth(self._scene, *wanted)
+        overlap = self._overlapping(wanted) if target > LEAST else ""
+        heard = [situation(first, overlap), at_page(self.server.refusals)]
+        if self.ports is not None:
+            heard.append(at_ports(self.ports.refusals))
+        above, words = numbers(target, self._apart, depths), "\n\n".join(filter(None, heard))
+        self._there(lambda: self._write(above, words, depths, target))
 
-    def _overlapping(self, state: State) -> str:
-        """What of the user's own posture overlaps, where that holds the avatar back."""
-        pair = self._overlap.pair(self._sample) if is_held(state) else None
+    def _overlapping(self, wanted: tuple[Array, Array, Array]) -> str:
+        """Which parts of the user's own posture overlap."""
+        positions, orientations, angles = wanted
+        pair = self._overlap.pair(posture_of(self._scene, positions[self._offset :], orientations[self._offset :], angles))
         return overlapping(pair, self.driver.links) if pair is not None else ""
 
-    def _write(self, rows: str, words: str, times: Mapping[str, list[int]], depths: Mapping[str, float]) -> None:
-        """Figures on the panel, and red for what overlaps."""
-        self.panel.tell(rows, words)
-        self.panel.plot(times)
+    def _write(self, above: str, words: str, depths: Mapping[str, float], target: float) -> None:
+        """Numbers over the scene, words on the panel, and red for what overlaps."""
+        self.panel.tell(above, words)
+        is_through, first = self._apart > APART, self.session.first.plan.name
         for name, depth in depths.items():
-            self.drawn[name].mark(depth > 1e-6)
+            if name in self.worlds.drawn:
+                self.worlds.drawn[name].mark(depth > LEAST, name == first and target > LEAST, is_through)
+
+    def _time(self) -> None:
+        """Timing of all loops."""
+        loops = list(self.session.loops.items())
+        figures = {name: loop.figures() for name, loop in loops}
+        times = {name: [state.engine_ns for state in loop.states()] for name, loop in loops}
+        first = self.session.first.plan.name
+        self._there(lambda: self.panel.time(table(figures), timing(figures[first]), times))
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
         """A gizmo for each handle of the stage, for drags along axes and for turns."""
@@ -278,7 +329,7 @@ class Page:
 
     def _bind_drags(self) -> None:
         """Links are dragged by the pointer: on the plane of the view, with shift away from the eye."""
-        links = self.drawn[self.session.first.plan.name].links
+        links = self.worlds.drawn[self.session.first.plan.name].links
         for name in self.driver.links:
             link = links.get(self._names[name])
             if link is None:
@@ -310,11 +361,6 @@ class Page:
         at, grabbed, away = self._grabbed[name]
         goal = at + (end - grabbed if up is None else DEEPER * up * away)
         self.driver.drag(name, goal, None)
-
-    def go_home(self, camera: viser.CameraHandle) -> None:
-        """Bring the camera of a viewer back to the first view of the stage."""
-        seen = self.shows.stage.camera
-        camera.position, camera.look_at, camera.up_direction = np.array(seen.position), np.array(seen.look_at), UP
 
     def see_gizmos(self, visible: bool) -> None:
         """Show the gizmos, or not."""

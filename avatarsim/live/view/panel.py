@@ -1,4 +1,4 @@
-"""The panel beside the scene, of viser's widgets: figures, a plot of frame times, switches, clips, keys, what has gone wrong."""
+"""Widgets of the page: overlaps over the scene, buttons, switches, clips, keys, and timing folded away."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -13,8 +13,9 @@ from viser._messages import HotkeyKey
 
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
+from avatarsim.live.view.cameras import VIEWS
 from avatarsim.live.view.drawn import colour_of
-from avatarsim.live.view.telling import BUDGETS
+from avatarsim.live.view.telling import BUDGETS, SCHEME
 
 if TYPE_CHECKING:
     from avatarsim.live.view.page import Page
@@ -42,29 +43,23 @@ class Panel:
         self._switched = Switch((), page.method)
         gui = server.gui
         gui.set_panel_label("avatarsim live")
-        self._theme(dark)
+        gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
+        gui.add_html(SCHEME)
+        self.numbers = gui.add_html("")
         self._words = gui.add_markdown("**Loading**")
-        self._table = gui.add_markdown("")
-        self._plot = self._add_plot(engines)
         self._trouble = gui.add_markdown("", visible=False)
-        with gui.add_folder("Run"):
-            self._run_buttons()
+        self._run_buttons()
+        if clips:
+            with gui.add_folder("Clips", expand_by_default=False):
+                self._clip_buttons(clips)
         with gui.add_folder("Effects and method", expand_by_default=False):
             self._effects = {name: gui.add_checkbox(said, True) for name, said in EFFECTS.items()}
             self._method = gui.add_dropdown("Method", tuple(METHODS.values()), initial_value=METHODS[page.method])
             for box in self._effects.values():
                 self._on(box.on_update, self._switch)
             self._on(self._method.on_update, self._switch)
-        if len(engines) > 1:
-            with gui.add_folder("Engines"):
-                for name in engines:
-                    box = gui.add_checkbox(name, True)
-                    self._here(box.on_update, partial(self._see, name, box))
-        if clips:
-            with gui.add_folder("Clips", expand_by_default=False):
-                self._clip_buttons(clips)
         with gui.add_folder("View", expand_by_default=False):
-            self._view_boxes(dark)
+            self._view_boxes()
         with gui.add_folder("Keys", expand_by_default=False):
             gui.add_markdown("\n".join(f"- **{NAMED.get(key.key, key.key)}** {key.what}" for key in KEYS))
             gui.add_markdown(f"- **{TAKE.lower()}** take what the avatar touches, or let go")
@@ -73,6 +68,10 @@ class Panel:
             for key in KEYS:
                 hotkey = cast(HotkeyKey, NAMED.get(key.key, key.key.upper()))
                 self._on(gui.add_command(key.what, hotkey=hotkey).on_trigger, partial(self._press, key.key))
+        with gui.add_folder("Timing", expand_by_default=False):
+            self._timing = gui.add_markdown("")
+            self._table = gui.add_markdown("")
+            self._plot = self._add_plot(engines)
 
     def _on(self, bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
         """Have `act` done in the page's thread whenever a widget fires."""
@@ -88,9 +87,6 @@ class Panel:
             act()
 
         bind(fired)
-
-    def _theme(self, dark: bool) -> None:
-        self._server.gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
 
     def _add_plot(self, engines: Sequence[str]) -> viser.GuiUplotHandle:
         """Frame times of all engines over the last seconds, beside what 60 and 90 Hz allow."""
@@ -112,11 +108,11 @@ class Panel:
         gui = self._server.gui
         rows: tuple[tuple[str, dict[str, Callable[[], object]]], ...] = (
             ("Time", {"Pause": self._pause, "Step": lambda: self._ordered(Order.STEP), "Reset": self._reset}),
+            ("Hands", {"Take or let go": self._take}),
             ("State", {
                 "Keep": lambda: self._ordered(Order.KEEP), "Back": lambda: self._ordered(Order.BACK),
                 "Save recording": self._save,
             }),
-            ("Hands", {"Take or let go": self._take}),
         )
         for label, acts in rows:
             group = gui.add_button_group(label, tuple(acts))
@@ -124,15 +120,15 @@ class Panel:
         pinch = gui.add_checkbox("Take what is pinched", False, hint="while fingers press on it from opposite sides")
         self._on(pinch.on_update, lambda: self._ordered(Order.PINCH, pinch.value))
         self._on(gui.add_command(f"{TAKE}: take what the avatar touches, or let go", hotkey=TAKE).on_trigger, self._take)
-        for home in (
-            gui.add_button("Home", hint="the first view again, also by the key Home").on_click,
-            gui.add_command("Home: the first view again", hotkey="home").on_trigger,
-        ):
-            home(self._home)
+        camera = gui.add_button_group("Camera", tuple(VIEWS))
+        camera.on_click(self._look)
+        gui.add_command("Home: the first view again", hotkey="home").on_trigger(self._look)
 
-    async def _home(self, event: viser.GuiEvent[viser.GuiButtonHandle] | viser.CommandEvent) -> None:
+    async def _look(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle] | viser.CommandEvent) -> None:
+        """Give the viewer of an event one of the views: that of the button, or the first one."""
+        view = event.target.value if isinstance(event, viser.GuiEvent) else next(iter(VIEWS))
         if event.client is not None:
-            self._page.go_home(event.client.camera)
+            self._page.worlds.look(event.client.camera, view)
 
     def _clip_buttons(self, clips: Sequence[str]) -> None:
         gui = self._server.gui
@@ -140,25 +136,18 @@ class Panel:
         self._on(gui.add_button("Play").on_click, lambda: self._page.driver.play(self._page.shows.clips[chosen.value]))
         self._on(gui.add_button("Take over").on_click, self._page.driver.take_over)
 
-    def _view_boxes(self, dark: bool) -> None:
+    def _view_boxes(self) -> None:
         gui, page = self._server.gui, self._page
-        night = gui.add_checkbox("Dark", dark)
-        self._here(night.on_update, lambda: self._darken(night.value))
         ghost = gui.add_checkbox("Your own posture, as a ghost", True)
-        self._here(ghost.on_update, lambda: page.drawn[page.session.first.plan.name].see_ghost(ghost.value))
+        self._here(ghost.on_update, lambda: page.worlds.drawn[page.session.first.plan.name].see_ghost(ghost.value))
         if page.shows.stage.visuals:
             tested = gui.add_checkbox("Shapes that are tested", False, hint="the convex pieces that overlap is tested with")
             self._here(tested.on_update, lambda: self._test(tested.value))
         gizmos = gui.add_checkbox("Gizmos", False)
         self._here(gizmos.on_update, lambda: page.see_gizmos(gizmos.value))
 
-    def _darken(self, dark: bool) -> None:
-        self._theme(dark)
-        for one in self._page.drawn.values():
-            one.darken(dark)
-
     def _test(self, tested: bool) -> None:
-        for one in self._page.drawn.values():
+        for one in self._page.worlds.drawn.values():
             one.test(tested)
 
     def _ordered(self, order: Order, value: object = None) -> bool:
@@ -173,9 +162,6 @@ class Panel:
     @staticmethod
     def _chosen(group: viser.GuiButtonGroupHandle, acts: Mapping[str, Callable[[], object]]) -> None:
         acts[group.value]()
-
-    def _see(self, name: str, box: viser.GuiCheckboxHandle) -> None:
-        self._page.drawn[name].see(box.value)
 
     def _press(self, key: str) -> None:
         self._said(self._page.driver.press(key))
@@ -225,12 +211,13 @@ class Panel:
         """Say what went wrong, or was done; nothing where there are no words."""
         self._trouble.content, self._trouble.visible = words, bool(words)
 
-    def tell(self, table: str, words: str) -> None:
-        """The figures."""
-        self._table.content, self._words.content = table, words
+    def tell(self, numbers: str, words: str) -> None:
+        """Show overlaps over the scene and words on the panel."""
+        self.numbers.content, self._words.content = numbers, words
 
-    def plot(self, times: Mapping[str, Sequence[int]]) -> None:
-        """Frame times [ns] of each engine, the last ones."""
+    def time(self, table: str, words: str, times: Mapping[str, Sequence[int]]) -> None:
+        """Show timing: a table, words, and frame times [ns] of each engine, the last ones."""
+        self._table.content, self._timing.content = table, words
         count = min([PLOTTED, *(len(of) for of in times.values())])
         if count < 2:
             return

@@ -1,12 +1,16 @@
-"""What the panel says: frame times beside the rates that they allow, late frames, latency, penetration, statuses in words."""
+"""Words and numbers of the page: overlaps in large type, what an avatar does in a word, timing for those that unfold it."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
+from html import escape
 from math import isnan
+
+import numpy as np
 
 from avatarsim.cleaning.chords import Pair
 from avatarsim.live.figures import SPAN, Figures
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Refusals
+from avatarsim.live.view.drawn import GHOST, OVERLAPPING, colour_of
 
 BUDGETS = {"60 Hz": 16.667, "90 Hz": 11.111}
 """[ms] that a frame has at the usual rates."""
@@ -14,12 +18,26 @@ BUDGETS = {"60 Hz": 16.667, "90 Hz": 11.111}
 NAMED = 4
 """Reasons of refusals that are named, the most frequent; of more, how many."""
 
-SAID = {
-    "planning": "looks for a way round", "following": "follows a way round",
-    "waiting": "waits: no free way to your posture is known; go back to where the avatar is, or press Reset",
-    "goal_not_reached": "held back by what it touches",
-}
-"""Statuses in words; others are said by their names."""
+WORDS = {"planning": "plans a way round", "following": "goes round", "waiting": "waits"}
+"""Statuses in words; others keep their names."""
+
+PLACED = (
+    "position:fixed;top:14px;left:50%;transform:translateX(-50%);z-index:5;pointer-events:none;display:flex;flex-wrap:wrap;"
+    "justify-content:center;gap:0 1em;width:max-content;max-width:calc(100vw - 28px);border-radius:10px;padding:0 .5em;"
+    "background:color-mix(in srgb,var(--mantine-color-body,#fff) 80%,transparent);"
+    "font:700 clamp(20px,2.5vw,36px)/1.25 system-ui,sans-serif;font-variant-numeric:tabular-nums"
+)
+"""Style of the numbers over the scene."""
+
+SCHEME = (
+    '<img hidden alt="" src="data:image/gif;base64,R0lGODlhAQABAAAAACwAAAAAAQABAAA=" onload="'
+    "if(matchMedia('(prefers-color-scheme: dark)').matches&&!location.search.includes('darkMode'))location.search='darkMode'\">"
+)
+"""Element that asks viser's page for its dark scheme, which only the address can name, where the browser prefers one."""
+
+FAST, SLOW, BEHIND = 0.3, 0.02, 4e-3
+"""Speeds of a loose body that bounces and of an avatar that slides, at least [m/s], and how far the latter is from its user [m].
+Less: what rests, or lags by a frame, gets a word."""
 
 HELD = ("waiting", "goal_not_reached")
 """Statuses of an avatar that does not come to its user, for which the user's own overlap is a reason."""
@@ -32,21 +50,59 @@ def milliseconds(nanoseconds: float) -> str:
 
 
 def depth(metres: float) -> str:
-    """A penetration in millimetres; below a micrometre there is none to an eye or to the promise."""
+    """Return a penetration in millimetres; below a micrometre there is none to an eye or to the promise."""
     if isnan(metres):
         return "?"
-    return "none" if metres <= 1e-6 else f"{1e3 * metres:.3g} mm"
+    value = 1e3 * metres
+    return "0" if value <= 1e-3 else f"{value:.0f} mm" if value >= 10.0 else f"{value:.2g} mm"
 
 
-def table(figures: Mapping[str, Figures], depths: Mapping[str, float], target: float) -> str:
-    """A table of all engines in Markdown: frame time, late frames, penetration of what each shows."""
-    lines = ["| | p50 | p99 | worst | late | overlap now |", "|---|---:|---:|---:|---:|---:|"]
+def numbers(target: float, apart: float, depths: Mapping[str, float]) -> str:
+    """Return HTML of overlaps [m] in large type: of the user's own posture, which is `apart` [m] from the avatar, and of each
+    engine's avatar."""
+    rows = [("you", target, GHOST), *((name, of, colour_of(k)) for k, (name, of) in enumerate(depths.items()))]
+    chips = []
+    for name, metres, colour in rows:
+        is_inside = metres > 1e-6
+        red, green, blue = OVERLAPPING if is_inside else colour
+        text = f"{escape(name)}: {depth(metres)}{' inside' if is_inside else ''}"
+        if name == "you" and not is_inside and apart > BEHIND:
+            text = f"you: {depth(apart)} away"
+        shown = 1e3 * metres if is_inside else 0.0
+        chips.append(f'<span data-overlap="{shown:.4g}" style="color:rgb({red},{green},{blue})">{text}</span>')
+    return f'<div style="{PLACED}">{"".join(chips)}</div>'
+
+
+def word_of(states: Sequence[State], apart: float, touches: bool, root: int, loose: Sequence[int]) -> str:
+    """Return what the avatar does, in a word, or an empty text.
+
+    Args:
+        states: newest states in order, two at least.
+        apart: distance between avatar and ghost [m].
+        touches: whether the avatar touches anything.
+        root: number of the root of the avatar.
+        loose: numbers of the loose bodies.
+    """
+    if len(states) < 2:
+        return ""
+    first, last = states[0], states[-1]
+    time = max(last.time - first.time, 1e-6)
+    speeds = np.linalg.norm(last.positions - first.positions, axis=1) / time
+    if any(state.counts.get("impacts") for state in states) and max(speeds[loose], default=0.0) > FAST:
+        return "bounces"
+    for name, word in WORDS.items():
+        if name in last.statuses:
+            return word
+    return "slides" if apart > BEHIND and touches and speeds[root] > SLOW else ""
+
+
+def table(figures: Mapping[str, Figures]) -> str:
+    """Return the frame times of all engines as a table in Markdown."""
+    lines = ["| | p50 | p99 | worst | late |", "|---|---:|---:|---:|---:|"]
     lines += [
-        f"| {name} | {milliseconds(of.p50)} | {milliseconds(of.p99)} | {milliseconds(of.worst)} | {100.0 * of.late:.2g}% "
-        f"| {depth(depths.get(name, float('nan')))} |"
+        f"| {name} | {milliseconds(of.p50)} | {milliseconds(of.p99)} | {milliseconds(of.worst)} | {100.0 * of.late:.2g}% |"
         for name, of in figures.items()
     ]
-    lines += [f"| your own posture | | | | | {depth(target)} |"]
     budgets = ", ".join(f"{ms:.3g} at {rate}" for rate, ms in BUDGETS.items())
     return "\n".join([*lines, "", f"Times in ms, of the last {SPAN:.0f} s. A frame has {budgets}."])
 
@@ -71,11 +127,6 @@ def at_ports(refusals: Refusals) -> str:
     return f"Messages of trackers: {taken}. Refused: {refused(refusals)}."
 
 
-def is_held(state: State) -> bool:
-    """Return True if the avatar does not come to its user."""
-    return any(name in HELD for name in state.statuses)
-
-
 def overlapping(pair: Pair, links: Collection[str]) -> str:
     """Which parts of the user's own posture overlap, and what the user can do."""
     first, second = (f"{'your ' if name in links else 'the '}{name.rpartition('/')[2].replace('_', ' ')}" for name in pair)
@@ -83,22 +134,23 @@ def overlapping(pair: Pair, links: Collection[str]) -> str:
     return f"{second} is inside {first}; {done}, or press Reset"
 
 
-def sentence(state: State, of: Figures, overlap: str = "") -> str:
-    """One line on the driven engine: latency, what was left out, what it reports; `overlap` of the user's own posture."""
-    statuses = [SAID.get(name, name.replace("_", " ")) for name in state.statuses]
-    if overlap and is_held(state):
-        statuses = [SAID.get(name, name.replace("_", " ")) for name in state.statuses if name not in HELD]
-        statuses.append(f"waits: {overlap}" if "waiting" in state.statuses else f"held back: {overlap}")
-    told = "; ".join(statuses) if statuses else "follows freely"
+def situation(state: State, overlap: str) -> str:
+    """Return a line on what holds the avatar back; `overlap` of the user's own posture, where that does."""
+    held = [WORDS.get(name, name.replace("_", " ")) for name in state.statuses if not (overlap and name in HELD)]
+    told = [f"held back: {overlap}"] * bool(overlap) + held
+    lines = [f"**{'Paused. ' if state.is_paused else ''}{'; '.join(told) or 'follows you'}**"]
+    if not state.is_logged:
+        lines.append("The log is full: what is driven from here on is not saved. Reset begins another.")
+    return "\n\n".join(lines)
+
+
+def timing(of: Figures) -> str:
+    """Return lines on latency, frames left out and stages of the driven engine."""
     left = f", {of.skipped} frames left out" if of.skipped else ""
-    stages = ", ".join(f"{name} {1e-3 * cost:.0f} us" for name, cost in of.stages.items() if cost)
     lines = [
-        f"**{'Paused. ' if state.is_paused else ''}{told}**",
         f"Latency {milliseconds(of.latency_p50)} ms, p99 {milliseconds(of.latency_p99)} ms{left}. "
         f"Longest on the processor {milliseconds(of.worst_cpu)} of {milliseconds(of.worst)} ms.",
     ]
-    if stages:
+    if stages := ", ".join(f"{name} {1e-3 * cost:.0f} us" for name, cost in of.stages.items() if cost):
         lines.append(f"Stages: {stages}.")
-    if not state.is_logged:
-        lines.append("The log is full: what is driven from here on is not saved. Reset begins another.")
     return "\n\n".join(lines)

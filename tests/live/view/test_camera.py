@@ -1,4 +1,4 @@
-"""The camera of the page: no key of the avatar moves it, and Home brings the first view back."""
+"""The camera of the page: no key of the avatar moves it, views frame the avatar, and Home brings the first one back."""
 
 import re
 from pathlib import Path
@@ -11,7 +11,11 @@ viser = pytest.importorskip("viser")
 
 from avatarsim.live.drive.keys import KEYS  # noqa: E402
 from avatarsim.live.stages import NAMES, stage  # noqa: E402
-from avatarsim.live.view.page import Page  # noqa: E402
+from avatarsim.live.view.cameras import FIELD, VIEWS, beside, framed  # noqa: E402
+from avatarsim.live.view.worlds import Worlds  # noqa: E402
+from avatarsim.player.surfaces import corners  # noqa: E402
+from avatarsim.scene.tracker import link_poses  # noqa: E402
+from avatarsim.spatial import rotation  # noqa: E402
 
 CONTROLS = Path(viser.__file__).parent / "client" / "src" / "CameraControls.tsx"
 """Where the installed viser lists the physical keys that fly its camera."""
@@ -24,10 +28,46 @@ def test_no_key_of_the_avatar_flies_the_camera() -> None:
     assert not flying & {f"Key{key.key.upper()}" for key in KEYS}
 
 
+@pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize("name", NAMES)
-def test_home_is_the_first_view(name: str) -> None:
-    found = stage(name)
+def test_a_view_shows_the_avatar_at_two_fifths_of_the_height(name: str, view: str) -> None:
+    scene = stage(name).scene
+    own = scene.avatars[0]
+    places, turns = (one[: len(own.links)] for one in link_poses(scene.avatars, scene.first_sample))
+    seen = framed(own, places, turns, view, np.zeros((1, 3)))
+    ahead = seen.look_at - seen.position
+    ahead /= np.linalg.norm(ahead)
+    up = np.array((0.0, 0.0, 1.0)) - ahead[2] * ahead
+    up /= np.linalg.norm(up)
+    points = np.concatenate([
+        rotation.rotate(turns[k], corners(piece)) + places[k] for k, link in enumerate(own.links) for piece in link.pieces
+    ]) - seen.position
+    heights = points @ up / (points @ ahead) / (2.0 * np.tan(0.5 * FIELD))
+    assert 0.3 < np.ptp(heights) < 0.6 and np.abs(heights).max() < 0.5
+
+
+def test_worlds_side_by_side_are_all_in_the_first_view() -> None:
+    scene = stage("toys").scene
+    places, turns = (one[: len(scene.avatars[0].links)] for one in link_poses(scene.avatars, scene.first_sample))
+    step = beside(scene)
+    offsets = np.arange(2)[:, None] * step
+    seen = framed(scene.avatars[0], places, turns, "Home", offsets)
+    ahead = seen.look_at - seen.position
+    ahead /= np.linalg.norm(ahead)
+    right = np.cross(ahead, (0.0, 0.0, 1.0))
+    right /= np.linalg.norm(right)
+    across = [(place - seen.position) @ right / ((place - seen.position) @ ahead) for place in places[0] + offsets]
+    assert across[0] < 0.0 < across[1] and max(np.abs(across)) < 0.8 * np.tan(0.5 * FIELD) * 1.5
+    # far enough that no table is in the other
+    assert np.linalg.norm(step) > 0.9
+
+
+def test_home_is_the_first_view() -> None:
+    server = viser.ViserServer(host="127.0.0.1", port=0, verbose=False)
+    worlds = Worlds(server, stage("hand"), ["avatarsim"])
     camera = SimpleNamespace(position=np.full(3, 50.0), look_at=np.zeros(3), up_direction=np.array((1.0, 0.0, 0.0)))
-    Page.go_home(SimpleNamespace(shows=SimpleNamespace(stage=found)), camera)
-    assert tuple(camera.position) == found.camera.position and tuple(camera.look_at) == found.camera.look_at
+    worlds.look(camera, "Home")
+    first = server.initial_camera
+    assert camera.position == pytest.approx(first.position) and camera.look_at == pytest.approx(first.look_at)
     assert tuple(camera.up_direction) == (0.0, 0.0, 1.0)
+    server.stop()

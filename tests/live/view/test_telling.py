@@ -1,17 +1,24 @@
-"""The panel: how deep the user's own posture is in something, and counts of refusals that quote no message."""
+"""Words and numbers of the page: overlaps, what an avatar does, counts of refusals that quote no message."""
 
+import re
 from dataclasses import replace
 
+import numpy as np
+import pytest
+
+pytest.importorskip("viser")
+
+from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Peer, Refusal, Refusals
 from avatarsim.live.stages import stage
 from avatarsim.live.view.depth import OwnOverlap
-from avatarsim.live.view.telling import at_ports
+from avatarsim.live.view.telling import at_ports, numbers, word_of
 
 
 def test_a_user_inside_something_has_a_pair_and_one_outside_has_none() -> None:
     found = stage("hand").scene
     start, own = found.first_sample, OwnOverlap(found)
-    pair = own.pair(replace(start, positions=start.positions + (0.0, 0.0, 0.75 - 0.97)))
+    pair = own.pair(replace(start, positions=start.positions + (0.0, 0.0, 0.75 - start.positions[0, 2])))
     assert own.pair(start) is None and pair is not None and pair[0] == "table" and pair[1].startswith("hand/")
 
 
@@ -20,3 +27,27 @@ def test_refusals_are_counted_and_never_quoted() -> None:
     for reason in list(Refusal)[:6]:
         refusals.count(reason, Peer.UDP, "<script>")
     assert "script" not in at_ports(refusals) and refusals.counts == {(reason, Peer.UDP): 1 for reason in list(Refusal)[:6]}
+
+
+def test_numbers_over_the_scene_are_of_the_user_and_of_each_engine_and_names_are_no_markup() -> None:
+    shown = numbers(0.0321, 0.05, {"avatarsim": 0.0, "<b>": 2e-3})
+    assert [float(found) for found in re.findall(r'data-overlap="([^"]*)"', shown)] == [32.1, 0.0, 2.0]
+    assert "32 mm" in shown and "<b>" not in shown
+
+
+def states(speed: float, statuses: dict[str, int] | None = None, impacts: int = 0) -> list[State]:
+    """Two states in which body 0 and the root, 1, move at a speed [m/s]."""
+    def one(frame: int) -> State:
+        positions = np.full((2, 3), speed * frame / 60.0) / np.sqrt(3.0)
+        return State(frame, frame / 60.0, positions, np.tile((1.0, 0.0, 0.0, 0.0), (2, 1)), np.zeros(0), 0, -1, 0, False, 0, 0,
+                     statuses or {}, {"impacts": impacts}, {}, "")
+
+    return [one(0), one(1)]
+
+
+@pytest.mark.parametrize(("found", "touches", "word"), [
+    (states(0.0), True, False), (states(0.1), True, True), (states(0.1), False, False), (states(1.0, impacts=2), False, True),
+    (states(0.0, {"waiting": 1}), True, True), (states(0.0, impacts=2), True, False),
+])
+def test_an_avatar_that_slides_waits_or_lets_things_bounce_has_a_word(found: list[State], touches: bool, word: bool) -> None:
+    assert bool(word_of(found, 0.05, touches, 1, [0])) is word

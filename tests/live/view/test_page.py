@@ -1,0 +1,58 @@
+"""The page on the server's side: what a drag into a table changes in the scene that viewers get."""
+
+import re
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("viser")
+
+from avatarsim.cli.live import own_depth
+from avatarsim.engine import Settings
+from avatarsim.live.drive.driver import Driver
+from avatarsim.live.messages import Plan
+from avatarsim.live.recording import OURS
+from avatarsim.live.session import Session
+from avatarsim.live.stages import stage
+from avatarsim.live.view.page import Page, Shows
+
+SECONDS = 20.0
+
+
+def soon(is_true: Callable[[], bool]) -> bool:
+    """Return True once a condition is met, False where it is not for long."""
+    end = time.monotonic() + SECONDS
+    while not is_true() and time.monotonic() < end:
+        time.sleep(0.05)
+    return is_true()
+
+
+def inside(page: Page) -> list[float]:
+    """Return the overlaps over the scene [mm]."""
+    return [float(found) for found in re.findall(r'data-overlap="([^"]*)"', page.panel.numbers.content)]
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Iterator[Page]:
+    """The page of the hand over the table, in its rounds."""
+    found, is_over = stage("hand"), threading.Event()
+    with Session([Plan(OURS, found.scene, Settings(), 60.0)]) as session:
+        one = Page(session, Driver(found.scene), Shows(found, {}, own_depth(found.scene), port=0, folder=tmp_path))
+        rounds = threading.Thread(target=lambda: one.rounds(is_over.is_set))
+        rounds.start()
+        yield one
+        is_over.set()
+        rounds.join()
+        one.close()
+
+
+def test_a_hand_in_the_table_has_a_ghost_and_two_numbers_and_the_hint_goes(page: Page) -> None:
+    ghost, first = page.worlds.drawn["avatarsim"].ghost, page.session.scene.first_sample.positions[0]
+    assert soon(lambda: inside(page) == [0.0, 0.0]) and page.hint.visible
+    assert not any(body.node.visible for body in ghost.values())
+    page.post(lambda: page.driver.drag("hand/palm", (*first[:2], 0.74)))
+    assert soon(lambda: inside(page)[0] > 5.0 and any(body.node.visible for body in ghost.values()))
+    assert inside(page)[1] == 0.0 and not page.hint.visible
