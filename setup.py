@@ -1,7 +1,10 @@
-"""The wheel, with compiled kernels if asked for: `pip wheel . --no-build-isolation --no-deps -C--build-option=--with-kernels`.
+"""The wheel with the harness, and with compiled kernels if asked for:
+`pip wheel . --no-build-isolation --no-deps -C--build-option=--with-kernels`.
 
-All else about the package stands in pyproject.toml. Kernels are compiled by the numba that is installed, for the processor
-baseline of avatarsim/jit/baseline.py; docs/installing.md says where such a wheel serves.
+The packages of the harness, which `avatarsim compare` runs, lie in the folder `_harness` of the package: their names are too
+general for site-packages (avatarsim/comparing.py). All else about the package stands in pyproject.toml. Kernels are compiled by
+the numba that is installed, for the processor baseline of avatarsim/jit/baseline.py; docs/installing.md says where such a wheel
+serves.
 """
 
 import os
@@ -14,9 +17,15 @@ from setuptools import setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.errors import ExecError
 
+ROOT = Path(__file__).resolve().parent
+HARNESS = ("runfiles", "reference", "scenarios", "reports")
+"""Packages of the harness."""
+LEFT_OUT = ("__pycache__", "*.pyc", "out", "pictures")
+"""Files of no use in a wheel: runs of the checkout, and pictures of its README."""
+
 
 class Wheel(bdist_wheel):
-    """setuptools' wheel with one option more."""
+    """setuptools' wheel with the harness and one option more."""
 
     user_options = [*bdist_wheel.user_options, ("with-kernels", None, "carry compiled kernels, for one platform and Python")]
     boolean_options = [*bdist_wheel.boolean_options, "with-kernels"]
@@ -38,10 +47,19 @@ class Wheel(bdist_wheel):
         built = Path(self.get_finalized_command("build").build_lib).resolve()
         # An earlier wheel may have left its own.
         shutil.rmtree(built / "avatarsim" / "avatarsim-kernels", ignore_errors=True)
+        add_harness(built)
         if self.with_kernels:
             compile_kernels(built)
         self.skip_build = True
         super().run()
+
+
+def add_harness(built: Path) -> None:
+    """Put the packages of the harness into the package in a folder."""
+    target = built / "avatarsim" / "_harness"
+    shutil.rmtree(target, ignore_errors=True)
+    for name in HARNESS:
+        shutil.copytree(ROOT / name, target / name, ignore=shutil.ignore_patterns(*LEFT_OUT))
 
 
 def compile_kernels(built: Path) -> None:

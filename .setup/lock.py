@@ -5,6 +5,7 @@ Pins that still fit are kept; `--upgrade` takes the newest versions. No host nam
 written: where packages come from is for each user to set.
 """
 
+import re
 import subprocess
 import sys
 import tempfile
@@ -36,7 +37,8 @@ def pins(upgrade: bool, folder: Path) -> str:
     command += ["--universal", "--python-version", "3.11", "--fork-strategy", "fewest"]
     command += [f"--extra={extra}" for extra in EXTRAS] + (["--upgrade"] if upgrade else [])
     subprocess.run(command, cwd=ROOT, check=True)
-    return wanted.read_text(encoding="utf-8")
+    # users of later Pythons are not asked for it; in a checkout `make setup` builds it from source there, if it can
+    return re.sub(r"(?m)^(pybullet==\S+) ; [^\\]+ \\$", r"\1 \\", wanted.read_text(encoding="utf-8"))
 
 
 def main(arguments: list[str]) -> int:

@@ -85,6 +85,10 @@ Cleaning
     audit           measures of a motion as it is
     Shield          the same for a stream of postures: generalized coordinates in, certified ones out
 
+Comparing
+---------
+    compare         a scene of your own in every installed engine: a pandas table (needs the extra `compare`)
+
 Errors
 ------
     AvatarsimError  the root of all that is raised on purpose
@@ -107,6 +111,7 @@ if TYPE_CHECKING:
     from avatarsim.assets.models.model import Model
     from avatarsim.assets.motions.load import load_motion
     from avatarsim.cleaning import Shield, audit, clean
+    from avatarsim.comparing import compare
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
     from avatarsim.many_worlds import advance_many
@@ -125,12 +130,13 @@ __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw",
     "ConvexHull", "Coupling", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass",
     "Model", "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere",
-    "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "fixed",
-    "load_avatar", "load_motion", "load_object", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar", "simulated",
-    "solid",
+    "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "compare",
+    "fixed", "load_avatar", "load_motion", "load_object", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar",
+    "simulated", "solid",
 ]
 
 _MODULES = {
+    "comparing": ("compare",),
     "engine": ("FrameRecord", "Settings", "Snapshot"),
     "errors": ("AvatarsimError", "InvalidInput", "StartOverlaps", "WorldsFailed"),
     "assets.meshes": ("pieces_of_mesh",),

@@ -1,4 +1,4 @@
-"""`python -m scenarios`: list, metrics, run, compare, check, bench, drawn, tune, study."""
+"""`python -m scenarios`: list, metrics, run, compare, check, bench, drawn, tune, study; scene is `avatarsim compare`."""
 
 import argparse
 import os
@@ -6,12 +6,13 @@ import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 
+from avatarsim.cli.arguments import COMPARE, COMPARE_END, COMPARE_USAGE, RAW
 from avatarsim.cli.reading import reading_options
 from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage, described
 from avatarsim.running.stopping import stoppable
 from runfiles.files import OUT
-from scenarios.cli import commands, comparison, drawn, listing, tune
+from scenarios.cli import commands, comparison, drawn, listing, scene, tune
 from scenarios.cli import study as studies
 from scenarios.run.gate import INCOMPLETE, STOPPED, USAGE
 from scenarios.run.own_settings import EXAMPLE
@@ -19,6 +20,7 @@ from scenarios.run.own_settings import EXAMPLE
 COMMANDS: dict[str, Callable[[argparse.Namespace, Sequence[str]], int]] = {
     "list": listing.listing, "metrics": listing.metrics, "run": commands.run, "compare": comparison.compare,
     "check": commands.check, "bench": commands.bench, "drawn": drawn.drawn, "tune": tune.tune, "study": studies.study,
+    "scene": scene.scene,
 }
 
 
@@ -73,6 +75,8 @@ def parser() -> argparse.ArgumentParser:
     study = chosen.add_parser("study", help="a study at length, added to the last comparison", parents=[shared])
     study.add_argument("name", nargs="+", metavar="NAME", help=", ".join(studies.STUDIES))
     study.add_argument("--run", type=path_option, metavar="RUN", help="run to add it to (default: the last comparison)")
+    scene.add_options(chosen.add_parser("scene", prog="avatarsim compare", description=COMPARE, epilog=COMPARE_END,
+                                        formatter_class=RAW, usage=COMPARE_USAGE))
     scheduler = "run all that is not timed on the Dask cluster of this scheduler, as tcp://HOST:8786, instead of here"
     for one in (compare, study):
         one.add_argument("--scheduler", metavar="ADDRESS", help=scheduler)
@@ -108,7 +112,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     with suppress(OSError):
         # where a stream takes nothing, the code is all there is
         print(line, file=sys.stderr)
-        commands.print_end(options, code, None)
+        if options.command != "scene":
+            commands.print_end(options, code, None)
         sys.stdout.flush()
     return code
 

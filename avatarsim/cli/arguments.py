@@ -72,6 +72,27 @@ exit codes: 0 the same to the bit; 1 another state was shown, and the first such
 too little memory."""
 
 
+COMPARE_USAGE = "avatarsim compare SCENE ... [--motion FILE] [--gate ENGINE/PRESET] [--max-overlap LENGTH] [options]"
+COMPARE = """\
+Run a scene of yours in every physics engine that is installed, measure what each shows, and hold some of them to limits.
+An engine that is not installed is listed with the command that installs it, and fails nothing unless it is gated.
+
+examples:
+  avatarsim compare cell.xml --motion joints.csv
+      a table of all engines
+  avatarsim compare cell.xml --motion joints.csv --max-overlap 1mm --gate mujoco/tuned --junit out.xml
+      a check for CI: ends with 1 if MuJoCo overlaps by more than 1 mm
+  avatarsim compare cell.xml --gate mujoco --max joint_limit_excess_max=0.5deg --max frame_time_p95=2ms
+      limits on any metric; `avatarsim compare --metrics` lists them
+  avatarsim compare cell.xml --drift cell.drift.json
+      figures against those that --update-drift kept: fails where a new version of an engine moves one"""
+
+COMPARE_END = """\
+exit codes: 0 all limits hold; 1 a gated engine exceeds one, or a figure has drifted; 2 wrong usage, or a file that cannot be
+read; 3 a gated engine is missing, crashed or refuses the scene, or a limit was not measured; 130 stopped."""
+
+
+
 def parser() -> argparse.ArgumentParser:
     """The whole command line."""
     top = argparse.ArgumentParser(prog="avatarsim", description="Without a command: as `avatarsim compile`.")
@@ -100,6 +121,8 @@ def parser() -> argparse.ArgumentParser:
     _scene(audit)
     _running(audit)
     reading_options(audit)
+    compare = commands.add_parser("compare", help="a scene of your own in every physics engine, with limits", add_help=False)
+    compare.add_argument("rest", nargs=argparse.REMAINDER)
     pieces = commands.add_parser("pieces", help="convex pieces of mesh files, with error bounds", add_help=False)
     pieces.add_argument("rest", nargs=argparse.REMAINDER)
     _live(commands)

@@ -20,6 +20,15 @@ def main(arguments: list[str] | None = None) -> int:
         from avatarsim.cli.pieces import main as pieces
 
         return pieces(words[1:])
+    if words[:1] == ["compare"]:
+        # its options are those of the harness
+        from avatarsim.comparing import run as compare
+
+        try:
+            return compare(words[1:])
+        except AvatarsimError as error:
+            print(f"avatarsim: {error}", file=sys.stderr)
+            return UNREADABLE
     asked = parsed(words)
     try:
         if asked.command in ("clean", "audit"):

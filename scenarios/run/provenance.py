@@ -20,7 +20,7 @@ import numpy as np
 
 from avatarsim.errors import InvalidFile, InvalidInput
 from avatarsim.files import read_json
-from avatarsim.running.sources import cpu, digest_of, version
+from avatarsim.running.sources import PACKAGE, cpu, digest_of, version
 from avatarsim.scene.scene import Scene
 from avatarsim.version import VERSION
 from runfiles.engines import engines
@@ -31,7 +31,8 @@ from scenarios.run.machine import clock, usable_cpus
 
 PACKAGES = "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl"
 """Distributions beside avatarsim whose versions can change a figure."""
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = PACKAGE.parent
+"""The checkout; of a wheel, in whose package the harness lies, the folder of installed packages."""
 CODE = ("avatarsim", "runfiles", "reference", "scenarios")
 """Folders whose files can change a recording; `--resume` keeps no recording of other code."""
 PLAN, PLAN_VERSION = "plan.json", 1

@@ -28,6 +28,7 @@ def build(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> ModuleType:
 
 def packed(build: ModuleType, monkeypatch: pytest.MonkeyPatch, with_kernels: bool) -> tuple[bool, list[str]]:
     """Whether a wheel is for any platform, and the kernels in it when it is packed; an earlier build has left one."""
+    monkeypatch.setattr(build, "add_harness", lambda built: None)
     monkeypatch.setattr(build, "compile_kernels", lambda built: (built / "avatarsim" / "avatarsim-kernels").mkdir(parents=True))
     stale = Path("build/lib/avatarsim/avatarsim-kernels/old")
     stale.mkdir(parents=True)
@@ -49,6 +50,15 @@ def test_a_wheel_with_kernels_is_for_one_platform_and_holds_new_ones_only(
     build: ModuleType, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert packed(build, monkeypatch, with_kernels=True) == (False, ["build/lib/avatarsim/avatarsim-kernels"])
+
+
+def test_the_harness_travels_in_a_folder_of_the_package(build: ModuleType, tmp_path: Path) -> None:
+    build.add_harness(tmp_path)
+    harness = tmp_path / "avatarsim" / "_harness"
+    assert {path.name for path in tmp_path.iterdir()} == {"avatarsim"}
+    assert {path.name for path in harness.iterdir()} == {"runfiles", "reference", "scenarios", "reports"}
+    assert (harness / "scenarios" / "__main__.py").is_file() and (harness / "runfiles" / "metrics.toml").is_file()
+    assert not (harness / "reports" / "out").exists() and not list(harness.rglob("*.pyc"))
 
 
 def test_a_compile_that_fails_stops_the_build(build: ModuleType, tmp_path: Path) -> None:

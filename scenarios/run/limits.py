@@ -1,0 +1,70 @@
+"""Limits that a user puts engines to in a scene of their own: metrics of the registry with values, and the checks they make."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+
+from avatarsim.errors import InvalidInput
+from runfiles.metrics import unit
+from runfiles.naming import GATED
+from runfiles.table import Row
+from scenarios.run.gate import bounds_of
+from scenarios.scenario import Bound, Scenario
+
+OVERLAP = "residual_overlap_max"
+FINITE = "not_finite_frames"
+"""Metric that every gated run is checked for: other figures of poses that are not numbers mean nothing."""
+SIZES: Mapping[str, Mapping[str, float]] = {
+    "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9},
+    "us": {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0}, "s": {"s": 1.0, "ms": 1e-3},
+    "deg": {"deg": 1.0, "°": 1.0}, "%": {"%": 1.0},
+}
+"""Unit of a metric -> units that a limit may be written in, with their size."""
+NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*")
+
+
+def limit_of(name: str, text: str) -> float:
+    """Return a limit on metric `name` in the metric's unit: "1mm", "0.001", "2 deg". Raises UnknownName, InvalidInput."""
+    sizes = SIZES.get(unit(name), {unit(name): 1.0})
+    found = NUMBER.fullmatch(text)
+    if found is None or (found[2] and found[2] not in sizes):
+        units = ", ".join(filter(None, sizes)) or "none"
+        raise InvalidInput(f"limit of {name}", text, f"a number, in {unit(name) or 'no unit'} or with one of the units {units}")
+    return float(found[1]) * sizes.get(found[2], 1.0)
+
+
+def limits_of(overlap: str | None, others: Sequence[str]) -> dict[str, float]:
+    """Return metric -> limit of the options --max-overlap and --max. Raises UnknownName, InvalidInput."""
+    found = {} if overlap is None else {OVERLAP: limit_of(OVERLAP, overlap)}
+    for text in others:
+        name, equals, value = text.partition("=")
+        if not equals:
+            raise InvalidInput("--max", text, "METRIC=VALUE, such as residual_overlap_max=1mm")
+        found[name] = limit_of(name, value)
+    return found
+
+
+def with_limits(scenario: Scenario, limits: Mapping[str, float]) -> Scenario:
+    """Return the scenario with these limits in place of its own bounds, which stay without any."""
+    bounds = tuple(Bound(name, value, "a limit of the user") for name, value in limits.items())
+    return replace(scenario, bounds=bounds or scenario.bounds)
+
+
+def checks_of(
+    rows: Iterable[Row], scenarios: Mapping[str, Scenario], gates: Sequence[str], limits: Mapping[str, float],
+) -> list[Row]:
+    """Return the rows of the gated runs that are checked: of their limits, and one for a run without figures."""
+    found = []
+    for row in rows:
+        checked = {*limits, FINITE} if limits else set(bounds_of(scenarios[row.scenario]))
+        if row.run in gates and (row.metric == "run" or row.metric in checked):
+            refuses = row.status in ("refused", "cannot-say")
+            found.append(replace(row, status="not-measured", note=f"refuses the scene: {row.note}") if refuses else row)
+    return found
+
+
+def default_gates(gates: Sequence[str], limits: Mapping[str, float]) -> list[str]:
+    """Return the gated engines as they are named, without any the engine that promises bounds. Raises InvalidInput."""
+    if gates and not limits:
+        raise InvalidInput("--gate without a limit", ", ".join(gates), "with --max-overlap 1mm, or --max METRIC=VALUE")
+    return list(dict.fromkeys(gates)) or ["/".join(GATED)]
