@@ -30,7 +30,7 @@ Array = NDArray[np.float64]
 
 REPLAY = Path(__file__).with_name("replay.py")
 """The program that plays a run's steps; it is copied into the run's folder."""
-PINNED = "pinned: 4.0.0 of 6 November 2026 has a wrong Hessian with sparse Jacobians, whose repair is not published"
+PINNED = "what is installed; 4.0.0 is refused: its Newton solver factors sparse Hessians wrongly"
 """Reason of the version."""
 
 

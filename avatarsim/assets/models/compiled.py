@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from avatarsim.assets import caps
 from avatarsim.assets.models import doors
+from avatarsim.assets.models.mujoco_versions import check_folder
 from avatarsim.errors import ROOT, InvalidFile, MissingPackage
 
 Array = NDArray[np.float64]
@@ -162,10 +163,11 @@ def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0, c
     limits. `collide` of `doors.COLLIDE` are the shapes that collide.
 
     All files that it names must lie in `folder`; see `doors.folder_of`. Raises InvalidFile for a file that is refused, with the
-    reason; MissingPackage without mujoco."""
+    reason; MissingPackage without mujoco; UnsupportedVersion where two versions of it overwrote each other."""
     doors.require_model(path)
     if find_spec("mujoco") is None:
         raise MissingPackage("mujoco", "assets", f"reading {path.name}")
+    check_folder()
     return received(path.name, _run(path, doors.folder_of(path, folder), scale, collide))
 
 
