@@ -60,6 +60,7 @@ Avatars
     SwingTwist      limits of a ball: a cone for the limb, an interval for the twist about it
     TrackerSample   what the user did at one instant: the posture of all avatars
     rest            the sample with every joint at zero
+    link_poses      forward kinematics: where a sample puts the links of avatars
 
 Files
 -----
@@ -123,7 +124,7 @@ if TYPE_CHECKING:
     from avatarsim.scene.moving import moving
     from avatarsim.scene.scene import Scene
     from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
-    from avatarsim.scene.tracker import TrackerSample, rest
+    from avatarsim.scene.tracker import TrackerSample, link_poses, rest
     from avatarsim.simulator import AvatarsimEngine
 
 __all__ = [
@@ -131,8 +132,8 @@ __all__ = [
     "ConvexHull", "Coupling", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass",
     "Model", "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere",
     "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "compare",
-    "fixed", "load_avatar", "load_motion", "load_object", "load_room", "moving", "pieces_of_mesh", "rest", "rigid_avatar",
-    "simulated", "solid",
+    "fixed", "link_poses", "load_avatar", "load_motion", "load_object", "load_room", "moving", "pieces_of_mesh", "rest",
+    "rigid_avatar", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -153,7 +154,7 @@ _MODULES = {
     "scene.joint": ("Ball", "Coupling", "Free", "Hinge", "Hinges", "Rigid", "Slide", "SwingTwist"),
     "scene.scene": ("Scene",),
     "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),
-    "scene.tracker": ("TrackerSample", "rest"),
+    "scene.tracker": ("TrackerSample", "link_poses", "rest"),
     "simulator": ("AvatarsimEngine",),
 }
 """Which module has which public names: the same as above, for a running Python."""

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.counters import Tally
-from avatarsim.errors import InvalidInput
+from avatarsim.errors import InvalidInput, UnsupportedShape
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample
 
@@ -185,3 +185,15 @@ class Engine(Protocol):
 
     def close(self) -> None:
         """Free everything."""
+
+
+def require_shapes(scene: Scene, kinds: tuple[type, ...]) -> None:
+    """Raise UnsupportedShape for the first body or link of `scene` with a shape of none of these classes.
+
+    For engines that cannot build every shape; called in `load`, the run's row says which body it is.
+    """
+    pieces = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
+    for name, of_body in zip(scene.names, pieces, strict=True):
+        for piece in of_body:
+            if not isinstance(piece.shape, kinds):
+                raise UnsupportedShape(name, piece.shape, " or ".join(kind.__name__ for kind in kinds))

@@ -6,6 +6,7 @@
     +-- InvalidInput        a value handed in at the door is outside its valid range
     |   +-- InvalidScene    a scene description contradicts itself
     |   +-- InvalidShape    a shape has no volume, a non-finite size, ...
+    |   +-- UnsupportedScene    an engine or its preset cannot run a scene; UnsupportedShape: it cannot build one shape of it
     |   +-- InvalidSample   a tracker sample is not finite or does not fit the avatar
     |   +-- InvalidFile     a file is missing, truncated or not what its name says
     |   +-- InvalidSnapshot bytes are no snapshot, are damaged, or are of another scene
@@ -89,6 +90,14 @@ class InvalidShape(InvalidInput):
 
 class UnsupportedScene(InvalidInput):
     """A scene that an engine, or one of its presets, cannot run."""
+
+
+class UnsupportedShape(UnsupportedScene):
+    """A shape of a body or a link that an engine cannot build; `body` is its name in the scene."""
+
+    def __init__(self, body: str, shape: object, valid: str) -> None:
+        self.body = body
+        super().__init__(f"shape of {body}", type(shape).__name__, valid)
 
 
 class InvalidSample(InvalidInput):

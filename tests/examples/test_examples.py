@@ -16,7 +16,9 @@ FOLDER = Path(__file__).resolve().parents[2] / "examples"
 NAMES = ("rigid_hand", "jointed_hand", "humanoid_on_a_clip", "two_hands_and_a_mug", "many_worlds")
 CLIENTS = ("drive_from_a_tracker",)
 """Examples of programs that speak to avatarsim over its ports, and need nothing of it."""
-MOST_LINES = 85
+ENGINES = ("engine_of_your_own",)
+"""Examples of engines that join the comparison, which need more names of the package."""
+MOST_LINES = 95
 
 
 @pytest.fixture
@@ -27,7 +29,7 @@ def example(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_all_examples_are_tested() -> None:
-    assert {file.stem for file in FOLDER.glob("*.py")} == {*NAMES, *CLIENTS}
+    assert {file.stem for file in FOLDER.glob("*.py")} == {*NAMES, *CLIENTS, *ENGINES}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -38,6 +40,16 @@ def test_an_example_is_short_and_uses_the_public_names_alone(name: str) -> None:
     modules = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
     modules += [str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
     assert "avatarsim" in modules and not [module for module in modules if module.startswith("avatarsim.")]
+
+
+@pytest.mark.parametrize("name", ENGINES)
+def test_an_engine_needs_the_package_alone(name: str) -> None:
+    text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    assert len(text.splitlines()) <= MOST_LINES and "Shows: " in str(ast.get_docstring(tree))
+    modules = [alias.name for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names]
+    modules += [str(node.module) for node in ast.walk(tree) if isinstance(node, ast.ImportFrom)]
+    assert {module.partition(".")[0] for module in modules} - set(sys.stdlib_module_names) == {"avatarsim", "numpy"}
 
 
 @pytest.mark.parametrize("name", CLIENTS)
