@@ -51,7 +51,7 @@ def parser() -> argparse.ArgumentParser:
     listed = chosen.add_parser("list", help="the scenes", parents=[shared])
     listed.add_argument("--effects", action="store_true", help="effects that each scene calls for")
     chosen.add_parser("metrics", help="definitions of all figures", parents=[shared])
-    run = chosen.add_parser("run", help="one scene, quickly, and its table", parents=[shared])
+    run = chosen.add_parser("run", help="one scene, all presets of an engine, and its table", parents=[shared])
     run.add_argument("scene", nargs="?", help="name of the scene")
     compare = chosen.add_parser("compare", help="all scenes in all engines, accuracy and time, with a report", parents=[shared])
     brought = compare.add_argument_group("a scene of your own, instead of the catalogue")

@@ -31,8 +31,8 @@ def check(options: argparse.Namespace, words: Sequence[str]) -> int:
 
 
 def run(options: argparse.Namespace, words: Sequence[str]) -> int:
-    """Run one scene, or those of a filter, in one engine, avatarsim by default; print a table."""
-    made = plan(options, options.engine or [GATED[0]], True)
+    """Run one scene, or those of a filter, in all presets of one engine, avatarsim by default; print a table."""
+    made = plan(options, options.engine or [GATED[0]], False)
     return carry_out(options, words, replace(made, gated=frozenset({GATED})), timed=True, report=False)
 
 

@@ -26,7 +26,7 @@ from scenarios.run.progress import Progress
 from scenarios.run.results import Results
 from scenarios.run.sweep_scenes import repeats_of, short_errors_of
 from scenarios.run.timed_worker import TimedWorkers
-from scenarios.run.timing import QUICK_FROM, QUICK_TIMEOUT, Clocked, compared, quick_timing, timed_pass, timing_facts
+from scenarios.run.timing import QUICK_FROM, QUICK_TIMEOUT, Clocked, at_most, compared, quick_timing, timed_pass, timing_facts
 from scenarios.scenario import Scenario
 
 SAVE_INTERVAL = 3.0
@@ -136,7 +136,8 @@ class Run:
         with Progress("timing", len(timed), sys.stderr) as progress, TimedWorkers(QUICK_TIMEOUT) as workers:
             for scene, seed in ((scene, seed) for scene in names for seed in seeds):
                 chosen = [job for job in timed if (job.scenario, job.seed) == (scene, seed)]
-                found = timed_pass(chosen, full, meter=meter) if at_length else self._quickly(chosen, workers, meter)
+                rounds = [at_most(self.outcomes[job.stem].frame_seconds) for job in chosen]
+                found = timed_pass(chosen, full, rounds, meter=meter) if at_length else self._quickly(chosen, workers, meter)
                 for clocked in compared(found):
                     self.clocked[clocked.job.stem] = clocked
                     progress.step(f"{scene} {clocked.job.run}")

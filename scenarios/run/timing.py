@@ -23,6 +23,9 @@ MOST_FRAMES = 900
 over the table, which comes down slowly, would be timed in the air."""
 ENGINE_TIME = 6.0
 """Time [s] after which an engine gets no further repeat in a quick comparison; its row has their number."""
+LONGEST_REPEAT = 20.0
+"""Time [s] of the frames of one repeat at length. Longer: an engine of a second a frame is timed for a quarter of an hour.
+Shorter: the engines beside one of 50 ms are compared in frames before the first contact alone."""
 QUICK_FROM = 12
 """Scenes of a comparison from which on each is timed quickly, unless full lengths are asked for: a hundred scenes at length, in
 fresh processes, take a quarter of an hour."""
@@ -53,6 +56,12 @@ class Clocked:
 
 
 WHOLE = Round(REPEATS, 0, MOST_FRAMES)
+
+
+def at_most(cost: float) -> Round:
+    """Return the timed frames at length of an engine of `cost` [s] a frame: WHOLE, or those that fit into LONGEST_REPEAT."""
+    fitting = MOST_FRAMES if cost <= 0.0 else max(LEAST_FRAMES, int(LONGEST_REPEAT / cost))
+    return Round(REPEATS, 0, min(MOST_FRAMES, fitting))
 
 
 class TimedJob:

@@ -72,5 +72,5 @@ def test_a_preset_that_no_engine_has_is_an_error() -> None:
 ])
 def test_a_comparison_has_variants_and_other_commands_only_by_name(words: tuple[str, ...], runs: set[tuple[str, str]]) -> None:
     options = parser().parse_args([*words, "--engine", "mujoco", "--jobs", "0"])
-    jobs = plan(options, options.engine, options.command == "run").jobs
+    jobs = plan(options, options.engine, False).jobs
     assert {(job.scenario, job.preset) for job in jobs if job.preset in about("mujoco").variants} == runs

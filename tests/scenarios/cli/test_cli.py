@@ -55,6 +55,12 @@ def test_2_for_wrong_usage(
     assert err and all(name in err for name in named)
 
 
+def test_run_takes_all_presets_of_an_engine_and_check_its_first(site: Path, tmp_path: Path) -> None:
+    for command, presets in (("run", {"default", "other"}), ("check", {"default"})):
+        called(tmp_path, command, "--engine", "frozen", *BALL)
+        assert {row["preset"] for row in latest(tmp_path)["rows"]} == presets
+
+
 @pytest.mark.parametrize("option", ["--out", "--resume", "--settings"])
 def test_2_for_an_empty_path(site: Path, tmp_path: Path, option: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)

@@ -20,7 +20,7 @@ CROWDS = set(drawn_crowds.scenarios())
 
 def planned(*words: str) -> list[Job]:
     options = parser().parse_args([*words, "--engine", "tracker", "--jobs", "0"])
-    return plan(options, options.engine, options.command == "run").jobs
+    return plan(options, options.engine, False).jobs
 
 
 @pytest.mark.parametrize(("command", "patterns", "taken"), [

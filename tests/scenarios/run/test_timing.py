@@ -20,9 +20,11 @@ from scenarios.run.timing import (
     CHEAP_TIME,
     LEAD_TIME,
     LEAST_FRAMES,
+    LONGEST_REPEAT,
     MOST_FRAMES,
     ROUND_TIME,
     Clocked,
+    at_most,
     compared,
     quick_timing,
     rounds,
@@ -188,3 +190,10 @@ def test_an_unseen_motion_is_timed_at_its_deepest_contact_as_far_as_the_lead_rea
     assert rounds([100.0 * SLOW], 600, 190, (), depths) == [(1, 160, LEAST_FRAMES)]
     # where depths are not known the window is that of the first contact
     assert rounds([SLOW], 600, 3) == rounds([SLOW], 600, 3, (), [math.nan] * 601) == [(1, 0, LEAST_FRAMES)]
+
+
+@pytest.mark.parametrize(("cost", "frames"), [
+    (0.0, MOST_FRAMES), (1e-5, MOST_FRAMES), (LONGEST_REPEAT / 200.0, 200), (10.0 * LONGEST_REPEAT, LEAST_FRAMES),
+])
+def test_a_slow_engine_is_timed_for_so_long_at_most(cost: float, frames: int) -> None:
+    assert at_most(cost) == Round(REPEATS, 0, frames)
