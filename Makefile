@@ -80,9 +80,9 @@ test: $(READY)  ## every test; then a slice with the kernels as plain Python, on
 	export NUMBA_BOUNDSCHECK=1; $(ASK) $(ALL_AT_ONCE) $(BOUNDSCHECK) || { $(ASK) $(AGAIN) $(BOUNDSCHECK); exit 1; }
 	export OPENBLAS_CORETYPE=Prescott; $(ASK) $(ALL_AT_ONCE) $(ROUNDED) || { $(ASK) $(AGAIN) $(ROUNDED); exit 1; }
 
-# SCENE=body; ARGS: whatever else the command takes.
-live: $(READY)  ## drive a hand or a body in the browser (SCENE=hand|gallery, ARGS='--dark')
-	@$(VENV_PYTHON) -m avatarsim live $(if $(SCENE),--scene $(SCENE)) $(ARGS)
+# SCENE=house; ARGS: whatever else the command takes.
+live: $(READY)  ## drive a hand or a human in the browser, other engines beside (SCENE=toys|hand|gallery|house, ARGS='--dark')
+	@$(VENV_PYTHON) -m scenarios.live $(if $(SCENE),--scene $(SCENE)) $(ARGS)
 
 # Pictures first, since they need a browser: without one the table stays too, and both go on telling of the same run.
 headline: $(READY)  ## the README's table and pictures again, all of the last comparison, with its commit and date (needs a Chromium)

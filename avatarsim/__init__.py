@@ -78,6 +78,7 @@ Frames
     Snapshot        positions, orientations and velocities of all bodies at one instant
     Contact         where two bodies touch: their names, point, normal, gap
     advance_many    a frame of many engines at once, on several threads
+    show            a window in the browser on a loop of one's own, or a page of a recording (needs the extra `view`)
 
 Cleaning
 --------
@@ -115,6 +116,7 @@ if TYPE_CHECKING:
     from avatarsim.comparing import compare
     from avatarsim.engine import FrameRecord, Settings, Snapshot
     from avatarsim.errors import AvatarsimError, InvalidInput, StartOverlaps, WorldsFailed
+    from avatarsim.live.show import show
     from avatarsim.many_worlds import advance_many
     from avatarsim.pose_queries import Contact
     from avatarsim.scene.avatar import Avatar, Drive, Link, rigid_avatar
@@ -133,7 +135,7 @@ __all__ = [
     "Model", "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere",
     "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "compare",
     "fixed", "link_poses", "load_avatar", "load_motion", "load_object", "load_room", "moving", "pieces_of_mesh", "rest",
-    "rigid_avatar", "simulated", "solid",
+    "rigid_avatar", "show", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -145,6 +147,7 @@ _MODULES = {
     "assets.models.model": ("Model",),
     "assets.motions.load": ("load_motion",),
     "cleaning": ("Shield", "audit", "clean"),
+    "live.show": ("show",),
     "many_worlds": ("advance_many",),
     "pose_queries": ("Contact",),
     "scene.avatar": ("Avatar", "Drive", "Link", "rigid_avatar"),

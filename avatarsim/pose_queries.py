@@ -5,6 +5,7 @@ asked cold and outside the frame: what is not asked for costs nothing, and askin
 every pair that the scene's pair filter lets through; contacts of avatars and of loose bodies are told alike.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -165,8 +166,9 @@ def contact_points(
     return manifold(vertices, shapes, a, b, n, on_a, on_b, gap, within - depth, found)
 
 
-def contacts_of(world: World, within: float) -> tuple[Contact, ...]:
-    """Contacts of all pairs of bodies that must not overlap and are at most `within` [m] apart, in canonical order.
+def contacts_of(world: World, within: float, of: Collection[str] | None = None) -> tuple[Contact, ...]:
+    """Contacts of all pairs of bodies that must not overlap and are at most `within` [m] apart, in canonical order; with `of`
+    only those in which one of these bodies or links takes part.
 
     Of two convex pieces up to eight points, as many as it takes to hold one of their faces; at least the closest.
     """
@@ -175,6 +177,8 @@ def contacts_of(world: World, within: float) -> tuple[Contact, ...]:
     geo, vertices, names = world.geometry, world.poses.vertices, world.scene.names
     scratch, found, contacts = make_scratch(), make_manifold(), []
     for a, b in meeting_pairs(world, within):
+        if of is not None and names[a] not in of and names[b] not in of:
+            continue
         allowed = float(rest_depth(geo.rest, a, b))
         for s in range(geo.first_shape[a], geo.first_shape[a + 1]):
             for t in range(geo.first_shape[b], geo.first_shape[b + 1]):

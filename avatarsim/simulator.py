@@ -1,7 +1,7 @@
 """The native engine: a scene in, one record per frame out."""
 
 import gc
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from math import inf
@@ -114,6 +114,11 @@ class AvatarsimEngine:
             said["avatar dynamics"] = "avatars are kinematic with a coupled mass, not full articulated dynamics"
         return said
 
+    @property
+    def scene(self) -> Scene:
+        """The scene that is loaded. Raises AvatarsimError before `load`."""
+        return self._running().world.scene
+
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force: name -> (value, what it means and its unit)."""
         self._running()
@@ -165,24 +170,27 @@ class AvatarsimEngine:
         with self._alone():
             return self._load(scene, self._settings, self._dt, self._running())
 
-    def contacts(self, within: float | None = None, *, forces: bool = False) -> tuple[Contact, ...]:
+    def contacts(
+        self, within: float | None = None, *, forces: bool = False, of: Collection[str] | None = None
+    ) -> tuple[Contact, ...]:
         """Where bodies and links touch in the state that is shown, found now: some microseconds for each pair that is near.
 
         Of pairs whose surfaces are at most `within` [m] apart, 0 to 1; by default twice the setting `stand_off`, so that an
         avatar that leans on something is in contact with it. In the order of `scene.names`, of two convex pieces up to eight
-        points. Pairs that the scene does not test are left out. With `forces` also the force [N] at each, of pairs of which one
-        moves: a solve of all contacts of this instant, in which gravity, the springs of avatars and friction are in balance. It
-        takes milliseconds, of a hundred bodies a tenth of a second. Raises InvalidInput for another `within`, and for `forces` in
+        points. Pairs that the scene does not test are left out. With `of` only contacts in which one of these bodies or links
+        takes part, which costs less. With `forces` also the force [N] at each, of pairs of which one moves: a solve of all
+        contacts of this instant, in which gravity, the springs of avatars and friction are in balance. It takes milliseconds, of
+        a hundred bodies a tenth of a second. Raises InvalidInput for another `within`, and for `forces` in
         scenes without coupling and dynamics.
         """
         with self._alone():
             world, chosen = self._running().world, self._chosen
             if within is None:
                 within = 2.0 * (chosen.paper if self._settings.preset == "paper" else chosen.posture).stand_off
-            found = contacts_of(world, within)
-            if forces:
-                found = contacts_with_forces(self._with_forces(), within, chosen.posture.stand_off, self._dt)
-            return found
+            if not forces:
+                return contacts_of(world, within, of)
+            found = contacts_with_forces(self._with_forces(), within, chosen.posture.stand_off, self._dt)
+            return found if of is None else tuple(one for one in found if one.a in of or one.b in of)
 
     def felt(self, avatar: str) -> Array:
         """Force that the user of an avatar feels: of the spring to each of its links (links, 3) [N], world axes.

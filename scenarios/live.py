@@ -6,13 +6,15 @@ Page, loops and ports are those of `avatarsim live`; added are scenes, with thei
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
+from importlib.util import find_spec
 
 from avatarsim.cli.arguments import live_options
-from avatarsim.cli.live import drive, require_page
+from avatarsim.cli.live import drive
 from avatarsim.console import ended
 from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.live.messages import Plan
+from avatarsim.live.show import require_page
 from avatarsim.live.stages import NAMES, Stage, stage, staged
 from avatarsim.live.view.depth import Depth
 from avatarsim.scene.motion import Motion
@@ -26,6 +28,9 @@ from scenarios.own_scenes import motion_of
 from scenarios.run.gate import USAGE
 from scenarios.scenario import RENDERED
 
+PRESETS = 2
+"""Presets of each engine that a page offers: the tuned one and the engine's defaults."""
+
 
 def parser() -> argparse.ArgumentParser:
     """Return the parser of all options."""
@@ -36,7 +41,7 @@ def parser() -> argparse.ArgumentParser:
     )
     live_options(top)
     scene = f"{', '.join(NAMES)} as in `avatarsim live`, or a scene of the catalogue"
-    top.add_argument("--scene", default="gallery", metavar="NAME", help=scene)
+    top.add_argument("--scene", default="toys", metavar="NAME", help=scene)
     other = "engines beside avatarsim, led by the same targets"
     top.add_argument("--engine", nargs="+", default=[], metavar="ENGINE/PRESET", help=other)
     return top
@@ -51,7 +56,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise InvalidInput("--motion", str(options.motion[0]), "an option of `avatarsim live --avatar FILE`")
         found, clips = staged_of(options.scene)
         others = [plan_of(words, found.scene, options.rate) for words in options.engine]
-        return drive(options, found, clips, others, judged(found.scene))
+        offered = [plan for plan in installed(found.scene, options.rate) if plan.name not in {one.name for one in others}]
+        return drive(options, found, clips, others, judged(found.scene), [*others, *offered])
     except AvatarsimError as error:
         print(f"scenarios.live: {error}", file=sys.stderr)
         return USAGE
@@ -78,6 +84,15 @@ def plan_of(words: str, scene: Scene, rate: float) -> Plan:
         raise UnknownName("engine", name, known())
     preset = preset or about(name).presets[0]
     return Plan(about(name).adapter, scene, Settings(preset=preset), rate, name=f"{name}/{preset}")
+
+
+def installed(scene: Scene, rate: float) -> list[Plan]:
+    """Return the loops of all other engines whose packages are installed, in their first presets."""
+    found = [one for one in engines().values() if not one.baseline and one.name != GATED[0] and one.packages]
+    return [
+        plan_of(f"{one.name}/{preset}", scene, rate) for one in found if all(map(find_spec, one.packages))
+        for preset in one.presets[:PRESETS]
+    ]
 
 
 def judged(scene: Scene) -> Depth:

@@ -103,6 +103,7 @@ def test_asking_changes_nothing_and_pairs_left_out_are_left_out() -> None:
     engine = loaded(Scene("s", near, (hand,), exclude=(("two", "hand"),)))
     before = engine.snapshot()
     assert [(one.a, one.b) for one in engine.contacts(0.5)] == [("one", "hand")]
+    assert len(engine.contacts(0.5, of=("hand",))) == 1 and engine.contacts(0.5, of=("two",)) == ()
     assert engine.snapshot() == before
 
 

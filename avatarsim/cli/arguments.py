@@ -155,6 +155,7 @@ def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> No
     )
     replay.add_argument("recording", metavar="FILE", type=path_option, help="as `avatarsim live` saves it")
     replay.add_argument("--json", action="store_true", help="one JSON object instead of sentences")
+    replay.add_argument("--page", metavar="FILE", type=path_option, help="also write a page that plays it, worst moments marked")
 
 
 def live_options(live: argparse.ArgumentParser) -> None:

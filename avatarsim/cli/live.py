@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import reduce
-from importlib.util import find_spec
 from pathlib import Path
 
 from avatarsim.assets.models.doors import MODELS
@@ -20,15 +19,15 @@ from avatarsim.cli.option_words import in_words
 from avatarsim.cli.reading import reading_of
 from avatarsim.clips.reading import Reading
 from avatarsim.engine import Settings
-from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage
-from avatarsim.live.messages import RATES, Array, Plan
-from avatarsim.live.orders import posture_of
+from avatarsim.errors import InvalidFile, InvalidInput
+from avatarsim.live.messages import RATES, Plan
 from avatarsim.live.ports.admission import as_address
 from avatarsim.live.ports.server import HIGHEST_PORT, Ports
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
+from avatarsim.live.show import require_page
 from avatarsim.live.stages import Stage, stage, staged
-from avatarsim.live.view.depth import Depth, still
+from avatarsim.live.view.depth import Depth, own_depth, still
 from avatarsim.scene.carried import joined
 from avatarsim.scene.checks import within
 from avatarsim.scene.motion import Motion
@@ -42,8 +41,7 @@ MARGIN = 1e-3
 """[m] about the first posture of an avatar of one's own, as in cleaning."""
 AS_FOUND = Reading()
 """How files are read where no option says otherwise."""
-PACKAGES = ("viser", "websockets")
-"""What the extra `view` brings."""
+
 
 def run(asked: argparse.Namespace) -> int:
     """The exit code. Raises InvalidInput for options that do not fit, MissingPackage without the page's library."""
@@ -55,13 +53,6 @@ def run(asked: argparse.Namespace) -> int:
         print(f"avatarsim: {in_words(str(error), 'live')}", file=sys.stderr)
         return UNREADABLE
     return drive(asked, found, clips, (), own_depth(found.scene))
-
-
-def require_page() -> None:
-    """MissingPackage where the page cannot be shown."""
-    for package in PACKAGES:
-        if find_spec(package) is None:
-            raise MissingPackage(package, "view", "the page of a live session")
 
 
 def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
@@ -113,17 +104,6 @@ def clips_of(
     return clips
 
 
-def own_depth(scene: Scene) -> Depth:
-    """How deep avatars are in what is fixed and in themselves, by our own distances; those of loose bodies are not among them."""
-    chords = Chords(still(scene))
-
-    def depth(scene: Scene, positions: Array, orientations: Array, angles: Array) -> float:
-        first = len(scene.bodies)
-        return max(0.0, -chords.nearest(posture_of(scene, positions[first:], orientations[first:], angles), 0.0)[0])
-
-    return depth
-
-
 def require_place(listen: str, port: int) -> None:
     """InvalidInput for an address of another machine, and for a port that is none: the page's server would never start."""
     address = as_address(listen)
@@ -151,10 +131,21 @@ def _say_refusal(source: str, sentence: str) -> None:
 
 
 def drive(
-    asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], rivals: Sequence[Plan], depth: Depth | None
+    asked: argparse.Namespace, found: Stage, clips: Mapping[str, Motion], others: Sequence[Plan], depth: Depth | None,
+    offered: Sequence[Plan] = (),
 ) -> int:
-    """Run a session of our engine and of rivals until it is stopped; the exit code. Raises InvalidInput for an option,
-    LoopRefused for a preset or a scene that an engine does not take."""
+    """Run a session of avatarsim and of other engines until it is stopped, and return the exit code.
+
+    Args:
+        asked: options of the command.
+        found: what is driven.
+        clips: motions by name.
+        others: loops that run beside it from the start.
+        depth: how overlap is measured.
+        offered: loops that the page can start.
+
+    Raises:
+        InvalidInput: for an option. LoopRefused: for a preset or a scene that an engine does not take."""
     from avatarsim.live.drive.driver import Driver
     from avatarsim.live.view.page import Page, Shows
 
@@ -168,8 +159,8 @@ def drive(
     print("avatarsim: loading", file=sys.stderr)
     try:
         with ExitStack() as stack:
-            session = stack.enter_context(Session([ours, *rivals]))
-            shows = Shows(found, clips, depth, asked.listen, asked.port, asked.dark, asked.save)
+            session = stack.enter_context(Session([ours, *others]))
+            shows = Shows(found, clips, depth, asked.listen, asked.port, asked.dark, asked.save, offered)
             page = Page(session, Driver(found.scene), shows)
             stack.callback(page.close)
             if asked.ws is not None or asked.udp is not None:

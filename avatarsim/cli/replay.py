@@ -5,11 +5,13 @@ import json
 import sys
 import time
 
+from avatarsim.clips.whole_files import write_whole
 from avatarsim.console import Progress
 from avatarsim.engine import FrameRecord
 from avatarsim.errors import AvatarsimError
 from avatarsim.live.recording import Recorded, read, versions
 from avatarsim.live.replaying import Replayed, replay
+from avatarsim.live.show import recording_page
 
 SAME, DIFFERS, UNREADABLE = 0, 1, 3
 """Exit codes."""
@@ -19,6 +21,8 @@ def run(asked: argparse.Namespace) -> int:
     """The exit code."""
     try:
         recorded = read(asked.recording)
+        if asked.page is not None:
+            write_whole(asked.page, recording_page(asked.recording))
         with Progress("replay", sys.stderr) as progress:
             def one(frame: int, record: FrameRecord) -> None:
                 if progress.due:

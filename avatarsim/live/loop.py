@@ -43,7 +43,9 @@ def run(plan: Plan, channel: Channel, orders: Connection) -> None:
     except (AvatarsimError, MemoryError) as error:
         orders.send(Answer(0, Order.RESET, 0, str(error) if isinstance(error, AvatarsimError) else described(error)))
         return
-    go_first()
+    if plan.logs:
+        # the loop that is driven; one beside it that cannot keep its rate would take the processor from everything else
+        go_first()
     orders.send(Answer(0, Order.RESET, 0))
     gc.collect()
     gc.freeze()
@@ -217,5 +219,5 @@ class Loop:
 
 def rows(engine: AvatarsimEngine, links: Collection[str]) -> Array:
     """Return (k, 6) points [m] and normals of those contacts of the state that an engine shows in which links take part."""
-    found = [(*one.point, *one.normal) for one in engine.contacts() if one.a in links or one.b in links]
+    found = [(*one.point, *one.normal) for one in engine.contacts(of=links)]
     return np.array(found, dtype=np.float64).reshape(-1, 6)

@@ -8,6 +8,7 @@ import multiprocessing
 import shutil
 import tempfile
 import time
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
@@ -15,9 +16,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, ended_by
+from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, UnknownName, ended_by
 from avatarsim.live.channel import pair
-from avatarsim.live.figures import Figures, Window
+from avatarsim.live.figures import SPAN, Figures, Window
 from avatarsim.live.loop import run
 from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target, Touching
 from avatarsim.scene.tracker import TrackerSample, checked
@@ -136,7 +137,8 @@ class Driven:
 
 
 class Session:
-    """All loops of one live scene. `plans`: the first is the one that the user drives, the others follow the same targets.
+    """All loops of one live scene. `plans`: the first is the one that the user drives, the others follow the same targets;
+    `sent` has the targets of the last seconds.
 
     Use it as a context manager: it ends its processes. Raises LoopRefused where a loop cannot begin, LoopDied where it ends."""
 
@@ -149,9 +151,10 @@ class Session:
         self._folder = Path(tempfile.mkdtemp(prefix="avatarsim-live-"))
         self._numbers, self._commands = count(1), count(1)
         self.loops: dict[str, Driven] = {}
+        self.sent: deque[Target] = deque(maxlen=round(SPAN * max(plan.rate for plan in plans)))
         try:
             for k, plan in enumerate(plans):
-                self.loops[plan.name] = Driven(replace(plan, logs=str(self._folder) if k == 0 else ""))
+                self.loops[plan.name] = Driven(replace(plan, logs="" if k else str(self._folder)))
             for loop in self.loops.values():
                 loop.is_loaded()
         except BaseException:
@@ -172,6 +175,7 @@ class Session:
         Raises InvalidSample for what does not fit the avatars or is not finite."""
         sample = checked(sample, self.scene.avatars)
         target = Target(sample, time.monotonic_ns() if stamp is None else stamp, next(self._numbers), source)
+        self.sent.append(target)
         for loop in self.loops.values():
             loop.send(target)
 
@@ -190,6 +194,20 @@ class Session:
             except LoopDied:
                 self._lost(name)
         return answers
+
+    def join(self, loop: Driven) -> None:
+        """Have one more loop, which is loaded, follow the targets. Raises InvalidInput for a name that another one has."""
+        if loop.plan.name in self.loops:
+            raise InvalidInput("name of a loop that joins a session", loop.plan.name, "one that no other loop has")
+        self.loops[loop.plan.name] = loop
+
+    def leave(self, name: str) -> None:
+        """End a loop other than the first. Raises InvalidInput for the first, UnknownName for one that there is not."""
+        if name not in self.loops:
+            raise UnknownName("loop", name, self.loops)
+        if self.loops[name] is self.first:
+            raise InvalidInput("loop that leaves a session", name, "one that the user does not drive")
+        self.loops.pop(name).close()
 
     def _lost(self, name: str) -> None:
         """A loop beside the first one is left out from now on; without the first one there is no session."""

@@ -6,13 +6,12 @@ Not part of `make test`, which needs no browser: `make look` runs it, and leaves
 
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from avatarsim.cli.live import own_depth
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.keys import KEYS
@@ -21,6 +20,7 @@ from avatarsim.live.recording import OURS, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
+from avatarsim.live.view.depth import own_depth
 from avatarsim.live.view.page import Page, Shows
 from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
@@ -39,10 +39,10 @@ PATIENCE = 10.0
 class Running:
     """A live page of a built-in stage, its rounds in a thread of their own."""
 
-    def __init__(self, name: str, folder: Path, dark: bool = False) -> None:
+    def __init__(self, name: str, folder: Path, dark: bool = False, offered: Sequence[Plan] = ()) -> None:
         found = stage(name)
         self.session = Session([Plan(OURS, found.scene, Settings(time_stages=True), 60.0)])
-        shows = Shows(found, {}, own_depth(found.scene), port=0, dark=dark, folder=folder)
+        shows = Shows(found, {}, own_depth(found.scene), port=0, dark=dark, folder=folder, offered=offered)
         self.page = Page(self.session, Driver(found.scene), shows)
         self._is_over = False
         self._thread = threading.Thread(target=lambda: self.page.rounds(lambda: self._is_over))

@@ -26,7 +26,6 @@ from typing import NamedTuple
 import numpy as np
 import websockets
 
-from avatarsim.cli.live import own_depth
 from avatarsim.engine import FrameRecord, Settings
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.drive.keys import KEYS
@@ -37,6 +36,7 @@ from avatarsim.live.recording import OURS, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
+from avatarsim.live.view.depth import own_depth
 from avatarsim.live.view.page import Page, Shows
 from avatarsim.scene.scene import Scene
 from reference.judging.judge import Judge

@@ -20,7 +20,9 @@ VIEWS = {"Home": (228.0, 24.0), "Side": (270.0, 8.0), "Above": (228.0, 70.0)}
 """Directions from the avatar to the eye by name: azimuth and elevation [degrees]. The first view is the first one."""
 BELOW = 0.35
 """Distance from the avatar's middle down to what the eye looks at, in heights of the avatar: what it is dragged into is below."""
-WIDER = 0.9
+ASIDE = 0.25
+"""Distance to the right of worlds side by side that the eye looks at, in distances between the outer ones: the panel is there."""
+WIDER = 1.1
 """Distance [in distances between two worlds] that the eye steps back for each further world."""
 BETWEEN = 1.1
 """Distance between worlds side by side, in widths of what stands in them."""
@@ -54,7 +56,7 @@ def framed(avatar: Avatar, places: Array, turns: Array, view: str, offsets: Arra
     up = np.array((-cos(azimuth) * sin(elevation), -sin(azimuth) * sin(elevation), cos(elevation)))
     height = max(float(np.ptp(cloud @ up)), 1e-3)
     distance = height / (2.0 * SHARE * tan(0.5 * FIELD)) + WIDER * float(np.linalg.norm(offsets[-1]))
-    look_at = middle + offsets.mean(axis=0) - BELOW * height * up
+    look_at = middle + offsets.mean(axis=0) + ASIDE * offsets[-1] - BELOW * height * up
     return Camera(look_at + distance * away, look_at)
 
 

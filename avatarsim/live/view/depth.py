@@ -4,11 +4,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 
+import numpy as np
+
 from avatarsim.cleaning.chords import Chords, Pair
 from avatarsim.live.messages import Array
+from avatarsim.live.orders import posture_of
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample
+from avatarsim.scene.tracker import TrackerSample, link_poses
 
 Depth = Callable[[Scene, Array, Array, Array], float]
 """Deepest penetration [m] of a scene whose bodies and links are at positions (n, 3) [m] and orientations (n, 4), with hinges at
@@ -28,7 +31,7 @@ def still(scene: Scene) -> Scene:
 
 
 class OwnOverlap:
-    """The deepest overlap of a user's own posture with the fixed bodies of a scene, and with itself."""
+    """The deepest overlap of a posture with the fixed bodies of a scene, and with itself."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -37,7 +40,31 @@ class OwnOverlap:
     def _chords(self) -> Chords:
         return Chords(still(self._scene))
 
-    def pair(self, sample: TrackerSample) -> Pair | None:
-        """Names of the two that overlap deepest, those of fixed bodies first; None where nothing overlaps."""
+    def deepest(self, sample: TrackerSample) -> tuple[float, Pair | None]:
+        """Return the depth [m] and the names of the two, those of fixed bodies first; 0 and None where nothing overlaps."""
         gap, pair = self._chords.nearest(sample, 0.0)
-        return pair if gap < -LEAST else None
+        return (-gap, pair) if gap < -LEAST else (0.0, None)
+
+
+def own_depth(scene: Scene) -> Depth:
+    """Return a function for the depth of avatars in what is fixed and in themselves, by our own distances."""
+    overlap = OwnOverlap(scene)
+
+    def depth(scene: Scene, positions: Array, orientations: Array, angles: Array) -> float:
+        first = len(scene.bodies)
+        return overlap.deepest(posture_of(scene, positions[first:], orientations[first:], angles))[0]
+
+    return depth
+
+
+def own_posture(
+    scene: Scene, sample: TrackerSample, positions: Array, orientations: Array, angles: Array
+) -> tuple[Array, Array, Array]:
+    """Return the poses of a state, and its angles, with the first avatar in the user's own posture."""
+    places, turns = link_poses(scene.avatars, sample)
+    own, first = scene.avatars[0], len(scene.bodies)
+    positions, orientations, angles = np.array(positions), np.array(orientations), np.array(angles)
+    positions[first : first + len(own.links)] = places[: len(own.links)]
+    orientations[first : first + len(own.links)] = turns[: len(own.links)]
+    angles[: own.hinge_count] = sample.angles[: own.hinge_count]
+    return positions, orientations, angles

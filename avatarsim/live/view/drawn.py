@@ -118,7 +118,7 @@ class Drawn:
     def __init__(
         self, server: viser.ViserServer, scene: Scene, name: str, number: int, seen: Mapping[str, Surface], offset: Array,
     ) -> None:
-        self._server, self._number, self._first = server, number, len(scene.bodies)
+        self.number, self._first = number, len(scene.bodies)
         self._frame = server.scene.add_frame(f"/{name}", show_axes=False, position=offset)
         names, links = scene.names, [link for avatar in scene.avatars for link in avatar.links]
         fixed = [body for body in scene.bodies if body.role is Role.FIXED]
@@ -158,13 +158,18 @@ class Drawn:
         self._is_ghost_wanted, self._overlaps, self._flash_end, self._touched = True, False, 0.0, -1
         self._is_through, self._ghost_overlaps, self._colour = False, False, colour_of(number)
 
+    @property
+    def colour(self) -> Colour:
+        """Colour of its avatar where nothing overlaps."""
+        return colour_of(self.number)
+
     def show(self, state: State, touching: Touching | None, now: float) -> None:
         """Move everything to its pose in a state; `now` [s] ends flashes."""
         for group in (self.moving, self.links):
             for k, body in group.items():
                 body.place(state.positions[k], state.orientations[k])
         self._word.position = state.positions[self._first] + (0.0, 0.0, self._above)
-        colour = OVERLAPPING if self._overlaps else FLASH if now < self._flash_end else colour_of(self._number)
+        colour = OVERLAPPING if self._overlaps else FLASH if now < self._flash_end else self.colour
         if colour != self._colour:
             self._colour = colour
             for body in self._avatar:
@@ -193,14 +198,17 @@ class Drawn:
             self._line.points = np.array([[positions[farthest - self._first], state.positions[farthest]]], dtype=np.float32)
         return float(gaps.max())
 
-    def mark(self, overlaps: bool, ghost_overlaps: bool, is_through: bool) -> None:
-        """Draw avatar and ghost red while they overlap, and the room translucent."""
+    def mark(self, overlaps: bool, ghost_overlaps: bool) -> None:
+        """Draw avatar and ghost red while they overlap."""
         self._overlaps = overlaps
         if ghost_overlaps != self._ghost_overlaps:
             self._ghost_overlaps = ghost_overlaps
             for body in self.ghost.values():
                 body.colour(OVERLAPPING if ghost_overlaps else GHOST)
-        if is_through != self._is_through:
+
+    def see_through(self, apart: float) -> None:
+        """Draw the room translucent while a ghost is `apart` [m] from its avatar."""
+        if (is_through := apart > APART) != self._is_through:
             self._is_through = is_through
             for body in self._room:
                 body.fade(THROUGH if is_through else None)

@@ -7,6 +7,7 @@ the business of another thread, since the messages of a draw take several millis
 
 import asyncio
 import queue
+import re
 import sys
 import threading
 import time
@@ -21,16 +22,17 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import AvatarsimError, InvalidInput
 from avatarsim.live.drive.driver import Driver
-from avatarsim.live.messages import State
+from avatarsim.live.messages import Order, Plan, State
 from avatarsim.live.orders import posture_of
 from avatarsim.live.ports.protocol import Goals
 from avatarsim.live.ports.server import Ports
-from avatarsim.live.session import Session
+from avatarsim.live.session import Driven, Session
 from avatarsim.live.stages import Stage
-from avatarsim.live.view.depth import LEAST, Depth, OwnOverlap
-from avatarsim.live.view.drawn import APART, FLASHING, Drawn
+from avatarsim.live.view.depth import LEAST, Depth, OwnOverlap, own_posture
+from avatarsim.live.view.drawn import FLASHING, Drawn
 from avatarsim.live.view.panel import Panel
 from avatarsim.live.view.server import AdmittingServer
+from avatarsim.live.view.share import driven, filmed, shared_page
 from avatarsim.live.view.telling import at_page, at_ports, numbers, overlapping, situation, table, timing, word_of
 from avatarsim.live.view.worlds import Worlds
 from avatarsim.scene.body import Role
@@ -57,7 +59,8 @@ DEEPER = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Shows:
-    """What a page shows: the session's stage, clips to play, how penetration is measured, where it is served and saved."""
+    """What a page shows: the session's stage, clips to play, how penetration is measured, where it is served and saved, and
+    engines that are offered beside the driven one."""
 
     stage: Stage
     clips: Mapping[str, Motion]
@@ -66,6 +69,7 @@ class Shows:
     port: int = 8080
     dark: bool = False
     folder: Path = Path(".")
+    offered: Sequence[Plan] = ()
 
 
 class Page:
@@ -96,7 +100,7 @@ class Page:
     def _build(self) -> None:
         """All that the page has, in the server's thread."""
         self.worlds = Worlds(self.server, self.shows.stage, self.session.loops)
-        self.panel = Panel(self.server, self, list(self.session.loops), list(self.shows.clips), self.shows.dark)
+        self.panel = Panel(self.server, self, list(self.shows.clips), self.shows.dark)
         self._gizmos = self._make_gizmos()
         self.hint = self._make_hint()
         self._bind_drags()
@@ -251,16 +255,6 @@ class Page:
             drawn.say("")
         self._words[name] = (word, end, states[-1].frame if states else -1)
 
-    def _wanted(self, state: State) -> tuple[Array, Array, Array]:
-        """Poses of all bodies and links, and angles, with the user's own posture in place of the avatar's."""
-        places, turns = link_poses(self._scene.avatars, self._sample)
-        positions, orientations, angles = state.positions.copy(), np.array(state.orientations), state.angles.copy()
-        own, first = self._scene.avatars[0], self._offset
-        positions[first : first + len(own.links)] = places[: len(own.links)]
-        orientations[first : first + len(own.links)] = turns[: len(own.links)]
-        angles[: own.hinge_count] = self._sample.angles[: own.hinge_count]
-        return positions, orientations, angles
-
     def _tell(self) -> None:
         """Overlaps, and what holds the avatar back."""
         depths, name = dict[str, float](), self.session.first.plan.name
@@ -268,38 +262,36 @@ class Page:
         first = states.get(name)
         if first is None:
             return
-        wanted, target = self._wanted(first), 0.0
+        wanted, target = own_posture(self._scene, self._sample, first.positions, first.orientations, first.angles), 0.0
         if self.shows.depth is not None:
             for one, state in states.items():
                 depths[one] = self.shows.depth(self._scene, state.positions, state.orientations, state.angles)
             target = self.shows.depth(self._scene, *wanted)
-        overlap = self._overlapping(wanted) if target > LEAST else ""
+        at = self._offset
+        pair = self._overlap.deepest(posture_of(self._scene, wanted[0][at:], wanted[1][at:], wanted[2]))[1]
+        overlap = overlapping(pair, self.driver.links) if pair is not None else ""
         heard = [situation(first, overlap), at_page(self.server.refusals)]
         if self.ports is not None:
             heard.append(at_ports(self.ports.refusals))
-        above, words = numbers(target, self._apart, depths), "\n\n".join(filter(None, heard))
+        colours = {one: drawn.colour for one, drawn in list(self.worlds.drawn.items())}
+        depths = {one: found for one, found in depths.items() if one in colours}
+        above, words = numbers(target, self._apart, depths, colours), "\n\n".join(filter(None, heard))
         self._there(lambda: self._write(above, words, depths, target))
-
-    def _overlapping(self, wanted: tuple[Array, Array, Array]) -> str:
-        """Which parts of the user's own posture overlap."""
-        positions, orientations, angles = wanted
-        pair = self._overlap.pair(posture_of(self._scene, positions[self._offset :], orientations[self._offset :], angles))
-        return overlapping(pair, self.driver.links) if pair is not None else ""
 
     def _write(self, above: str, words: str, depths: Mapping[str, float], target: float) -> None:
         """Numbers over the scene, words on the panel, and red for what overlaps."""
         self.panel.tell(above, words)
-        is_through, first = self._apart > APART, self.session.first.plan.name
+        first = self.session.first.plan.name
         for name, depth in depths.items():
             if name in self.worlds.drawn:
-                self.worlds.drawn[name].mark(depth > LEAST, name == first and target > LEAST, is_through)
+                self.worlds.drawn[name].mark(depth > LEAST, name == first and target > LEAST)
+                self.worlds.drawn[name].see_through(self._apart)
 
     def _time(self) -> None:
         """Timing of all loops."""
         loops = list(self.session.loops.items())
         figures = {name: loop.figures() for name, loop in loops}
-        times = {name: [state.engine_ns for state in loop.states()] for name, loop in loops}
-        first = self.session.first.plan.name
+        times, first = [state.engine_ns for state in self.session.first.states()], self.session.first.plan.name
         self._there(lambda: self.panel.time(table(figures), timing(figures[first]), times))
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
@@ -361,6 +353,65 @@ class Page:
         at, grabbed, away = self._grabbed[name]
         goal = at + (end - grabbed if up is None else DEEPER * up * away)
         self.driver.drag(name, goal, None)
+
+    def compare(self, name: str) -> None:
+        """Show an engine that is offered beside the driven one, from the start of the scene on; or end that."""
+        if name in self.session.loops:
+            self.session.leave(name)
+            self.there(lambda: self._see_less(name))
+            return
+        plan = next(plan for plan in self.shows.offered if plan.name == name)
+        self.there(partial(self.panel.say, f"{name} is loading"))
+        threading.Thread(target=self._load, args=(plan,), name=f"avatarsim loads {name}", daemon=True).start()
+
+    def _load(self, plan: Plan) -> None:
+        """Load a loop, which may take seconds, and hand it over to the thread of the targets."""
+        loop = Driven(plan)
+        try:
+            loop.is_loaded()
+        except AvatarsimError as error:
+            loop.close()
+            self.there(partial(self.panel.say, str(error)))
+            return
+        self.post(partial(self._join, loop))
+
+    def _join(self, loop: Driven) -> None:
+        """Have a loaded loop follow the targets, and begin the scene again, so that all engines are led alike."""
+        self.session.join(loop)
+        self.there(partial(self._see_more, loop.plan.name))
+        self.session.command(Order.RESET)
+        self.driver.reset()
+
+    def _see_more(self, name: str) -> None:
+        self.worlds.add(name)
+        self.worlds.look_all("Home")
+        self.panel.say("")
+
+    def _see_less(self, name: str) -> None:
+        self.worlds.remove(name)
+        self.worlds.look_all("Home")
+
+    def share(self, client: viser.ClientHandle) -> None:
+        """Send a viewer an offline page of the last seconds; in a thread of its own, since each state is measured."""
+        self._send(client, "html", lambda: shared_page(self._scene, driven(self.session), self.shows.stage.visuals))
+
+    def film(self, client: viser.ClientHandle) -> None:
+        """Send a viewer a moving picture of what it sees in the next seconds."""
+        self._send(client, "gif", lambda: filmed(client))
+
+    def _send(self, client: viser.ClientHandle, suffix: str, make: Callable[[], bytes]) -> None:
+        def work() -> None:
+            try:
+                content = make()
+            except (AvatarsimError, TimeoutError) as error:
+                self.there(partial(self.panel.say, str(error)))
+                return
+            name = f"{re.sub('[^a-zA-Z0-9]+', '-', self._scene.name)}.{suffix}"
+            self.there(lambda: client.send_file_download(name, content, save_immediately=True))
+            self.there(partial(self.panel.say, f"{name}: {len(content) / 1e6:.1f} MB"))
+
+        self.there(partial(self.panel.say, "working ..."))
+        threading.Thread(target=work, name=f"avatarsim {suffix}", daemon=True).start()
 
     def see_gizmos(self, visible: bool) -> None:
         """Show the gizmos, or not."""

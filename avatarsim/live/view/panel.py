@@ -38,7 +38,7 @@ PLOTTED = 300
 class Panel:
     """The widgets, and what they do to their page's session and driver; each in the page's own thread."""
 
-    def __init__(self, server: viser.ViserServer, page: "Page", engines: Sequence[str], clips: Sequence[str], dark: bool) -> None:
+    def __init__(self, server: viser.ViserServer, page: "Page", clips: Sequence[str], dark: bool) -> None:
         self._server, self._page = server, page
         self._switched = Switch((), page.method)
         gui = server.gui
@@ -49,6 +49,9 @@ class Panel:
         self._words = gui.add_markdown("**Loading**")
         self._trouble = gui.add_markdown("", visible=False)
         self._run_buttons()
+        if page.shows.offered:
+            group = gui.add_button_group("Compare with", tuple(plan.name for plan in page.shows.offered))
+            self._on(group.on_click, lambda: page.compare(group.value))
         if clips:
             with gui.add_folder("Clips", expand_by_default=False):
                 self._clip_buttons(clips)
@@ -71,7 +74,7 @@ class Panel:
         with gui.add_folder("Timing", expand_by_default=False):
             self._timing = gui.add_markdown("")
             self._table = gui.add_markdown("")
-            self._plot = self._add_plot(engines)
+            self._plot = self._add_plot()
 
     def _on(self, bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
         """Have `act` done in the page's thread whenever a widget fires."""
@@ -88,12 +91,10 @@ class Panel:
 
         bind(fired)
 
-    def _add_plot(self, engines: Sequence[str]) -> viser.GuiUplotHandle:
-        """Frame times of all engines over the last seconds, beside what 60 and 90 Hz allow."""
+    def _add_plot(self) -> viser.GuiUplotHandle:
+        """Frame times of the driven engine over the last seconds, beside what 60 and 90 Hz allow."""
         series = [viser.uplot.Series(label="s")]
-        series += [
-            viser.uplot.Series(label=name, stroke=_css(colour_of(k)), width=1) for k, name in enumerate(engines)
-        ]
+        series += [viser.uplot.Series(label=self._page.session.first.plan.name, stroke=_css(colour_of(0)), width=1)]
         series += [viser.uplot.Series(label=rate, stroke="#999999", width=1, dash=(4, 4)) for rate in BUDGETS]
         # a scale of logarithms has no zero
         nothing = (np.arange(2.0), *(np.ones(2) for _ in series[1:]))
@@ -120,9 +121,16 @@ class Panel:
         pinch = gui.add_checkbox("Take what is pinched", False, hint="while fingers press on it from opposite sides")
         self._on(pinch.on_update, lambda: self._ordered(Order.PINCH, pinch.value))
         self._on(gui.add_command(f"{TAKE}: take what the avatar touches, or let go", hotkey=TAKE).on_trigger, self._take)
+        share = gui.add_button_group("Share", ("Record 6 s", "Share"), hint="a GIF; a page that plays the last seconds")
+        share.on_click(self._share)
         camera = gui.add_button_group("Camera", tuple(VIEWS))
         camera.on_click(self._look)
         gui.add_command("Home: the first view again", hotkey="home").on_trigger(self._look)
+
+    async def _share(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle]) -> None:
+        """Send the viewer of an event a moving picture or a page."""
+        if event.client is not None:
+            (self._page.share if event.target.value == "Share" else self._page.film)(event.client)
 
     async def _look(self, event: viser.GuiEvent[viser.GuiButtonGroupHandle] | viser.CommandEvent) -> None:
         """Give the viewer of an event one of the views: that of the button, or the first one."""
@@ -215,16 +223,16 @@ class Panel:
         """Show overlaps over the scene and words on the panel."""
         self.numbers.content, self._words.content = numbers, words
 
-    def time(self, table: str, words: str, times: Mapping[str, Sequence[int]]) -> None:
-        """Show timing: a table, words, and frame times [ns] of each engine, the last ones."""
+    def time(self, table: str, words: str, times: Sequence[int]) -> None:
+        """Show timing: a table, words, and the last frame times [ns] of the driven engine."""
         self._table.content, self._timing.content = table, words
-        count = min([PLOTTED, *(len(of) for of in times.values())])
+        count = min(PLOTTED, len(times))
         if count < 2:
             return
         rate = self._page.session.first.plan.rate
         axis = np.arange(-count + 1, 1) / rate
-        rows = [1e-6 * np.asarray(of[-count:], dtype=np.float64) for of in times.values()]
-        self._plot.data = (axis, *rows, *(np.full(count, ms) for ms in BUDGETS.values()))
+        row = 1e-6 * np.asarray(times[-count:], dtype=np.float64)
+        self._plot.data = (axis, row, *(np.full(count, ms) for ms in BUDGETS.values()))
 
 
 def _css(colour: tuple[int, int, int]) -> str:

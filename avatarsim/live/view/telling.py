@@ -10,7 +10,7 @@ from avatarsim.cleaning.chords import Pair
 from avatarsim.live.figures import SPAN, Figures
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Refusals
-from avatarsim.live.view.drawn import GHOST, OVERLAPPING, colour_of
+from avatarsim.live.view.drawn import GHOST, OVERLAPPING, Colour
 
 BUDGETS = {"60 Hz": 16.667, "90 Hz": 11.111}
 """[ms] that a frame has at the usual rates."""
@@ -22,8 +22,9 @@ WORDS = {"planning": "plans a way round", "following": "goes round", "waiting": 
 """Statuses in words; others keep their names."""
 
 PLACED = (
-    "position:fixed;top:14px;left:50%;transform:translateX(-50%);z-index:5;pointer-events:none;display:flex;flex-wrap:wrap;"
-    "justify-content:center;gap:0 1em;width:max-content;max-width:calc(100vw - 28px);border-radius:10px;padding:0 .5em;"
+    "--panel:clamp(0px,(100vw - 700px)*.5,330px);position:fixed;top:14px;left:calc((100vw - var(--panel))/2);z-index:5;"
+    "transform:translateX(-50%);pointer-events:none;display:flex;flex-wrap:wrap;justify-content:center;gap:0 1em;"
+    "width:max-content;max-width:calc(100vw - 28px - var(--panel));border-radius:10px;padding:0 .5em;"
     "background:color-mix(in srgb,var(--mantine-color-body,#fff) 80%,transparent);"
     "font:700 clamp(20px,2.5vw,36px)/1.25 system-ui,sans-serif;font-variant-numeric:tabular-nums"
 )
@@ -57,10 +58,10 @@ def depth(metres: float) -> str:
     return "0" if value <= 1e-3 else f"{value:.0f} mm" if value >= 10.0 else f"{value:.2g} mm"
 
 
-def numbers(target: float, apart: float, depths: Mapping[str, float]) -> str:
+def numbers(target: float, apart: float, depths: Mapping[str, float], colours: Mapping[str, Colour]) -> str:
     """Return HTML of overlaps [m] in large type: of the user's own posture, which is `apart` [m] from the avatar, and of each
-    engine's avatar."""
-    rows = [("you", target, GHOST), *((name, of, colour_of(k)) for k, (name, of) in enumerate(depths.items()))]
+    engine's avatar, in its colour."""
+    rows = [("you", target, GHOST), *((name, of, colours[name]) for name, of in depths.items())]
     chips = []
     for name, metres, colour in rows:
         is_inside = metres > 1e-6

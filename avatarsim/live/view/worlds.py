@@ -1,6 +1,7 @@
 """Worlds of several engines side by side in one scene graph, and the eye that frames them."""
 
 from collections.abc import Iterable
+from itertools import count
 
 import numpy as np
 import viser
@@ -33,35 +34,32 @@ class Worlds:
 
     def add(self, name: str) -> Drawn:
         """Draw the world of one more engine."""
-        number = len(self.drawn)
+        taken = {one.number for one in self.drawn.values()}
+        number = next(k for k in count() if k not in taken)
         self.drawn[name] = Drawn(self._server, self._scene, name, number, self._surfaces, number * self._beside)
-        if number == 1:
-            self._name(next(iter(self.drawn)), 0)
-        if number:
-            self._name(name, number)
-        return self.drawn[name]
-
-    def _name(self, name: str, number: int) -> None:
-        """Write the name of an engine above its world."""
-        above = self._places.mean(axis=0) + number * self._beside + 0.9 * self._scene.avatars[0].span * UP
+        above = self._places[: len(self._scene.avatars[0].links)].max(axis=0) + 0.3 * self._scene.avatars[0].span * UP
         self._labels[name] = self._server.scene.add_label(
-            f"/names/{name}", name, position=above, font_screen_scale=1.4, anchor="bottom-center"
+            f"/names/{name}", name, position=above + number * self._beside, font_screen_scale=1.4, anchor="bottom-center"
         )
+        self._see_names()
+        return self.drawn[name]
 
     def remove(self, name: str) -> None:
         """Remove the world of an engine other than the first."""
         self.drawn.pop(name).remove()
-        if len(self.drawn) == 1:
-            name = next(iter(self.drawn))
-        for one in {name, *(other for other in self._labels if other not in self.drawn)}:
-            if one in self._labels:
-                self._labels.pop(one).remove()
+        self._labels.pop(name).remove()
+        self._see_names()
+
+    def _see_names(self) -> None:
+        """Show the names of engines above their worlds, where there are several."""
+        for label in self._labels.values():
+            label.visible = len(self.drawn) > 1
 
     def camera(self, view: str) -> Camera:
         """Return the camera of one of the views, on the first poses of the avatar."""
-        avatar, count = self._scene.avatars[0], max(1, len(self.drawn))
+        avatar, numbers = self._scene.avatars[0], sorted(one.number for one in self.drawn.values())
         own = slice(len(avatar.links))
-        return framed(avatar, self._places[own], self._turns[own], view, np.arange(count)[:, None] * self._beside)
+        return framed(avatar, self._places[own], self._turns[own], view, np.array(numbers)[:, None] * self._beside)
 
     def look(self, camera: viser.CameraHandle, view: str) -> None:
         """Give a viewer one of the views."""

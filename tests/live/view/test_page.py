@@ -10,14 +10,15 @@ import pytest
 
 pytest.importorskip("viser")
 
-from avatarsim.cli.live import own_depth
 from avatarsim.engine import Settings
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import Plan
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
+from avatarsim.live.view.depth import own_depth
 from avatarsim.live.view.page import Page, Shows
+from avatarsim.live.view.share import driven, shared_page
 
 SECONDS = 20.0
 
@@ -39,8 +40,10 @@ def inside(page: Page) -> list[float]:
 def page(tmp_path: Path) -> Iterator[Page]:
     """The page of the hand over the table, in its rounds."""
     found, is_over = stage("hand"), threading.Event()
+    beside = Plan(OURS, found.scene, Settings(preset="paper"), 60.0, name="other")
     with Session([Plan(OURS, found.scene, Settings(), 60.0)]) as session:
-        one = Page(session, Driver(found.scene), Shows(found, {}, own_depth(found.scene), port=0, folder=tmp_path))
+        shows = Shows(found, {}, own_depth(found.scene), port=0, folder=tmp_path, offered=[beside])
+        one = Page(session, Driver(found.scene), shows)
         rounds = threading.Thread(target=lambda: one.rounds(is_over.is_set))
         rounds.start()
         yield one
@@ -56,3 +59,21 @@ def test_a_hand_in_the_table_has_a_ghost_and_two_numbers_and_the_hint_goes(page:
     page.post(lambda: page.driver.drag("hand/palm", (*first[:2], 0.74)))
     assert soon(lambda: inside(page)[0] > 5.0 and any(body.node.visible for body in ghost.values()))
     assert inside(page)[1] == 0.0 and not page.hint.visible
+
+
+def test_another_engine_comes_beside_follows_the_same_drag_and_goes(page: Page) -> None:
+    page.post(lambda: page.compare("other"))
+    assert soon(lambda: len(inside(page)) == 3)
+    link, first = page.session.scene.names.index("hand/palm"), page.session.scene.first_sample.positions[0]
+    page.post(lambda: page.driver.drag("hand/palm", first + (0.1, 0.0, 0.0)))
+    assert soon(lambda: all(state.positions[link, 0] > first[0] + 0.09 for state in page.session.states.values()))
+    assert set(page.session.states) == set(page.worlds.drawn) == {"avatarsim", "other"}
+    page.post(lambda: page.compare("other"))
+    assert soon(lambda: len(inside(page)) == 2 and set(page.worlds.drawn) == {"avatarsim"})
+
+
+def test_the_last_seconds_are_a_page(page: Page) -> None:
+    first = page.session.scene.first_sample.positions[0]
+    page.post(lambda: page.driver.drag("hand/palm", (*first[:2], 0.74)))
+    assert soon(lambda: inside(page)[:1] > [5.0])
+    assert b"startPlayer" in shared_page(page.session.scene, driven(page.session), {})

@@ -30,7 +30,7 @@ def test_refusals_are_counted_and_never_quoted() -> None:
 
 
 def test_numbers_over_the_scene_are_of_the_user_and_of_each_engine_and_names_are_no_markup() -> None:
-    shown = numbers(0.0321, 0.05, {"avatarsim": 0.0, "<b>": 2e-3})
+    shown = numbers(0.0321, 0.05, {"avatarsim": 0.0, "<b>": 2e-3}, {"avatarsim": (0, 0, 255), "<b>": (0, 255, 0)})
     assert [float(found) for found in re.findall(r'data-overlap="([^"]*)"', shown)] == [32.1, 0.0, 2.0]
     assert "32 mm" in shown and "<b>" not in shown
 

@@ -1,0 +1,85 @@
+"""A page that shows the records of a loop of the user's own."""
+
+import asyncio
+import time
+import webbrowser
+from types import TracebackType
+from typing import Self
+
+from avatarsim.engine import FrameRecord
+from avatarsim.errors import InvalidInput
+from avatarsim.live.messages import State
+from avatarsim.live.stages import staged
+from avatarsim.live.view.server import AdmittingServer
+from avatarsim.live.view.worlds import Worlds
+from avatarsim.scene.tracker import TrackerSample, checked, link_poses
+from avatarsim.simulator import AvatarsimEngine
+
+DRAWN = 1.0 / 30.0
+"""[s] between two drawings. Shorter: drawing takes the time of the loop."""
+
+
+class Window:
+    """A page in the browser that shows the records of a loop of the user's own, as a context manager.
+
+    `server` is viser's: widgets and nodes of the user's own can be added to it. Raises InvalidInput for a port that is taken and
+    for a scene without an avatar."""
+
+    def __init__(self, engine: AvatarsimEngine, port: int = 8080, opens_browser: bool = True) -> None:
+        self._scene = engine.scene
+        stage = staged(self._scene, self._scene.name)
+        try:
+            self.server = AdmittingServer("127.0.0.1", port, "avatarsim")
+        except OSError as error:
+            raise InvalidInput("port of the page", port, f"a port that is free ({error.strerror})") from error
+        self._last = 0.0
+
+        async def build() -> Worlds:
+            return Worlds(self.server, stage, [engine.name])
+
+        self._worlds = asyncio.run_coroutine_threadsafe(build(), self.server.get_event_loop()).result()
+        self._drawn = self._worlds.drawn[engine.name]
+        if opens_browser:
+            webbrowser.open(self.address)
+
+    @property
+    def address(self) -> str:
+        """Address of the page."""
+        return f"http://{self.server.get_host()}:{self.server.get_port()}"
+
+    def sync(self, record: FrameRecord, sample: TrackerSample | None = None) -> None:
+        """Show a record, and with `sample` the user's own posture as a ghost. Returns at once, and leaves records out beyond 30 a
+        second. Raises InvalidSample for one that does not fit."""
+        if time.monotonic() - self._last >= DRAWN:
+            self.sync_now(record, sample, wait=False)
+
+    def sync_now(self, record: FrameRecord, sample: TrackerSample | None = None, wait: bool = True) -> None:
+        """Show a record whenever the last one was shown; with `wait` return when viewers have been sent it."""
+        now = self._last = time.monotonic()
+        ghost = None if sample is None else link_poses(self._scene.avatars, checked(sample, self._scene.avatars))
+        shown = record.shown
+        state = State(
+            0, shown.time, shown.positions, shown.orientations, record.angles, 0, -1, 0, False, 0, 0, record.statuses,
+            record.counts, record.stage_ns, "",
+        )
+
+        async def draw() -> None:
+            with self.server.atomic():
+                if ghost is not None:
+                    apart = self._drawn.show_ghost(*ghost, state)
+                    self._drawn.see_through(apart)
+                self._drawn.show(state, None, now)
+
+        drawn = asyncio.run_coroutine_threadsafe(draw(), self.server.get_event_loop())
+        if wait:
+            drawn.result()
+
+    def close(self) -> None:
+        """End the page."""
+        self.server.stop()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()

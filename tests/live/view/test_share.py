@@ -1,0 +1,71 @@
+"""What was driven as a page, and a window on a loop of one's own."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser")
+
+from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, InvalidSample
+from avatarsim.live.recording import Recorder
+from avatarsim.live.show import show
+from avatarsim.simulator import AvatarsimEngine
+from tests.live.small import RATE, plan, pushed, scene
+
+FRAMES = 120
+
+
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of an arm that is pushed into a table."""
+    path, ran, engine = tmp_path_factory.mktemp("share") / "a.live", plan(), AvatarsimEngine()
+    first = engine.load(ran.scene, ran.settings, 1.0 / RATE)
+    log = Recorder(path, ran, first.state_hash())
+    for frame in range(FRAMES):
+        log.frame(pushed(frame), engine.advance(pushed(frame), 1.0 / RATE).state_hash())
+    log.close()
+    return path
+
+
+def test_a_recording_becomes_a_page_that_needs_no_other_file_and_marks_the_deepest_moment(recording: Path) -> None:
+    page = show(recording, opens_browser=False)
+    text = page.read_text(encoding="utf-8")
+    assert not re.findall(r'(?:src|href)="(?!#|data:)', text)
+    [found] = re.findall(r'<script type="application/json" id="take">(.*?)</script>', text, re.DOTALL)
+    take = json.loads(found)
+    # the way out of the table: up, or down through its thickness of 0.1 m
+    heights = [pushed(frame).positions[0, 2] for frame in range(0, FRAMES, 2)]
+    depths = [min(0.015 - z, z + 0.115) for z in heights]
+    [worst] = [one for one in take["views"][0]["moments"] if one["is_worst"]]
+    assert depths[worst["state"]] > 0.0 and take["opens"] == worst["state"]
+    assert len(take["times"]) == FRAMES // 2 and len(take["ghost"]["bodies"]) == 2
+
+
+def test_what_is_no_recording_and_no_engine_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "b.live").write_bytes(b"nothing")
+    with pytest.raises(InvalidFile):
+        show(tmp_path / "b.live", opens_browser=False)
+    with pytest.raises(InvalidInput):
+        show(3.0, opens_browser=False)  # type: ignore[call-overload]
+    with pytest.raises(AvatarsimError):
+        show(AvatarsimEngine(), port=0, opens_browser=False)
+
+
+def test_a_window_shows_the_users_own_loop_and_hands_out_its_server() -> None:
+    ran, engine = plan(), AvatarsimEngine()
+    engine.load(ran.scene, ran.settings, 1.0 / RATE)
+    with show(engine, port=0, opens_browser=False) as window:
+        window.server.gui.add_button("mine")
+        for frame in range(60):
+            record = engine.advance(pushed(frame), 1.0 / RATE)
+            window.sync(record, pushed(frame))
+        shown = window.server.scene.get_handle_by_name("/avatarsim/arm/palm")
+        assert shown is not None and window.address.startswith("http://127.0.0.1:")
+        with pytest.raises(InvalidSample):
+            window.sync_now(record, replace(pushed(0), angles=np.zeros(7)))
+        window.sync_now(record, pushed(0))
+        assert np.asarray(shown.position) == pytest.approx(record.shown.positions[len(scene().bodies)], abs=1e-6)
