@@ -32,15 +32,17 @@ def alike_in_both(scene: Scene) -> dict[str, str]:
     return found | {f"no {effect.replace('_', ' ')}": ALWAYS_THERE[effect] for effect in scene.lapsed if effect in ALWAYS_THERE}
 
 
-def alike_in_game_engines(scene: Scene, vertices: int) -> dict[str, str]:
-    """Return features -> consequence in engines with a joint per pair of bodies, a coefficient per body and hulls of `vertices`
-    points for ellipsoids."""
-    found, links = missed(scene), scene.links
+def alike_in_game_engines(scene: Scene, vertices: int, share: float = 1e-3, averages: bool = False) -> dict[str, str]:
+    """Return features -> consequence in engines with a joint per pair of bodies, a coefficient per body, of which products or
+    `averages` are taken, hulls of `vertices` points for ellipsoids and stand-ins of a `share` of the mass between hinges."""
+    found, links = missed(scene, averages), scene.links
     pieces = [piece for body in scene.bodies for piece in body.pieces] + [piece for link in links for piece in link.pieces]
     if any(isinstance(piece.shape, Ellipsoid) for piece in pieces):
         found["ellipsoids"] = f"replaced by hulls of {vertices} points on their surface"
     if any(isinstance(link.joint, Hinges) and len(link.joint.hinges) > 1 for link in links):
-        found["shared centres"] = "one joint per body: stand-ins of 0.1 % of the link's mass and inertia between hinges"
+        found["shared centres"] = (
+            f"one joint per body: stand-ins of {100.0 * share:g} % of the link's mass and inertia between hinges"
+        )
     if any(avatar.couplings for avatar in scene.avatars):
         found["couplings"] = "each joint is led by itself: what blocks a follower does not stop its leader"
     if scene.effects.coupling:

@@ -1,14 +1,17 @@
-"""One factor per body whose products come closest to a table of pairs, for engines that multiply the coefficients of two bodies.
+"""One factor per body whose products, or averages, come closest to a table of pairs: for engines that multiply the coefficients
+of two bodies, or average them.
 
-Three mutually touching bodies can always be said exactly: r_i = sqrt(e_ij e_ik / e_jk). For more, least
+Products of three mutually touching bodies can always be exact: r_i = sqrt(e_ij e_ik / e_jk). For more, least
 squares of the logarithms, weighted by how likely two bodies meet; where those miss something and any two bodies are as likely
-to meet as others, the factors that miss by the least at worst.
+to meet as others, the factors that miss by the least at worst. Averages are least squares with factors of at least 0.
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import nnls
 
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
@@ -43,7 +46,7 @@ RARE = 1e-3
 """Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not worth a word."""
 
 LISTED = 4
-"""Pairs named in full when the product rule misses them; the others are counted."""
+"""Pairs named in full when a rule misses them; the others are counted."""
 
 MOST_BODIES = 60
 """Bodies up to which each has its own factor; above, bodies of one material and role share one (the fit grows
@@ -58,12 +61,52 @@ class Factors:
     misses: tuple[tuple[int, int, float, float], ...]
 
 
+class _Pairs(NamedTuple):
+    """Pairs of bodies that are likely to meet, those of alike bodies counted as one.
+
+    group (n,) of each body; a, b (pairs,) bodies; first, second (m,) groups of each counted pair, its weight and its coefficient.
+    """
+
+    group: NDArray[np.int64]
+    a: NDArray[np.int64]
+    b: NDArray[np.int64]
+    first: NDArray[np.int64]
+    second: NDArray[np.int64]
+    weight: Array
+    wanted: Array
+
+
 def fit(scene: Scene, wanted: Array, matters: Array) -> Factors:
-    """Factors for the symmetric (n, n) coefficients `wanted`; `matters` (n, n) are weights, 0 where a pair
-    never meets."""
-    n = len(scene.names)
+    """Factors for the symmetric (n, n) coefficients `wanted`, of which an engine takes products; `matters` (n, n) are weights, 0
+    where a pair never meets."""
     if not matters.any():
         return Factors(np.sqrt(np.maximum(np.diag(wanted), 0.0)), ())
+    pairs = _pairs(scene, wanted, matters)
+    size, target = int(pairs.group.max()) + 1, np.log(np.maximum(pairs.wanted, SMALLEST))
+    own = np.zeros(size)
+    own[pairs.group] = 0.5 * np.log(np.maximum(np.diag(wanted), SMALLEST))
+    logs = np.linalg.lstsq(*_equations(pairs, target, own), rcond=None)[0].astype(np.float64)
+    alike = pairs.weight.min() > ALIKE * pairs.weight.max()
+    if alike and np.abs(np.exp(logs[pairs.first] + logs[pairs.second]) - np.exp(target)).max() > MISS:
+        logs = least_worst(pairs.first, pairs.second, np.exp(target), pairs.weight / pairs.weight.max(), logs)
+    values = np.exp(logs)[pairs.group]
+    return Factors(values, _misses(pairs, wanted, values[pairs.a] * values[pairs.b]))
+
+
+def fit_averages(scene: Scene, wanted: Array, matters: Array) -> Factors:
+    """The same for an engine that takes averages: factors of at least 0, which may be above 1."""
+    if not matters.any():
+        return Factors(np.diag(wanted).copy(), ())
+    pairs = _pairs(scene, wanted, matters)
+    own = np.zeros(int(pairs.group.max()) + 1)
+    own[pairs.group] = 0.5 * np.diag(wanted)
+    # the unknowns are halves of factors, whose sums are the averages
+    values = 2.0 * nnls(*_equations(pairs, pairs.wanted, own))[0][pairs.group]
+    return Factors(values, _misses(pairs, wanted, 0.5 * (values[pairs.a] + values[pairs.b])))
+
+
+def _pairs(scene: Scene, wanted: Array, matters: Array) -> _Pairs:
+    n = len(scene.names)
     group = np.arange(n)
     if n > MOST_BODIES:
         kinds = list(zip(scene.material_names, scene.roles, strict=True))
@@ -73,31 +116,30 @@ def fit(scene: Scene, wanted: Array, matters: Array) -> Factors:
     a, b = np.nonzero(np.triu(matters, 1) >= np.maximum(UNLIKELY * np.minimum(most[:, None], most[None]), np.finfo(float).tiny))
     size = int(group.max()) + 1
     keys, inverse = np.unique(np.minimum(group[a], group[b]) * size + np.maximum(group[a], group[b]), return_inverse=True)
-    weight = np.sqrt(np.bincount(inverse, matters[a, b]))
     target = np.zeros(len(keys))
-    target[inverse] = np.log(np.maximum(wanted[a, b], SMALLEST))
-    rows = np.zeros((len(keys) + size, size))
-    np.add.at(rows, (np.arange(len(keys)), keys // size), weight)
-    np.add.at(rows, (np.arange(len(keys)), keys % size), weight)
-    # a trace of pull towards each body's own material settles what the pairs leave open (two bodies: one equation)
-    pull = 1e-6 * weight.max()
-    own = np.zeros(size)
-    own[group] = 0.5 * np.log(np.maximum(np.diag(wanted), SMALLEST))
-    rows[len(keys) :] = pull * np.eye(size)
-    right = np.concatenate([weight * target, pull * own])
-    logs = np.linalg.lstsq(rows, right, rcond=None)[0]
-    first, second = keys // size, keys % size
-    alike = weight.min() > ALIKE * weight.max()
-    if alike and np.abs(np.exp(logs[first] + logs[second]) - np.exp(target)).max() > MISS:
-        logs = least_worst(first, second, np.exp(target), weight / weight.max(), logs)
-    values = np.exp(logs)[group]
-    said = values[a] * values[b]
+    target[inverse] = wanted[a, b]
+    weight = np.sqrt(np.bincount(inverse, matters[a, b])).astype(np.float64)
+    return _Pairs(group, a, b, keys // size, keys % size, weight, target)
+
+
+def _equations(pairs: _Pairs, target: Array, own: Array) -> tuple[Array, Array]:
+    """Rows and right sides: the weighted sum of each pair's two unknowns is its `target`, and a trace of pull towards `own`, that
+    of each body's material, settles what the pairs leave open (two bodies: one equation)."""
+    m, size = len(pairs.first), len(own)
+    rows = np.zeros((m + size, size))
+    np.add.at(rows, (np.arange(m), pairs.first), pairs.weight)
+    np.add.at(rows, (np.arange(m), pairs.second), pairs.weight)
+    pull = 1e-6 * pairs.weight.max()
+    rows[m:] = pull * np.eye(size)
+    return rows, np.concatenate([pairs.weight * target, pull * own])
+
+
+def _misses(pairs: _Pairs, wanted: Array, said: Array) -> tuple[tuple[int, int, float, float], ...]:
+    """Pairs (a, b, wanted, said) whose coefficient is another one, the largest difference first."""
+    a, b = pairs.a, pairs.b
     off = np.abs(said - wanted[a, b]) > MISS
-    misses = sorted(
-        ((int(i), int(j), float(wanted[i, j]), float(values[i] * values[j])) for i, j in zip(a[off], b[off], strict=True)),
-        key=lambda miss: -abs(miss[2] - miss[3]),
-    )
-    return Factors(values, tuple(misses))
+    found = [(int(i), int(j), float(wanted[i, j]), float(s)) for i, j, s in zip(a[off], b[off], said[off], strict=True)]
+    return tuple(sorted(found, key=lambda miss: -abs(miss[2] - miss[3])))
 
 
 def coefficients(scene: Scene) -> tuple[Array, Array]:
@@ -115,17 +157,19 @@ def coefficients(scene: Scene) -> tuple[Array, Array]:
     return restitution, friction
 
 
-def missed(scene: Scene) -> dict[str, str]:
-    """Return "restitution" and "friction" -> what products make of pairs that they miss; without those that they reach."""
+def missed(scene: Scene, averages: bool = False) -> dict[str, str]:
+    """Return "restitution" and "friction" -> what products, or averages, make of pairs that they miss; without those that they
+    reach."""
     found: dict[str, str] = {}
+    rule, fitted = ("average", fit_averages) if averages else ("product", fit)
     for what, wanted, matters in zip(("restitution", "friction"), coefficients(scene), weights(scene), strict=True):
-        misses = [miss for miss in fit(scene, wanted, matters).misses if matters[miss[0], miss[1]] > RARE * matters.max()]
+        misses = [miss for miss in fitted(scene, wanted, matters).misses if matters[miss[0], miss[1]] > RARE * matters.max()]
         listed = ", ".join(
             f"{scene.names[a]} on {scene.names[b]} {said:.3f} instead of {meant:.3f}" for a, b, meant, said in misses[:LISTED]
         )
         more = f" and {len(misses) - LISTED} more" if len(misses) > LISTED else ""
         if misses:
-            found[what] = f"a pair's coefficient is the product of its bodies' factors, here the closest fit: {listed}{more}"
+            found[what] = f"a pair's coefficient is the {rule} of its bodies' factors, here the closest fit: {listed}{more}"
     return found
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from avatarsim.scene.body import fixed, simulated, solid
+from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Ellipsoid, Piece, Sphere
 from reference.in_pybullet.cannot_say import cannot_say
 from reference.minimax import CLOSE, least_worst
-from reference.pair_factors import Array, coefficients, fit, weights
+from reference.pair_factors import MISS, Array, coefficients, fit, fit_averages, missed, weights
 from scenarios.catalog.paper.ball_drop import SCENARIO as BALL_DROP
 from tests.agreement.scenes import hand, pressed
 
@@ -114,3 +114,24 @@ def test_factors_are_found_from_their_products() -> None:
     first, second = np.triu_indices(4, 1)
     logs = least_worst(first, second, factors[first] * factors[second], np.full(6, 0.5), np.zeros(4))
     np.testing.assert_allclose(np.exp(logs), factors, atol=10.0 * CLOSE)
+
+
+@pytest.mark.parametrize(("table", "exact"), [((0.5, 0.4, 0.3), True), ((0.9, 0.0, 0.0), False)])
+def test_averages_of_three_bodies_are_exact_where_factors_of_at_least_0_can_be(table: tuple[float, ...], exact: bool) -> None:
+    laws = dict(zip((("a", "b"), ("a", "c"), ("b", "c")), table, strict=True)) | {(name, name): 0.2 for name in "abc"}
+    bodies = tuple(simulated(name, BALL, name, solid(BALL, 1.0)) for name in "abc")
+    scene = Scene("three", bodies, materials=PairTable({pair: ContactLaw(e, 0.1) for pair, e in laws.items()}))
+    wanted = coefficients(scene)[0]
+    factors = fit_averages(scene, wanted, weights(scene)[0])
+    said = 0.5 * (factors.values[:, None] + factors.values[None])
+    off = np.abs(said - wanted)[np.triu_indices(3, 1)].max()
+    assert factors.values.min() >= 0.0
+    assert (off <= MISS) == exact == (factors.misses == ()) == ("restitution" not in missed(scene, averages=True))
+
+
+def test_averages_of_one_material_are_its_own_coefficient() -> None:
+    """Of many bodies too, which share factors."""
+    for n in (2, 80):
+        scene = Scene("alike", tuple(simulated(f"b{k}", BALL, "wood", solid(BALL, 1.0), (0.2 * k, 0.0, 0.0)) for k in range(n)))
+        values = fit_averages(scene, coefficients(scene)[0], weights(scene)[0]).values
+        assert values == pytest.approx(np.full(n, 0.3), abs=1e-6)
