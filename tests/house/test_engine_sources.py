@@ -15,7 +15,7 @@ LONGEST = 500
 """Most lines of a file."""
 HEAVY = {
     "pandas", "trimesh", "coacd", "mujoco", "pybullet", "coal", "fcl", "itables", "jinja2", "gymnasium_robotics", "tqdm",
-    "joblib", "scipy.spatial", "scipy.optimize",
+    "joblib", "sapien", "scipy.spatial", "scipy.optimize",
 }
 """Packages that cost more to import than the engine's first frame, or that the engine is compared with."""
 PRIVATE, PRIVATE_LINES = re.compile(r"numba\.core|llvmlite"), 700

@@ -1,6 +1,7 @@
 """The lock: every pin hashed, nothing missing, no address of a user in it, in agreement with pyproject.toml."""
 
 import re
+import runpy
 import tomllib
 from importlib import metadata
 from pathlib import Path
@@ -23,10 +24,10 @@ def _pins() -> dict[str, str]:
 
 
 def _asked() -> list[Requirement]:
-    """What pyproject.toml asks for, in the core and in every extra."""
+    """What pyproject.toml asks for, in the core and in every extra that is locked."""
     extras = PROJECT["project"]["optional-dependencies"]
     lines = PROJECT["project"]["dependencies"] + PROJECT["build-system"]["requires"]
-    lines += [line for extra in extras for line in extras[extra]]
+    lines += [line for extra in runpy.run_path(str(ROOT / ".setup" / "lock.py"))["EXTRAS"] for line in extras[extra]]
     return [Requirement(line) for line in lines]
 
 

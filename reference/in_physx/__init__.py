@@ -1,0 +1,1 @@
+"""PhysX 5, by the package sapien, behind the Engine protocol."""
