@@ -16,11 +16,12 @@ from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, Mass, Role
 from avatarsim.scene.joint import LONGEST_SLIDE, Ball, Free, Hinge, Hinges, Rigid, Slide, SwingTwist, axes_of
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Shape, Sphere, ellipsoid_hull
+from avatarsim.scene.shape import Box, Capsule, Shape, Sphere
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.collision_groups import BITS, collision_groups
 from reference.joint_angles import Joined
+from reference.narrowing import hull_of
 from reference.pair_factors import coefficients, fit_averages, weights
 from reference.presets import Options
 from reference.principal import principal_axes
@@ -39,8 +40,6 @@ ARM = 1.0
 apart at most, a hinge two points of its axis. Larger: rounding of positions counts more; smaller: that of directions."""
 BETWEEN_HINGES = 0.1
 """Mass and inertia of a stand-in between hinges that share a centre, as a share of the link's. Smaller: joints converge worse."""
-ELLIPSOID_VERTICES = 162
-"""Vertices of the hull that stands for an ellipsoid: it lies inside by at most about 2 % of the largest radius."""
 WHOLE_TURN = 2.0 * np.pi - 1e-3
 """Range of a hinge [rad] from which on it has no limits: angles wrap."""
 X, CENTRE = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -242,5 +241,4 @@ def _shape(shape: Shape, material: Any) -> tuple[Any, Any]:
     if isinstance(shape, Capsule):
         along = Pose(np.zeros(3), rotation.between(X, (0.0, 0.0, 1.0)))
         return physx.PhysxCollisionShapeCapsule(shape.radius, 0.5 * shape.length, material), along
-    hull = ellipsoid_hull(shape.radii, ELLIPSOID_VERTICES) if isinstance(shape, Ellipsoid) else shape
-    return physx.PhysxCollisionShapeConvexMesh(hull.vertices.astype(np.float32), np.ones(3), material), Pose()
+    return physx.PhysxCollisionShapeConvexMesh(hull_of(shape).vertices.astype(np.float32), np.ones(3), material), Pose()

@@ -6,13 +6,13 @@ import numpy as np
 
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
-from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES, WIDEST
+from reference.in_pybullet.stand_ins import WIDEST
 from reference.narrowing import alike_in_game_engines
 
 
 def cannot_say(scene: Scene) -> Mapping[str, str]:
     """Empty when PyBullet can express all of the scene."""
-    found = alike_in_game_engines(scene, ELLIPSOID_VERTICES)
+    found = alike_in_game_engines(scene)
     limits = [link.joint.limits for link in scene.links if isinstance(link.joint, Ball) and link.joint.limits is not None]
     if limits:
         wide = sum(limit.swing > WIDEST for limit in limits)

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.checks import Quaternion
-from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
+from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Shape, Sphere
 from avatarsim.spatial import rotation
-from reference.in_pybullet.stand_ins import ELLIPSOID_VERTICES
+from reference.narrowing import hull_of
 
 Array = NDArray[np.float64]
 IDENTITY = np.array(rotation.IDENTITY)
@@ -106,7 +106,7 @@ def corners(box: Box) -> ConvexHull:
 def vertices_of(shape: Shape | Array) -> Array | None:
     """Vertices if Bullet sees the shape as a hull, None if it has a word for it."""
     if isinstance(shape, Ellipsoid):
-        return ellipsoid_hull(shape.radii, ELLIPSOID_VERTICES).vertices
+        return hull_of(shape).vertices
     if isinstance(shape, np.ndarray):
         return shape
     return shape.vertices if isinstance(shape, ConvexHull) else None

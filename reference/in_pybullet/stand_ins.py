@@ -2,9 +2,6 @@
 
 import math
 
-ELLIPSOID_VERTICES = 162
-"""Vertices of the hull that stands for an ellipsoid: it lies inside by at most about 2 % of the largest radius."""
-
 WIDEST = math.radians(85.0)
 """Widest swing limit [rad] that Bullet gets. Wider: a limb at 90 degrees about y is at 0 or 180 degrees about x, and is thrown by
 the second; smaller: more joints are without a limit of their swing."""

@@ -14,7 +14,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
 from reference.in_rapier.presets import BETTER_ELSEWHERE, OPTIMISES, SWINGS, presets
-from reference.in_rapier.world import ELLIPSOID_VERTICES, build_world, isometry
+from reference.in_rapier.world import build_world, isometry
 from reference.joint_angles import JointAngles
 from reference.length_unit import length_unit
 from reference.narrowing import alike_in_game_engines
@@ -40,12 +40,9 @@ class RapierEngine:
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """Return unsupported features: feature -> consequence."""
-        found = alike_in_game_engines(scene, ELLIPSOID_VERTICES)
+        found = alike_in_game_engines(scene)
         if any(isinstance(link.joint, Ball) and link.joint.limits for link in scene.links):
-            found["swing cones"] = (
-                "by default limits about two axes, a pyramid whose corners are a third wider; tuned, a rope between two points "
-                "1 m out, a circular cone"
-            )
+            found["swing cones"] = "by default limits about two axes, a pyramid a third wider in its corners; tuned, ropes: a cone"
         return found
 
     def settings_as_run(self) -> Mapping[str, object]:
@@ -53,7 +50,7 @@ class RapierEngine:
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, cut_into(self._count))
-        run["length unit as run"] = (self._world.physics.integration_parameters.length_unit, "[m]")
+        run["length unit as run"] = (self._unit, "[m]")
         return run
 
     def native(self) -> tuple[str, str]:
@@ -67,7 +64,8 @@ class RapierEngine:
         chosen.word(self.name, "swing_limits", SWINGS)
         self._targets = Targets(scene, clamp=self._chosen.flag("clamp_targets"))
         self._last = self._targets.within_limits(scene.first_sample)
-        self._world = build_world(scene, chosen)
+        self._unit = chosen.number("length_unit") or length_unit(scene)
+        self._world = build_world(scene, chosen, self._unit)
         self._bodies = self._world.physics.rigid_bodies
         self._step, self._count, self._elapsed = 0.0, 0, 0.0
         self._cut(dt)
@@ -116,7 +114,7 @@ class RapierEngine:
     def _parameters(self) -> rapier.IntegrationParameters:
         """Return all settings of the solver as one object: an assignment to a part of the world's would change a copy."""
         made, number = rapier.IntegrationParameters(), self._chosen.number
-        made.dt, made.length_unit = self._step, number("length_unit") or length_unit(self._scene)
+        made.dt, made.length_unit = self._step, self._unit
         made.num_solver_iterations = int(number("solver_iterations"))
         made.num_internal_pgs_iterations = int(number("pgs_iterations"))
         loose, static, damping = (number(name) for name in ("contact_frequency", "static_frequency", "contact_damping_ratio"))

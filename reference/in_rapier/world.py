@@ -11,11 +11,12 @@ from avatarsim.scene.avatar import Link
 from avatarsim.scene.body import Body, Mass, Role
 from avatarsim.scene.joint import LONGEST_SLIDE, MANY_TURNS, Ball, Free, Hinge, Rigid, Slide, axes_of
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Capsule, Ellipsoid, Piece, Shape, Sphere, ellipsoid_hull
+from avatarsim.scene.shape import Box, Capsule, Piece, Shape, Sphere
 from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.collision_groups import collision_groups
 from reference.joint_angles import Joined
+from reference.narrowing import hull_of
 from reference.pair_factors import coefficients, fit, weights
 from reference.presets import Options
 from reference.principal import principal_axes
@@ -30,8 +31,6 @@ ARM = 1.0
 """Length [m] from a ball joint to the two points whose distance is the swing limit: chord 2 ARM sin(swing / 2)."""
 BETWEEN_HINGES = 1e-3
 """Mass and inertia of a stand-in between hinges that share a centre, as a share of the link's."""
-ELLIPSOID_VERTICES = 200
-"""Points of the hull that stands for an ellipsoid."""
 
 
 @dataclass(eq=False)
@@ -61,8 +60,8 @@ class World:
         return len(self.handles) - 1
 
 
-def build_world(scene: Scene, options: Options) -> World:
-    """Build the scene at its first posture. Settings of the solver are set afterwards."""
+def build_world(scene: Scene, options: Options, unit: float) -> World:
+    """Build the scene at its first posture, with skins in length units [m]. Settings of the solver are set afterwards."""
     world = World(rapier.PhysicsWorld(gravity=_vector(scene.gravity)), *link_poses(scene.avatars, scene.first_sample),
                   scene.first_sample.angles, scene.effects.limits)
     groups = collision_groups(scene.contact_filter)
@@ -76,7 +75,7 @@ def build_world(scene: Scene, options: Options) -> World:
             if groups is not None:
                 own, others = groups[k]
                 collider = collider.collision_groups(rapier.InteractionGroups(rapier.Group(own), rapier.Group(others)))
-            colliders.append(collider.contact_skin(skins[scene.roles[k]]))
+            colliders.append(collider.contact_skin(unit * skins[scene.roles[k]]))
         at = k - len(scene.bodies)
         pose = (owner.position, owner.orientation) if isinstance(owner, Body) else (world.places[at], world.turned[at])
         world.handles.append(world.physics.add_body(_body(owner, options).position(isometry(*pose)), colliders))
@@ -132,8 +131,7 @@ def _shape(shape: Shape) -> rapier.ColliderBuilder:
         return rapier.Collider.capsule_from_endpoints((0.0, 0.0, -half), (0.0, 0.0, half), shape.radius)
     if isinstance(shape, Box):
         return rapier.Collider.cuboid(*(0.5 * size for size in shape.size))
-    hull = ellipsoid_hull(shape.radii, ELLIPSOID_VERTICES) if isinstance(shape, Ellipsoid) else shape
-    return rapier.Collider.convex_hull(np.ascontiguousarray(hull.vertices, dtype=np.float32))
+    return rapier.Collider.convex_hull(np.ascontiguousarray(hull_of(shape).vertices, dtype=np.float32))
 
 
 def _let_pass(world: World, scene: Scene) -> None:
