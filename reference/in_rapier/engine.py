@@ -42,7 +42,7 @@ class RapierEngine:
         """Return unsupported features: feature -> consequence."""
         found = alike_in_game_engines(scene)
         if any(isinstance(link.joint, Ball) and link.joint.limits for link in scene.links):
-            found["swing cones"] = "by default limits about two axes, a pyramid a third wider in its corners; tuned, ropes: a cone"
+            found["swing cones"] = "by default limits about two axes, a pyramid with corners a third wider; tuned, ropes: a cone"
         return found
 
     def settings_as_run(self) -> Mapping[str, object]:
