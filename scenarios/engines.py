@@ -1,13 +1,15 @@
 """Engines by name, built in or joined by an entry point, and the scenes that their variants run in."""
 
 import os
+import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from importlib import import_module
+from importlib.util import find_spec
 from multiprocessing import parent_process
 
 from avatarsim.engine import Engine
-from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName
+from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName, bringing
 from avatarsim.scene.joint import Ball
 from runfiles.engines import about, engines, joined
 from runfiles.naming import UNSEEN_PREFIX
@@ -21,6 +23,26 @@ def known() -> dict[str, str]:
     """
     others = {name: adapter for name, adapter in sorted(joined().items()) if name not in engines()}
     return {name: one.adapter for name, one in engines().items()} | others
+
+
+def absent() -> dict[str, str]:
+    """Return the built-in engines of which a package is not installed, name -> what brings it."""
+    found = {}
+    for name, one in engines().items():
+        for package in one.packages:
+            if find_spec(package) is None:
+                found[name] = one.when_missing or bringing(one.extra, package)
+    return found
+
+
+def taken(names: Sequence[str]) -> list[str]:
+    """Return the engines that are named, or without a name all that are installed; a line on stderr names those that are not."""
+    if names:
+        return list(names)
+    missing = absent()
+    for name, hint in missing.items():
+        print(f"{about(name).label} is not installed and left out: {hint}", file=sys.stderr)
+    return [name for name in known() if name not in missing]
 
 
 @contextmanager

@@ -15,7 +15,7 @@ from runfiles.naming import GATED
 from runfiles.table import Row
 from scenarios.cli.plan import Plan, origin, plan, scenarios, unmatched
 from scenarios.cli.table import table
-from scenarios.engines import known
+from scenarios.engines import taken
 from scenarios.run.gate import INCOMPLETE, MEANINGS, NOTHING, STOPPED, ceilings, meaning
 from scenarios.run.harness import Run
 from scenarios.run.processes import workers_of
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace, words: Sequence[str]) -> int:
 
 def bench(options: argparse.Namespace, words: Sequence[str]) -> int:
     """Time all jobs that run through, at length; print their times."""
-    made = plan(options, options.engine or list(known()), False)
+    made = plan(options, taken(options.engine), False)
     return carry_out(options, words, replace(made, gated=frozenset()), timed=True, report=False)
 
 

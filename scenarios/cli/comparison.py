@@ -12,7 +12,7 @@ from runfiles.naming import GATED
 from scenarios import own_scenes
 from scenarios.cli.commands import carry_out
 from scenarios.cli.plan import plan
-from scenarios.engines import known
+from scenarios.engines import taken
 from scenarios.job import Job
 from scenarios.run.harness import Run
 from scenarios.studies import contact_law, effects, hard_cases, judge_trust, settings
@@ -36,7 +36,7 @@ def compare(options: argparse.Namespace, words: Sequence[str]) -> int:
         for option, value in said.items():
             if value is not None:
                 raise InvalidInput(f"--{option.replace('_', '-')}", str(value), "with --scene FILE, the scene that it belongs to")
-    made = plan(options, options.engine or list(known()), False)
+    made = plan(options, taken(options.engine), False)
 
     def study(ran: Run) -> list[str]:
         return [] if options.frames is not None else in_turn(OWN_STUDIES if own else STUDIES, request_of(options, ran))

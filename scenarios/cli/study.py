@@ -17,7 +17,7 @@ from runfiles.table import Row
 from scenarios.cli.commands import nothing_matched, print_end
 from scenarios.cli.comparison import presets_of
 from scenarios.cli.plan import Plan, plan
-from scenarios.engines import known
+from scenarios.engines import taken
 from scenarios.run.gate import INCOMPLETE, STOPPED
 from scenarios.run.processes import workers_of
 from scenarios.studies import contact_law, effects, hard_cases, settings
@@ -35,7 +35,7 @@ def study(options: argparse.Namespace, words: Sequence[str]) -> int:
             raise UnknownName("study", name, STUDIES)
     if options.resume is not None:
         raise InvalidInput("--resume", str(options.resume), "none: a study resumes by itself when its command is repeated")
-    made = plan(options, options.engine or [name for name in known() if name != BASELINE], False)
+    made = plan(options, [name for name in taken(options.engine) if options.engine or name != BASELINE], False)
     if not made.scenarios:
         return nothing_matched(options)
     folder = last_comparison(options.out.resolve(), CHECKPOINTS) if options.run is None else options.run

@@ -7,7 +7,7 @@ import pytest
 
 from avatarsim.errors import InvalidInput, MissingPackage, UnknownName
 from runfiles.engines import about, engines
-from scenarios.engines import known, opened
+from scenarios.engines import absent, known, opened, taken
 from tests.scenarios.bad_engines import NAMES, joined
 
 
@@ -36,6 +36,16 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it(
     monkeypatch.setitem(sys.modules, package, None)
     with pytest.raises(MissingPackage, match=rf"{package}.*\[compare\]"):
         opened(name)
+
+
+def test_an_engine_that_is_not_installed_is_left_out_unless_it_is_named(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("scenarios.engines.find_spec", lambda package: None if package in ("rapier3d", "sapien") else object())
+    assert set(absent()) == {"rapier", "physx"} and "sapien" in absent()["physx"]
+    assert {"rapier", "physx"}.isdisjoint(taken(())) and {"avatarsim", "mujoco", "tracker"} <= set(taken(()))
+    assert "Rapier" in capsys.readouterr().err
+    assert taken(("rapier",)) == ["rapier"]
 
 
 @pytest.mark.parametrize(("name", "error", "named"), [
