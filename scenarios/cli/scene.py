@@ -21,6 +21,7 @@ from avatarsim.errors import AvatarsimError, InvalidInput, MissingPackage, Unkno
 from reports.summaries.junit import junit
 from reports.tables.checks import Checks
 from reports.tables.figures import quantity
+from runfiles.comparable import RESTING_METRIC
 from runfiles.engines import about
 from runfiles.files import plain, write_text
 from runfiles.metrics import metric
@@ -112,7 +113,7 @@ def _compared(options: argparse.Namespace, words: Sequence[str]) -> int:
         pairs = frozenset((job.engine, job.preset) for job in made.jobs if job.run in gated)
         ran = Run(Path(folder).resolve(), own, made.jobs, pairs, {}, provenance(words))
         ran.measure(made.ready, options.jobs)
-        if options.time or any(map(is_time, limits)):
+        if options.time or any(is_time(name) or name == RESTING_METRIC for name in limits):
             ran.clock(options.full)
         rows = ran.rows()
         checks = checks_of(rows, own, gated, limits)
