@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 
 from avatarsim.cli.arguments import COMPARE, COMPARE_END, COMPARE_USAGE, RAW
+from avatarsim.cli.option_words import in_words
 from avatarsim.cli.reading import reading_options
 from avatarsim.console import ended, lost_output, path_option
 from avatarsim.errors import AvatarsimError, MissingPackage, described
@@ -97,7 +98,9 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.stdout.flush()
         return code
     except AvatarsimError as error:
-        code, line = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {error}"
+        # advice of readers in the words of their options, which are those of `avatarsim clean`
+        said = in_words(str(error), "clean") if options.command in ("scene", "compare") else str(error)
+        code, line = INCOMPLETE if isinstance(error, MissingPackage) else USAGE, f"{type(error).__name__}: {said}"
     except MemoryError as error:
         code, line = INCOMPLETE, described(error)
     except KeyboardInterrupt:

@@ -58,6 +58,9 @@ def test_a_missing_extra_names_its_package(monkeypatch: pytest.MonkeyPatch, caps
         av.compare("box.xml")
     assert raised.value.extra == "compare" and "pip install" in str(raised.value)
     assert main(["compare", "box.xml"]) == 3 and "pip install" in capsys.readouterr().err
+    assert main(["compare", "--help"]) == 0
+    said = capsys.readouterr().out
+    assert "--max-overlap" in said and "pip install" in said
 
 
 def test_the_command_ends_with_the_code_of_the_comparison(box: str) -> None:

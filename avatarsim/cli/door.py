@@ -2,7 +2,7 @@
 
 import sys
 
-from avatarsim.cli.arguments import parsed
+from avatarsim.cli.arguments import COMPARE, COMPARE_END, COMPARE_USAGE, parsed
 from avatarsim.cli.option_words import in_words
 from avatarsim.console import USAGE
 from avatarsim.errors import AvatarsimError, InvalidFile
@@ -21,14 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
 
         return pieces(words[1:])
     if words[:1] == ["compare"]:
-        # its options are those of the harness
-        from avatarsim.comparing import run as compare
-
-        try:
-            return compare(words[1:])
-        except AvatarsimError as error:
-            print(f"avatarsim: {error}", file=sys.stderr)
-            return UNREADABLE
+        return _compare(words[1:])
     asked = parsed(words)
     try:
         if asked.command in ("clean", "audit"):
@@ -49,3 +42,18 @@ def main(arguments: list[str] | None = None) -> int:
     except AvatarsimError as error:
         print(f"avatarsim: {in_words(str(error), asked.command or '')}", file=sys.stderr)
         return UNREADABLE if isinstance(error, InvalidFile) else USAGE
+
+
+def _compare(words: list[str]) -> int:
+    """Run a comparison, whose options are those of the harness; return its exit code."""
+    from avatarsim.comparing import run
+
+    try:
+        return run(words)
+    except AvatarsimError as error:
+        if {"-h", "--help"} & set(words):
+            # without the extra there is no list of options
+            print("\n".join([f"usage: {COMPARE_USAGE}", "", COMPARE, "", COMPARE_END, "", f"all options: {error}"]))
+            return 0
+        print(f"avatarsim: {error}", file=sys.stderr)
+        return UNREADABLE

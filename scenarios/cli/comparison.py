@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, replace
 
+from avatarsim.cli.option_words import in_words
 from avatarsim.cli.reading import reading_of
 from avatarsim.errors import InvalidInput
 from avatarsim.scene.checks import positive
@@ -56,7 +57,7 @@ def take_own_scenes(options: argparse.Namespace) -> None:
         options.scene, options.avatar, options.room, options.motion, options.seconds, scene_scale=scale, reading=reading
     )
     for note in notes:
-        print(note, file=sys.stderr)
+        print(in_words(note, "clean"), file=sys.stderr)
     options.scene = None
 
 

@@ -34,7 +34,7 @@ from scenarios.engines import known
 from scenarios.job import Job
 from scenarios.run.gate import FAILED, INCOMPLETE, PASSED, USAGE, exit_code
 from scenarios.run.harness import Run
-from scenarios.run.limits import FINITE, checks_of, default_gates, limits_of, with_limits
+from scenarios.run.limits import FINITE, checks_of, gates_of, limits_of, with_limits
 from scenarios.run.provenance import provenance
 from scenarios.run.results import is_time
 
@@ -60,7 +60,7 @@ def add_options(one: argparse.ArgumentParser) -> None:
     rows = "further rows: tables [engine.name] of settings"
     engines.add_argument("--settings", type=path_option, metavar="FILE.toml", help=rows)
     limits = one.add_argument_group("limits")
-    gate = "ENGINE or ENGINE/PRESET that the limits are for (default: avatarsim/default)"
+    gate = "ENGINE or ENGINE/PRESET that the limits are for (default: those of --engine, else avatarsim)"
     limits.add_argument("--gate", nargs="+", action="extend", default=[], metavar="NAME", help=gate)
     limits.add_argument("--max-overlap", metavar="LENGTH", help="largest overlap of any state shown: 1mm, 50um, 0.001 (metres)")
     most = "largest value of a metric, in its unit or with one: joint_gap_max=1mm"
@@ -100,7 +100,7 @@ def _compared(options: argparse.Namespace, words: Sequence[str]) -> int:
     if options.update_drift and options.drift is None:
         raise InvalidInput("--update-drift", "alone", "with --drift FILE")
     limits = limits_of(options.max_overlap, options.max)
-    gates = default_gates(options.gate, limits)
+    gates = gates_of(options.gate, options.engine, limits)
     for name in (word.partition("/")[0] for word in (*options.engine, *gates)):
         if name not in known():
             raise UnknownName("engine", name, known())
@@ -227,7 +227,8 @@ def verdicts(checks: Sequence[Row], code: int, moved: Sequence[Moved]) -> list[s
     word = {PASSED: "PASS", FAILED: "FAIL", INCOMPLETE: "INCOMPLETE"}[code]
     held = sum(row.status == "pass" for row in checks)
     drift = f"; moved since they were kept: {len(moved)} figures (--update-drift keeps the new ones)" if moved else ""
-    return [*said, *(["", drift_table(moved), ""] if moved else []), f"{word}: {held} of {len(checks)} checks hold{drift}"]
+    count = f"{held} of {len(checks)} checks hold" if checks else "nothing is gated"
+    return [*said, *(["", drift_table(moved), ""] if moved else []), f"{word}: {count}{drift}"]
 
 
 def _write(options: argparse.Namespace, rows: Sequence[Row], checks: Sequence[Row]) -> None:

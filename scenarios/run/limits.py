@@ -63,8 +63,14 @@ def checks_of(
     return found
 
 
-def default_gates(gates: Sequence[str], limits: Mapping[str, float]) -> list[str]:
-    """Return the gated engines as they are named, without any the engine that promises bounds. Raises InvalidInput."""
+def gates_of(gates: Sequence[str], engines: Sequence[str], limits: Mapping[str, float]) -> list[str]:
+    """Return the engines that limits are for: as they are gated, else all that are chosen, else the engine that promises bounds.
+
+    Without a limit it alone is gated, if it is chosen. Raises InvalidInput for a gate without a limit.
+    """
     if gates and not limits:
         raise InvalidInput("--gate without a limit", ", ".join(gates), "with --max-overlap 1mm, or --max METRIC=VALUE")
-    return list(dict.fromkeys(gates)) or ["/".join(GATED)]
+    promises = "/".join(GATED)
+    if gates or (limits and engines):
+        return list(dict.fromkeys(gates or engines))
+    return [promises] if not engines or {promises, GATED[0]} & set(engines) else []

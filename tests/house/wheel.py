@@ -43,6 +43,10 @@ except MissingPackage as error:
 """
 VERSION = "import platform; print(platform.python_version())"
 BASE = "import sys; print(sys.base_prefix); print('python%d.%d' % sys.version_info[:2])"
+GENERAL = """
+from importlib.util import find_spec
+print([name for name in ("runfiles", "reference", "scenarios", "benchmarks", "reports", "tests") if find_spec(name)])
+"""
 WHERE = """
 import avatarsim, os
 print(avatarsim.__file__, os.getuid(), os.access(os.environ["HOME"], os.W_OK), os.listdir("."))
@@ -184,8 +188,13 @@ def answer(python: str, wheel: Path, folder: Path) -> Answer:
     command = told.partition("pip install ")[2]
     if not (command and "trimesh" in command and "[" not in command and str(ROOT) not in command):
         faults.append(f"a missing extra is not named with a command that works: {told}")
-    if "usage" not in run([inside, "-m", "avatarsim", "pieces", "--help"], **alone):
-        faults.append("python -m avatarsim pieces --help prints no usage")
+    for word in ("pieces", "compare"):
+        if "usage" not in run([inside, "-m", "avatarsim", word, "--help"], **alone):
+            faults.append(f"python -m avatarsim {word} --help prints no usage")
+    if (general := run([inside, "-c", GENERAL], **alone).strip()) != "[]":
+        faults.append(f"general names among the installed packages: {general}")
+    if not list(environment.glob("lib/python*/site-packages/avatarsim/_harness/scenarios/__main__.py")):
+        faults.append("the wheel is without the harness that avatarsim compare runs")
     return Answer(version, install, seconds[0], seconds[1], tuple(faults))
 
 

@@ -13,7 +13,7 @@ from avatarsim.drift import kept_figures
 from avatarsim.errors import InvalidInput, UnknownName
 from scenarios import own_scenes
 from scenarios.__main__ import main
-from scenarios.run.limits import limit_of, limits_of
+from scenarios.run.limits import gates_of, limit_of, limits_of
 
 BOX = """<mujoco><worldbody><geom name="ground" type="plane" size="5 5 .1"/>
 <body name="a" pos="0 0 0.3"><freejoint/><geom type="box" size=".1 .1 .1" mass="1"/></body></worldbody></mujoco>"""
@@ -127,3 +127,13 @@ def test_a_unit_of_another_quantity_is_refused() -> None:
         limit_of("joint_limit_excess_max", "1mm")
     with pytest.raises(UnknownName):
         limits_of(None, ["no_such_metric=1"])
+
+
+@pytest.mark.parametrize(("gates", "engines", "limited", "found"), [
+    (["a/b", "a/b"], ["c"], True, ["a/b"]), ([], ["c", "d/e"], True, ["c", "d/e"]), ([], [], True, ["avatarsim/default"]),
+    ([], [], False, ["avatarsim/default"]), ([], ["c"], False, []), ([], ["c", "avatarsim"], False, ["avatarsim/default"]),
+])
+def test_limits_are_for_gates_then_chosen_engines_then_the_one_that_promises(
+    gates: list[str], engines: list[str], limited: bool, found: list[str]
+) -> None:
+    assert gates_of(gates, engines, {"residual_overlap_max": 1e-3} if limited else {}) == found
