@@ -158,10 +158,9 @@ def chosen(options: argparse.Namespace, gates: Sequence[str]) -> Plan:
     rows = {f"{one.engine}/{one.name}" for one in made.own}
 
     def taken(job: Job) -> bool:
-        if options.engine and not _names([word for word in options.engine if "/" not in word], job.run):
-            return job.run in asked or job.run in rows or _names([word for word in gates if "/" not in word], job.run)
         one = about(job.engine)
-        return job.run in asked or job.run in rows or (job.preset in one.presets if one.path else job.preset not in one.variants)
+        usual = job.preset in one.presets if one.path else job.preset not in one.variants
+        return job.run in asked or job.run in rows or (usual and (not options.engine or job.engine in asked))
 
     return replace(made, jobs=list(filter(taken, made.jobs)), ready=[one for one in made.ready if taken(one.job)])
 

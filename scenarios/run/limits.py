@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from avatarsim.errors import InvalidInput
-from runfiles.metrics import unit
+from avatarsim.errors import InvalidInput, UnknownName
+from runfiles.metrics import METRICS, unit
 from runfiles.naming import GATED
 from runfiles.table import Row
 from scenarios.run.gate import bounds_of
@@ -14,6 +14,8 @@ from scenarios.scenario import Bound, Scenario
 OVERLAP = "residual_overlap_max"
 FINITE = "not_finite_frames"
 """Metric that every gated run is checked for: other figures of poses that are not numbers mean nothing."""
+ALIASES = {"overlap": OVERLAP}
+"""Columns of the table of `avatarsim.compare` that have a shorter name than their metric."""
 SIZES: Mapping[str, Mapping[str, float]] = {
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9},
     "us": {"s": 1e6, "ms": 1e3, "us": 1.0, "µs": 1.0}, "s": {"s": 1.0, "ms": 1e-3},
@@ -40,7 +42,11 @@ def limits_of(overlap: str | None, others: Sequence[str]) -> dict[str, float]:
         name, equals, value = text.partition("=")
         if not equals:
             raise InvalidInput("--max", text, "METRIC=VALUE, such as residual_overlap_max=1mm")
-        found[name] = limit_of(name, value)
+        name = ALIASES.get(name, name)
+        try:
+            found[name] = limit_of(name, value)
+        except UnknownName as error:
+            raise UnknownName("metric of --max, of those that --metrics lists,", name, METRICS) from error
     return found
 
 

@@ -122,6 +122,10 @@ def test_a_limit_has_a_unit_or_that_of_its_metric(text: str, value: float) -> No
     assert limits_of(text, ["frame_time_p95=2ms"]) == {"residual_overlap_max": pytest.approx(value), "frame_time_p95": 2000.0}
 
 
+def test_overlap_is_short_for_its_metric() -> None:
+    assert limits_of(None, ["overlap=1mm"]) == {"residual_overlap_max": 1e-3}
+
+
 def test_a_unit_of_another_quantity_is_refused() -> None:
     with pytest.raises(InvalidInput):
         limit_of("joint_limit_excess_max", "1mm")
