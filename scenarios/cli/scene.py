@@ -142,17 +142,16 @@ def _names(words: Iterable[str], run: str) -> bool:
 def chosen(options: argparse.Namespace, gates: Sequence[str]) -> Plan:
     """Plan the engines and presets that are named, without any those of short tables, and the gated ones.
 
-    Raises UnknownName for an engine, or for a preset of an engine that opens.
+    Raises UnknownName for an engine, or for a preset that does not run in the scene.
     """
     asked = [*options.engine, *gates] if options.engine else gates
     engines = dict.fromkeys(word.partition("/")[0] for word in (options.engine and asked) or [*known(), *gates])
     # as compare, so that variants are planned too
     made = plan(argparse.Namespace(**{**vars(options), "command": "compare", "preset": []}), list(engines), False)
     runs = {job.run for job in made.jobs}
-    absent = {outcome.job.engine for outcome in made.ready}
     for word in asked:
         engine = word.partition("/")[0]
-        if "/" in word and word not in runs and engine not in absent:
+        if "/" in word and word not in runs:
             presets = [run.partition("/")[2] for run in runs if run.startswith(f"{engine}/")]
             raise UnknownName(f"preset of {engine}", word.partition("/")[2], presets)
     rows = {f"{one.engine}/{one.name}" for one in made.own}
@@ -215,14 +214,15 @@ def frames_of(ran: Run, name: str) -> str:
 
 def verdicts(checks: Sequence[Row], code: int, moved: Sequence[Moved]) -> list[str]:
     """Return a line per check, a table of figures that have drifted, and the verdict."""
-    said = []
+    said, several = [], len({row.scenario for row in checks}) > 1
     for row in checks:
         if row.metric == FINITE and row.status == "pass":
             continue
         limit = "" if row.bound is None else f", limit {quantity(row.bound, row.unit)}"
         value = f"{metric(row.metric).label} {quantity(row.value, row.unit)}{limit}" if row.metric != "run" else ""
         why = row.note if row.status != "pass" and row.value is None else ""
-        said.append(f"{row.status:<4}  {row.run}  {'; '.join(filter(None, [value, why]))}  [{row.metric}]")
+        run = f"{row.scenario}  {row.run}" if several else row.run
+        said.append(f"{row.status:<4}  {run}  {'; '.join(filter(None, [value, why]))}  [{row.metric}]")
     word = {PASSED: "PASS", FAILED: "FAIL", INCOMPLETE: "INCOMPLETE"}[code]
     held = sum(row.status == "pass" for row in checks)
     drift = f"; moved since they were kept: {len(moved)} figures (--update-drift keeps the new ones)" if moved else ""

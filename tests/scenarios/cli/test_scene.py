@@ -55,6 +55,13 @@ def test_without_a_limit_the_engine_that_promises_is_gated(box: str, capsys: pyt
     assert {one["run"]: one["state"] for one in found["runs"]}["tunnels/default"] == "measured"
 
 
+def test_of_several_scenes_each_check_names_its_own(box: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "other.xml").write_text(BOX)
+    assert called(box, str(tmp_path / "other.xml"), "--engine", "avatarsim") == 0
+    checks = [line for line in capsys.readouterr().out.splitlines() if line.startswith("pass")]
+    assert {line.split()[1] for line in checks} == {"own_box", "own_other"}
+
+
 def test_junit_and_csv_hold_the_checks_and_the_figures(box: str, tmp_path: Path) -> None:
     words = "--engine", "tunnels", "--gate", "tunnels", "raises", "--max-overlap", "1mm", "--max", "status_frames=3"
     assert called(box, *words, "--junit", str(tmp_path / "out.xml"), "--csv", str(tmp_path / "out.csv")) == 1
