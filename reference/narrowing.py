@@ -34,18 +34,19 @@ def alike_in_both(scene: Scene) -> dict[str, str]:
     return found | {f"no {effect.replace('_', ' ')}": ALWAYS_THERE[effect] for effect in scene.lapsed if effect in ALWAYS_THERE}
 
 
-def hull_of(shape: ConvexHull | Ellipsoid) -> ConvexHull:
+def hull_of(shape: ConvexHull | Ellipsoid, vertices: int = ELLIPSOID_VERTICES) -> ConvexHull:
     """Return the hull itself, or the one that stands for an ellipsoid."""
-    return ellipsoid_hull(shape.radii, ELLIPSOID_VERTICES) if isinstance(shape, Ellipsoid) else shape
+    return ellipsoid_hull(shape.radii, vertices) if isinstance(shape, Ellipsoid) else shape
 
 
-def alike_in_game_engines(scene: Scene, share: float = 1e-3, averages: bool = False) -> dict[str, str]:
+def alike_in_game_engines(scene: Scene, share: float = 1e-3, averages: bool = False, vertices: int = ELLIPSOID_VERTICES
+                          ) -> dict[str, str]:
     """Return features -> consequence in engines with a joint per pair of bodies, a coefficient per body, of which products or
     `averages` are taken, hulls of `vertices` points for ellipsoids and stand-ins of a `share` of the mass between hinges."""
     found, links = missed(scene, averages), scene.links
     pieces = [piece for body in scene.bodies for piece in body.pieces] + [piece for link in links for piece in link.pieces]
     if any(isinstance(piece.shape, Ellipsoid) for piece in pieces):
-        found["ellipsoids"] = f"replaced by hulls of {ELLIPSOID_VERTICES} points on their surface"
+        found["ellipsoids"] = f"replaced by hulls of {vertices} points on their surface"
     if any(isinstance(link.joint, Hinges) and len(link.joint.hinges) > 1 for link in links):
         found["shared centres"] = (
             f"one joint per body: stand-ins of {100.0 * share:g} % of the link's mass and inertia between hinges"

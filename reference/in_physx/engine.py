@@ -65,14 +65,13 @@ class PhysxEngine:
         """Follow the motion from the last sample to this one in equal steps."""
         began = perf_counter_ns()
         self._cut(dt)
-        world, lead = self._world, self._chosen.number("lead_steps")
+        world, lead, stepping, inside = self._world, self._chosen.number("lead_steps"), 0, list[Snapshot]()
         goal = self._targets.within_limits(checked(sample, self._scene.avatars))
         goals = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count)
         self._last = goal
         positions, orientations = goals.positions[1:], goals.orientations[1:]
         if world.targets and lead > 0.0:
             positions, orientations = self._targets.ahead(goals, lead, True)
-        stepping, inside = 0, list[Snapshot]()
         for k in range(self._count):
             for link, target in enumerate(world.targets):
                 target.set_kinematic_target(Pose(positions[k, link], orientations[k, link]))
@@ -86,8 +85,8 @@ class PhysxEngine:
         angles = self._angles.measured(state[:, PLACE], state[:, TURN])
         stages = {"step": stepping, ADAPTER: perf_counter_ns() - began - stepping} if self._settings.time_stages else {}
         statuses = {} if np.isfinite(state).all() else {"not_finite": 1}
-        kept = tuple(inside) if self._settings.record_inside else ()
-        return FrameRecord(inside[-1], angles, {"steps": self._count}, statuses, stages, kept)
+        kept = inside if self._settings.record_inside else ()
+        return FrameRecord(inside[-1], angles, {"steps": self._count}, statuses, stages, tuple(kept))
 
     def close(self) -> None:
         """Drop the world; its actors are freed with it."""

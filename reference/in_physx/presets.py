@@ -1,7 +1,7 @@
 """Every PhysX setting we choose, with its reason. The one place where they are kept.
 
-`default` is what the package sapien has when nothing is set. `tuned` is the best found, scene kind by scene kind, on scenes that
-are drawn: drops, slides, stacks and piles of bodies, and recorded motions in rooms. None is for one scene.
+`default` is what the package sapien has when nothing is set. `tuned` is the best found on draws: drops, slides, stacks and piles
+of bodies, and recorded motions in rooms.
 """
 
 from collections.abc import Mapping
@@ -16,7 +16,6 @@ DEFAULT: Preset = {
     "velocity_iterations": Chosen(1, PACKAGE),
     "tgs": Chosen(True, PACKAGE + " (temporal Gauss-Seidel; projected Gauss-Seidel leaves stacks ten times as deep)"),
     "pcm": Chosen(True, PACKAGE + " (contacts of a pair are kept from step to step)"),
-    "friction_every_iteration": Chosen(True, PACKAGE + " (changes no bit with temporal Gauss-Seidel)"),
     "bounce_threshold": Chosen(2.0, PACKAGE + " [m/s] below which nothing bounces"),
     "contact_offset": Chosen(0.01, PACKAGE + " [m]: the distance at which contact is looked for, per shape"),
     "rest_offset": Chosen(0.0, PACKAGE + " [m]: the distance that contact keeps, per shape of a loose body. 2e-4 leaves no "
@@ -26,8 +25,7 @@ DEFAULT: Preset = {
     "max_angular_velocity": Chosen(100.0, PACKAGE + " [rad/s]"),
     "sleep": Chosen(True, PACKAGE + " (bodies at rest are not computed)"),
     "sleep_threshold": Chosen(0.005, PACKAGE + " [J/kg] below which a body may sleep"),
-    "drive_frequency": Chosen(100.0, "[rad/s] of each link's spring to its target, critically damped: our setting. 200 follows "
-                                     "four times as near and jumps twice as far"),
+    "drive_frequency": Chosen(100.0, "[rad/s] of each link's spring to its target, critically damped; 200 jumps twice as far"),
     "lead_steps": Chosen(0.0, "targets are where the tracker is at the end of each step"),
     "gravity_on_links": Chosen(True, PACKAGE),
     "clamp_targets": Chosen(False, "the tracker is followed as it is"),
@@ -48,9 +46,7 @@ _TUNED: Preset = {
     "clamp_targets": Chosen(True, "asking a joint for more than its limit only bends the limit"),
 }
 
-_LED: Preset = {
-    "contact_offset": Chosen(0.005, "worst overlap of 30 recorded motions in rooms: 3.5 mm; 7.8 at 0.01, 70 at 0.02"),
-}
+_LED: Preset = {"contact_offset": Chosen(0.005, "worst overlap of 30 recorded motions: 3.5 mm; 7.8 at 0.01, 70 at 0.02")}
 
 _BY_KIND: Mapping[Kind, Preset] = {
     Kind.BOUNCING: {"dt": Chosen(1.0 / 3840.0, "where only bounces are judged: heights are 0.35 mm off, 1.3 at 1/960")},
@@ -67,8 +63,7 @@ OPTIMISES: Mapping[str, str] = {
 BETTER_ELSEWHERE = (
     "dt = 1/240 s: a quarter of the steps or less, and more overlap",
     "driven_rest_offset = 0: links touch instead of standing 1 mm off, and overlap by tenths of a millimetre",
-    "drive_frequency = 200: nearer to the user, with larger jumps",
-    "sleep = true: frames of what rests take less",
+    "drive_frequency = 200: nearer to the user, with larger jumps; sleep = true: frames of what rests take less",
 )
 """Settings that are better than tuned in something else, and what they cost."""
 

@@ -40,6 +40,8 @@ ARM = 1.0
 apart at most, a hinge two points of its axis. Larger: rounding of positions counts more; smaller: that of directions."""
 BETWEEN_HINGES = 0.1
 """Mass and inertia of a stand-in between hinges that share a centre, as a share of the link's. Smaller: joints converge worse."""
+MOST_VERTICES = 129
+"""Vertices of a hull, and of one that stands for an ellipsoid. The package thins larger ones, by up to 10 mm of 0.3 m."""
 WHOLE_TURN = 2.0 * np.pi - 1e-3
 """Range of a hinge [rad] from which on it has no limits: angles wrap."""
 X, CENTRE = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -76,19 +78,20 @@ class World:
             for wanted, matters in zip(coefficients(scene), weights(scene), strict=True)
         )
         self.actors = [self._body(body) for body in scene.bodies]
-        self.actors += [self._link(k, link.mass) for k, link in enumerate(scene.links)]
+        self.actors += [self._link(k, link.mass, self._turns[k]) for k, link in enumerate(scene.links)]
         owners: list[Body | Link] = [*scene.bodies, *scene.links]
         for k, owner in enumerate(owners):
             material = physx.PhysxMaterial(friction[k], friction[k], restitution[k])
             rest = {Role.SIMULATED: "rest_offset", Role.DRIVEN: "driven_rest_offset"}.get(scene.roles[k])
             self._shapes(self.actors[k], owner, material, groups[k], chosen.number(rest) if rest else 0.0)
-        self._axes: list[tuple[Any, Any, tuple[Array, Array, Hinge | Slide]]] = []
-        first = len(scene.bodies)
+        self._axes, first = list[tuple[Any, Any, tuple[Array, Array, Hinge | Slide]]](), len(scene.bodies)
         for avatar in scene.avatars:
             self._join(avatar, first)
             first += len(avatar.links)
         for name, link in scene.attached:
-            self._attach(scene.names.index(name), scene.names.index(link))
+            body, k = scene.names.index(name), scene.names.index(link)
+            loose, holder = (Pose(actor.entity.pose.p, actor.entity.pose.q) for actor in (self.actors[body], self.actors[k]))
+            _hold(Rigid, self.actors[body], self.actors[k], holder.inv() * loose, Pose())
         self.targets = [self._target(k) for k in range(len(scene.links))]
         row = {id(actor): k for k, actor in enumerate(self.system.rigid_dynamic_components)} | {id(None): -1}
         self.moving = np.array([k for k, role in enumerate(scene.roles) if role is not Role.FIXED], dtype=np.int64)
@@ -98,8 +101,7 @@ class World:
     def read(self) -> Array:
         """Return numbers (actors, STATED) of all that is not fixed, targets too, and those of the world in the last row."""
         packed = np.frombuffer(self.system.pack(), dtype=np.float32).reshape(-1, STATED).astype(np.float64)
-        # single precision is unit to seven digits only
-        packed[:, TURN] = rotation.normalised(packed[:, TURN])
+        packed[:, TURN] = rotation.normalised(packed[:, TURN])  # single precision is unit to seven digits only
         return np.vstack([packed, np.eye(1, STATED)])
 
     def _body(self, body: Body) -> Any:
@@ -108,8 +110,8 @@ class World:
             actor.linear_velocity, actor.angular_velocity = np.array(body.velocity), np.array(body.angular_velocity)
         return actor
 
-    def _link(self, k: int, mass: Mass, turn: Array | None = None) -> Any:
-        actor = self._actor(mass, self._places[k], self._turns[k] if turn is None else turn)
+    def _link(self, k: int, mass: Mass, turn: Array) -> Any:
+        actor = self._actor(mass, self._places[k], turn)
         actor.disable_gravity = not self._chosen.flag("gravity_on_links")
         return actor
 
@@ -148,11 +150,6 @@ class World:
             # per unit of mass and inertia, so that all links follow alike
             getattr(drive, f"set_drive_property_{axis}")(frequency**2, 2.0 * frequency, mode="acceleration")
         return actor
-
-    def _attach(self, body: int, link: int) -> None:
-        at, loose = link - len(self._scene.bodies), self._scene.bodies[body]
-        outer = Pose(self._places[at], self._turns[at]).inv() * Pose(np.array(loose.position), np.array(loose.orientation))
-        _hold(Rigid, self.actors[body], self.actors[link], outer, Pose())
 
     def _join(self, avatar: Avatar, first: int) -> None:
         """Join the links of an avatar whose first is actor `first`."""
@@ -198,7 +195,6 @@ def _set_globals(scene: Scene, chosen: Options) -> None:
     config = physx.PhysxSceneConfig()
     config.gravity, config.bounce_threshold = np.array(scene.gravity), chosen.number("bounce_threshold")
     config.enable_tgs, config.enable_pcm = chosen.flag("tgs"), chosen.flag("pcm")
-    config.enable_friction_every_iteration = chosen.flag("friction_every_iteration")
     physx.set_scene_config(config)
 
 
@@ -241,4 +237,11 @@ def _shape(shape: Shape, material: Any) -> tuple[Any, Any]:
     if isinstance(shape, Capsule):
         along = Pose(np.zeros(3), rotation.between(X, (0.0, 0.0, 1.0)))
         return physx.PhysxCollisionShapeCapsule(shape.radius, 0.5 * shape.length, material), along
-    return physx.PhysxCollisionShapeConvexMesh(hull_of(shape).vertices.astype(np.float32), np.ones(3), material), Pose()
+    points = hull_of(shape, MOST_VERTICES).vertices
+    # as large as 2 m along its own axes, and scaled back: vertices nearer than a thousandth of that become one
+    axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2]
+    axes[0] *= np.linalg.det(axes)
+    low, high = (points @ axes.T).min(axis=0), (points @ axes.T).max(axis=0)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    mesh = physx.PhysxCollisionShapeConvexMesh(((points @ axes.T - middle) / half).astype(np.float32), half, material)
+    return mesh, Pose(middle @ axes, rotation.from_matrix(axes.T))

@@ -1,4 +1,5 @@
-"""The engines that are compared, those of them that are installed: PyBullet has no wheel for every Python."""
+"""The engines that are compared, those of them that are installed: PyBullet has no wheel for every Python, PhysX an extra of its
+own."""
 
 from importlib.util import find_spec
 from typing import Any
@@ -26,9 +27,13 @@ RIVALS: list[Engine] = [MujocoEngine(), *([PybulletEngine()] if HAS_PYBULLET els
 STUDIED = pytest.mark.parametrize("engine", RIVALS, ids=[engine.name for engine in RIVALS])
 """Engines whose best figures are known from studies of their own (`tests/agreement/reached`)."""
 RIVALS = [*RIVALS, RapierEngine()]
+if find_spec("sapien") is not None:
+    from reference.in_physx.engine import PhysxEngine
+
+    RIVALS = [*RIVALS, PhysxEngine()]
 ENGINES = pytest.mark.parametrize("engine", RIVALS, ids=[engine.name for engine in RIVALS])
 
 
 def digits(engine: Engine, double: float, single: float) -> float:
     """Return the tolerance for an engine: `single` for one that computes in single precision."""
-    return single if engine.name == "rapier" else double
+    return single if engine.name in ("physx", "rapier") else double
