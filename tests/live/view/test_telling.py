@@ -18,8 +18,8 @@ from avatarsim.live.view.telling import at_ports, numbers, word_of
 def test_a_user_inside_something_has_a_pair_and_one_outside_has_none() -> None:
     found = stage("hand").scene
     start, own = found.first_sample, OwnOverlap(found)
-    pair = own.pair(replace(start, positions=start.positions + (0.0, 0.0, 0.75 - start.positions[0, 2])))
-    assert own.pair(start) is None and pair is not None and pair[0] == "table" and pair[1].startswith("hand/")
+    _, pair = own.deepest(replace(start, positions=start.positions + (0.0, 0.0, 0.75 - start.positions[0, 2])))
+    assert own.deepest(start) == (0.0, None) and pair is not None and pair[0] == "table" and pair[1].startswith("hand/")
 
 
 def test_refusals_are_counted_and_never_quoted() -> None:
