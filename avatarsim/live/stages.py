@@ -163,17 +163,19 @@ def _table(half: float, rim: float) -> tuple[Body, Body]:
     return fixed("floor", (_box((0.0, 0.0, -0.05), (4.0, 4.0, 0.1)),), "wood"), table
 
 
-def _above_table(name: str, bodies: tuple[Body, ...], what: str, roll: float = 0.0, doors: tuple[Avatar, ...] = ()) -> Stage:
-    """Return the hand, turned about its fingers by ``roll`` [degrees], above the table with loose bodies and doors."""
+def _above_table(
+    name: str, bodies: tuple[Body, ...], what: str, high: float, roll: float = 0.0, doors: tuple[Avatar, ...] = ()
+) -> Stage:
+    """Return the hand, turned about its fingers by ``roll`` [degrees], ``high`` [m] above the table with bodies and doors."""
     avatars = hand(), *doors
     start = rest(avatars)
-    start.positions[0], start.rotations[0] = (-0.05, 0.0, TOP + 0.14), _about("x", roll)
+    start.positions[0], start.rotations[0] = (-0.05, 0.0, TOP + high), _about("x", roll)
     return staged(Scene(name, bodies, avatars, start=start), what)
 
 
 def _hand_stage() -> Stage:
     half = 0.45
-    wall = fixed("wall", (_box((half + 0.06, 0.0, 0.9), (0.1, 2.4, 1.8)),), "wood")
+    wall = fixed("wall", (_box((half + 0.06, 0.0, 0.65), (0.1, 1.0, 1.3)),), "wood")
     lying = Piece(Capsule(0.025, 0.10), (0.0, 0.0, 0.0), _about("x", 90.0))
     loose = (
         _loose("ball", (Piece(Sphere(0.035)),), 0.08, (0.22, 0.16, TOP + 0.035)),
@@ -183,7 +185,7 @@ def _hand_stage() -> Stage:
         _loose("marble", (Piece(Sphere(0.015)),), 0.02, (0.30, -0.24, TOP + 0.015), "metal"),
     )
     what = "a hand of 16 links over a table with a rim and a wall, and five loose objects"
-    return _above_table("live hand", (*_table(half, 0.03), wall, *loose), what)
+    return _above_table("live hand", (*_table(half, 0.03), wall, *loose), what, 0.1)
 
 
 def _toys_stage() -> Stage:
@@ -202,7 +204,7 @@ def _toys_stage() -> Stage:
         *_dominoes(14, (0.008, 0.024, 0.048), 0.015, 0.026, (-0.05, -0.28, TOP)),
     )
     what = "a hand of 16 links over a table with a mug, a tower, a row of dominoes and a door"
-    return _above_table("live toys", bodies, what, -90.0, (door,))
+    return _above_table("live toys", bodies, what, 0.14, -90.0, (door,))
 
 
 def _hinged(most: float) -> Hinges:

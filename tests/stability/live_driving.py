@@ -186,7 +186,7 @@ def main() -> int:
     """The exit code."""
     top = argparse.ArgumentParser(description="Random driving of a live page.")
     top.add_argument("--seconds", type=float, default=600.0)
-    top.add_argument("--scene", default="hand", choices=("hand", "gallery"))
+    top.add_argument("--scene", default="hand", choices=("hand", "toys", "gallery"))
     top.add_argument("--rate", type=float, default=60.0)
     top.add_argument("--viewers", type=int, default=1)
     top.add_argument("--deaf", type=int, default=0, choices=(0, 1), help="of the viewers, how many never read")

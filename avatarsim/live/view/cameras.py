@@ -16,6 +16,8 @@ FIELD = radians(45.0)
 """Vertical field of view [rad]. Wider: shapes at the edges are distorted; narrower: walls come between the eye and the avatar."""
 SHARE = 0.4
 """Height of the avatar as a share of the window's. More: nothing is seen of what it meets; less: no finger is seen."""
+FLAT = 0.7
+"""Share of an avatar's width that counts as its height where it is flatter, as a hand that is seen from its edge."""
 VIEWS = {"Home": (228.0, 24.0), "Side": (270.0, 8.0), "Above": (228.0, 70.0)}
 """Directions from the avatar to the eye by name: azimuth and elevation [degrees]. The first view is the first one."""
 BELOW = 0.35
@@ -54,7 +56,8 @@ def framed(avatar: Avatar, places: Array, turns: Array, view: str, offsets: Arra
     azimuth, elevation = (radians(angle) for angle in VIEWS[view])
     away = np.array((cos(azimuth) * cos(elevation), sin(azimuth) * cos(elevation), sin(elevation)))
     up = np.array((-cos(azimuth) * sin(elevation), -sin(azimuth) * sin(elevation), cos(elevation)))
-    height = max(float(np.ptp(cloud @ up)), 1e-3)
+    right = np.array((-sin(azimuth), cos(azimuth), 0.0))
+    height = max(float(np.ptp(cloud @ up)), FLAT * float(np.ptp(cloud @ right)), 1e-3)
     distance = height / (2.0 * SHARE * tan(0.5 * FIELD)) + WIDER * float(np.linalg.norm(offsets[-1]))
     look_at = middle + offsets.mean(axis=0) + ASIDE * offsets[-1] - BELOW * height * up
     return Camera(look_at + distance * away, look_at)

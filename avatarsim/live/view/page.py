@@ -289,10 +289,9 @@ class Page:
 
     def _time(self) -> None:
         """Timing of all loops."""
-        loops = list(self.session.loops.items())
-        figures = {name: loop.figures() for name, loop in loops}
-        times, first = [state.engine_ns for state in self.session.first.states()], self.session.first.plan.name
-        self._there(lambda: self.panel.time(table(figures), timing(figures[first]), times))
+        figures = {name: loop.figures() for name, loop in list(self.session.loops.items())}
+        words = table(figures), timing(figures[self.session.first.plan.name])
+        self._there(lambda: self.panel.time(*words))
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
         """A gizmo for each handle of the stage, for drags along axes and for turns."""

@@ -6,16 +6,13 @@ from datetime import datetime
 from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
-import numpy as np
 import viser
-import viser.uplot
 from viser._messages import HotkeyKey
 
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
 from avatarsim.live.view.cameras import VIEWS
-from avatarsim.live.view.drawn import colour_of
-from avatarsim.live.view.telling import BUDGETS, SCHEME
+from avatarsim.live.view.telling import SCHEME
 
 if TYPE_CHECKING:
     from avatarsim.live.view.page import Page
@@ -31,8 +28,6 @@ TAKE: HotkeyKey = "C"
 """Key that takes what the avatar touches, or lets go; it is none of the driver's keys nor of the camera's."""
 METHODS = {"default": "default: certified", "paper": "paper: equations as printed"}
 """Presets of the driven engine, and what the panel calls them."""
-PLOTTED = 300
-"""Points of the plot: five seconds at 60 Hz, and no more than the panel is wide."""
 
 
 class Panel:
@@ -48,10 +43,10 @@ class Panel:
         self.numbers = gui.add_html("")
         self._words = gui.add_markdown("**Loading**")
         self._trouble = gui.add_markdown("", visible=False)
-        self._run_buttons()
         if page.shows.offered:
             group = gui.add_button_group("Compare with", tuple(plan.name for plan in page.shows.offered))
             self._on(group.on_click, lambda: page.compare(group.value))
+        self._run_buttons()
         if clips:
             with gui.add_folder("Clips", expand_by_default=False):
                 self._clip_buttons(clips)
@@ -74,7 +69,6 @@ class Panel:
         with gui.add_folder("Timing", expand_by_default=False):
             self._timing = gui.add_markdown("")
             self._table = gui.add_markdown("")
-            self._plot = self._add_plot()
 
     def _on(self, bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
         """Have `act` done in the page's thread whenever a widget fires."""
@@ -90,20 +84,6 @@ class Panel:
             act()
 
         bind(fired)
-
-    def _add_plot(self) -> viser.GuiUplotHandle:
-        """Frame times of the driven engine over the last seconds, beside what 60 and 90 Hz allow."""
-        series = [viser.uplot.Series(label="s")]
-        series += [viser.uplot.Series(label=self._page.session.first.plan.name, stroke=_css(colour_of(0)), width=1)]
-        series += [viser.uplot.Series(label=rate, stroke="#999999", width=1, dash=(4, 4)) for rate in BUDGETS]
-        # a scale of logarithms has no zero
-        nothing = (np.arange(2.0), *(np.ones(2) for _ in series[1:]))
-        # a fixed range: the page loses an automatic one where its colours change
-        seconds = viser.uplot.Scale(time=False, range=(-PLOTTED / self._page.session.first.plan.rate, 0.0))
-        return self._server.gui.add_uplot(
-            nothing, tuple(series), title="Frame time [ms]", aspect=2.4,
-            scales={"x": seconds, "y": viser.uplot.Scale(auto=True, distr=3)},
-        )
 
     def _run_buttons(self) -> None:
         gui = self._server.gui
@@ -223,20 +203,9 @@ class Panel:
         """Show overlaps over the scene and words on the panel."""
         self.numbers.content, self._words.content = numbers, words
 
-    def time(self, table: str, words: str, times: Sequence[int]) -> None:
-        """Show timing: a table, words, and the last frame times [ns] of the driven engine."""
+    def time(self, table: str, words: str) -> None:
+        """Show timing: a table and words."""
         self._table.content, self._timing.content = table, words
-        count = min(PLOTTED, len(times))
-        if count < 2:
-            return
-        rate = self._page.session.first.plan.rate
-        axis = np.arange(-count + 1, 1) / rate
-        row = 1e-6 * np.asarray(times[-count:], dtype=np.float64)
-        self._plot.data = (axis, row, *(np.full(count, ms) for ms in BUDGETS.values()))
-
-
-def _css(colour: tuple[int, int, int]) -> str:
-    return "#" + "".join(f"{part:02x}" for part in colour)
 
 
 def void(value: object) -> None:

@@ -31,6 +31,8 @@ RATE = 30.0
 """States of a shared page a second, at most. More: larger files that look the same."""
 SECONDS = 6.0
 """[s] of driving that are shared: a mail takes the file."""
+PATIENCE = 60.0
+"""[s] in which a viewer must answer with a picture: one that draws in software takes seconds."""
 PICTURE, PICTURES = (360, 560), 10.0
 """Height and width [px] of a moving picture, and its pictures a second, at most."""
 START = 'startPlayer(document.getElementById("replay"), JSON.parse(document.getElementById("take").textContent));'
@@ -184,10 +186,12 @@ def filmed(client: viser.ClientHandle, seconds: float = SECONDS) -> bytes:
     """Return a GIF of what a viewer sees from now on; not to be called from the server's thread."""
     from PIL import Image
 
+    # the first picture waits for the browser to compile its shaders
+    client.get_render(*PICTURE, timeout=PATIENCE)
     frames, begin, stamps = list[Image.Image](), time.monotonic(), list[float]()
     while (now := time.monotonic()) < begin + seconds:
         stamps.append(now)
-        frames.append(Image.fromarray(client.get_render(*PICTURE, timeout=seconds)[..., :3]))
+        frames.append(Image.fromarray(client.get_render(*PICTURE, timeout=PATIENCE)[..., :3]))
         time.sleep(max(0.0, now + 1.0 / PICTURES - time.monotonic()))
     stamps.append(time.monotonic())
     file = io.BytesIO()

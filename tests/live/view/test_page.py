@@ -20,7 +20,7 @@ from avatarsim.live.view.depth import own_depth
 from avatarsim.live.view.page import Page, Shows
 from avatarsim.live.view.share import driven, shared_page
 
-SECONDS = 20.0
+SECONDS = 60.0
 
 
 def soon(is_true: Callable[[], bool]) -> bool:

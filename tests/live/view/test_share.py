@@ -1,18 +1,22 @@
 """What was driven as a page, and a window on a loop of one's own."""
 
+import io
 import json
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image, ImageSequence
 
 pytest.importorskip("viser")
 
 from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, InvalidSample
 from avatarsim.live.recording import Recorder
 from avatarsim.live.show import show
+from avatarsim.live.view.share import filmed
 from avatarsim.simulator import AvatarsimEngine
 from tests.live.small import RATE, plan, pushed, scene
 
@@ -43,6 +47,18 @@ def test_a_recording_becomes_a_page_that_needs_no_other_file_and_marks_the_deepe
     [worst] = [one for one in take["views"][0]["moments"] if one["is_worst"]]
     assert depths[worst["state"]] > 0.0 and take["opens"] == worst["state"]
     assert len(take["times"]) == FRAMES // 2 and len(take["ghost"]["bodies"]) == 2
+
+
+def test_a_moving_picture_lasts_as_long_as_it_was_filmed() -> None:
+    taken = list[int]()
+
+    def render(height: int, width: int, timeout: float) -> np.ndarray:
+        taken.append(len(taken))
+        return np.full((height, width, 3), 20 * len(taken), dtype=np.uint8)
+
+    film = Image.open(io.BytesIO(filmed(SimpleNamespace(get_render=render), 0.5)))
+    lasts = sum(frame.info["duration"] for frame in ImageSequence.Iterator(film))
+    assert film.n_frames == len(taken) - 1 >= 2 and lasts == pytest.approx(500.0, abs=150.0)
 
 
 def test_what_is_no_recording_and_no_engine_is_refused(tmp_path: Path) -> None:
