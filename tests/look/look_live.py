@@ -271,17 +271,18 @@ def test_the_same_drag_beside_in_mujoco_is_red_there(folder: Path) -> None:
 
 def test_the_last_seconds_are_an_offline_page(running: Running, folder: Path) -> None:
     running.page.post(lambda: running.page.driver.drag("hand/palm", (-0.05, 0.0, 0.74)))
-    with browser(800, 600) as one:
+    with browser(1000, 800) as one:
         one.downloads(folder)
         one.visit(running.page.address)
         one.until(HUD)
         time.sleep(3.0)
-        one.click("Share")
-        end = time.monotonic() + 120.0
+        running.page.share(next(iter(running.page.server.get_clients().values())))
+        end = time.monotonic() + 60.0
         while not (pages := list(folder.glob("*.html"))) and time.monotonic() < end:
             time.sleep(0.2)
         [page] = pages
         time.sleep(1.0)
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
     with browser(1000, 800) as other:
         other.open(page)
         other.until("document.getElementById('replay').dataset.state === 'paused'")

@@ -41,12 +41,13 @@ class Panel:
         gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
         gui.add_html(SCHEME)
         self.numbers = gui.add_html("")
-        self._words = gui.add_markdown("**Loading**")
-        self._trouble = gui.add_markdown("", visible=False)
         if page.shows.offered:
             group = gui.add_button_group("Compare with", tuple(plan.name for plan in page.shows.offered))
             self._on(group.on_click, lambda: page.compare(group.value))
         self._run_buttons()
+        # below the buttons, which would move under the pointer as lines come and go
+        self._words = gui.add_markdown("**Loading**")
+        self._trouble = gui.add_markdown("", visible=False)
         if clips:
             with gui.add_folder("Clips", expand_by_default=False):
                 self._clip_buttons(clips)
