@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import avatarsim as av
-from avatarsim.cli.live import HAND
+from avatarsim.cli.live import SCENE
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.ports.admission import Limits
 from avatarsim.live.ports.protocol import Goals, Shape, parse
@@ -25,7 +25,7 @@ RADIUS = 0.2
 
 
 def test_the_tracker_leads_the_palm_of_the_default_scene_in_a_circle(capsys: pytest.CaptureFixture[str]) -> None:
-    found, targets, shown = stage(HAND).scene, list[Goals](), list[np.ndarray]()
+    found, targets, shown = stage(SCENE).scene, list[Goals](), list[np.ndarray]()
     palm, page = found.names.index("hand/palm"), SimpleNamespace(driver=Driver(found), _tracked=set())
     refused = list[str]()
     with (
