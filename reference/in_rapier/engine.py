@@ -14,7 +14,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from avatarsim.spatial import rotation
 from reference.in_rapier.presets import BETTER_ELSEWHERE, OPTIMISES, SWINGS, presets
-from reference.in_rapier.world import build_world, isometry
+from reference.in_rapier.world import build_world
 from reference.joint_angles import JointAngles
 from reference.length_unit import length_unit
 from reference.narrowing import alike_in_game_engines
@@ -22,9 +22,6 @@ from reference.presets import cut_into, in_force, kind_of, purpose
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
-
-INSTALLED = version("rapier3d")
-"""Asked once: it is looked for among the files of every package."""
 
 
 class RapierEngine:
@@ -36,7 +33,7 @@ class RapierEngine:
     @property
     def version(self) -> str:
         """Version of the package."""
-        return INSTALLED
+        return version("rapier3d")
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """Return unsupported features: feature -> consequence."""
@@ -66,11 +63,17 @@ class RapierEngine:
         self._last = self._targets.within_limits(scene.first_sample)
         self._unit = chosen.number("length_unit") or length_unit(scene)
         self._world = build_world(scene, chosen, self._unit)
-        self._bodies = self._world.physics.rigid_bodies
+        bodies = self._world.physics.rigid_bodies
+        self._held = [(bodies[target], link) for target, link in self._world.held]
+        self._views = [bodies[handle] for handle in self._world.handles]
+        self._states, self._moving = np.zeros((len(self._views), 13)), np.arange(len(self._views))
         self._step, self._count, self._elapsed = 0.0, 0, 0.0
         self._cut(dt)
         self._angles = JointAngles(self._world.joined, scene.first_sample.angles)
         shown, *poses = self._read()
+        # what is fixed is read once
+        self._moving = np.flatnonzero([not view.is_fixed for view in self._views])
+        self._views = [self._views[k] for k in self._moving]
         return FrameRecord(shown, self._angles.measured(*poses))
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
@@ -78,30 +81,30 @@ class RapierEngine:
         began = perf_counter_ns()
         self._cut(dt)
         goal = self._targets.within_limits(checked(sample, self._scene.avatars))
-        goals = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count)
-        self._last = goal
+        goals, self._last = self._targets.between(self._last, goal, np.arange(self._count + 1) / self._count), goal
         stepping, lost, inside = 0, 0, list[Snapshot]()
+        places, turns = goals.positions.tolist(), goals.orientations.tolist()
         for k in range(self._count):
-            for target, link in self._world.held:
-                pose = isometry(goals.positions[k + 1, link], goals.orientations[k + 1, link])
-                self._bodies[target].set_next_kinematic_position(pose)
+            for target, link in self._held:
+                turn = rapier.Rotation3(*turns[k + 1][link])
+                target.set_next_kinematic_position(rapier.Isometry3(places[k + 1][link], turn))
             before = perf_counter_ns()
             self._world.physics.step()
             stepping += perf_counter_ns() - before
             self._elapsed += self._step
             quarantine = self._world.physics.quarantine
-            lost += len(quarantine.bodies) + len(quarantine.colliders)
+            lost += 0 if quarantine.is_empty() else len(quarantine.bodies) + len(quarantine.colliders)
             if self._settings.record_inside or k == self._count - 1:
                 shown, *poses = self._read()
                 inside.append(shown)
         stages = {"step": stepping, ADAPTER: perf_counter_ns() - began - stepping} if self._settings.time_stages else {}
         statuses = {"quarantined": lost} if lost else {}
-        kept = tuple(inside) if self._settings.record_inside else ()
-        return FrameRecord(inside[-1], self._angles.measured(*poses), {"steps": self._count}, statuses, stages, kept)
+        angles, kept = self._angles.measured(*poses), tuple(inside) if self._settings.record_inside else ()
+        return FrameRecord(inside[-1], angles, {"steps": self._count}, statuses, stages, kept)
 
     def close(self) -> None:
         """Drop the world."""
-        for name in ("_world", "_bodies"):
+        for name in ("_world", "_views", "_held"):
             self.__dict__.pop(name, None)
 
     def _cut(self, dt: float) -> None:
@@ -127,11 +130,10 @@ class RapierEngine:
 
     def _read(self) -> tuple[Snapshot, Array, Array]:
         """Return what is shown, and poses of all bodies that hinges join: (m, 3) [m] and (m, 4)."""
-        bodies, n = [self._bodies[handle] for handle in self._world.handles], len(self._scene.names)
-        places = np.array([(b.translation.x, b.translation.y, b.translation.z) for b in bodies]).reshape(-1, 3)
-        turns = np.array([(b.rotation.w, b.rotation.i, b.rotation.j, b.rotation.k) for b in bodies]).reshape(-1, 4)
-        velocities = np.array([(b.linvel.x, b.linvel.y, b.linvel.z) for b in bodies[:n]]).reshape(-1, 3)
-        spins = np.array([(b.angvel.x, b.angvel.y, b.angvel.z) for b in bodies[:n]]).reshape(-1, 3)
-        # single precision is unit to seven digits only
-        turns = rotation.normalised(turns)
-        return Snapshot(self._elapsed, places[:n].copy(), turns[:n].copy(), velocities, spins), places, turns
+        self._states[self._moving] = np.array([
+            (*b.translation.to_tuple(), *b.rotation.to_tuple(), *b.linvel.to_tuple(), *b.angvel.to_tuple()) for b in self._views
+        ]).reshape(-1, 13)
+        states, n = self._states.copy(), len(self._scene.names)
+        # Rapier's last part is the scalar one; single precision is unit to seven digits only
+        places, turns = states[:, :3], rotation.normalised(states[:, (6, 3, 4, 5)])
+        return Snapshot(self._elapsed, places[:n], turns[:n], states[:n, 7:10], states[:n, 10:]), places, turns
