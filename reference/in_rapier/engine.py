@@ -47,7 +47,7 @@ class RapierEngine:
         run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
         run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
         run["dt as run"] = (self._step, cut_into(self._count))
-        run["length unit as run"] = (self._unit, "[m]")
+        run |= {"length unit as run": (self._unit, "[m]"), "threads": (self._world.physics.num_threads, "RAYON_NUM_THREADS")}
         return run
 
     def native(self) -> tuple[str, str]:

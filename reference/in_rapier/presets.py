@@ -1,7 +1,4 @@
-"""Every Rapier setting we choose, with its reason. The one place where they are kept.
-
-`default` is what the library has when nothing is set. `tuned` is the best found, scene kind by scene kind: none is for one scene.
-"""
+"""Every Rapier setting we choose, with its reason: `default` is the library's, `tuned` the best found by kind of scene."""
 
 from collections.abc import Mapping
 
@@ -51,9 +48,7 @@ _TUNED: Preset = {
     "clamp_targets": Chosen(True, "asking a joint for more than its limit only bends the limit"),
 }
 
-_BOUNCING: Preset = {
-    "dt": Chosen(1.0 / 3840.0, "where only bounces are judged: apexes 2.5 mm off at 1/960, 0.9 here"),
-}
+_BOUNCING: Preset = {"dt": Chosen(1.0 / 3840.0, "where only bounces are judged: apexes 2.5 mm off at 1/960, 0.9 here")}
 
 OPTIMISES: Mapping[str, str] = {
     "default": "nothing: the library's own values, with a spring per link",

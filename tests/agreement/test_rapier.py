@@ -115,6 +115,12 @@ def test_settings_reach_the_solver() -> None:
     assert not parameters.contact_recycling and parameters.friction_in_bias_pass
 
 
+def test_a_step_takes_one_core() -> None:
+    engine = loaded(RapierEngine(), Scene("hand", avatars=(arm(Ball()),)), Settings("default"))
+    threads, reason = engine.settings_as_run()["threads"]  # type: ignore[misc]
+    assert threads == 1 and reason
+
+
 def test_the_world_can_be_restored_from_its_own_words() -> None:
     scene, engine = Scene("hand", avatars=(arm(Ball()),)), RapierEngine()
     engine.load(scene, Settings("tuned"), FRAME)
