@@ -51,6 +51,11 @@ def test_figures_are_traceable_to_run_commit_and_day() -> None:
     assert "@" not in picture(run()) and ElementTree.fromstring(picture(run())).tag.endswith("svg")
 
 
+def test_labels_of_the_picture_keep_their_digits() -> None:
+    texts = {element.text for element in ElementTree.fromstring(picture(run())).iter() if element.tag.endswith("text")}
+    assert {text for chart in STRIPS.values() for text in chart.ticks.values()} <= texts
+
+
 def test_the_committed_readme_has_the_marks() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert 0 <= text.find(BEGINS) < text.find(ENDS) and text.count(BEGINS) == text.count(ENDS) == 1
