@@ -58,7 +58,7 @@ OPTIMISES: Mapping[str, str] = {
     "default": "nothing: the package's own values, with a spring per link",
     "tuned": "least overlap, error to a closed form, distance from the user; limbs that come free jump twice as far as default",
 }
-"""What each preset was chosen for, in one sentence."""
+"""Purpose of each preset, in one sentence."""
 
 BETTER_ELSEWHERE = (
     "dt = 1/240 s: a quarter of the steps or less, and more overlap",

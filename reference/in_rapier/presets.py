@@ -54,7 +54,7 @@ OPTIMISES: Mapping[str, str] = {
     "default": "nothing: the library's own values, with a spring per link",
     "tuned": "the least overlap in any frame shown, then the least error to a closed form, then the least distance from the user",
 }
-"""What each preset was chosen for, in one sentence."""
+"""Purpose of each preset, in one sentence."""
 
 BETTER_ELSEWHERE = (
     "dt = 1/240 s: a quarter of the steps, and larger errors of bounces",

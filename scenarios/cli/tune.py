@@ -35,7 +35,7 @@ FLOOR = {"residual_overlap_max": 1e-6, "tracker_offset_rms_free": 1e-4}
 ALIKE = 0.1
 """Share of a figure, in the mean over scenes, by which a setting has to be better: less is luck."""
 FACTORS = (0.5, 2.0)
-"""What a number is multiplied by."""
+"""Factors that a number is multiplied by."""
 
 
 @dataclass(frozen=True)

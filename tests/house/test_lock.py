@@ -24,7 +24,7 @@ def _pins() -> dict[str, str]:
 
 
 def _asked() -> list[Requirement]:
-    """What pyproject.toml asks for, in the core and in every extra that is locked."""
+    """Return the requirements of pyproject.toml, of the core and of every extra that is locked."""
     extras = PROJECT["project"]["optional-dependencies"]
     lines = PROJECT["project"]["dependencies"] + PROJECT["build-system"]["requires"]
     lines += [line for extra in runpy.run_path(str(ROOT / ".setup" / "lock.py"))["EXTRAS"] for line in extras[extra]]

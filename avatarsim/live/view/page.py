@@ -59,7 +59,7 @@ DEEPER = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Shows:
-    """What a page shows: the session's stage, clips to play, how penetration is measured, where it is served and saved, and
+    """Contents of a page: the session's stage, clips to play, how penetration is measured, where it is served and saved, and
     engines that are offered beside the driven one."""
 
     stage: Stage

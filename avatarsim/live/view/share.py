@@ -1,4 +1,4 @@
-"""What was driven as one file to share: an offline page with the player, whose worst moments are marked, or a moving picture."""
+"""Files to share of a drive: an offline page with the player, whose worst moments are marked, or a moving picture."""
 
 import io
 import time

@@ -1,4 +1,4 @@
-"""What was driven as a page, and a window on a loop of one's own."""
+"""A drive as a page, and a window on a loop of one's own."""
 
 import io
 import json
