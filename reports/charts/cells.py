@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import groupby
 
 import pandas as pd
 
@@ -23,6 +24,8 @@ LINE = 12
 """Height of a line of a column's name [px]."""
 CASES_HEIGHT = 290
 """Height of the cells of hard cases [px]: that of the chart beside; few cases have higher cells."""
+COLUMNS = 5
+"""Columns of hard cases whose text fits; of more runs the first of each engine has one."""
 FAINT = 0.05
 """Share of a frame below which a cost is noise."""
 
@@ -51,6 +54,9 @@ def grid(
 def hard_cases(run: Run, cases: pd.DataFrame) -> Spec:
     """Return hard case by engine: the drift after a nudge, or how often an engine left its region."""
     shown, values = [one for one in run.runs if one in set(cases.run)], []
+    if len(shown) > COLUMNS:
+        # runs of an engine follow one another, the first of its presets first
+        shown = [next(group) for _, group in groupby(shown, key=lambda one: one.partition("/")[0])]
     for row in cases[cases.run.isin(shown)].itertuples():
         lost = int(row.left) + int(row.not_finite)
         values.append({
