@@ -1,7 +1,7 @@
 """Checks of an engine that joins the comparison: `check_engine(MyEngine)`, for the tests of its adapter.
 
 Small scenes without contact, in which the right answer is known: shapes and units of records, poses, velocities, limits,
-determinism, refusals. What an engine reports in `cannot_say` is not asked of it.
+determinism, refusals. Features that an engine reports as unsupported are not checked.
 """
 
 import math
@@ -32,7 +32,7 @@ FRAMES = 60
 START_SLACK = 1e-5
 """Largest distance [m] of a first pose from the scene's, and angle [rad]: single precision passes, a wrong frame does not."""
 FOLLOW_SLACK = 0.02
-"""Largest distance [m] of a free hand that stands still from its user, after half a second."""
+"""Largest distance [m] between a free hand and its user, half a second after the user stopped."""
 LIMIT_SLACK = math.radians(3.0)
 """Largest angle [rad] beyond a limit: soft limits pass, missing ones do not."""
 LIMIT = 0.5
@@ -80,7 +80,7 @@ def check_engine(make: Make, preset: str | None = None, *, raises: bool = True) 
         raises: raise an AssertionError that names all findings; else they are returned.
 
     Returns:
-        What is wrong with it, empty for a sound engine.
+        Its faults; empty for a sound engine.
     """
     found = tuple(_findings(make, preset))
     if found and raises:
@@ -202,7 +202,8 @@ def _follows(run: Run) -> Iterator[str]:
     off = float(np.linalg.norm(shown.positions[-1] - place[0]))
     turned = float(_angles(shown.orientations[-1:], turn)[0])
     if off > FOLLOW_SLACK or turned > LIMIT_SLACK:
-        yield f"a free hand is {1e3 * off:.3g} mm and {math.degrees(turned):.3g} degrees from its user, who stands still"
+        yield (f"a free hand is {1e3 * off:.3g} mm and {math.degrees(turned):.3g} degrees from its user, "
+               "half a second after the user stopped")
 
 
 def _limits(run: Run) -> Iterator[str]:

@@ -6,7 +6,6 @@ Page, loops and ports are those of `avatarsim live`; added are scenes, with thei
 import argparse
 import sys
 from collections.abc import Mapping, Sequence
-from importlib.util import find_spec
 
 from avatarsim.cli.arguments import live_options
 from avatarsim.cli.live import drive
@@ -23,7 +22,7 @@ from reference.judging.judge import Judge
 from runfiles.engines import about, engines
 from runfiles.naming import GATED
 from scenarios.catalog import get
-from scenarios.engines import known
+from scenarios.engines import absent, known
 from scenarios.own_scenes import motion_of
 from scenarios.run.gate import USAGE
 from scenarios.scenario import RENDERED
@@ -88,11 +87,9 @@ def plan_of(words: str, scene: Scene, rate: float) -> Plan:
 
 def installed(scene: Scene, rate: float) -> list[Plan]:
     """Return the loops of all other engines whose packages are installed, in their first presets."""
-    found = [one for one in engines().values() if not one.baseline and one.name != GATED[0] and one.packages]
-    return [
-        plan_of(f"{one.name}/{preset}", scene, rate) for one in found if all(map(find_spec, one.packages))
-        for preset in one.presets[:PRESETS]
-    ]
+    missing = absent()
+    found = [one for one in engines().values() if not one.baseline and one.name != GATED[0] and one.name not in missing]
+    return [plan_of(f"{one.name}/{preset}", scene, rate) for one in found for preset in one.presets[:PRESETS]]
 
 
 def judged(scene: Scene) -> Depth:

@@ -13,7 +13,7 @@ from avatarsim.scene.motion import Motion
 Array = NDArray[np.float64]
 
 LOOKS = 16
-"""Times that a posture is lifted by its depth in the room: once out of level ground, and more often out of what stands on it."""
+"""Times that a posture is lifted by its depth in the room: once suffices on level ground, furniture needs more."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,13 +1,17 @@
 """What PyBullet has no words for in a scene, as data: feature -> consequence."""
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from avatarsim.scene.joint import Ball
 from avatarsim.scene.scene import Scene
-from reference.in_pybullet.stand_ins import WIDEST
 from reference.narrowing import alike_in_game_engines
+
+WIDEST = math.radians(85.0)
+"""Widest swing limit [rad] that Bullet gets. Wider: a limb at 90 degrees about y is at 0 or 180 degrees about x, and is thrown by
+the second; smaller: more joints are without a limit of their swing."""
 
 
 def cannot_say(scene: Scene) -> Mapping[str, str]:

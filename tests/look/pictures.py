@@ -1,6 +1,6 @@
 """`python -m tests.look.pictures [RUN]`: the pictures of the README, taken from a run's report by a headless browser.
 
-report.png is the top of index.html; strip.png shows one scene at a few instants, a row per engine, as its page plays it;
+strip.png shows one scene at a few instants, a row per engine, as its page plays it;
 moving.gif is the same scene as its page saves it. about.json names them, and the run, the commit and the day they are of.
 `make headline` writes them together with the README's table.
 """
@@ -36,9 +36,9 @@ REPORT = (1280, 1000)
 CELL = (360, 270)
 """Size [px] of a view on the page; in the strip each takes NARROW."""
 NARROW = 250
-MOVING, STRIP, REPORT_TOP, ABOUT = "moving.gif", "strip.png", "report.png", "about.json"
-LARGEST, LARGEST_TOP = 500_000, 400_000
-"""Bytes at most of the moving picture and of the top of the page: a README is read over slow lines too."""
+MOVING, STRIP, ABOUT = "moving.gif", "strip.png", "about.json"
+LARGEST = 500_000
+"""Bytes at most of the moving picture: a README is read over slow lines too."""
 SMALLER = ((240, 1.0), (200, 1.0), (200, 2.0), (170, 2.0), (140, 2.0))
 """(width of a view [px], speed) of the moving picture, tried in this order until it is small enough."""
 
@@ -134,17 +134,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             made.mkdir()
             with browser(*REPORT) as one:
                 strip(views(one, page, folder), made / STRIP)
-                one.open(options.run / "index.html")
-                one.until("Object.keys(page.specs).every((name) => views[name])")
-                one.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
-                one.picture(made / REPORT_TOP)
                 (made / MOVING).write_bytes(moving(one, page, folder).read_bytes())
-            if (size := (made / REPORT_TOP).stat().st_size) > LARGEST_TOP:
-                raise RuntimeError(f"{REPORT_TOP} has {size:,} bytes; at most {LARGEST_TOP:,} may be kept")
-            of = readme.origin(read(options.run.resolve())) | {"scene": SCENE, "pictures": [REPORT_TOP, STRIP, MOVING]}
+            of = readme.origin(read(options.run.resolve())) | {"scene": SCENE, "pictures": [STRIP, MOVING]}
             (made / ABOUT).write_text(json.dumps(of, indent=1) + "\n")
             # about.json last
-            for name in (STRIP, REPORT_TOP, MOVING, ABOUT):
+            for name in (STRIP, MOVING, ABOUT):
                 write_whole(FOLDER / name, lambda file, name=name: file.write((made / name).read_bytes()))  # type: ignore[misc]
     except (AvatarsimError, RuntimeError) as error:
         print(f"pictures: {error}", file=sys.stderr)

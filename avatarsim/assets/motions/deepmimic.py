@@ -249,7 +249,7 @@ def _slots(name: str, coordinates: Coordinates, avatar: Avatar) -> dict[str, Slo
 
 
 def _is_y_up(avatar: Avatar, slots: Mapping[str, Slot]) -> bool:
-    """Return True if the avatar stands along y when nothing is turned, so that its neck is farther up there than along z."""
+    """Return True if the neck of the avatar at rest is farther from its root along y than along z."""
     sample = rest((avatar,))
     places, _ = link_poses((avatar,), sample)
     stands = places[slots["neck"].link] - places[slots["root"].link]

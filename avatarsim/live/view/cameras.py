@@ -27,7 +27,7 @@ ASIDE = 0.25
 WIDER = 1.1
 """Distance [in distances between two worlds] that the eye steps back for each further world."""
 BETWEEN = 1.1
-"""Distance between worlds side by side, in widths of what stands in them."""
+"""Distance between worlds side by side, in widths of their widest furniture."""
 
 
 @dataclass(frozen=True, eq=False)

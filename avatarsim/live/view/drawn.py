@@ -46,6 +46,8 @@ APART = 4e-3
 """[m] between a link and its ghost from which the ghost is drawn. Less: the two flicker through each other."""
 GLOWING = 0.03
 """Diameter of a contact's glow, as a share of the avatar's span."""
+DRAWN = 1.0 / 30.0
+"""[s] between two drawings. Shorter: drawing takes the time of the loop."""
 FLASHING = 0.15
 """[s] of a flash."""
 

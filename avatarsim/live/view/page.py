@@ -29,7 +29,7 @@ from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Driven, Session
 from avatarsim.live.stages import Stage
 from avatarsim.live.view.depth import LEAST, Depth, OwnOverlap, own_posture
-from avatarsim.live.view.drawn import FLASHING, Drawn
+from avatarsim.live.view.drawn import DRAWN, FLASHING, Drawn
 from avatarsim.live.view.panel import Panel
 from avatarsim.live.view.server import AdmittingServer
 from avatarsim.live.view.share import driven, filmed, shared_page
@@ -45,8 +45,8 @@ AHEAD = 3e-3
 TURN = 5e-4
 """[s] after which a thread of this process hands over Python's lock. Python's own 5 ms is longer than `AHEAD`, so that a target
 would come a frame late; shorter: threads do little but change places."""
-DRAWN, TOLD, TIMED = 1.0 / 30.0, 0.125, 1.0
-"""[s] between two drawings, between two looks at overlaps, and between two at timing. Shorter: drawing takes all."""
+TOLD, TIMED = 0.125, 1.0
+"""[s] between two looks at overlaps, and between two at timing. Shorter: they take the time of drawing."""
 NEWEST = 8
 """States that a word is about, at most: those of two drawings at the usual rates."""
 WORD = 0.8

@@ -18,7 +18,7 @@ from avatarsim.live.recording import Frame, Recorded
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.view.depth import LEAST, OwnOverlap, own_posture
-from avatarsim.live.view.drawn import FURNITURE, colour_of, room_colours
+from avatarsim.live.view.drawn import DRAWN, FURNITURE, colour_of, room_colours
 from avatarsim.live.view.telling import depth
 from avatarsim.player import payload, three_js
 from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
@@ -27,8 +27,6 @@ from avatarsim.scene.body import Body, Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
-RATE = 30.0
-"""States of a shared page a second, at most. More: larger files that look the same."""
 SECONDS = 6.0
 """[s] of driving that are shared: a mail takes the file."""
 PATIENCE = 60.0
@@ -56,7 +54,7 @@ def driven(session: Session) -> list[Moment]:
     begin = (lead[-1].time - SECONDS) if lead else 0.0
     found, last = list[Moment](), -1.0
     for state in lead:
-        if state.time < begin or state.time - last < 0.9 / RATE or state.target not in samples:
+        if state.time < begin or state.time - last < 0.9 * DRAWN or state.target not in samples:
             continue
         last = state.time
         others = {name: min(states, key=lambda one: abs(one.due - state.due)) for name, states in loops.items() if states}
@@ -74,7 +72,7 @@ def _poses(state: State) -> tuple[Array, Array, Array]:
 def recorded(found: Recorded) -> list[Moment]:
     """Run a recording again and return its moments. Raises what `replay` raises, and InvalidInput for one without a frame."""
     samples = [row.sample for row in found.rows if isinstance(row, Frame)]
-    step, made = max(1, round(found.plan.rate / RATE)), list[Moment]()
+    step, made = max(1, round(found.plan.rate * DRAWN)), list[Moment]()
 
     def keep(frame: int, record: FrameRecord) -> None:
         if (frame - 1) % step == 0:
@@ -118,7 +116,8 @@ def shared_page(scene: Scene, moments: Sequence[Moment], visuals: Mapping[str, t
         poses = payload.Poses(*(np.array([one.shown[name][part][moving] for one in moments]) for part in (0, 1)))
         red, green, blue = colour_of(at)
         views.append(payload.View(
-            name, f"#{red:02x}{green:02x}{blue:02x}", poses, _captions(name, wanted, depths), _pairs(depths, number),
+            name, f"#{red:02x}{green:02x}{blue:02x}", poses, _captions(name, wanted, depths),
+            {at: [pair] for at, pair in _pairs(depths, number).items()},
             _worst("you", wanted) * (at == 0) + _worst(name, depths),
         ))
     ghost = [link_poses(scene.avatars, one.sample) for one in moments]
@@ -129,7 +128,7 @@ def shared_page(scene: Scene, moments: Sequence[Moment], visuals: Mapping[str, t
         {len(moving) + at: _place(scene.bodies[k]) for at, k in enumerate(still)},
         np.array([one.time - moments[0].time for one in moments]), views, 0,
         ("you", [number[names[k]] for k in of_ghost], payload.Poses(parts[0], parts[1])), lambda *_: -2.3, name=scene.name,
-        calm="no overlap", opens=int(np.argmax([found[0] for found in wanted])), ghost_overlaps=_pairs(wanted, number, flat=True),
+        calm="no overlap", opens=int(np.argmax([found[0] for found in wanted])), ghost_overlaps=_pairs(wanted, number),
     )
     body = (
         f"<main><h1>{esc(scene.name)}</h1><p class=verdict><b>deepest overlap: {esc(', '.join(said))}</b></p>"
@@ -167,10 +166,9 @@ def _captions(name: str, wanted: Sequence[Deepest], depths: Sequence[Deepest]) -
     }
 
 
-def _pairs(found: Iterable[Deepest], number: Mapping[str, int], flat: bool = False) -> dict[int, list]:  # type: ignore[type-arg]
-    """Return the overlapping pair by state; ``flat``: without a list round it."""
-    pairs = {at: [number[name] for name in pair] for at, (_, pair) in enumerate(found) if pair and number.keys() >= set(pair)}
-    return pairs if flat else {at: [pair] for at, pair in pairs.items()}
+def _pairs(found: Iterable[Deepest], number: Mapping[str, int]) -> dict[int, tuple[int, int]]:
+    """Return the overlapping pair by state."""
+    return {at: (number[pair[0]], number[pair[1]]) for at, (_, pair) in enumerate(found) if pair and number.keys() >= set(pair)}
 
 
 def _worst(name: str, found: Sequence[Deepest]) -> list[payload.Moment]:

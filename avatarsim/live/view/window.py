@@ -10,13 +10,11 @@ from avatarsim.engine import FrameRecord
 from avatarsim.errors import InvalidInput
 from avatarsim.live.messages import State
 from avatarsim.live.stages import staged
+from avatarsim.live.view.drawn import DRAWN
 from avatarsim.live.view.server import AdmittingServer
 from avatarsim.live.view.worlds import Worlds
 from avatarsim.scene.tracker import TrackerSample, checked, link_poses
 from avatarsim.simulator import AvatarsimEngine
-
-DRAWN = 1.0 / 30.0
-"""[s] between two drawings. Shorter: drawing takes the time of the loop."""
 
 
 class Window:
