@@ -23,7 +23,7 @@ SHOWN = (640, 418)
 """Size of the picture [px]."""
 PAUSE = 0.08
 """[s] between two frames of the picture."""
-WAYS = ((0, 110, 22), (120, 25, 20), (60, -70, 14), (-150, -65, 18))
+WAYS = ((0, 300, 22), (60, 0, 10), (-60, -300, 18))
 """Ways of the mouse [px], and in how many frames."""
 
 
