@@ -1,8 +1,8 @@
 """`python -m scenarios tune ENGINE`: search for settings of an engine on scenes and motions that are drawn by a seed.
 
-A coordinate search, one setting at a time: from a preset on, each number is halved and doubled and each flag is switched, all on
-the same draws; the best change is taken, and the search goes on from it. What it finds is judged on other draws: those of the
-next seeds, which `python -m scenarios drawn` takes.
+A coordinate search: from a preset on, each number is halved and doubled, each flag is switched, and each setting of the engine's
+`sweep.toml` is tried, all on the same draws; the best change is taken, and the search goes on from it. What it finds is judged on
+other draws: those of the next seeds, which `python -m scenarios drawn` takes.
 """
 
 import argparse
@@ -28,6 +28,7 @@ from scenarios.measure.value import Missing
 from scenarios.run.accuracy import prepare
 from scenarios.run.harness import outcomes
 from scenarios.run.progress import Progress
+from scenarios.studies.settings.grid import settings_of
 from scenarios.unseen import seeds
 
 FLOOR = {"residual_overlap_max": 1e-6, "tracker_offset_rms_free": 1e-4}
@@ -78,27 +79,33 @@ def tune(options: argparse.Namespace, words: Sequence[str]) -> int:
 
 
 def neighbours(job: Job, options: Mapping[str, object]) -> Iterator[Candidate]:
-    """Yield `options` with one setting changed, of those that the engine has in this scene."""
+    """Yield `options` with one setting of the engine changed, or with those of an entry of its sweep.
+
+    An entry knows values that halving and doubling do not reach: from 0 on, words, and settings that go together.
+    """
     engine, prepared = opened(job.engine), prepare(job)
     engine.load(prepared.scene, Settings(job.preset, options), prepared.scenario.dt)
     run = engine.settings_as_run()
     engine.close()
+    changes: list[tuple[str, Mapping[str, object]]] = []
     for name, told in run.items():
         value = told[0] if isinstance(told, tuple) else told
-        changed: list[object] = []
         if isinstance(value, bool):
-            changed = [not value]
+            changes.append((f"{name} = {not value}", {name: not value}))
         elif isinstance(value, int | float) and value:
-            changed = [max(1, round(factor * value)) if isinstance(value, int) else factor * value for factor in FACTORS]
-        for other in changed:
-            made = {**options, name: other}
-            try:
-                engine.load(prepared.scene, Settings(job.preset, made), prepared.scenario.dt)
-            except InvalidInput:
-                # no option, but told beside them
-                continue
-            engine.close()
-            yield Candidate(f"{name} = {other:g}" if isinstance(other, float) else f"{name} = {other}", made)
+            scaled = [max(1, round(factor * value)) if isinstance(value, int) else factor * value for factor in FACTORS]
+            changes += [(f"{name} = {other:g}", {name: other}) for other in scaled if other != value]
+    swept = [one for one in settings_of(job.engine, (job.preset,)) if one.base == job.preset and one.options]
+    changes += [(one.name, one.options) for one in swept if one.options.keys() != {"dt"}]
+    for change, changed in changes:
+        made = {**options, **changed}
+        try:
+            engine.load(prepared.scene, Settings(job.preset, made), prepared.scenario.dt)
+        except InvalidInput:
+            # no option, but a fact listed with them, or not of this scene
+            continue
+        engine.close()
+        yield Candidate(change, made)
 
 
 def tried(jobs: Sequence[Job], candidates: Sequence[Candidate], workers: int) -> pd.DataFrame:

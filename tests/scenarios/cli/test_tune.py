@@ -24,7 +24,7 @@ def valley(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
     def tried(jobs: Sequence[Job], candidates: Sequence[tune.Candidate], workers: int) -> pd.DataFrame:
         changes.extend(one.change for one in candidates)
-        iterations = [float(str(one.options.get("solver_iterations", 4))) for one in candidates]
+        iterations = [float(str(one.options.get("pgs_iterations", 2))) for one in candidates]
         return pd.DataFrame([
             {"change": one.change, "candidate": one, "residual_overlap_max": 1e-3 * abs(at - 16.0) + 1e-6,
              "tracker_offset_rms_free": 1e-3, "frame_ms": 1.0}
@@ -37,14 +37,19 @@ def valley(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 
 def test_the_best_change_is_taken_until_none_is_better(valley: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert called("rapier", *SCENE, "--rounds", "9") == 0
-    assert "best: solver_iterations = 16" in capsys.readouterr().out
-    assert valley.count("solver_iterations = 32") == 1
+    assert "best: pgs_iterations = 16" in capsys.readouterr().out
+    assert valley.count("pgs_iterations = 32") == 1
 
 
 def test_flags_are_switched_and_numbers_halved_and_doubled(valley: list[str]) -> None:
     called("rapier", *SCENE)
-    assert {"sleep = False", "contact_recycling = True", "pgs_iterations = 4", "weld_frequency = 50"} <= set(valley)
+    assert {"sleep = False", "contact_recycling = True", "solver_iterations = 8", "weld_frequency = 50"} <= set(valley)
     assert not any(change.startswith(("optimises", "better", "dt as run", "version")) for change in valley)
+
+
+def test_entries_of_the_sweep_reach_zero(valley: list[str]) -> None:
+    called("rapier", *SCENE)
+    assert "tuned skins=0" in valley and not any("dt=" in change for change in valley)
 
 
 def test_draws_are_run_and_their_figures_told(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
