@@ -7,7 +7,7 @@ REPEATS = 3
 """Times that the same frames are run; the least of each frame is its cost without disturbance. With two, one disturbance that
 hits the same frame twice would stay."""
 WARM_FRAMES = 30
-"""Frames run on a load of their own that is then thrown away: they load code, fill caches and grow buffers. With fewer, the first
+"""Frames run before the timed ones: they load code, fill caches and grow buffers. With fewer, the first
 contact of some scenes would come after them, and with it code that runs for the first time."""
 TAIL_FRAMES = 200
 """Different frames from which on a 99th percentile and a slowest frame are given: two frames decide them then. With fewer, both
@@ -23,7 +23,7 @@ PHASE_FRAMES = 30
 @dataclass(frozen=True)
 class Protocol:
     """Measurement of a time: `frames` different frames from frame `first` of the scene on, each `repeats` times, after
-    `warm_frames` on another load of the scene."""
+    `warm_frames`: of the same load where so many come before `first`, else of one that is thrown away."""
 
     repeats: int
     frames: int

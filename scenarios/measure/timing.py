@@ -38,7 +38,7 @@ class Timed:
     warmup      [s] import, load and first frames, in a fresh process; other engines may have been warming up beside it. nan in
                 one that had run other scenes
     hashes      state hash of the last frame of each repeat
-    warm_frames frames run before, on a load of their own
+    warm_frames frames run before, not timed
     first       frame of the scene at which timing begins; those before it ran and were not timed
     shared      repeats and frames that every engine of the scene had; None: all
     """

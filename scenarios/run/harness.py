@@ -155,7 +155,7 @@ class Run:
         # overlap of the user, by the raw tracker
         raw = self.outcomes.get(replace(jobs[0], engine=BASELINE, preset="default").stem)
         depths = raw.overlap_m if raw else ()
-        meets = next((k for k, depth in enumerate(depths) if depth > SEEN), 0)
+        meets = next((k for k, depth in enumerate(depths) if depth > SEEN), None)
         costs = [outcome.frame_seconds for outcome in ran]
         deep = depths if name.startswith(UNSEEN_PREFIX) else ()
         return quick_timing(jobs, costs, length, workers, scenario.everyday, meter, meets, swept, deep)

@@ -81,6 +81,11 @@ class TimedJob:
         self.spent += found[0]
         return found[1]
 
+    @property
+    def led_in(self) -> bool:
+        """True if enough frames run before the window to warm it up."""
+        return self.round.first >= WARM_FRAMES
+
     def warmed(self, fresh: bool) -> None:
         """Take the answer to the warm-up, whose time is a figure of a fresh process and none of the repeats."""
         if not self.note and (found := self.answer()):
@@ -124,7 +129,7 @@ def timed_pass(
     jobs: Sequence[Job], full: bool, plan: Sequence[Round] = (), workers: Sequence[TimedWorker] = (), meter: Meter | None = None,
 ) -> list[Clocked]:
     """Time all jobs of one scene. They warm up side by side, each on a load that is thrown away; then they take turns, one at a
-    time, each repeat on a load of its own.
+    time, each repeat on a load of its own. A process that stays is warmed up by the frames before its window, where they suffice.
 
     Args:
         full: repeat slow engines as often as others.
@@ -135,10 +140,14 @@ def timed_pass(
     try:
         for k, job in enumerate(jobs):
             table.append(TimedJob(job, workers[k] if workers else TimedWorker(), plan[k] if plan else WHOLE))
-        for each in load(table, warm=True):
+        cold = [each for each in table if not workers or not each.led_in]
+        for each in load(cold, warm=True):
             each.worker.start()
         for each in table:
-            each.warmed(fresh=not workers)
+            if each in cold:
+                each.warmed(fresh=not workers)
+            else:
+                each.warm_frames = WARM_FRAMES
         for turn in range(max((each.round.repeats for each in table), default=0)):
             for each in load([one for one in table if turn < one.round.repeats and (full or one.spent < ENGINE_TIME)]):
                 each.turn(meter)
@@ -153,13 +162,13 @@ def timed_pass(
 
 def quick_timing(
     jobs: Sequence[Job], costs: Sequence[float], length: int, workers: TimedWorkers, at_length: bool = False,
-    meter: Meter | None = None, meets: int = 0, swept: int = 0, depths: Sequence[float] = (),
+    meter: Meter | None = None, meets: int | None = None, swept: int = 0, depths: Sequence[float] = (),
 ) -> list[Clocked]:
     """Time all jobs of one scene of `length` frames, all of them `at_length`, else as `rounds` plans.
 
     Args:
         costs: rough time of a frame [s] of each job.
-        meets: frame of the first contact of the user.
+        meets: frame of the first contact of the user; None: it meets nothing.
         swept: repeats by which a sweep times all frames, 0 without one; so both have one time.
         depths: overlap of the user [m] by state, where the window is that of the deepest.
     """
@@ -174,18 +183,19 @@ def quick_timing(
 
 
 def rounds(
-    costs: Sequence[float], length: int, meets: int = 0, gated: Sequence[bool] = (), depths: Sequence[float] = (),
+    costs: Sequence[float], length: int, meets: int | None = None, gated: Sequence[bool] = (), depths: Sequence[float] = (),
 ) -> list[Round]:
     """Plan the timed frames of each engine of a scene; arguments as of `quick_timing`.
 
     All share one window, by which they are compared: as many frames as fit into ROUND_TIME, with the first contact in it, or
-    with `depths` the deepest of the windows before which frames take no more than LEAD_TIME. Fast engines have TAIL_FRAMES, or
-    the whole scene, or REPEATS besides. The `gated` engine has REPEATS of the whole scene, so that its slowest frame is known.
+    after WARM_FRAMES where the user meets nothing. With `depths` it is the deepest of the windows before which frames take no
+    more than LEAD_TIME. Fast engines have TAIL_FRAMES, or the whole scene, or REPEATS besides. The `gated` engine has REPEATS of
+    the whole scene, so that its slowest frame is known.
     """
     tail, whole = min(length, TAIL_FRAMES), min(length, MOST_FRAMES)
     cost = sum(costs)
     same = min(tail, max(LEAST_FRAMES, round(ROUND_TIME / cost))) if cost > 0.0 else tail
-    first = max(0, min(meets - same // BEFORE_CONTACT, whole - same))
+    first = max(0, min(WARM_FRAMES if meets is None else meets - same // BEFORE_CONTACT, whole - same))
     if len(depths) > whole:
         reached = round(LEAD_TIME / cost) if cost > 0.0 else whole
         first = deepest(depths[1 : whole + 1], same, min(max(first, reached), whole - same))

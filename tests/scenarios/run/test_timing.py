@@ -128,6 +128,16 @@ def test_scenes_share_processes_and_every_engine_is_warm_and_has_the_same_frames
             assert np.isnan(one.timed.warmup) and one.timed.warm_frames == WARM_FRAMES and len(set(one.timed.hashes)) == 1
 
 
+def test_frames_before_a_late_window_are_the_warm_up_of_a_process_that_stays() -> None:
+    late, early = (Job("hand_over_table", "avatarsim", preset, frames=50) for preset in ("default", "paper"))
+    with TimedWorkers() as workers:
+        plan = [Round(1, WARM_FRAMES, 10), Round(1, WARM_FRAMES - 1, 10)]
+        found = timed_pass([late, early], True, plan, [workers.at(job.run) for job in (late, early)])
+    whole = timed_pass([late], True, [Round(1, 0, WARM_FRAMES + 10)])[0].timed
+    assert all(one.timed is not None and one.timed.warm_frames == WARM_FRAMES for one in found)
+    assert whole is not None and found[0].timed is not None and found[0].timed.hashes == whole.hashes
+
+
 def test_an_engine_that_dies_has_a_new_process_in_the_next_scene(
     tmp_path: os.PathLike[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -160,7 +170,10 @@ def test_a_scene_of_a_sweep_or_an_everyday_one_is_timed_whole() -> None:
 
 
 def test_a_fast_engine_has_the_whole_scene_or_a_tail_whatever_is_slow_beside_it() -> None:
-    assert rounds([FAST, SLOW, MEDIUM], 600) == [(REPEATS, 0, 600), (1, 0, LEAST_FRAMES), (REPEATS, 0, TAIL_FRAMES)]
+    assert rounds([FAST, SLOW, MEDIUM], 600, 0) == [(REPEATS, 0, 600), (1, 0, LEAST_FRAMES), (REPEATS, 0, TAIL_FRAMES)]
+    # where the user meets nothing the frames before the window warm it up
+    assert rounds([SLOW, MEDIUM], 600) == [(1, WARM_FRAMES, LEAST_FRAMES), (REPEATS, WARM_FRAMES, TAIL_FRAMES)]
+    assert rounds([SLOW], LEAST_FRAMES + 3) == [(1, 3, LEAST_FRAMES)]
     assert rounds([FAST, FAST], 2 * MOST_FRAMES) == [(REPEATS, 0, MOST_FRAMES)] * 2
     assert rounds([0.0, FAST], 600) == [(REPEATS, 0, 600)] * 2
     # the gated one however slow it is
