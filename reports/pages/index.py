@@ -59,7 +59,6 @@ def page(
 
     js, vega = "".join(map(scripts.source, ("theme.js", "index.js"))), scripts.vega()
     tables_js, tables_css = scripts.data_tables()
-    versions = dict(info.get("versions") or {})
     return scripts.rendered(
         "index.html.j2", f"Contact benchmark: {verdict(checks)}", [vega, js], payload, more="blob:",
         rows=scripts.packed(figures(run).encode()), tables=tables_js, tables_css=tables_css,
@@ -71,7 +70,7 @@ def page(
         laws=[] if law is None else list(dict.fromkeys(law.law)), lines=lines,
         figures=f"{len(run.rows):,}", files=files, bench="bench.html" in files, commit=str(info.get("commit") or "")[:8],
         machine=f"{info.get('cpus', '')} × {info.get('cpu', '')}",
-        versions=" · ".join(f"{about(name).label} {version}" for name, version in versions.items() if name in engines),
+        versions=" · ".join(map(" ".join, run.versions.items())),
         repeats=dict(info.get("timing") or {}).get("repeats", 3), changes=changes and changes.of(run.gated), address=address,
     )
 

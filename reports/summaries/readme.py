@@ -9,7 +9,7 @@ import vl_convert
 from avatarsim.errors import InvalidFile
 from reports.charts.marks import coloured, palette
 from reports.charts.strips import STRIPS, strip
-from reports.summaries.text import BRACKETS, table
+from reports.summaries.text import foot, table
 from reports.tables.run import Run
 
 BEGINS, ENDS = "<!-- headline: written by `python -m reports headline` -->", "<!-- end of headline -->"
@@ -34,7 +34,7 @@ def block(run: Run) -> str:
     ran = f"Run `{of['run']}` at commit `{of['commit'][:12]}`, {of['date']}, on {machine}"
     shown = "Overlap left, bounce error, angle beyond joint limits and frame time of all engines, a dot per scene."
     scenes = f"{run.rows.scenario.nunique()} scenes. A dot is a scene, a tick the median."
-    how = f"{BRACKETS} `method.html` beside every report says how it is measured."
+    how = f"{foot(run)} `method.html` beside every report says how it is measured."
     return "\n".join([BEGINS, f"{ran}; {scenes}", how, "", f"![{shown}]({PICTURE})", "", *table(run), ENDS])
 
 

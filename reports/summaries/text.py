@@ -32,6 +32,11 @@ COUNTED, LOOSE = "scenes > 1 µm", "frame p95"
 BRACKETS = "In brackets: not like for like. Frame times: scenes without an avatar."
 
 
+def foot(run: Run) -> str:
+    """Return the line below the table of engines: its versions, and what brackets mean."""
+    return f"{', '.join(map(' '.join, run.versions.items()))}. {BRACKETS}" if run.versions else BRACKETS
+
+
 def engines(run: Run) -> list[list[str]]:
     """Return a row per engine of short tables: its label and the figures of COLUMNS."""
     return [[run_label(name), *(_cell(run, name, head) for head in COLUMNS)] for name in run.runs]
@@ -103,14 +108,14 @@ def terminal(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.Da
         lines.append("")
         for engine, *cells in rows:
             lines.append(f"  {engine:<{first}}" + "".join(f"  {cell:>{w}}" for cell, w in zip(cells, widths, strict=True)))
-        lines.append(f"  {BRACKETS}")
+        lines.append(f"  {foot(run)}")
     return "\n".join(lines)
 
 
 def markdown(run: Run, checks: Checks, changes: Sequence[Changes], losses: pd.DataFrame, damage: Sequence[str]) -> str:
     """Return summary.md."""
     info = run.results.provenance
-    lines = [f"## {headline(checks).replace('  ', ': ', 1)}", "", *table(run), "", BRACKETS]
+    lines = [f"## {headline(checks).replace('  ', ': ', 1)}", "", *table(run), "", foot(run)]
     lines += [f"Left out: {said}" for said in damage]
     for title, content in blocks(run, checks, changes, losses):
         lines += ["", f"**{title}**", *(["```", *content, "```"] if content else [])]

@@ -73,6 +73,16 @@ class Run:
         names = {run: run.partition("/")[0] for run in dict.fromkeys(self.rows.run)}
         return tuple(run for run, name in names.items() if name != own and not about(name).baseline)
 
+    @cached_property
+    def versions(self) -> dict[str, str]:
+        """Version of each engine of short tables, by its name in words; those of the first scene."""
+        found = dict[str, str]()
+        for note in self.results.engines:
+            one = about(note.run.partition("/")[0])
+            if note.run in self.runs and note.version and not one.baseline:
+                found.setdefault(one.label, note.version)
+        return found
+
     def main_rows(self, metric: str) -> pd.DataFrame:
         """Return the measured rows of a metric of the runs of short tables.
 

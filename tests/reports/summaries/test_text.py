@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reports import Judged, judged, said
-from reports.reading.load import Row, Series
+from reports.reading.load import EngineNote, Row, Series
 from reports.summaries.text import COLUMNS, engines, headline, markdown, terminal
 from reports.tables.checks import checks
 from reports.tables.losses import losses
@@ -81,3 +81,10 @@ def test_damage_is_in_the_summary() -> None:
     run = run_of(some("pass"))
     text = markdown(run, checks(run), [], losses(run), ["settings.csv is cut"])
     assert "settings.csv is cut" in text and "settings.csv is cut" not in both(run)[1]
+
+
+def test_the_table_tells_the_version_of_each_engine() -> None:
+    notes = [EngineNote(run, "a", version, {}, {}) for run, version in ((MUJOCO, "3.17.0"), ("rapier/tuned", "0.36.1"), (RAW, "1"))]
+    run = run_of([figure("a", run, OVERLAP, 0.0) for run in (OURS, MUJOCO, "rapier/tuned", RAW)], notes=notes)
+    assert run.versions == {"MuJoCo": "3.17.0", "Rapier": "0.36.1"}
+    assert all(version in text for text in both(run) for version in ("3.17.0", "0.36.1"))
