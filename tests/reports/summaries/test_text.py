@@ -84,7 +84,8 @@ def test_damage_is_in_the_summary() -> None:
 
 
 def test_the_table_tells_the_version_of_each_engine() -> None:
-    notes = [EngineNote(run, "a", version, {}, {}) for run, version in ((MUJOCO, "3.17.0"), ("rapier/tuned", "0.36.1"), (RAW, "1"))]
+    versions = {MUJOCO: "3.17.0", "rapier/tuned": "0.36.1", RAW: "1"}
+    notes = [EngineNote(run, "a", version, {}, {}) for run, version in versions.items()]
     run = run_of([figure("a", run, OVERLAP, 0.0) for run in (OURS, MUJOCO, "rapier/tuned", RAW)], notes=notes)
     assert run.versions == {"MuJoCo": "3.17.0", "Rapier": "0.36.1"}
     assert all(version in text for text in both(run) for version in ("3.17.0", "0.36.1"))
