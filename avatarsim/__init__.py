@@ -39,6 +39,7 @@ The world
     moving          a body whose pose is given per frame, such as a door or a lift; one of the avatars of a scene
     Piece           one convex shape at its place on a body
     Sphere, Capsule, Box, Ellipsoid, ConvexHull     the shapes
+    capsule_between the Piece of a capsule from one point to another
     pieces_of_mesh  convex pieces of a mesh file, with a bound of their distance from it (needs the extra `assets`)
     Mass            mass, centre of mass and inertia of a body or link
     solid           the Mass of pieces that are solid and even
@@ -60,6 +61,8 @@ Avatars
     SwingTwist      limits of a ball: a cone for the limb, an interval for the twist about it
     TrackerSample   what the user did at one instant: the posture of all avatars
     rest            the sample with every joint at zero
+    posed           the sample with joints at values by their names
+    from_xyzw       quaternions (w, x, y, z) of those of ROS, Unity, OpenXR and scipy, which are scalar last
     link_poses      forward kinematics: where a sample puts the links of avatars
 
 Files
@@ -124,18 +127,19 @@ if TYPE_CHECKING:
     from avatarsim.scene.joint import Ball, Coupling, Free, Hinge, Hinges, Rigid, Slide, SwingTwist
     from avatarsim.scene.motion import Motion
     from avatarsim.scene.moving import moving
+    from avatarsim.scene.posed import posed
     from avatarsim.scene.scene import Scene
-    from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere
-    from avatarsim.scene.tracker import TrackerSample, link_poses, rest
+    from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, capsule_between
+    from avatarsim.scene.tracker import TrackerSample, from_xyzw, link_poses, rest
     from avatarsim.simulator import AvatarsimEngine
 
 __all__ = [
     "Avatar", "AvatarsimEngine", "AvatarsimError", "Ball", "Body", "Box", "Capsule", "Contact", "ContactLaw",
     "ConvexHull", "Coupling", "Drive", "Ellipsoid", "FrameRecord", "Free", "Hinge", "Hinges", "InvalidInput", "Link", "Mass",
     "Model", "Motion", "PairTable", "Piece", "Rigid", "Scene", "Settings", "Shield", "Slide", "Snapshot", "Sphere",
-    "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "clean", "compare",
-    "fixed", "link_poses", "load_avatar", "load_motion", "load_object", "load_room", "moving", "pieces_of_mesh", "rest",
-    "rigid_avatar", "show", "simulated", "solid",
+    "StartOverlaps", "SwingTwist", "TrackerSample", "WorldsFailed", "__version__", "advance_many", "audit", "capsule_between",
+    "clean", "compare", "fixed", "from_xyzw", "link_poses", "load_avatar", "load_motion", "load_object", "load_room", "moving",
+    "pieces_of_mesh", "posed", "rest", "rigid_avatar", "show", "simulated", "solid",
 ]
 
 _MODULES = {
@@ -156,8 +160,9 @@ _MODULES = {
     "scene.moving": ("moving",),
     "scene.joint": ("Ball", "Coupling", "Free", "Hinge", "Hinges", "Rigid", "Slide", "SwingTwist"),
     "scene.scene": ("Scene",),
-    "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere"),
-    "scene.tracker": ("TrackerSample", "link_poses", "rest"),
+    "scene.posed": ("posed",),
+    "scene.shape": ("Box", "Capsule", "ConvexHull", "Ellipsoid", "Piece", "Sphere", "capsule_between"),
+    "scene.tracker": ("TrackerSample", "from_xyzw", "link_poses", "rest"),
     "simulator": ("AvatarsimEngine",),
 }
 """Which module has which public names: the same as above, for a running Python."""

@@ -22,7 +22,7 @@ def finger(name: str, y: float, thickness: float) -> list[av.Link]:
     """Three bones along x, each of which bends towards -z, about y."""
     links, parent, anchor = [], "palm", (0.05, y, 0.0)
     for number, length in enumerate(BONES):
-        bone = (av.Piece(av.Capsule(thickness, length), (0.5 * length, 0.0, 0.0), (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)),)
+        bone = (av.capsule_between((0.0, 0.0, 0.0), (length, 0.0, 0.0), thickness),)
         hinge = av.Hinge((0.0, 1.0, 0.0), lower=-0.2, upper=math.radians(100.0))
         link = av.Link(f"{name}{number}", parent, av.Hinges((hinge,)), bone, av.solid(bone, 0.02), anchor=anchor)
         links.append(link)
@@ -49,8 +49,7 @@ def tracked(avatar: av.Avatar, time: float, share: float) -> av.TrackerSample:
 def main(frames: int = 90) -> av.FrameRecord:
     """Close the hand within a second, and print how far the user and the shown hand have bent each joint of a finger."""
     avatar = hand()
-    across = (math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0)
-    bar = av.fixed("bar", (av.Piece(av.Capsule(0.016, 0.3)),), "metal", (0.07, 0.0, -0.04), across)
+    bar = av.fixed("bar", (av.capsule_between((0.07, -0.15, -0.04), (0.07, 0.15, -0.04), 0.016),), "metal")
     scene = av.Scene("grasp", (bar,), (avatar,), start=tracked(avatar, 0.0, 0.0))
     with av.AvatarsimEngine() as engine:
         record = engine.load(scene, av.Settings(), DT)

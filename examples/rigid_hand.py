@@ -4,8 +4,6 @@ Shows: bodies, a driven body without joints, one frame after the other, and what
 Run: python examples/rigid_hand.py
 """
 
-import math
-
 import numpy as np
 
 import avatarsim as av
@@ -16,8 +14,7 @@ DT = 1.0 / 60.0
 
 def world() -> av.Scene:
     """A hand of two pieces above a wooden table, on which a metal ball lies."""
-    along_x = (math.sqrt(0.5), 0.0, math.sqrt(0.5), 0.0)
-    hand = (av.Piece(av.Box((0.09, 0.1, 0.03))), av.Piece(av.Capsule(0.012, 0.06), (0.06, 0.04, 0.0), along_x))
+    hand = (av.Piece(av.Box((0.09, 0.1, 0.03))), av.capsule_between((0.03, 0.04, 0.0), (0.09, 0.04, 0.0), 0.012))
     ball = (av.Piece(av.Sphere(0.05)),)
     table = av.fixed("table", (av.Piece(av.Box((1.0, 1.0, 0.04))),), "wood", position=(0.0, 0.0, -0.02))
     loose = av.simulated("ball", ball, "metal", av.solid(ball, 0.4), position=(0.2, 0.0, 0.05))

@@ -1,12 +1,13 @@
 """Convex shapes and where a body carries them. Every shape knows its volume or refuses to exist."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from avatarsim.errors import InvalidShape
-from avatarsim.scene.checks import Quaternion, Vector, finite_array, instance, length, place, unit_quaternion, vector
+from avatarsim.scene.checks import SHORTEST, Quaternion, Vector, finite_array, instance, length, place, unit_quaternion, vector
 from avatarsim.spatial import rotation
 
 FLATTEST_HULL = 1e-9
@@ -107,6 +108,20 @@ class Piece:
         instance("shape of a piece", self.shape, Shape, "a Sphere, Capsule, Box, Ellipsoid or ConvexHull", InvalidShape)
         object.__setattr__(self, "position", place("piece position", self.position, InvalidShape))
         object.__setattr__(self, "orientation", unit_quaternion("piece orientation", self.orientation, InvalidShape))
+
+
+def capsule_between(start: Iterable[float], end: Iterable[float], radius: float) -> Piece:
+    """Return the capsule of `radius` [m] about the segment from `start` to `end` (x, y, z) [m], in its body's frame.
+
+    Its length is that of the segment: the round ends reach a radius beyond both points. Raises InvalidShape for points that are
+    none, for two equal points, and for a radius that is no length."""
+    a, b = (np.array(place(f"{name} of a capsule", point, InvalidShape)) for name, point in (("start", start), ("end", end)))
+    distance = float(np.linalg.norm(b - a))
+    if not distance >= SHORTEST:
+        raise InvalidShape("distance from start to end of a capsule [m]", distance, f"at least {SHORTEST:g}; a Sphere has none")
+    x, y, z = (float(v) for v in 0.5 * (a + b))
+    w, i, j, k = (float(v) for v in rotation.between((0.0, 0.0, 1.0), (b - a) / distance))
+    return Piece(Capsule(radius, distance), (x, y, z), (w, i, j, k))
 
 
 def reach(piece: Piece) -> float:

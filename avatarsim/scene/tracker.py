@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from math import isfinite
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from avatarsim.errors import InvalidSample
 from avatarsim.scene.avatar import Avatar
-from avatarsim.scene.checks import as_number, finite_array
+from avatarsim.scene.checks import as_number, finite_array, real_array
 from avatarsim.scene.joint import Ball, Free, Hinges, Slide, axes_of
 from avatarsim.spatial import rotation
 
@@ -24,7 +24,8 @@ class TrackerSample:
     """Posture of all links of all avatars, in scene order, at `time` [s].
 
     positions  (links, 3) [m]: root position in the world; used for `Free` roots only
-    rotations  (links, 4): orientation of a `Free` root in the world, of a `Ball` link against its rest orientation
+    rotations  (links, 4), scalar first (w, x, y, z): orientation of a `Free` root in the world, of a `Ball` link against its
+               rest orientation; `from_xyzw` converts those of scalar-last sources
     angles     (hinges,) all hinge angles [rad] and ways of slides [m], link by link
 
     Links, hinges and slides are those of all avatars, in the order of the scene; rows that are not used hold any numbers,
@@ -73,6 +74,38 @@ def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
     is_unit = (np.abs(squares - 1.0) <= UNIT_SLACK).all()
     sound = is_unit and np.isfinite(sample.positions).all() and np.isfinite(sample.angles).all()
     return bool(sound) and type(sample.time) is float and isfinite(sample.time)
+
+
+SHORTEST_QUATERNION, LONGEST_QUATERNION = 1e-3, 1e3
+"""Largest component that a quaternion has to have at least and may have at most. Below, it is a pose that was never filled in."""
+
+
+def from_xyzw(quaternions: ArrayLike) -> Array:
+    """Return unit quaternions (..., 4) in the engine's order (w, x, y, z) from scalar-last ones (x, y, z, w).
+
+    ROS, Unity, OpenXR, scipy's `as_quat` and PyBullet have the scalar last. Only the order changes, and the length becomes 1:
+    a change of axes is a step of its own (docs/units_and_frames.md).
+
+    Args:
+        quaternions: (..., 4), any leading shape.
+
+    Raises:
+        InvalidSample: for another last axis, for numbers that are not finite, and for a quaternion of zeros.
+    """
+    try:
+        q = real_array(quaternions)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidSample("quaternions", quaternions, "real numbers of shape (..., 4)") from None
+    if q.shape[-1:] != (4,):
+        raise InvalidSample("shape of quaternions", q.shape, "(..., 4): x, y, z, w")
+    largest = np.abs(q).max(axis=-1)
+    # written so that numbers that are not finite fail too
+    is_sound = (largest >= SHORTEST_QUATERNION) & (largest <= LONGEST_QUATERNION)
+    if not is_sound.all():
+        at = tuple(int(k) for k in np.argwhere(~is_sound)[0])
+        thing = f"quaternion {list(at)}" if at else "quaternion"
+        raise InvalidSample(thing, q[at].tolist(), "four finite numbers, x, y, z, w, of length 1")
+    return rotation.unit(q[..., [3, 0, 1, 2]])
 
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:

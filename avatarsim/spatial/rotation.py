@@ -20,6 +20,15 @@ def normalised(quaternion: ArrayLike) -> Array:
     return np.asarray(q / np.linalg.norm(q, axis=-1, keepdims=True))
 
 
+def unit(quaternion: ArrayLike) -> Array:
+    """Unit quaternion along `quaternion`, shape (..., 4), to the bit as it is where its length is 1 to rounding.
+
+    The caller guarantees it is not zero."""
+    q = np.asarray(quaternion, dtype=np.float64)
+    lengths = np.linalg.norm(q, axis=-1, keepdims=True)
+    return np.where(np.abs(lengths - 1.0) < 1e-12, q, q / lengths)
+
+
 def multiply(a: ArrayLike, b: ArrayLike) -> Array:
     """Hamilton product a b, shape (..., 4): first b, then a."""
     p, q = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)

@@ -109,7 +109,7 @@ def _unit(name: str, quaternions: Array) -> Array:
     if not (lengths > 1e-3).all():
         frame = int(np.argmin(lengths))
         raise InvalidInput(f"quaternion of {name} in frame {frame}", quaternions[frame].tolist(), "a quaternion of length 1")
-    return np.where((np.abs(lengths - 1.0) < 1e-12)[:, None], quaternions, quaternions / lengths[:, None])
+    return rotation.unit(quaternions)
 
 
 def coordinates_of(avatar: Avatar) -> Coordinates:

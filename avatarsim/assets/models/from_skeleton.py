@@ -39,9 +39,8 @@ from avatarsim.scene.checks import positive
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Joint, Rigid
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Capsule, Piece, Sphere
+from avatarsim.scene.shape import Capsule, Piece, Sphere, capsule_between
 from avatarsim.scene.tracker import rest
-from avatarsim.spatial import rotation
 from avatarsim.tolerances import POSTURE_GAP
 
 Array = NDArray[np.float64]
@@ -174,9 +173,9 @@ def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> 
             # what ends at its tip ends there, not a radius beyond it
             end *= max(length - radius, 0.5 * length) / length
         if part.kind == "thigh":
-            found.append(capsule(np.zeros(3), end, min(radius, KNEE * build.stature / STATURE)))
+            found.append(capsule_between(np.zeros(3), end, min(radius, KNEE * build.stature / STATURE)))
             end *= ABOVE_KNEE
-        found.append(capsule(np.zeros(3), end, radius))
+        found.append(capsule_between(np.zeros(3), end, radius))
     if not found and part.kind and not children and not _is_end(skeleton, k, named):
         found.append(Piece(Sphere(build.radius(part, 0.0))))
     return tuple(found)
@@ -193,14 +192,6 @@ def _is_end(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
     bone = skeleton.bones[k]
     longest = max((float(np.linalg.norm(end)) for end in skeleton.ends(k)), default=0.0)
     return bone.parent >= 0 and longest < SHORTEST_BONE and named[k] == named[bone.parent]
-
-
-def capsule(start: Array, end: Array, radius: float) -> Piece:
-    """The capsule of `radius` [m] about the segment from `start` (3,) to `end` (3,) [m]."""
-    length = float(np.linalg.norm(end - start))
-    x, y, z = (float(v) for v in 0.5 * (start + end))
-    w, a, b, c = (float(v) for v in rotation.between((0.0, 0.0, 1.0), (end - start) / length))
-    return Piece(Capsule(radius, length), (x, y, z), (w, a, b, c))
 
 
 def _masses(named: Sequence[Part], pieces: Sequence[tuple[Piece, ...]], mass: float) -> list[Mass]:

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from avatarsim.assets.models.coordinates import Coordinates
+from avatarsim.assets.models.coordinates import WIDTHS, Coordinates
 from avatarsim.assets.models.laws import Frictions
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, fixed
 from avatarsim.scene.carried import Carried
-from avatarsim.scene.checks import Vector, finite_array, require_near
+from avatarsim.scene.checks import Vector, finite_array, parts, require_near
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import EARTH, Scene
@@ -99,6 +99,29 @@ class Model:
         places, turns = link_poses((avatar,), coordinates.motion(row[None], np.zeros(1)).sample(0))
         return {link.name: (places[k], turns[k]) for k, link in enumerate(avatar.links)}
 
+    def at(self, joints: Mapping[str, ArrayLike], start: Array | None = None) -> Array:
+        """Return coordinates (width,) in which the named joints have the given values, and all others those of `start`.
+
+        Names are those of `coordinates.names`. A hinge has its angle [rad], a slide its way [m], a ball a quaternion
+        (w, x, y, z), a free joint a position [m] and a quaternion as seven numbers. Without `start` from the model's own.
+
+        Raises InvalidInput for what `pose` refuses and for values that do not fit, UnknownName for names of no joint that moves
+        by itself, as for held and following ones. It lists the names most like it."""
+        avatar, coordinates = self._driven()
+        following = {one.follower for one in avatar.couplings}
+        q, places, first = self._row(self._begin(start)), dict[str, slice](), 0
+        for slot in coordinates.slots:
+            if slot.kind != "fixed" and slot.hinge not in following:
+                places[slot.name] = slice(first, first + WIDTHS[slot.kind])
+            first += WIDTHS[slot.kind]
+        for name, value in joints.items():
+            if name not in places:
+                raise UnknownName("joint to pose", str(name), places)
+            own = places[name]
+            q[own] = finite_array(f"value of joint {name}", parts(value), (own.stop - own.start,), InvalidInput)
+        sample = coordinates.motion(q[None], np.zeros(1)).sample(0)
+        return self._row(replace(sample, angles=avatar.with_followers(sample.angles)))
+
     def reach(self, goals: Mapping[str, ArrayLike], start: Array | None = None) -> Array:
         """Return coordinates (width,) within limits, near `start`, that bring links' joints to `goals`, places (3,) [m] by the
         links' names, or as near as is found. A free root stays; obstacles are not looked at: the Shield does that.
@@ -107,7 +130,7 @@ class Model:
         UnknownName for names that are no links."""
         from avatarsim.assets.models.reach import Limb
 
-        avatar, coordinates = self._driven()
+        avatar, _ = self._driven()
         names = {link.name: k for k, link in enumerate(avatar.links)}
         wanted: dict[int, Array] = {}
         for name, goal in goals.items():
@@ -115,14 +138,20 @@ class Model:
                 raise UnknownName("link to reach with", str(name), names)
             wanted[names[name]] = finite_array(f"goal of link {name} [m]", goal, (3,), InvalidInput)
             require_near(f"goal of link {name}", wanted[names[name]], InvalidInput)
+        return self._row(Limb(avatar, wanted).reach(self._begin(start)))
+
+    def _begin(self, start: Array | None) -> TrackerSample:
+        """Return the sample of coordinates to start from, by default the model's own."""
+        avatar, coordinates = self._driven()
         if start is None:
-            begin = rest((avatar,)) if self.start is None else self.start
-        else:
-            row = finite_array("generalized coordinates to start from", start, (coordinates.width,), InvalidInput)
-            begin = coordinates.motion(row[None], np.zeros(1)).sample(0)
-        found = Limb(avatar, wanted).reach(begin)
-        motion = Motion(np.zeros(1), found.positions[None], found.rotations[None], found.angles[None])
-        return np.asarray(coordinates.rows(motion)[0])
+            return rest((avatar,)) if self.start is None else self.start
+        row = finite_array("generalized coordinates to start from", start, (coordinates.width,), InvalidInput)
+        return coordinates.motion(row[None], np.zeros(1)).sample(0)
+
+    def _row(self, sample: TrackerSample) -> Array:
+        """Return the coordinates (width,) of a sample."""
+        motion = Motion(np.zeros(1), sample.positions[None], sample.rotations[None], sample.angles[None])
+        return np.asarray(self._driven()[1].rows(motion)[0])
 
     def _driven(self) -> tuple[Avatar, Coordinates]:
         if self.avatar is None or self.coordinates is None:

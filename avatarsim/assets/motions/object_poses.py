@@ -14,6 +14,7 @@ from avatarsim.assets.motions import matching
 from avatarsim.assets.motions.archive import AnyArray, Archive, narrowed
 from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
+from avatarsim.scene.tracker import from_xyzw
 from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 
@@ -91,7 +92,7 @@ def _turns(archive: Archive, key: str, frames: int, order: str) -> Array:
     found = found.reshape(frames, 4)
     lengths = np.linalg.norm(found, axis=1)
     matching.require_within(archive.name, f"length of the quaternions of {key}", lengths, 0.5, 2.0, "")
-    return rotation.normalised(found if order == "wxyz" else np.roll(found, 1, axis=1))
+    return rotation.normalised(found) if order == "wxyz" else from_xyzw(found)
 
 
 def _name(archive: Archive, key: str) -> str:

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from avatarsim.assets.models.load import load_avatar, load_room
 from avatarsim.assets.models.model import Model
 from avatarsim.errors import InvalidInput, UnknownName
+from tests.assets.motions.robots import held, robot
 from tests.cleaning.rated import coordinates, home, mixed, two_arms, two_arms_text
 
 
@@ -78,3 +79,25 @@ def test_what_is_no_goal_is_refused(arms: Model, tmp_path: Path) -> None:
         load_room("floor").pose(np.zeros(8))
     (tmp_path / "a.xml").write_text(two_arms_text())
     assert load_avatar(tmp_path / "a.xml").reach({"left palm": (0.2, 0.3, 0.4)}).shape == (8,)
+
+
+def test_coordinates_by_the_names_of_joints() -> None:
+    model = robot()
+    q = model.at({"left_elbow": 0.7, "floating_base": (1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 2.0)})
+    # the file's own order, and its own reference: the elbow's zero is at 0.25
+    assert q.tolist() == [1.0, 2.0, 3.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.7]
+    further = model.at({"waist": 0.2}, start=q)
+    assert further.tolist() == [*q[:7], 0.2, *q[8:]]
+    assert model.pose(further)["pelvis"][0].tolist() == [1.0, 2.0, 3.0]
+
+
+def test_values_that_fit_no_joint_are_refused() -> None:
+    with pytest.raises(UnknownName, match="left_elbow"):
+        robot().at({"left_elbo": 0.7})
+    with pytest.raises(UnknownName):
+        held().at({"left_shoulder": 0.7})
+    for name, value in (("waist", (0.1, 0.2)), ("waist", float("nan")), ("floating_base", (0.0, 0.0, 1.0)), ("waist", "left")):
+        with pytest.raises(InvalidInput, match=name):
+            robot().at({name: value})  # type: ignore[dict-item]
+    with pytest.raises(InvalidInput):
+        robot().at({}, start=np.zeros(3))
