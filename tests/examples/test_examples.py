@@ -3,6 +3,9 @@
 import ast
 import importlib
 import math
+import os
+import shutil
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -13,7 +16,8 @@ import pytest
 from tests.live.ports.opened import Opened, until
 
 FOLDER = Path(__file__).resolve().parents[2] / "examples"
-NAMES = ("rigid_hand", "jointed_hand", "humanoid_on_a_clip", "two_hands_and_a_mug", "many_worlds")
+NAMES = ("rigid_hand", "jointed_hand", "humanoid_on_a_clip", "two_hands_and_a_mug", "many_worlds", "own_loop",
+         "shield_for_an_arm")
 CLIENTS = ("drive_from_a_tracker",)
 """Examples of programs that speak to avatarsim over its ports, and need nothing of it."""
 ENGINES = ("engine_of_your_own",)
@@ -121,3 +125,31 @@ def test_many_worlds_are_timed_three_ways(example: ModuleType, hands: bool, caps
     said = capsys.readouterr().out
     assert list(found) == ["one by one", "together, 1 thread", "together, 2 threads"] and min(found.values()) > 0.0
     assert "5 worlds of" in said and said.count("frames of avatars a second") == 3
+
+
+@pytest.mark.parametrize("example", ["shield_for_an_arm"], indirect=True)
+def test_an_arm_stops_above_its_table_within_its_limits(example: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    q = np.array(example.main(seconds=1.5))
+    said = capsys.readouterr().out.splitlines()
+    assert len(said) == 3 and "down to -200 mm" in said[0]
+    # the tool's radius above the table, and at most the margin of 1 mm and a little more
+    assert 30.0 <= float(said[0].split()[-4]) < 35.0
+    speed, change = np.diff(q, axis=0) * example.RATE, np.diff(q, n=2, axis=0) * example.RATE**2
+    assert np.abs(speed).max() <= example.SPEED and np.abs(change).max() <= example.ACCELERATION * (1.0 + 1e-6)
+    assert np.abs(speed).max() > 0.2, "it moves at all"
+
+
+@pytest.mark.parametrize("example", ["own_loop"], indirect=True)
+def test_a_loop_of_ones_own_topples_a_tower(example: ModuleType, capsys: pytest.CaptureFixture[str]) -> None:
+    record = example.main(frames=120, port=0, opens_browser=False)
+    fallen = int(capsys.readouterr().out.splitlines()[-1].split()[3])
+    assert record.shown.time == pytest.approx(2.0) and 1 < fallen <= 5
+
+
+def test_a_cell_is_checked_by_pytest(tmp_path: Path) -> None:
+    folder = tmp_path / "ci"
+    shutil.copytree(FOLDER / "ci", folder, ignore=shutil.ignore_patterns("__pycache__"))
+    environment = {**os.environ, "PYTHONPATH": str(FOLDER.parent), "PYTEST_ADDOPTS": "", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
+    words = [sys.executable, "-P", "-m", "pytest", "-q", "-p", "avatarsim.pytest_plugin", "-p", "no:cacheprovider", str(folder)]
+    done = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert done.returncode == 0 and "4 passed" in done.stdout
