@@ -39,7 +39,7 @@ def main(seconds: float = 3.0) -> list[np.ndarray]:
     wanted = model.at({"shoulder": -0.4, "elbow": 1.2})
     rows, times, lowest = [shield(wanted)], [], 0.0
     for k in range(int(seconds * RATE)):
-        passed = k / RATE  # in the first second 0.5 m down, 0.2 m below the table's top; in the next 0.3 m aside
+        passed = k / RATE  # [s]; in the first 0.5 m down, to 0.2 m below the top of the table, in the next 0.3 m aside
         goal = (0.6, 0.3 * min(max(0.0, passed - 1.0), 1.0), 0.3 - 0.5 * min(passed, 1.0))
         wanted = model.reach({"tool": goal}, start=wanted)
         lowest = min(lowest, float(model.pose(wanted)["tool"][0][2]))

@@ -17,8 +17,8 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def first_example() -> str:
-    """The Python of the README, which a test runs."""
-    (code,) = re.findall(r"^```python\n.*?^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    """The first program of the README, which a test runs."""
+    code, *_ = re.findall(r"^```python\n.*?^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     return str(code)
 
 

@@ -26,7 +26,7 @@ def test_options_on_the_page_exist_and_all_ways_of_reading_are_there() -> None:
 
 
 def test_commands_on_the_page_and_in_the_readme_are_understood() -> None:
-    lines = re.findall(r"(?:^|&& )avatarsim (clean .*?)(?:  #.*)?$", PAGE + README, re.MULTILINE)
+    lines = re.findall(r"(?:^|&& )avatarsim (clean [^`\n]*?)(?:  #.*|`.*)?$", PAGE + README, re.MULTILINE)
     assert len(lines) >= 2
     for line in lines:
         assert parsed(shlex.split(line)).command == "clean"

@@ -1,5 +1,6 @@
-"""`docs/using.md`: its Python runs after the example of the README, and its options and statuses are those of the engine."""
+"""`docs/using.md`: its Python runs, and its options and statuses are those of the engine."""
 
+import json
 import re
 from pathlib import Path
 
@@ -25,18 +26,24 @@ def rows(title: str) -> set[str]:
     return set(re.findall(r"^\| `(\w+)` \|", section(title), re.MULTILINE))
 
 
-def test_blocks_run_in_their_order_and_do_what_is_said(capsys: pytest.CaptureFixture[str]) -> None:
-    [example] = PYTHON.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+def test_blocks_run_in_their_order_and_do_what_is_said(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    [room] = re.findall(r"^```xml\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
+    (tmp_path / "room.xml").write_text(room, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}
-    exec(example, names)
-    capsys.readouterr()
     said = []
     for block in PYTHON.findall(PAGE):
         exec(block, names)
         said.append(capsys.readouterr().out)
-    assert len(said) > 5
+    assert len(said) > 8
+    in_room, *others = [out for out in said if out]
+    shown, cup = (json.loads(found) for found in re.findall(r"\[.*?\]", in_room))
+    # the table's top, half a palm and the stand-off; the cup is ahead of the palm, to its right
+    assert shown[2] == pytest.approx(0.72 + 0.015 + 2e-4, abs=1e-3) and cup[1] < -0.3
     # what was moved, the records and the contacts of the page are printed: half the table, the fist, the gap that is asked for
-    [moved, placed, touching] = [out for out in said if out]
+    moved, placed, touching = others
     assert moved.startswith("hand ") and "table" in moved
     height = float(placed.partition("]")[0].split()[-1])
     assert height == pytest.approx(0.025 + 0.04 + 1e-4, abs=1e-5) and touching.startswith("table hand ")

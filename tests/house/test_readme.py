@@ -2,34 +2,54 @@
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
+import avatarsim as av
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.shape import Box, Sphere
-from avatarsim.settings import PostureSettings
+from avatarsim.settings import CouplingSettings
 from scenarios.__main__ import COMMANDS as HARNESS
 from scenarios.run.gate import MEANINGS
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+ARM = """<robot name="arm"><link name="base"><collision><geometry><sphere radius="0.05"/></geometry></collision></link>
+<link name="tool"><inertial><mass value="1"/><inertia ixx="0.1" iyy="0.1" izz="0.1" ixy="0" ixz="0" iyz="0"/></inertial>
+<collision><origin xyz="0.3 0 0"/><geometry><sphere radius="0.05"/></geometry></collision></link>
+<joint name="turn" type="revolute"><parent link="base"/><child link="tool"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>"""
 COMMANDS = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
 
 
-def test_the_example_prints_what_its_comment_says_to_the_last_digit(capsys: pytest.CaptureFixture[str]) -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-    ((said, sum_of),) = re.findall(r"^print\(.*\)  # (\[.*\]): (.*)$", code, re.MULTILINE)
+MUG, SHIELD = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
+
+
+def test_the_whole_page_is_short() -> None:
+    assert len(README.splitlines()) <= 100
+
+
+def test_a_mug_is_lifted_by_as_much_as_the_comment_says(capsys: pytest.CaptureFixture[str]) -> None:
     names: dict[str, object] = {}
-    exec(code, names)
-    assert capsys.readouterr().out == f"{said}\n"
-    # the height is what the comment says it is made of, and that is table, fist and the stand-off of the engine
-    parts = [float(part) for part in re.findall(r"\d+\.\d+", sum_of)]
-    scene, height = names["scene"], float(said.strip("[]").split()[2])
-    assert isinstance(scene, Scene)
-    thick, fist = scene.bodies[0].pieces[0].shape, scene.links[0].pieces[0].shape
-    assert isinstance(thick, Box) and isinstance(fist, Sphere)
-    assert parts == [0.5 * thick.size[2], fist.radius, PostureSettings().stand_off]
-    assert height == pytest.approx(sum(parts), abs=1e-12)
+    exec(MUG, names)
+    height = float(capsys.readouterr().out)
+    [said] = re.findall(r"^print\(.*\)  # ([\d.]+)", MUG, re.MULTILINE)
+    scene = names["scene"]
+    assert isinstance(scene, Scene) and height == float(said)
+    # two springs share the mug's weight
+    sag = scene.bodies[1].mass.mass * 9.81 / (2.0 * CouplingSettings().spring)
+    assert height == pytest.approx(0.2 - sag, abs=1e-4)
+
+
+def test_the_shield_follows_an_operator(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.urdf").write_text(ARM, encoding="utf-8")
+    sent: list[np.ndarray] = []
+    robot = SimpleNamespace(is_on=lambda: len(sent) < 5, move=sent.append)
+    operator = SimpleNamespace(coordinates=lambda: np.full(1, 0.001 * len(sent)))
+    exec(SHIELD, {"av": av, "robot": robot, "operator": operator})
+    assert len(sent) == 5 and 0.0 < sent[-1][0] <= 0.004
 
 
 def make_targets(text: str) -> set[str]:
