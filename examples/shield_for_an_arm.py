@@ -50,7 +50,7 @@ def main(seconds: float = 3.0) -> list[np.ndarray]:
     speed, change = np.diff(q, axis=0) * RATE, np.diff(q, n=2, axis=0) * RATE**2
     shown = min(float(model.pose(row)["tool"][0][2]) for row in q)
     print(f"the operator's tool was led down to {1e3 * lowest:.0f} mm, the robot's stayed at {1e3 * shown:.0f} mm and above")
-    print(f"no joint was faster than {np.abs(speed).max():.2f} rad/s, nor changed by more than {np.abs(change).max():.2f} rad/s^2")
+    print(f"joints kept to {np.abs(speed).max():.2f} rad/s, and to {np.abs(change).max():.2f} rad/s^2")
     print(f"a call took {1e6 * statistics.median(times):.0f} us (median)")
     return rows
 

@@ -37,8 +37,10 @@ def test_a_mug_is_lifted_by_as_much_as_the_comment_says(capsys: pytest.CaptureFi
     [said] = re.findall(r"^print\(.*\)  # ([\d.]+)", MUG, re.MULTILINE)
     scene = names["scene"]
     assert isinstance(scene, Scene) and height == float(said)
+    mass = scene.bodies[1].mass
+    assert mass is not None
     # two springs share the mug's weight
-    sag = scene.bodies[1].mass.mass * 9.81 / (2.0 * CouplingSettings().spring)
+    sag = mass.mass * 9.81 / (2.0 * CouplingSettings().spring)
     assert height == pytest.approx(0.2 - sag, abs=1e-4)
 
 
