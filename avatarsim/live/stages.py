@@ -190,21 +190,25 @@ def _hand_stage() -> Stage:
 
 def _toys_stage() -> Stage:
     """A mug, a tower, a row of dominoes and a small door; the palm is turned to them, the thumb up."""
-    # four crossed boxes are a prism of eight sides
-    slab = Box((0.07, 0.07 * tan(radians(22.5)), 0.1))
-    mug = tuple(Piece(slab, orientation=_about("z", 45.0 * k)) for k in range(4))
-    handle = Piece(Box((0.03, 0.012, 0.06)), (0.05, 0.0, 0.0))
     post = fixed("post", (_box((0.38, 0.08, TOP + 0.11), (0.02, 0.02, 0.22)),), "wood")
     leaf = (_box((0.0, 0.1, 0.1), (0.012, 0.18, 0.19)), _box((0.0, 0.17, 0.1), (0.05, 0.01, 0.04)))
     door = moving("door", leaf, "wood", position=(0.38, 0.08, TOP + 0.01), joint=_hinged(100.0), stiffness=0.0, mass=0.4,
                   damping=0.2)
     bodies = (
-        *_table(0.45, 0.03), post, _loose("mug", (*mug, handle), 0.3, (0.12, -0.05, TOP + 0.05)),
+        *_table(0.45, 0.03), post, _mug((0.12, -0.05, TOP)),
         *_tower(6, (0.06, 0.06, 0.04), 0.1, (0.06, 0.3, TOP)),
         *_dominoes(14, (0.008, 0.024, 0.048), 0.015, 0.026, (-0.05, -0.28, TOP)),
     )
     what = "a hand of 16 links over a table with a mug, a tower, a row of dominoes and a door"
     return _above_table("live toys", bodies, what, 0.14, -90.0, (door,))
+
+
+def _mug(foot: Vector) -> Body:
+    """Return a mug of 0.3 kg that stands at ``foot`` [m], its handle along x: four crossed boxes are a prism of eight sides."""
+    slab, (x, y, z) = Box((0.07, 0.07 * tan(radians(22.5)), 0.1)), foot
+    sides = tuple(Piece(slab, orientation=_about("z", 45.0 * k)) for k in range(4))
+    handle = Piece(Box((0.03, 0.012, 0.06)), (0.05, 0.0, 0.0))
+    return _loose("mug", (*sides, handle), 0.3, (x, y, z + 0.05))
 
 
 def _hinged(most: float) -> Hinges:
@@ -322,7 +326,7 @@ def _playthings() -> tuple[Body, ...]:
 
 
 def _house() -> Stage:
-    """Return the human and the rooms of the gallery with a hinged door, a lift at a ledge, and boxes."""
+    """Return the human and the rooms of the gallery with a hinged door, a lift at a ledge, a mug, and boxes."""
     human_stage = _gallery()
     door = moving(
         "door", (_box((0.0, 0.47, 1.02), (0.05, 0.94, 2.0)), _box((0.0, 0.85, 1.0), (0.18, 0.03, 0.12))), "wood",
@@ -330,7 +334,7 @@ def _house() -> Stage:
     )
     lift = moving("lift", (_box((0.0, 0.0, 0.05), (1.2, 1.2, 0.1)),), "wood", position=(2.6, -1.6, GAP), largest_force=3000.0)
     ledge = fixed("ledge", (_box((0.0, 0.0, 0.5), (1.2, 1.2, 1.0)),), "wood", (3.4, 0.2, 0.0))
-    stand = fixed("stand", (_box((0.0, 0.0, 0.35), (0.4, 0.4, 0.7)),), "wood", (-1.0, -0.9, 0.0))
+    stand = fixed("stand", (_box((0.0, 0.2, 0.35), (0.4, 0.8, 0.7)),), "wood", (-1.0, -0.9, 0.0))
     things = tuple(
         _loose(name, (Piece(Box((size, size, size))),), mass, place) for name, size, mass, place in (
             ("box", 0.25, 2.0, (-1.0, -0.9, 0.7 + GAP + 0.125)),
@@ -343,8 +347,8 @@ def _house() -> Stage:
     assert start is not None
     avatars = avatar, door, lift
     whole = with_moving(avatars, start, {}, rest(avatars))
-    scene = Scene("live house", (*_rooms(), ledge, stand, *things, *games), avatars, start=whole)
-    return staged(scene, "a human of 24 links, a door between two rooms, a lift, boxes to carry, a tower and dominoes")
+    scene = Scene("live house", (*_rooms(), ledge, stand, _mug((-1.1, -0.45, 0.7)), *things, *games), avatars, start=whole)
+    return staged(scene, "a human of 24 links, a door between two rooms, a lift, a mug and boxes to carry, a tower and dominoes")
 
 
 def _box(position: Vector, size: Vector) -> Piece:

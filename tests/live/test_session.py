@@ -1,21 +1,26 @@
 """Sessions: loops in processes of their own, what they show, what they are told, and what becomes of one that dies."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from avatarsim.engine import Settings
 from avatarsim.errors import InvalidFile, InvalidInput, InvalidSample
-from avatarsim.live.messages import Order, State, Switch
-from avatarsim.live.recording import read
+from avatarsim.live.drive.driver import Driver
+from avatarsim.live.messages import Order, Plan, State, Switch
+from avatarsim.live.recording import OURS, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import LoopDied, LoopRefused, Session
+from avatarsim.live.stages import stage
 from avatarsim.scene.tracker import rest
 from avatarsim.spatial import rotation
-from tests.live.small import plan, pushed
+from avatarsim.tolerances import JUDGED
+from reference.judging.judge import Judge
+from tests.live.small import RATE, plan, pushed
 
 PATIENCE = 60.0
 """[s] after which a loop that says nothing is a failure of the test."""
@@ -131,6 +136,29 @@ def test_sessions_without_plans_or_with_a_name_twice_are_refused() -> None:
     for plans in ([], [plan(), plan()]):
         with pytest.raises(InvalidInput, match="plans of a session"):
             Session(plans)
+
+
+def test_a_mug_in_the_house_is_dragged_to_taken_and_lifted() -> None:
+    scene, (hand, mug) = stage("house").scene, ("human/right_hand", "mug")
+    driver, at, end = Driver(scene), scene.names.index(mug), time.monotonic() + PATIENCE
+    with Session([Plan(OURS, scene, Settings(), RATE)]) as one:
+        first = until(one, 1).positions[at]
+
+        def pull(place: np.ndarray, is_there: Callable[[State], bool]) -> State:
+            """Drag the hand to a place until a condition is met."""
+            driver.drag(hand, place)
+            while not is_there(state := until(one, 1)) and time.monotonic() < end:
+                one.send(driver.tick(1.0 / RATE), driver.source)
+            return state
+
+        pull(first + (-0.08, 0.0, 0.05), lambda state: np.linalg.norm(state.positions[scene.names.index(hand)] - first) < 0.11)
+        while one.command(Order.TAKE)["avatarsim"].told != "took mug" and time.monotonic() < end:
+            one.send(driver.tick(1.0 / RATE), driver.source)
+        lifted = pull(first + (-0.2, 0.05, 0.4), lambda state: state.positions[at][2] > first[2] + 0.3)
+        assert lifted.positions[at][2] > first[2] + 0.3
+        shown = one.first.states()
+    poses = (np.array([getattr(state, name) for state in shown]) for name in ("positions", "orientations"))
+    assert Judge(scene).depths(*poses).max() <= JUDGED
 
 
 def test_a_loop_beside_that_dies_is_left_out_and_the_driven_one_ends_all() -> None:
