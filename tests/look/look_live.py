@@ -21,6 +21,7 @@ from avatarsim.live.recording import OURS, read
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.stages import stage
+from avatarsim.live.view import share
 from avatarsim.live.view.depth import own_depth
 from avatarsim.live.view.page import Page, Shows
 from avatarsim.spatial import rotation
@@ -36,6 +37,14 @@ OF_LIBRARIES = ("THREE.Clock", "preventDefault inside passive", "Software WebGL"
 HUD = "!!document.querySelector('[data-overlap]')"
 RED = (150, 60)
 """Red of a pixel at least, and its green and blue at most, of what overlaps."""
+COVERED = """(() => {
+  const boxes = (which) => [...document.querySelectorAll(which)].map((each) => each.getBoundingClientRect());
+  const over = boxes("#root .mantine-Paper-root, .mantine-Notification-root");
+  return boxes("[data-overlap]").map((a) => a.width === 0 || a.left < 0 || a.right > innerWidth
+    || over.some((b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom));
+})()"""
+"""Flags: each number over the scene is hidden, or lies under the panel or a notice."""
+DRAWER = "document.querySelector('[aria-hidden] .overlaps').closest('[aria-hidden]').ariaHidden"
 PATIENCE = 10.0
 
 
@@ -292,6 +301,23 @@ def test_the_last_seconds_are_an_offline_page(running: Running, folder: Path) ->
         assert other.errors == [] and [one for one in other.requests if not one.startswith(("file:", "data:", "blob:"))] == []
 
 
+def test_six_seconds_are_recorded_however_slowly_the_browser_draws(running: Running, folder: Path) -> None:
+    running.page.post(lambda: running.page.driver.drag("hand/palm", (0.1, 0.0, 0.9)))
+    with browser(500, 400) as one:
+        one.downloads(folder)
+        one.visit(running.page.address)
+        one.until(HUD)
+        client = list(running.page.server.get_clients().values())[-1]
+        running.page.film(client)
+        end = time.monotonic() + 1.5 * share.PATIENCE
+        while not (made := list(folder.glob("*.gif"))) and time.monotonic() < end:
+            time.sleep(0.2)
+        [path] = made
+        time.sleep(1.0)
+    with Image.open(path) as film:
+        assert film.n_frames >= 2 and film.size == share.PICTURE[::-1]
+
+
 @pytest.mark.parametrize(("name", "dark"), [("hand", True), ("gallery", False), ("gallery", True)])
 def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) -> None:
     with Running(name, folder, dark) as one:
@@ -305,3 +331,22 @@ def test_all_stages_come_up_light_and_dark(name: str, dark: bool, folder: Path) 
                 shade = "dark" if dark else "light"
                 window.picture(SCREENSHOTS / f"live-{name}-{shade}-{width}.png")
                 quiet(window, one)
+
+
+@pytest.mark.parametrize("size", [(390, 844), (800, 700), (980, 640), (1400, 900)], ids=lambda size: str(size[0]))
+def test_the_numbers_are_never_covered_and_a_phone_begins_with_a_closed_drawer(running: Running, size: tuple[int, int]) -> None:
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    with browser(*size) as one:
+        one.visit(running.page.address)
+        one.until(HUD)
+        # viser's own notice comes
+        one.until("!!document.querySelector('.mantine-Notification-root')")
+        time.sleep(1.0)
+        assert not any(one.value(COVERED))
+        one.picture(SCREENSHOTS / f"live-numbers-{size[0]}.png")
+        if size[0] < 576:
+            for hidden in ("true", "false"):
+                assert one.value(DRAWER) == hidden
+                one.value("document.querySelector('[aria-hidden] .overlaps').closest('[aria-hidden]').previousSibling.click()")
+                time.sleep(1.0)
+                assert not any(one.value(COVERED))

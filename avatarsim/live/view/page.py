@@ -396,13 +396,14 @@ class Page:
 
     def film(self, client: viser.ClientHandle) -> None:
         """Send a viewer a moving picture of what it sees in the next seconds."""
-        self._send(client, "gif", lambda: filmed(client))
+        self._send(client, "gif", lambda: filmed(client, lambda words: self.there(partial(self.panel.say, words))))
 
     def _send(self, client: viser.ClientHandle, suffix: str, make: Callable[[], bytes]) -> None:
         def work() -> None:
             try:
                 content = make()
-            except (AvatarsimError, TimeoutError) as error:
+            except (AvatarsimError, RuntimeError) as error:
+                # also of a viewer that has gone
                 self.there(partial(self.panel.say, str(error)))
                 return
             name = f"{re.sub('[^a-zA-Z0-9]+', '-', self._scene.name)}.{suffix}"

@@ -12,7 +12,7 @@ from viser._messages import HotkeyKey
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
 from avatarsim.live.view.cameras import VIEWS
-from avatarsim.live.view.telling import SCHEME
+from avatarsim.live.view.telling import AT_FIRST, STYLE
 
 if TYPE_CHECKING:
     from avatarsim.live.view.page import Page
@@ -39,7 +39,7 @@ class Panel:
         gui = server.gui
         gui.set_panel_label("avatarsim live")
         gui.configure_theme(dark_mode=dark, show_logo=False, show_share_button=False)
-        gui.add_html(SCHEME)
+        gui.add_html(STYLE + AT_FIRST)
         self.numbers = gui.add_html("")
         if page.shows.offered:
             group = gui.add_button_group("Compare with", tuple(plan.name for plan in page.shows.offered))

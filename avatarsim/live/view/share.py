@@ -2,7 +2,8 @@
 
 import io
 import time
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,10 +30,12 @@ from avatarsim.scene.tracker import TrackerSample, link_poses
 
 SECONDS = 6.0
 """[s] of driving that are shared: a mail takes the file."""
-PATIENCE = 60.0
-"""[s] in which a viewer must answer with a picture: one that draws in software takes seconds."""
-PICTURE, PICTURES = (360, 560), 10.0
-"""Height and width [px] of a moving picture, and its pictures a second, at most."""
+PATIENCE = 120.0
+"""[s] after which a viewer that is filmed need not send more pictures: one that draws in software takes up to 20 s for each."""
+PICTURE, PICTURES, FEWEST = (360, 560), 10.0, 6
+"""Height and width [px] of a moving picture, its pictures a second, at most, and how many it has of a slow viewer."""
+SOONEST = 1e-3
+"""[s] that a viewer is given for a picture, at least."""
 START = 'startPlayer(document.getElementById("replay"), JSON.parse(document.getElementById("take").textContent));'
 """Script that starts the player."""
 
@@ -180,19 +183,38 @@ def _worst(name: str, found: Sequence[Deepest]) -> list[payload.Moment]:
     return [payload.Moment(at, f"{name}: {depth(metres)} inside, {pair[1]} in {pair[0]}", True)]
 
 
-def filmed(client: viser.ClientHandle, seconds: float = SECONDS) -> bytes:
-    """Return a GIF of what a viewer sees from now on; not to be called from the server's thread."""
+def filmed(client: viser.ClientHandle, say: Callable[[str], object], seconds: float = SECONDS) -> bytes:
+    """Return a GIF of what a viewer sees from now on; not to be called from the server's thread.
+
+    A viewer that draws in software sends a picture in many seconds: it is given more time, for `FEWEST` pictures, and the GIF is
+    quicker then than what was seen.
+
+    Args:
+        client: viewer.
+        say: called with the progress in a line.
+        seconds: length of the GIF.
+
+    Raises:
+        InvalidInput: where fewer than two pictures came in `PATIENCE`.
+    """
     from PIL import Image
 
-    # the first picture waits for the browser to compile its shaders
-    client.get_render(*PICTURE, timeout=PATIENCE)
-    frames, begin, stamps = list[Image.Image](), time.monotonic(), list[float]()
-    while (now := time.monotonic()) < begin + seconds:
-        stamps.append(now)
-        frames.append(Image.fromarray(client.get_render(*PICTURE, timeout=PATIENCE)[..., :3]))
-        time.sleep(max(0.0, now + 1.0 / PICTURES - time.monotonic()))
+    frames, stamps, begin = list[Image.Image](), list[float](), time.monotonic()
+    end = begin + PATIENCE
+    with suppress(TimeoutError):
+        # the first picture waits for the browser to compile its shaders
+        client.get_render(*PICTURE, timeout=PATIENCE)
+        begin = time.monotonic()
+        while (now := time.monotonic()) < begin + seconds or len(frames) < FEWEST:
+            frames.append(Image.fromarray(client.get_render(*PICTURE, timeout=max(SOONEST, end - now))[..., :3]))
+            stamps.append(now)
+            say(f"recording: {len(frames)} pictures in {time.monotonic() - begin:.0f} s")
+            time.sleep(max(0.0, now + 1.0 / PICTURES - time.monotonic()))
+    if len(frames) < 2:
+        raise InvalidInput("pictures of this browser", len(frames), f"at least 2 in {PATIENCE:.0f} s; *Share* needs none of it")
     stamps.append(time.monotonic())
+    speed = min(1.0, seconds / (stamps[-1] - stamps[0]))
     file = io.BytesIO()
-    durations = [round(1e3 * (after - before)) for before, after in zip(stamps, stamps[1:], strict=False)]
+    durations = [round(1e3 * speed * (after - before)) for before, after in zip(stamps, stamps[1:], strict=False)]
     frames[0].save(file, "GIF", save_all=True, append_images=frames[1:], duration=durations, loop=0, optimize=True)
     return file.getvalue()

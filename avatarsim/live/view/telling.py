@@ -21,20 +21,26 @@ NAMED = 4
 WORDS = {"planning": "plans a way round", "following": "goes round", "waiting": "waits"}
 """Statuses in words; others keep their names."""
 
-PLACED = (
-    "--panel:clamp(0px,(100vw - 700px)*.5,330px);position:fixed;top:14px;left:calc((100vw - var(--panel))/2);z-index:5;"
-    "transform:translateX(-50%);pointer-events:none;display:flex;flex-wrap:wrap;justify-content:center;gap:0 1em;"
-    "width:max-content;max-width:calc(100vw - 28px - var(--panel));border-radius:10px;padding:0 .5em;"
-    "background:color-mix(in srgb,var(--mantine-color-body,#fff) 80%,transparent);"
-    "font:700 clamp(20px,2.5vw,36px)/1.25 system-ui,sans-serif;font-variant-numeric:tabular-nums"
-)
-"""Style of the numbers over the scene."""
+STYLE = """<style>
+.overlaps{position:fixed;top:14px;left:14px;right:14px;z-index:5;pointer-events:none;text-align:center}
+.overlaps div{display:inline-flex;flex-wrap:wrap;justify-content:center;gap:0 1em;border-radius:10px;padding:0 .5em;
+  background:color-mix(in srgb,var(--mantine-color-body,#fff) 80%,transparent);
+  font:700 clamp(20px,2.5vw,36px)/1.25 system-ui,sans-serif;font-variant-numeric:tabular-nums}
+@media(min-width:36em){.overlaps{right:calc(20em + 28px)}}
+[inert]:has(.overlaps){display:block!important;opacity:1!important}
+.mantine-Notifications-root{top:auto!important;bottom:4.5em!important}
+</style>"""
+"""Style of the numbers over the scene, left of viser's panel of 20em, which is a drawer in windows up to 36em wide. They are seen
+while it is closed; viser's notices, which lie at the top, go to the bottom."""
 
-SCHEME = (
+AT_FIRST = (
     '<img hidden alt="" src="data:image/gif;base64,R0lGODlhAQABAAAAACwAAAAAAQABAAA=" onload="'
-    "if(matchMedia('(prefers-color-scheme: dark)').matches&&!location.search.includes('darkMode'))location.search='darkMode'\">"
+    "if(matchMedia('(prefers-color-scheme: dark)').matches&&!location.search.includes('darkMode'))location.search='darkMode';"
+    "else if(!window.isAtFirst&&matchMedia('(max-width: 36em)').matches)"
+    "this.closest('[aria-hidden]').previousElementSibling.click();window.isAtFirst=true\">"
 )
-"""Element that asks viser's page for its dark scheme, which only the address can name, where the browser prefers one."""
+"""Element that asks viser's page for its dark scheme, which only the address can name, where the browser prefers one, and closes
+the drawer of a narrow window."""
 
 FAST, SLOW, BEHIND = 0.3, 0.02, 4e-3
 """Speeds of a loose body that bounces and of an avatar that slides, at least [m/s], and how far the latter is from its user [m].
@@ -71,7 +77,7 @@ def numbers(target: float, apart: float, depths: Mapping[str, float], colours: M
             text = f"you: {depth(apart)} away"
         shown = 1e3 * metres if is_inside else 0.0
         chips.append(f'<span data-overlap="{shown:.4g}" style="color:rgb({red},{green},{blue})">{text}</span>')
-    return f'<div style="{PLACED}">{"".join(chips)}</div>'
+    return f'<div class="overlaps"><div>{"".join(chips)}</div></div>'
 
 
 def word_of(states: Sequence[State], apart: float, touches: bool, root: int, loose: Sequence[int]) -> str:

@@ -3,6 +3,7 @@
 import io
 import json
 import re
+import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -16,7 +17,7 @@ pytest.importorskip("viser")
 from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, InvalidSample
 from avatarsim.live.recording import Recorder
 from avatarsim.live.show import show
-from avatarsim.live.view.share import filmed
+from avatarsim.live.view import share
 from avatarsim.simulator import AvatarsimEngine
 from tests.live.small import RATE, plan, pushed, scene
 
@@ -49,16 +50,35 @@ def test_a_recording_becomes_a_page_that_needs_no_other_file_and_marks_the_deepe
     assert len(take["times"]) == FRAMES // 2 and len(take["ghost"]["bodies"]) == 2
 
 
-def test_a_moving_picture_lasts_as_long_as_it_was_filmed() -> None:
-    taken = list[int]()
+def films(
+    monkeypatch: pytest.MonkeyPatch, each: float, patience: float, count: int | None = None
+) -> tuple[Image.Image, list[str]]:
+    """Return half a second of a viewer that takes some time [s] for each picture, of `count` at most, and lines of progress."""
+    taken, lines = list[int](), list[str]()
 
     def render(height: int, width: int, timeout: float) -> np.ndarray:
+        time.sleep(min(each, timeout))
+        if each > timeout or len(taken) == count:
+            raise TimeoutError
         taken.append(len(taken))
-        return np.full((height, width, 3), 20 * len(taken), dtype=np.uint8)
+        return np.full((height, width, 3), 20 * len(taken) % 250, dtype=np.uint8)
 
-    film = Image.open(io.BytesIO(filmed(SimpleNamespace(get_render=render), 0.5)))
+    monkeypatch.setattr(share, "PATIENCE", patience)
+    return Image.open(io.BytesIO(share.filmed(SimpleNamespace(get_render=render), lines.append, 0.5))), lines
+
+
+@pytest.mark.parametrize(("each", "patience", "least"), [(0.0, 60.0, 2), (0.3, 60.0, share.FEWEST), (0.3, 1.0, 2)])
+def test_a_moving_picture_lasts_as_long_as_is_asked_for_also_of_a_slow_viewer(
+    monkeypatch: pytest.MonkeyPatch, each: float, patience: float, least: int
+) -> None:
+    film, lines = films(monkeypatch, each, patience)
     lasts = sum(frame.info["duration"] for frame in ImageSequence.Iterator(film))
-    assert film.n_frames == len(taken) - 1 >= 2 and lasts == pytest.approx(500.0, abs=150.0)
+    assert film.n_frames == len(lines) >= least and lasts == pytest.approx(500.0, abs=150.0)
+
+
+def test_a_viewer_that_sends_one_picture_and_no_more_has_no_moving_picture(monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(InvalidInput):
+        films(monkeypatch, 0.0, 60.0, count=2)
 
 
 def test_what_is_no_recording_and_no_engine_is_refused(tmp_path: Path) -> None:
