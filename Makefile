@@ -90,7 +90,7 @@ headline: $(READY)  ## the README's table and pictures again, all of the last co
 	@$(VENV_PYTHON) -m reports headline
 
 look: $(READY)  ## report, docs site and pages of clips in a headless Chromium: nothing on the console, no request, all drawn, replays play; screenshots
-	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py tests/look/look_docs.py tests/look/look_clips.py tests/look/look_ports.py tests/look/look_live.py
+	$(VENV_PYTHON) -m pytest -q tests/look/look_pages.py tests/look/look_docs.py tests/look/look_clips.py tests/look/look_ports.py tests/look/look_live.py tests/look/look_shared.py
 
 # Everything runs, whatever fails; the exit status is then 1.
 fuzz: $(READY)  ## a million pairs of shapes, a million impacts, palms pushed, hostile and unseen motion, drawn crowds, scenery, 500 returns (PAIRS=, IMPACTS=, PUSHES=, FRAMES=, MOTIONS=, CROWDS=, SEED=)

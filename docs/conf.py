@@ -18,7 +18,7 @@ project_copyright = "avatarsim's authors, Apache-2.0"
 extensions = [
     "sphinx.ext.autodoc", "myst_parser",
     "docs.extensions.docstrings", "docs.extensions.filled", "docs.extensions.formulas", "docs.extensions.no_request",
-    "docs.extensions.public_names",
+    "docs.extensions.public_names", "docs.extensions.shared_pages",
 ]
 
 root_doc = "docs/index"

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from sphinx.application import Sphinx
 
-from docs.extensions import public_names
+from docs.extensions import public_names, shared_pages
 from runfiles.metrics import METRICS
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -36,6 +36,7 @@ def api() -> str:
 PARTS: Mapping[str, Callable[[], str]] = {
     "first example": first_example,
     "public names": api,
+    "shared pages": shared_pages.links,
     "terms of the report": terms_of_the_report,
 }
 PLACE = re.compile(rf"^<!-- ({'|'.join(PARTS)}) -->$", re.MULTILINE)
