@@ -7,7 +7,7 @@ from avatarsim.errors import StartOverlaps
 from avatarsim.model.world import build
 from avatarsim.pose_queries import require_free
 from scenarios import catalog
-from scenarios.catalog.hard.other_numbers import FACE, GRAVITY, NEAR, SHOT, TALL, Place, dropped, shot, slides
+from scenarios.catalog.hard.other_numbers import FACE, SHOT, TALL, Place, dropped, shot, slides
 from scenarios.measure.side import outside
 
 TIMES = np.linspace(0.0, 2.0, 41)
@@ -22,23 +22,6 @@ def test_a_course_is_the_same_in_other_numbers(course: object, place: Place) -> 
     there = (np.array([course(place, t) for t in TIMES]) - place.origin) / place.scale
     # what is laid 2e-8 m above something is so at every scale
     assert np.abs(there - plain).max() < 2.1e-8 / min(1.0, place.scale) + 1e-10
-
-
-def test_the_ball_that_is_shot_turns_at_the_wall() -> None:
-    due = NEAR / 300.0
-    assert shot(Place(), due)[0] == pytest.approx(FACE - SHOT, abs=1e-12)
-    assert shot(Place(), 2.0 * due)[0] == pytest.approx(FACE - SHOT - NEAR, abs=1e-12)
-    assert shot(Place(), 1.0)[2] == pytest.approx(2.0 - 0.5 * GRAVITY)
-
-
-def test_lengths_speeds_and_gravity_grow_together() -> None:
-    one, big = catalog.get("dt_torture").build(), catalog.get("scale_km").build()
-    for a, b in zip(one.bodies, big.bodies, strict=True):
-        assert np.allclose(b.velocity, np.array(a.velocity) * 1e3)
-        assert (a.mass is None) == (b.mass is None)
-        if a.mass is not None and b.mass is not None:
-            assert a.mass.mass == b.mass.mass and np.allclose(b.mass.inertia, 1e6 * a.mass.inertia)
-    assert big.gravity[2] == 1e3 * one.gravity[2]
 
 
 def test_coincident_bodies_are_refused_with_exact_depths() -> None:

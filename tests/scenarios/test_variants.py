@@ -3,7 +3,7 @@
 import pytest
 
 from avatarsim.errors import UnknownName
-from runfiles.engines import about, engines
+from runfiles.engines import about
 from scenarios.__main__ import main, parser
 from scenarios.cli.plan import plan, scenarios
 from scenarios.engines import opened, variants_of
@@ -49,10 +49,6 @@ def test_every_variant_loads_and_differs_from_its_base_in_few_settings(
     made.close()
     differs = {key for key in found[name] if key in found[base] and found[base][key] != found[name][key]}
     assert {key for key in differs if " " not in key or key == "dt as run"} == changed | {"optimises"}
-
-
-def test_every_variant_is_among_these_cases() -> None:
-    assert {case[:2] for case in CASES} == {(one.name, name) for one in engines().values() for name in one.variants}
 
 
 def test_a_preset_that_no_engine_has_is_an_error() -> None:

@@ -67,14 +67,6 @@ def size(shape: Shape) -> tuple[float, ...]:
     return (2.0 * shape.radius,) if isinstance(shape, Sphere) else ()
 
 
-def test_sizes_are_two_to_twelve_centimetres() -> None:
-    for shape in (body.pieces[0].shape for scene in scenes(40) for body in scene.bodies if body.name.startswith("thing_")):
-        if isinstance(shape, ConvexHull):
-            assert 0.0 < float(np.linalg.norm(shape.vertices, axis=1).max()) < 0.12
-        else:
-            assert size(shape) and all(0.02 <= edge <= 0.12 + 1e-12 for edge in size(shape))
-
-
 def test_a_crowd_is_found_by_its_name_of_any_seed() -> None:
     assert drawn_crowds.get("crowd_swept_8") is drawn_crowds.draw(8)
     for name in ("crowd_swept_6", "crowd_swept_", "crowd_swept_-2", "swept_8", "crowd_swept_08", "crowd_swept_²"):

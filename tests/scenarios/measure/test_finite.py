@@ -9,10 +9,6 @@ from scenarios.measure.frames import not_finite
 from tests.scenarios.examples import fist_scene, resting
 
 
-def test_a_sound_recording_has_none() -> None:
-    assert not_finite(resting(fist_scene(), 5)) == {"not_finite_frames": 0.0}
-
-
 @pytest.mark.parametrize("field", ["positions", "orientations", "velocities", "angular_velocities"])
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_each_bad_frame_counts_once(field: str, bad: float) -> None:

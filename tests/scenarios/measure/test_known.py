@@ -52,15 +52,6 @@ def test_what_differs_by_a_bit_is_asked_again(field: str, asked: list[Recording]
     assert len(asked) == 2
 
 
-def test_bodies_shown_elsewhere_and_a_shorter_run_are_asked_again(asked: list[Recording]) -> None:
-    recording, known = walked(), Known(fist(), fist_scene())
-    known.free(recording)
-    moved = recording.positions.copy()
-    moved[:, 0] += 1.0
-    assert known.free(replace(recording, positions=moved)).tolist() != known.free(recording).tolist()
-    assert len(asked) == 3
-
-
 def test_contact_is_of_the_postures_shown_whatever_was_asked_before(asked: list[Recording]) -> None:
     recording, known = walked(), Known(fist(), fist_scene())
     first = known.contact(recording)

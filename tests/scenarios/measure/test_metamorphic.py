@@ -128,14 +128,6 @@ def test_bodies_in_another_order(engine: str, name: str, frames: int) -> None:
     same(found.values, measured(recording, Known(scenario, scene)).values, 1e-9)
 
 
-def test_there_and_back_is_where_it_was() -> None:
-    _, _, recording = run("tracker", "arms_through_chest", 30)
-    there = Elsewhere(1.0, ASKEW, (0.7, 0.2, -0.4))
-    back = there.back(sent(recording, there))
-    for field in ("positions", "orientations", "velocities", "angular_velocities", "raw_positions", "raw_orientations"):
-        assert np.allclose(getattr(back, field), getattr(recording, field), atol=1e-12)
-
-
 def test_a_verdict_that_should_change_does() -> None:
     """Or the checks above would prove nothing: gravity that is not turned with the world explains no fall any more."""
     scenario, scene, recording = run("avatarsim", "bounce_ladder", 45)

@@ -66,13 +66,3 @@ def test_thinned_substeps_say_so() -> None:
 def test_no_substeps_is_missing_and_not_zero() -> None:
     value, _ = substep_overlap(resting(fist_scene(), 1), lambda p, q: 0.0)
     assert isinstance(value, Missing)
-
-
-def test_without_the_judge_its_figures_are_missing_by_fault_of_a_package(monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
-    monkeypatch.setitem(sys.modules, "reference.judging.judge", None)
-    values = measured(resting(fist_scene(), 2), Known(fist(2), fist_scene())).values
-    overlap = values["residual_overlap_max"]
-    assert isinstance(overlap, Missing) and overlap.fault == "package"
-    assert values["not_finite_frames"] == 0.0

@@ -31,10 +31,3 @@ def test_a_turn_in_place_is_motion() -> None:
     turns = recording.orientations.copy()
     turns[2:, -1] = (np.cos(0.1), np.sin(0.1), 0.0, 0.0)
     assert resting(replace(recording, orientations=turns), fist_scene()).tolist() == [True, False, True]
-
-
-def test_fixed_bodies_alone_rest() -> None:
-    scene = drop_scene()
-    fixed = replace(scene, bodies=tuple(body for body in scene.bodies if body.role.name == "FIXED"))
-    recording = at_rest(fixed, 4)
-    assert resting(recording, fixed).all() and len(resting(recording, fixed)) == 4

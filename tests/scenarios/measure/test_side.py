@@ -5,15 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from scenarios.measure.side import wrong_side
-from tests.scenarios.examples import DT, drop, drop_scene, fist, fist_scene, resting, with_inside
-
-
-def test_the_right_side_counts_nothing() -> None:
-    assert wrong_side(resting(fist_scene(), 5), fist(5), fist_scene()) == {"wrong_side_frames": 0.0}
-
-
-def test_a_scene_without_regions_says_nothing() -> None:
-    assert wrong_side(resting(drop_scene(), 5), drop(5), drop_scene()) == {}
+from tests.scenarios.examples import DT, fist, fist_scene, resting, with_inside
 
 
 def test_frames_beyond_the_wall_are_counted_shown_or_inside_or_not_a_number() -> None:

@@ -9,7 +9,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from avatarsim.errors import InvalidFile, InvalidSample, MissingPackage, StartOverlaps
+from avatarsim.errors import InvalidSample, StartOverlaps
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses, rest
 from avatarsim.spatial import rotation
@@ -136,29 +136,12 @@ def test_frames_cut_a_run_short_and_options_reach_the_engine(folder: Path) -> No
     assert outcome.frames == 3 and outcome.about["settings"]["gain"] == 2
 
 
-def test_not_a_number_is_recorded_and_counted(folder: Path) -> None:
-    outcome = accuracy(job("fist", "not_a_number"), folder)
-    assert outcome.state == "measured" and outcome.values["not_finite_frames"] == 27.0
-    assert np.isnan(outcome.values["residual_overlap_max"])
-    assert np.isnan(record.load(folder / "recordings" / "fist.not_a_number.default.0.npz").positions[-1]).all()
-
-
 def test_an_engine_that_raises_has_crashed_and_its_frames_stay(folder: Path) -> None:
     outcome = accuracy(job("fist", "raises"), folder)
     assert (outcome.state, outcome.frames) == ("crashed", 4)
     assert "in frame 4" in outcome.note and "RuntimeError" in outcome.note
     kept = record.load(folder / "recordings" / "fist.raises.default.0.npz")
     assert kept.frames == 3 and kept.meta["error"] == outcome.note
-
-
-@pytest.mark.parametrize(("engine", "preset", "state", "named"), [
-    ("absent", "default", "not-measured", "a_package_that_nobody_has"),
-    ("no_engine", "default", "crashed", "avatarsim.engine.Engine"),
-    ("speechless", "default", "cannot-say", "it knows spheres only"), ("tunnels", "fastest", "crashed", "default, other"),
-])
-def test_a_job_without_frames_has_a_state_and_a_reason(folder: Path, engine: str, preset: str, state: str, named: str) -> None:
-    outcome = accuracy(job("fist", engine, preset), folder)
-    assert outcome.state == state and named in outcome.note and not (folder / "recordings").exists()
 
 
 @pytest.mark.parametrize(("scenario", "state"), [("fist", "crashed"), ("refusing", "refused")])
@@ -172,18 +155,6 @@ def test_a_refused_start_is_right_where_the_scene_expects_it(
 
     monkeypatch.setattr(sys.modules[MODULE].Frozen, "load", refuse)
     assert accuracy(job(scenario), folder).state == state
-
-
-@pytest.mark.parametrize("error", [
-    InvalidFile("clip.txt", "12 frames and a half", "whole frames"), MissingPackage("trimesh", "assets", "the duck"),
-])
-def test_a_scene_that_cannot_be_made_is_not_measured(folder: Path, offered: dict[str, Scenario], error: Exception) -> None:
-    def broken() -> Scene:
-        raise error
-
-    offered["broken"] = replace(fist(), build=broken)
-    outcome = accuracy(job("broken"), folder)
-    assert outcome.state == "not-measured" and str(error) in outcome.note
 
 
 def test_an_invalid_tracker_sample_is_found_before_any_engine_runs(folder: Path, offered: dict[str, Scenario]) -> None:

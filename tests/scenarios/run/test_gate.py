@@ -1,6 +1,5 @@
 """The gate: bounds, waivers and exit codes; missing data is never a pass."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +10,7 @@ from runfiles.table import Row
 from scenarios.catalog import scenarios
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing, Value
-from scenarios.run.gate import bounds_of, ceilings, exit_code, judged, meaning, rows_of
+from scenarios.run.gate import bounds_of, ceilings, exit_code, judged, rows_of
 from scenarios.scenario import Bound
 from tests.scenarios.examples import drop, fist
 
@@ -57,16 +56,6 @@ def test_a_waived_figure_keeps_bound_and_waiver() -> None:
     rows = rows_of(outcome(**SOUND | {OVERLAP: 4e-4}), fist(), {OVERLAP: 1e-3}, True)
     row = by_metric(rows)[OVERLAP]
     assert (row.status, row.bound, row.ceiling) == ("waived", 1e-6, 1e-3) and exit_code(rows) == 0
-
-
-@pytest.mark.parametrize(("still", "limits", "numbers"), [
-    (0.0, {}, [4, 4]), (50.5, {}, [3, 4, 1]), *((still, {"still_frames": 51.0}, [3, 4, 1]) for still in (50.5, 52.0)),
-])
-def test_the_meaning_of_a_code_has_the_numbers_of_checks(still: float, limits: dict[str, float], numbers: list[int]) -> None:
-    rows = rows_of(outcome(**SOUND | {"still_frames": still}), fist(), limits, True)
-    others = rows_of(Outcome(Job("fist", "o", "default"), "measured", values=SOUND), fist(), {}, False)
-    text = meaning(exit_code(rows), [*rows, *others], frozenset({("e", "default")}))
-    assert [int(word) for word in re.findall(r"\d+", text)] == numbers
 
 
 def test_overlap_and_finite_poses_are_bounded_in_every_scene_and_bounds_are_of_known_metrics() -> None:

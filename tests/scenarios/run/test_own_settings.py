@@ -1,7 +1,5 @@
 """Settings of a user's own: a row each, refused before anything runs where they cannot be meant."""
 
-import re
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -26,12 +24,6 @@ def test_every_engine_takes_its_row_of_the_example() -> None:
     assert [one.engine for one in rows] == ["avatarsim", "mujoco", "pybullet"]
     assert all(one.options and "preset" not in one.options for one in rows)
     check_settings(rows, "ball_drop", FILE, 0)
-
-
-def test_the_page_of_commands_shows_a_part_of_the_example() -> None:
-    page = (FILE.parents[1] / "docs" / "commands.md").read_text(encoding="utf-8")
-    [shown] = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
-    assert tomllib.loads(shown).items() <= tomllib.loads(FILE.read_text(encoding="utf-8")).items()
 
 
 @pytest.mark.parametrize("workers", [0, 2])

@@ -7,11 +7,6 @@ import pytest
 from scenarios.run.progress import INTERVAL, Progress
 
 
-class Terminal(io.StringIO):
-    def isatty(self) -> bool:
-        return True
-
-
 @pytest.mark.parametrize(("pause", "counts"), [(0.0, ["3/3"]), (0.7 * INTERVAL, ["2/3", "3/3"])])
 def test_a_line_at_the_end_and_few_before(pause: float, counts: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     stream, now = io.StringIO(), [0.0]
@@ -22,11 +17,3 @@ def test_a_line_at_the_end_and_few_before(pause: float, counts: list[str], monke
             progress.step("one")
     assert [line.split()[:2] for line in stream.getvalue().splitlines()] == [["accuracy", count] for count in counts]
     assert "\r" not in stream.getvalue()
-
-
-def test_a_bar_on_a_terminal() -> None:
-    stream = Terminal()
-    with Progress("accuracy", 2, stream) as progress:
-        progress.step("one")
-        progress.step("two")
-    assert "\r" in stream.getvalue() and "2/2" in stream.getvalue() and "accuracy" in stream.getvalue()

@@ -10,7 +10,7 @@ import pytest
 
 from avatarsim.errors import InvalidFile
 from reports.reading.load import load
-from runfiles.files import last_comparison, latest, plain, point_latest, run_folder, write_json
+from runfiles.files import plain, point_latest, run_folder, write_json
 from runfiles.table import RESULTS, Row
 from scenarios.job import Job, Outcome
 from scenarios.run.results import MORE, Results, write
@@ -80,18 +80,6 @@ def test_numbers_without_a_word_in_json_become_texts(tmp_path: Path) -> None:
     }
     write_json(tmp_path / "x.json", {"a": float("inf")})
     assert json.loads((tmp_path / "x.json").read_text()) == {"a": "Infinity"}
-
-
-def test_every_run_has_its_folder_and_latest_leads_to_the_last_comparison(tmp_path: Path) -> None:
-    check = run_folder(tmp_path, "check")
-    point_latest(check, "check")
-    assert last_comparison(tmp_path, "growth") == tmp_path / "growth" and not latest(tmp_path).exists()
-    one, two = run_folder(tmp_path, "compare"), run_folder(tmp_path, "compare")
-    assert one != two and one.is_dir() and two.is_dir()
-    point_latest(one)
-    point_latest(two)
-    assert latest(tmp_path).resolve() == last_comparison(tmp_path, "growth").resolve() == two.resolve()
-    assert {path.name for path in tmp_path.iterdir()} == {check.name, one.name, two.name, "latest", "latest-check"}
 
 
 def test_a_folder_called_latest_is_left_alone(tmp_path: Path) -> None:

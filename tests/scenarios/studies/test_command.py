@@ -3,11 +3,9 @@
 import csv
 from pathlib import Path
 
-import pytest
-
 from scenarios.__main__ import main
 from scenarios.cli import study as command
-from scenarios.run.gate import NOTHING, STOPPED, USAGE
+from scenarios.run.gate import STOPPED
 from tests.scenarios.studies.settings.fakes import Fakes
 
 ASKED = ["study", "settings", "--filter", "stop_distance", "--engine", "mujoco", "--jobs", "0", "--frames", "3"]
@@ -43,21 +41,6 @@ def test_a_run_that_is_stopped_goes_on_where_it_was(tmp_path: Path, fakes: Fakes
     before = list(fakes.asked)
     assert main([*ASKED, "--out", str(tmp_path)]) == 0
     assert not set(fakes.asked[4:]) & set(before) and {row["status"] for row in rows(tmp_path)} == {"info"}
-
-
-@pytest.mark.parametrize(("words", "code"), [
-    (["--engine", "abacus"], USAGE), (["--filter", "nowhere"], NOTHING), (["--jobs", "-1"], USAGE), (["--frames", "0"], USAGE),
-    (["--settings", "nowhere.toml"], USAGE), (["--resume", "run"], USAGE),
-])
-def test_bad_input_is_refused_at_the_door(tmp_path: Path, words: list[str], code: int) -> None:
-    assert main(["study", "settings", "--filter", "stop_distance", "--engine", "mujoco", *words, "--out", str(tmp_path)]) == code
-    assert not list(tmp_path.rglob("*.csv"))
-
-
-def test_an_unknown_study_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["study", "weather", "--out", str(tmp_path)]) == USAGE
-    said = capsys.readouterr().err
-    assert "weather" in said and "hard_cases" in said
 
 
 def test_rows_go_into_the_last_comparison(tmp_path: Path, fakes: Fakes) -> None:

@@ -14,10 +14,10 @@ from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
 from scenarios import unseen
 from scenarios.building.avatars.humanoid import humanoid
-from scenarios.motion.mocap import UPPER, load_clip, retimed
+from scenarios.motion.mocap import load_clip, retimed
 from scenarios.motion.track import track_of
 from scenarios.scenario import RENDERED
-from scenarios.unseen.clips import FASTEST, SLOWEST, cut, faded, heading, layered, mirrored, warped
+from scenarios.unseen.clips import FASTEST, SLOWEST, cut, faded, heading, mirrored, warped
 from scenarios.unseen.drawn_motion import FASTEST as FASTEST_LINK
 from scenarios.unseen.drawn_motion import LED_IN
 
@@ -60,14 +60,6 @@ def test_a_warp_stays_between_its_rates_and_keeps_both_ends(seed: int) -> None:
     assert np.abs(np.diff(np.log(rate))).max() < 0.06
 
 
-def test_layers_take_legs_of_one_and_arms_of_the_other() -> None:
-    both = layered(SPIN, WALK)
-    count = len(WALK.times)
-    for link, values in {**both.rotations, **both.angles}.items():
-        source = SPIN if link in UPPER else WALK
-        np.testing.assert_array_equal(values, {**source.rotations, **source.angles}[link][:count])
-
-
 @pytest.mark.parametrize("turn", [-1.5, 0.0, 0.7])
 def test_a_fade_is_continuous_and_ends_in_the_other_clip(turn: float) -> None:
     joined = faded(WALK, cut(KICK, 10, 80), 30, turn)
@@ -81,11 +73,6 @@ def test_a_fade_is_continuous_and_ends_in_the_other_clip(turn: float) -> None:
     assert np.cos(heading(joined, 46 + 30) - wanted) == pytest.approx(1.0, abs=1e-12)
     for link in ("left_hip", "chest"):
         np.testing.assert_array_equal(joined.rotations[link][76:], KICK.rotations[link][40:90])
-
-
-def test_short_clips_fade_over_half_of_the_shorter() -> None:
-    joined = faded(cut(WALK, 0, 10), cut(SPIN, 0, 6), 30)
-    assert len(joined.times) == 10 + 6 - 3
 
 
 ROOMS = sorted(unseen.scenarios())

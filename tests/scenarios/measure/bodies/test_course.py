@@ -9,10 +9,9 @@ from runfiles.record import Recording
 from scenarios.building.expected import Course, Pile, Rest, Stop, Tower, steady, uniform
 from scenarios.measure.bodies.closed_form import course_errors, stops
 from scenarios.measure.bodies.standing import at_rest, piles, towers
-from scenarios.measure.bodies.whereabouts import escapes
 from scenarios.measure.frames import halts
 from scenarios.measure.value import Missing
-from scenarios.scenario import Region, Scenario
+from scenarios.scenario import Scenario
 from tests.scenarios.examples import DT, drop, drop_scene, resting
 
 BALL = 1
@@ -55,11 +54,6 @@ def test_a_course_through_what_is_no_number_is_no_number() -> None:
     assert np.isnan(course_errors(recording, asks(courses=(course,)), drop_scene())["course_error_max"])
 
 
-def test_a_scene_without_closed_forms_says_nothing() -> None:
-    recording, scene = moved((0.0, 0.0, 0.0)), drop_scene()
-    assert not {**course_errors(recording, asks(), scene), **at_rest(recording, asks(), scene), **stops(recording, asks(), scene)}
-
-
 def test_drift_is_from_where_it_came_to_rest_and_energy_is_that_of_the_end() -> None:
     found = at_rest(moved((0.0, 0.3, 0.0)), asks(rests=(Rest(("ball",), 0.1),)), drop_scene())
     assert found["drift_max"] == pytest.approx(0.3 * (30 - 6) * DT)
@@ -100,14 +94,6 @@ def test_towers_stand_up_to_the_first_ratio_that_falls() -> None:
     nowhere = replace(still, positions=np.full_like(still.positions, np.nan))
     assert towers(nowhere, asks(towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
     assert towers(still, drop(30), drop_scene()) == {}
-
-
-def test_the_share_of_bodies_that_left_their_region() -> None:
-    region = Region(("ball", "slab"), (-1.0, -1.0, -1.0), (0.2, 1.0, 2.0), "because")
-    scenario = replace(drop(30), regions=(region,))
-    assert escapes(moved((1.0, 0.0, 0.0)), scenario, drop_scene()) == {"escaped_bodies": 50.0}
-    assert escapes(moved((0.0, 0.0, 0.0)), scenario, drop_scene()) == {"escaped_bodies": 0.0}
-    assert escapes(moved((0.0, 0.0, 0.0)), replace(drop(30), regions=()), drop_scene()) == {}
 
 
 def test_a_pile_is_as_high_as_its_bodies_are_on_the_mean_above_their_floor() -> None:

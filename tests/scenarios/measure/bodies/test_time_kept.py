@@ -8,7 +8,7 @@ import pytest
 
 from reference.closed_form import bounce_state
 from runfiles.record import Recording
-from scenarios.measure.bodies.time_kept import stated_way, time_kept
+from scenarios.measure.bodies.time_kept import time_kept
 from tests.scenarios.examples import DT, drop_scene, resting
 from tests.scenarios.measure.test_metamorphic import run
 
@@ -82,15 +82,6 @@ def test_a_frozen_ball_cannot_hide_behind_an_impact_that_turns_one_part_of_its_v
     assert figures(recording) == (0.0, 0.0)
 
 
-def test_an_impact_anywhere_in_the_frame_is_on_the_line_and_what_is_beyond_its_ends_is_not() -> None:
-    before, after = np.array([[0.3, 0.0, -1.0]]), np.array([[0.2, 0.0, 0.4]])
-    for share in (0.0, 0.1, 0.5, 1.0):
-        way = before + share * (after - before)
-        assert stated_way(way, before, after) == pytest.approx(way)
-    assert stated_way(2.0 * after, before, after) == pytest.approx(after)
-    assert stated_way(np.zeros((1, 3)), before, before) == pytest.approx(before)
-
-
 def test_a_centre_of_mass_that_rolls_keeps_its_time_though_the_origin_of_its_body_does_not() -> None:
     """The origin lies beside the centre of mass, as that of a hull may."""
     scene = drop_scene()
@@ -115,12 +106,6 @@ def test_slow_bodies_do_not_count_and_a_number_that_is_none_is_none() -> None:
     assert figures(slow) == pytest.approx((1.0, 100.0))
     slow.positions[7, BALL, 2] = np.nan
     assert np.isnan(figures(slow)).all()
-
-
-def test_a_scene_without_loose_bodies_says_nothing() -> None:
-    scene = drop_scene()
-    alone = replace(scene, bodies=scene.bodies[:1])
-    assert time_kept(resting(alone, 5), alone) == {}
 
 
 @pytest.mark.parametrize("name", ["ball_drop", "bounce_ladder", "newton_cradle", "slide_to_roll", "stop_distance", "log_roll"])

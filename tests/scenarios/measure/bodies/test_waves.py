@@ -61,7 +61,3 @@ def test_a_wave_that_stops_has_the_speed_of_what_it_did_by_the_end() -> None:
 @pytest.mark.parametrize("until", [0, 3, 6])
 def test_a_wave_that_never_begins_has_no_speed(until: int) -> None:
     assert figures(running(0.9, until=until)) == {"wave_speed_error": 100.0, "wave_missing": float(ROW - until)}
-
-
-def test_a_scene_without_waves_says_nothing() -> None:
-    assert waves(running(0.9), drop(FRAMES), row()) == {}

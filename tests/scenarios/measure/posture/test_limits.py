@@ -9,9 +9,8 @@ from avatarsim.scene.joint import ReachCone
 from avatarsim.scene.tracker import TrackerSample, rest
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
-from scenarios.measure.posture.joints import beyond
 from scenarios.measure.posture.limits import beyond_cone, limit_excess
-from tests.scenarios.examples import arm_scene, fist_scene, recorded, resting
+from tests.scenarios.examples import arm_scene, recorded
 
 SCENE = arm_scene()
 
@@ -74,10 +73,6 @@ def test_a_direction_outside_the_square_cone_is_as_far_as_its_face_says() -> Non
     assert limit_excess(posed(swing=44.0), SCENE)["reach_cone_excess_max"] == 0.0
 
 
-def test_no_joints_no_limits() -> None:
-    assert limit_excess(resting(fist_scene(), 2), fist_scene()) == {}
-
-
 def test_beyond_a_corner_the_distance_is_to_the_corner() -> None:
     corners = np.eye(3)
     cone = ReachCone(corners, (1.0, 1.0, 1.0))
@@ -86,7 +81,3 @@ def test_beyond_a_corner_the_distance_is_to_the_corner() -> None:
     found = beyond_cone(cone, np.stack([inside, away, np.full(3, np.nan), corners[0]]))
     assert found == pytest.approx([0.0, 0.2, np.nan, 0.0], abs=1e-12, nan_ok=True) and found[0] == 0.0
     assert beyond_cone(cone, np.zeros((0, 3))).shape == (0,)
-
-
-def test_whole_turns_are_no_excess() -> None:
-    assert beyond(np.array([0.1 + 6.0 * np.pi, -0.3]), -0.2, 0.2) == pytest.approx([0.0, 0.1], abs=1e-12)

@@ -7,17 +7,13 @@ import pytest
 
 from avatarsim.spatial import rotation
 from scenarios.measure.posture.stillness import movement, still_frames
-from tests.scenarios.examples import drop_scene, fist_motion, fist_scene, recorded, resting
+from tests.scenarios.examples import fist_motion, fist_scene, recorded, resting
 
 
 def moving() -> tuple:
     scene = fist_scene()
     motion = fist_motion(scene, 0)
     return scene, recorded(scene, [scene.first_sample, *(motion(k) for k in range(10))])
-
-
-def test_following_is_not_still() -> None:
-    assert still_frames(moving()[1]) == {"still_frames": 0.0}
 
 
 def test_nobody_moves_nobody_is_still() -> None:
@@ -54,7 +50,3 @@ def test_not_a_number_has_not_moved() -> None:
 def test_a_turn_moves_a_point_a_tenth_of_a_metre_away() -> None:
     turned = np.array([[rotation.IDENTITY], [rotation.from_axis_angle([0.0, 0.0, 1.0], 0.02)]])
     assert movement(np.zeros((2, 1, 3)), turned) == pytest.approx([0.002], abs=1e-15)
-
-
-def test_no_avatar_no_stillness() -> None:
-    assert still_frames(resting(drop_scene(), 3)) == {}

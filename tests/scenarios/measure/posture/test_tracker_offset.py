@@ -9,7 +9,7 @@ from avatarsim.spatial import rotation
 from scenarios.measure.posture.free import free_frames
 from scenarios.measure.posture.tracker_offset import tracker_offset
 from scenarios.measure.value import Missing
-from tests.scenarios.examples import arm_scene, drop_scene, fist, fist_motion, fist_scene, recorded, resting
+from tests.scenarios.examples import arm_scene, fist, fist_motion, fist_scene, recorded, resting
 
 EVERY = np.ones(5, dtype=bool)
 
@@ -45,10 +45,6 @@ def test_an_injected_turn_comes_out_over_joints() -> None:
 def test_without_a_free_frame_the_figure_is_missing_and_not_zero() -> None:
     value = tracker_offset(resting(fist_scene(), 4), fist_scene(), ~EVERY)["tracker_offset_rms_free"]
     assert isinstance(value, Missing) and value.fault == "scene"
-
-
-def test_no_avatar_no_offset() -> None:
-    assert tracker_offset(resting(drop_scene(), 4), drop_scene(), EVERY) == {}
 
 
 def test_free_means_no_overlap_right_side_and_within_limits() -> None:

@@ -72,13 +72,6 @@ def test_here_not_one_bit_changes() -> None:
     assert Elsewhere().scene(scene) is scene and Elsewhere().back(plain) is plain
 
 
-def test_what_the_body_is_made_of_grows_as_it_must() -> None:
-    body = catalog.get("non_convex").build().bodies[8]
-    big = Elsewhere(10.0).body(body)
-    assert body.mass is not None and big.mass is not None
-    assert big.mass.mass == body.mass.mass and np.allclose(big.mass.inertia, 100.0 * body.mass.inertia)
-
-
 def test_a_root_that_is_not_free_stays() -> None:
     scene = arm_scene()
     links = (replace(scene.avatars[0].links[0], joint=Rigid()), *scene.avatars[0].links[1:])

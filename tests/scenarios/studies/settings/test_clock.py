@@ -9,13 +9,9 @@ from scenarios.measure.timing import Timed
 from scenarios.run.timed_worker import TimedWorkers as Seats
 from scenarios.run.timing import Clocked
 from scenarios.studies.settings.cell import Cell
-from scenarios.studies.settings.clock import AT_ONE_TABLE, REPEATS, rendered, tables, time_entry, times
+from scenarios.studies.settings.clock import AT_ONE_TABLE, REPEATS, tables, time_entry, times
 from scenarios.studies.settings.grid import Setting
 from tests.scenarios.studies.settings.grids import GRIDS
-
-
-def test_parts_are_added_up() -> None:
-    assert rendered([1.0, 2.0, 3.0, 4.0, 9.0], 2) == [3.0, 7.0] and rendered([1.0, 2.0], 1) == [1.0, 2.0]
 
 
 def test_an_entry_has_percentiles_or_a_reason() -> None:
@@ -42,25 +38,12 @@ def test_frames_at_rest_and_in_motion_have_medians_where_both_are_many() -> None
     assert halves["rests"] == 50.0 and halves["p95"] == 4.0
 
 
-@pytest.mark.parametrize(("repeats", "frames", "stated"), [(3, 200, True), (2, 200, False), (3, 199, False)])
-def test_a_tail_needs_frames_and_repeats_behind_it(repeats: int, frames: int, stated: bool) -> None:
-    timed = Timed(np.full((repeats, frames), 4000, dtype=np.int64))
-    found = time_entry(Clocked(Job("stop_distance", "mujoco", "tuned"), timed), 1)
-    assert found["p50"] == 4.0 and found["p99"] == (4.0 if stated else None)
-
-
 def test_every_group_has_every_engine() -> None:
     cells = [Cell("stop_distance", setting) for settings in GRIDS.values() for setting in settings]
     groups = tables(cells)
     assert sorted(cell.setting.run for group in groups for cell in group) == sorted(cell.setting.run for cell in cells)
     assert all(len(group) <= AT_ONE_TABLE for group in groups)
     assert all({cell.setting.engine for cell in group} == set(GRIDS) for group in groups[:-1])
-
-
-def test_all_settings_of_a_scene_are_timed_over_the_same_rendered_frames() -> None:
-    cut = Setting("avatarsim", "default frame=1/240", "default", cut=4)
-    assert Cell("stop_distance", cut).timed_frames == 4 * Cell("stop_distance", Setting("mujoco", "tuned", "tuned")).timed_frames
-    assert Cell("hand_grasp", cut).timed_frames == 960 and Cell("hand_grasp", cut, frames=5).timed_frames == 20
 
 
 def test_processes_go_on_from_table_to_table() -> None:

@@ -2,7 +2,7 @@
 
 from scenarios.job import Job, Outcome
 from scenarios.measure.value import Missing
-from scenarios.studies.settings.measure import entry_of, errors
+from scenarios.studies.settings.measure import entry_of
 
 
 def test_entries_of_outcomes() -> None:
@@ -16,8 +16,3 @@ def test_it_keeps_the_step_the_rest_and_what_the_engine_cannot_say() -> None:
     found = entry_of(Outcome(Job("stop_distance", "mujoco", "tuned"), "measured", about=about, resting=(True, False)))
     assert (found["step"], found["resting"], found["cannot_say"]) == (0.002, [1, 0], {"reach cones": "ignored"})
     assert entry_of(Outcome(Job("stop_distance", "avatarsim", "default"), "measured"))["step"] is None
-
-
-def test_an_engine_that_nobody_has_is_an_entry_too() -> None:
-    found = errors(Job("stop_distance", "abacus", "default", frames=1))
-    assert found["state"] == "crashed" and "abacus" in found["note"] and found["values"] == {}

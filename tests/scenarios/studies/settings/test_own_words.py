@@ -62,31 +62,12 @@ def test_another_step_in_the_presets_model_is_not_the_model_of_the_row() -> None
     assert "geom_solref" in all_that_differs(told, row)
 
 
-@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
-def test_a_flag_has_words_for_both_of_its_values(engine: str) -> None:
-    on, off = (settable(Setting(engine, "x", "tuned", {"sleep": value})) for value in (True, False))
-    assert on and off and on != off
-
-
-@pytest.mark.parametrize("engine", ["mujoco", "pybullet"])
-def test_what_others_follow_from_has_no_words(engine: str) -> None:
-    follow = {"dt", "margin", "loose_margin", "weld_time", "contact_time", "contact_steps", "solimp", "contact_erp", "drive"}
-    assert not [setting.run for setting in GRIDS[engine] if settable(setting) and not follow.isdisjoint(setting.options)]
-    assert [setting.run for setting in GRIDS[engine] if settable(setting)]
-
-
 def test_words_of_pybullet_are_its_calls() -> None:
     said = settable(Setting("pybullet", "x", "tuned", {"solver_iterations": 10, "collision_margin": 0.001}))
     calls = [ast.parse(call).body[0] for call in said.split("; ")]
     functions = [ast.unparse(call).partition("(")[0] for call in calls]
     assert functions == ["pybullet.setPhysicsEngineParameter", "pybullet.changeDynamics"]
     assert "numSolverIterations=10)" in said and "collisionMargin=0.001)" in said
-
-
-def test_a_preset_and_what_only_the_adapter_knows_have_none() -> None:
-    assert settable(Setting("mujoco", "tuned", "tuned")) == settable(Setting("mujoco", "x", "tuned", {"kappa": 0.02})) == ""
-    assert settable(Setting("mujoco", "x", "tuned", {"iterations": 10, "kappa": 0.02})) == ""
-    assert settable(Setting("avatarsim", "x", "default", {"steps": 1})) == ""
 
 
 def test_a_preset_is_loaded_from_the_file_that_a_run_leaves(tmp_path: Path) -> None:

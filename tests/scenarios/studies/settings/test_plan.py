@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from runfiles import ladder
-from runfiles.timing_protocol import RANKED_REPEATS, REPEATS
+from runfiles.timing_protocol import REPEATS
 from scenarios import catalog
 from scenarios.job import Job, Outcome
 from scenarios.measure.timing import Round, Timed, frame_times
@@ -17,7 +17,6 @@ from scenarios.run.timing import Clocked
 from scenarios.studies.checkpoint import Entry
 from scenarios.studies.settings import ask, plan
 from scenarios.studies.settings.cell import Cell
-from scenarios.studies.settings.grid import short_order
 from scenarios.studies.study import Request
 from tests.scenarios.studies.settings.fakes import VALUES, Fakes
 from tests.scenarios.studies.settings.grids import GRIDS
@@ -40,13 +39,6 @@ def request(
         folder, {name: catalog.get(name) for name in scenes}, PRESETS, 0, 0, False,
         {outcome.job.stem: outcome for outcome in outcomes}, clocked or {},
     )
-
-
-def test_its_names_are_the_grids_and_the_presets_come_first() -> None:
-    for engine in GRIDS:
-        names, grid = short_order(engine, ()), [setting.name for setting in GRIDS[engine]]
-        assert set(names) <= set(grid) and list(names[:2]) == grid[:2] and len(set(names)) == len(names)
-        assert not any(setting.narrow for setting in GRIDS[engine] if setting.name in names)
 
 
 def test_it_takes_every_everyday_scene_and_one_of_each_phenomenon_and_no_other() -> None:
@@ -221,10 +213,6 @@ def test_a_time_that_could_not_be_taken_is_said(tmp_path: Path, fakes: Fakes) ->
 
 def test_a_run_without_its_scenes_has_no_sweep(tmp_path: Path) -> None:
     assert ask.STUDY.carry_out(request(tmp_path, ("free_flight",))) == ([], []) and not list(tmp_path.iterdir())
-
-
-def test_long_scenes_are_timed_once_and_short_ones_thrice() -> None:
-    assert phenomena.repeats_of(phenomena.TWICE) == RANKED_REPEATS and phenomena.repeats_of(phenomena.TWICE - 1) == REPEATS
 
 
 def test_cut_frames_are_timed_over_the_same_rendered_frames() -> None:
