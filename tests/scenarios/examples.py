@@ -114,6 +114,18 @@ def resting(scene: Scene, frames: int) -> Recording:
     return recorded(scene, [scene.first_sample] * (frames + 1))
 
 
+def walked(frames: int) -> Recording:
+    """A fist that is always where its user has it, who drives it into the wall."""
+    scene = fist_scene()
+    motion = fist_motion(scene, 0)
+    return recorded(scene, [scene.first_sample, *(motion(k) for k in range(frames))])
+
+
+def expecting(frames: int, **expects: object) -> Scenario:
+    """A scene without bounds that states these closed forms."""
+    return replace(drop(frames), expects=expects, bounds=())
+
+
 def with_inside(
     recording: Recording, times: list[float], frames: list[int], events: list[str], positions: np.ndarray, velocities: np.ndarray,
 ) -> Recording:

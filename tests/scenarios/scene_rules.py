@@ -5,7 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import TrackerSample, checked, link_poses, link_poses_each
+from avatarsim.scene.tracker import checked, link_poses, link_poses_each
 from reference.judging.judge import Judge
 from scenarios.run.gate import bounds_of
 from scenarios.scenario import EXPECTS, Scenario
@@ -19,9 +19,9 @@ FREEZES = ("still_frames", "apex_error_max")
 can measure."""
 
 
-def poses(scene: Scene, sample: TrackerSample) -> tuple[Array, Array]:
-    """Body frames of the whole scene: bodies where they begin, links where the tracker has them."""
-    positions, orientations = link_poses(scene.avatars, sample)
+def first_poses(scene: Scene) -> tuple[Array, Array]:
+    """Body frames of the whole scene at its start."""
+    positions, orientations = link_poses(scene.avatars, scene.first_sample)
     return (
         np.vstack([*(body.position for body in scene.bodies), positions]),
         np.vstack([*(body.orientation for body in scene.bodies), orientations]),
@@ -47,7 +47,7 @@ def says_what_it_is_and_what_must_hold(scenario: Scenario) -> None:
 def begins_free_where_its_regions_allow(scenario: Scenario) -> None:
     """The judge finds no overlap in the first pose, and every body is in its regions."""
     scene = scenario.build()
-    positions, orientations = poses(scene, scene.first_sample)
+    positions, orientations = first_poses(scene)
     assert scenario.expects.get("refusal") or Judge(scene).overlaps(positions, orientations).deepest == 0.0
     for region in scenario.regions:
         inside = positions[list(region.indices(scene.names))]

@@ -22,8 +22,8 @@ from scenarios.scenario import Bound, Motion, Region, Scenario
 from tests.scenarios.scene_rules import (
     BRISK,
     begins_free_where_its_regions_allow,
+    first_poses,
     moves_soundly,
-    poses,
     says_what_it_is_and_what_must_hold,
 )
 
@@ -74,7 +74,7 @@ def test_the_wall_stands_a_foot_inside_the_reach_and_is_never_wholly_passed(name
 def test_the_balls_fall_a_metre_onto_the_pairs_of_table_1() -> None:
     scenario, scene, _ = built("ball_drop")
     judge = Judge(scene)
-    first, second, distances = judge.distances(*poses(scene, scene.first_sample), reach=2.0)
+    first, second, distances = judge.distances(*first_poses(scene), reach=2.0)
     names = np.array(scene.names)[judge.pieces.owner]
     apart = {frozenset(pair): distance for *pair, distance in zip(names[first], names[second], distances, strict=True)}
     materials, pairs = dict(zip(scene.names, scene.material_names, strict=True)), set()

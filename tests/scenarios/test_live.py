@@ -1,13 +1,12 @@
 """Scenes of the catalogue driven live: which scene and which engines are meant, and what is refused."""
 
-import numpy as np
 import pytest
 
 pytest.importorskip("viser")
 
 from avatarsim.live.stages import NAMES, stage
-from avatarsim.scene.tracker import link_poses
 from scenarios.live import judged, main, plan_of, staged_of
+from tests.scenarios.scene_rules import first_poses
 
 QUIET = ["--no-browser", "--port", "0"]
 
@@ -32,10 +31,7 @@ def test_another_engine_has_the_preset_that_is_named_or_the_first() -> None:
 def test_the_judge_sees_a_hand_in_the_table_and_none_above_it() -> None:
     scene = stage("hand").scene
     depth = judged(scene)
-    first = scene.first_sample
-    links = link_poses(scene.avatars, first)
-    bodies = np.array([body.position for body in scene.bodies]), np.array([body.orientation for body in scene.bodies])
-    positions, orientations = (np.concatenate((a, b)) for a, b in zip(bodies, links, strict=True))
+    first, (positions, orientations) = scene.first_sample, first_poses(scene)
     assert depth(scene, positions, orientations, first.angles) <= 1e-6
     deepest = 0.0
     for _ in range(12):

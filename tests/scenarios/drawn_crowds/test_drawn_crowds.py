@@ -2,20 +2,19 @@
 
 from collections import Counter
 
-import numpy as np
 import pytest
 
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.scene.body import Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Shape, Sphere
-from avatarsim.scene.tracker import link_poses
 from reference.judging.judge import Judge
 from scenarios import drawn_crowds
 from scenarios.drawn_crowds import KINDS
 from scenarios.drawn_crowds.bodies import FRICTIONS, RESTITUTIONS
 from scenarios.run.provenance import scene_hash
 from scenarios.unseen import seeds
+from tests.scenarios.scene_rules import first_poses
 
 
 def scenes(count: int) -> list[Scene]:
@@ -36,11 +35,7 @@ def test_a_seed_draws_the_same_scene_and_motion_and_another_seed_others() -> Non
 
 def test_two_hundred_crowds_overlap_nowhere_at_the_start() -> None:
     for scene in scenes(200):
-        positions, orientations = link_poses(scene.avatars, scene.first_sample)
-        places = np.array([*(body.position for body in scene.bodies), *positions])
-        turns = np.array([*(body.orientation for body in scene.bodies), *orientations])
-        (verdict,) = Judge(scene).over_time(places[None], turns[None])
-        assert verdict.deepest == 0.0, scene.name
+        assert Judge(scene).overlaps(*first_poses(scene)).deepest == 0.0, scene.name
 
 
 def test_two_hundred_crowds_have_every_kind_shape_and_law_that_they_should() -> None:

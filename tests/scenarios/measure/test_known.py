@@ -8,14 +8,7 @@ import pytest
 from runfiles.record import Recording
 from scenarios.measure.known import Known
 from scenarios.measure.posture.free import free_frames
-from tests.scenarios.examples import fist, fist_motion, fist_scene, recorded
-
-
-def walked() -> Recording:
-    """A fist that its user drives into a wall."""
-    scene = fist_scene()
-    motion = fist_motion(scene, 0)
-    return recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
+from tests.scenarios.examples import fist, fist_scene, walked
 
 
 @pytest.fixture
@@ -32,7 +25,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Recording]:
 
 
 def test_free_frames_are_those_of_the_measure_itself(asked: list[Recording]) -> None:
-    recording, known = walked(), Known(fist(), fist_scene())
+    recording, known = walked(30), Known(fist(), fist_scene())
     plain = free_frames(recording, fist(), fist_scene(), known.judge.link_depths)
     assert known.free(recording).tolist() == plain.tolist() and 0 < plain.sum() < len(plain)
     # another engine's links do not matter
@@ -44,7 +37,7 @@ def test_free_frames_are_those_of_the_measure_itself(asked: list[Recording]) -> 
 
 @pytest.mark.parametrize("field", ["raw_positions", "raw_orientations"])
 def test_what_differs_by_a_bit_is_asked_again(field: str, asked: list[Recording]) -> None:
-    recording, known = walked(), Known(fist(), fist_scene())
+    recording, known = walked(30), Known(fist(), fist_scene())
     known.free(recording)
     other = getattr(recording, field).copy()
     other[-1, 0, 0] = np.nextafter(other[-1, 0, 0], 2.0)
@@ -53,7 +46,7 @@ def test_what_differs_by_a_bit_is_asked_again(field: str, asked: list[Recording]
 
 
 def test_contact_is_of_the_postures_shown_whatever_was_asked_before(asked: list[Recording]) -> None:
-    recording, known = walked(), Known(fist(), fist_scene())
+    recording, known = walked(30), Known(fist(), fist_scene())
     first = known.contact(recording)
     # the target that is in the wall holds the avatar whatever is shown; before that only what is shown near it does
     far = recording.positions.copy()

@@ -1,6 +1,5 @@
 """Residual overlap: known depths come out of frames and sub-steps, and a missing judge leaves no figure."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -29,11 +28,10 @@ def test_a_pose_that_is_no_number_is_no_free_frame() -> None:
 @pytest.mark.parametrize("depth", [2e-3, 1e-5, 0.0])
 def test_an_injected_overlap_is_found_to_ten_nanometres(depth: float) -> None:
     scene, recording = fist_scene(), resting(fist_scene(), 4)
-    positions = recording.positions.copy()
-    positions[3, 1, 0] = WALL_FACE - RADIUS + depth
-    found = Judge(scene).depths(positions, recording.orientations)
+    recording.positions[3, 1, 0] = WALL_FACE - RADIUS + depth
+    found = Judge(scene).depths(recording.positions, recording.orientations)
     assert found == pytest.approx([0.0, 0.0, 0.0, depth, 0.0], abs=1e-8)
-    values = measured(replace(recording, positions=positions), Known(fist(4), scene)).values
+    values = measured(recording, Known(fist(4), scene)).values
     assert values["residual_overlap_max"] == pytest.approx(depth, abs=1e-8)
     assert values["overlap_frames"] == (20.0 if depth > 0 else 0.0)
 

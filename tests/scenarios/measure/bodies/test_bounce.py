@@ -145,6 +145,12 @@ def test_a_ball_that_never_bounced_is_the_engines_doing(recording: Recording) ->
         assert isinstance(value, Missing) and value.fault == "engine"
 
 
+def test_sampled_apexes_are_good_to_the_step() -> None:
+    found = bounces(by_steps(0.3, 4), drop(), drop_scene())
+    # this engine turns the ball round where it is when the step would take it through: up to v dt above the slab
+    assert isinstance(found["apex_error_max"], float) and found["apex_error_max"] < 4.43 * DT / 4
+
+
 def test_a_recording_that_ends_before_the_ball_comes_down_is_nobodys_fault() -> None:
     for value in bounces(resting(drop_scene(), 20), drop(20), drop_scene()).values():
         assert isinstance(value, Missing) and value.fault == "scene"

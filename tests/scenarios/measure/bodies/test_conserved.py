@@ -1,6 +1,5 @@
 """Conservation in groups of bodies: injected losses and gains come out, group by group."""
 
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,8 +9,7 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Piece, Sphere
 from runfiles.record import Recording
 from scenarios.measure.bodies.conserved import conserved
-from scenarios.scenario import Scenario
-from tests.scenarios.examples import drop, resting
+from tests.scenarios.examples import expecting, resting
 
 PIECES = (Piece(Sphere(0.1)),)
 SCENE = Scene("two", (
@@ -28,12 +26,8 @@ def recording(first: tuple[float, float], second: tuple[float, float]) -> Record
     return found
 
 
-def asks(**expects: object) -> Scenario:
-    return replace(drop(20), expects=expects)
-
-
 def test_what_momentum_lacks_is_relative_to_what_there_was() -> None:
-    found = conserved(recording((2.0, -1.0), (2.0, -0.9)), asks(isolated=(PAIR,)), SCENE)
+    found = conserved(recording((2.0, -1.0), (2.0, -0.9)), expecting(20, isolated=(PAIR,)), SCENE)
     assert found["momentum_drift_max"] == pytest.approx(0.3 / 5.0)
     # about the common centre at x = 0.5: arms -1.5 and 0.5; relative speeds 2.25 and -0.75 at first, 2.175 and -0.725 later
     first, second = 1.5 * 2.25 + 0.5 * 3.0 * 0.75, 1.5 * 2.175 + 0.5 * 3.0 * 0.725
@@ -41,24 +35,24 @@ def test_what_momentum_lacks_is_relative_to_what_there_was() -> None:
 
 
 def test_energy_that_comes_or_goes_is_drift_and_only_what_comes_is_gain() -> None:
-    lost = conserved(recording((2.0, 0.0), (1.0, 0.0)), asks(elastic=(PAIR,), alone=(PAIR,)), SCENE)
+    lost = conserved(recording((2.0, 0.0), (1.0, 0.0)), expecting(20, elastic=(PAIR,), alone=(PAIR,)), SCENE)
     assert lost == {"energy_drift_max": pytest.approx(0.75), "energy_gain_max": 0.0}
-    won = conserved(recording((1.0, 0.0), (2.0, 0.0)), asks(elastic=(PAIR,), alone=(PAIR,)), SCENE)
+    won = conserved(recording((1.0, 0.0), (2.0, 0.0)), expecting(20, elastic=(PAIR,), alone=(PAIR,)), SCENE)
     assert won == {"energy_drift_max": pytest.approx(0.75), "energy_gain_max": pytest.approx(0.75)}
 
 
 def test_one_group_cannot_hide_behind_another() -> None:
-    found = conserved(recording((2.0, 1.0), (0.0, 1.1)), asks(alone=(("a",), ("b",))), SCENE)
+    found = conserved(recording((2.0, 1.0), (0.0, 1.1)), expecting(20, alone=(("a",), ("b",))), SCENE)
     assert found["energy_gain_max"] == pytest.approx((1.21 - 1.0) / 1.21)
 
 
 def test_who_never_moves_keeps_nothing_but_gains_nothing_either() -> None:
-    found = conserved(recording((0.0, 0.0), (0.0, 0.0)), asks(isolated=(PAIR,), elastic=(PAIR,), alone=(PAIR,)), SCENE)
+    found = conserved(recording((0.0, 0.0), (0.0, 0.0)), expecting(20, isolated=(PAIR,), elastic=(PAIR,), alone=(PAIR,)), SCENE)
     assert found.pop("energy_gain_max") == 0.0
     assert len(found) == 3 and all(np.isnan(value) for value in found.values())
 
 
 def test_nan_is_never_lost_among_groups() -> None:
     bad = recording((1.0, 1.0), (1.0, np.nan))
-    found = conserved(bad, asks(alone=(("b",), ("a",)), elastic=(("b",), ("a",))), SCENE)
+    found = conserved(bad, expecting(20, alone=(("b",), ("a",)), elastic=(("b",), ("a",))), SCENE)
     assert np.isnan(found["energy_gain_max"]) and np.isnan(found["energy_drift_max"])

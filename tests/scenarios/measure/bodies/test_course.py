@@ -11,8 +11,7 @@ from scenarios.measure.bodies.closed_form import course_errors, stops
 from scenarios.measure.bodies.standing import at_rest, piles, towers
 from scenarios.measure.frames import halts
 from scenarios.measure.value import Missing
-from scenarios.scenario import Scenario
-from tests.scenarios.examples import DT, drop, drop_scene, resting
+from tests.scenarios.examples import DT, drop, drop_scene, expecting, resting
 
 BALL = 1
 HEIGHT = float(resting(drop_scene(), 1).positions[0, BALL, 2])
@@ -21,19 +20,14 @@ HEIGHT = float(resting(drop_scene(), 1).positions[0, BALL, 2])
 def moved(velocity: tuple[float, float, float], frames: int = 30) -> Recording:
     """The ball in uniform motion."""
     recording = resting(drop_scene(), frames)
-    positions, velocities = recording.positions.copy(), recording.velocities.copy()
-    positions[:, BALL] += recording.times[:, None] * np.array(velocity)
-    velocities[:, BALL] = velocity
-    return replace(recording, positions=positions, velocities=velocities)
-
-
-def asks(**expects: object) -> Scenario:
-    return replace(drop(30), expects=expects)
+    recording.positions[:, BALL] += recording.times[:, None] * np.array(velocity)
+    recording.velocities[:, BALL] = velocity
+    return recording
 
 
 def test_the_farthest_from_the_course_is_the_figure() -> None:
     course = Course("ball", uniform((0.0, 0.0, 1.1), (2.0, 0.0, 0.0)), steady(2.0, 0.0, 0.5), steady(0.0, 0.3, 0.4))
-    found = course_errors(moved((2.0, 0.0, 0.5)), asks(courses=(course,)), drop_scene())
+    found = course_errors(moved((2.0, 0.0, 0.5)), expecting(30, courses=(course,)), drop_scene())
     assert found["course_error_max"] == pytest.approx(0.5 * 30 * DT)
     assert found["velocity_error_max"] == 0.0 and found["spin_error_max"] == pytest.approx(0.5)
 
@@ -42,8 +36,8 @@ def test_only_the_stated_time_counts_and_a_short_recording_says_so() -> None:
     course = Course("ball", velocity=steady(1.0, 0.0, 0.0), since=0.2, until=0.3)
     recording = moved((1.0, 0.0, 0.0))
     recording.velocities[:12, BALL] = recording.velocities[19:, BALL] = 9.0
-    assert course_errors(recording, asks(courses=(course,)), drop_scene()) == {"velocity_error_max": 0.0}
-    early = course_errors(moved((1.0, 0.0, 0.0), 5), asks(courses=(course,)), drop_scene())["velocity_error_max"]
+    assert course_errors(recording, expecting(30, courses=(course,)), drop_scene()) == {"velocity_error_max": 0.0}
+    early = course_errors(moved((1.0, 0.0, 0.0), 5), expecting(30, courses=(course,)), drop_scene())["velocity_error_max"]
     assert isinstance(early, Missing) and early.fault == "scene"
 
 
@@ -51,11 +45,11 @@ def test_a_course_through_what_is_no_number_is_no_number() -> None:
     recording = moved((0.0, 0.0, 0.0))
     recording.positions[7, BALL, 0] = np.nan
     course = Course("ball", steady(0.0, 0.0, 1.1))
-    assert np.isnan(course_errors(recording, asks(courses=(course,)), drop_scene())["course_error_max"])
+    assert np.isnan(course_errors(recording, expecting(30, courses=(course,)), drop_scene())["course_error_max"])
 
 
 def test_drift_is_from_where_it_came_to_rest_and_energy_is_that_of_the_end() -> None:
-    found = at_rest(moved((0.0, 0.3, 0.0)), asks(rests=(Rest(("ball",), 0.1),)), drop_scene())
+    found = at_rest(moved((0.0, 0.3, 0.0)), expecting(30, rests=(Rest(("ball",), 0.1),)), drop_scene())
     assert found["drift_max"] == pytest.approx(0.3 * (30 - 6) * DT)
     # the ball has 2 kg
     assert found["rest_energy_end"] == pytest.approx(0.09)
@@ -63,10 +57,10 @@ def test_drift_is_from_where_it_came_to_rest_and_energy_is_that_of_the_end() -> 
 
 def test_a_stop_is_compared_along_its_way_and_its_angle_beside_it() -> None:
     stop = Stop("ball", 1.0, (1.0, 0.0, 0.0), 0.4)
-    found = stops(moved((1.8, 0.018, 0.0)), asks(stops=(stop,)), drop_scene())
+    found = stops(moved((1.8, 0.018, 0.0)), expecting(30, stops=(stop,)), drop_scene())
     assert found["stop_distance_error_max"] == pytest.approx(10.0)
     assert found["stop_direction_error_max"] == pytest.approx(np.degrees(0.01), rel=1e-4)
-    still = stops(moved((0.0, 0.0, 0.0)), asks(stops=(stop,)), drop_scene())
+    still = stops(moved((0.0, 0.0, 0.0)), expecting(30, stops=(stop,)), drop_scene())
     assert still == {"stop_distance_error_max": 100.0, "stop_direction_error_max": 90.0}
 
 
@@ -87,12 +81,12 @@ def test_towers_stand_up_to_the_first_ratio_that_falls() -> None:
     still = moved((0.0, 0.0, 0.0))
     asked = ((0.0, 0.0009), 0.0, 10.0), ((0.0, 0.0011, 0.0), 1.0, 1.0), ((0.002, 0.0), 1.0, 0.0)
     for places, fallen, stands in asked:
-        found = towers(still, asks(towers=of(*places)), drop_scene())
+        found = towers(still, expecting(30, towers=of(*places)), drop_scene())
         assert found == {"towers_fallen": fallen, "ratio_standing_max": stands}
     # it is there at first, and leaves
-    assert towers(moved((1.0, 0.0, 0.0)), asks(towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
+    assert towers(moved((1.0, 0.0, 0.0)), expecting(30, towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
     nowhere = replace(still, positions=np.full_like(still.positions, np.nan))
-    assert towers(nowhere, asks(towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
+    assert towers(nowhere, expecting(30, towers=of(0.0)), drop_scene())["towers_fallen"] == 1.0
     assert towers(still, drop(30), drop_scene()) == {}
 
 
@@ -101,9 +95,9 @@ def test_a_pile_is_as_high_as_its_bodies_are_on_the_mean_above_their_floor() -> 
     recording = moved((0.0, 0.0, 0.0))
     recording.positions[:, BALL, 2] = recording.positions[0, 0, 2] + 1.25
     recording.positions[: round(0.2 / DT), BALL, 2] = 9.0
-    assert piles(recording, asks(piles=(pile,)), drop_scene())["pile_height_error_max"] == pytest.approx(25.0)
+    assert piles(recording, expecting(30, piles=(pile,)), drop_scene())["pile_height_error_max"] == pytest.approx(25.0)
     recording.positions[-1, BALL, 2] -= 0.75
-    assert piles(recording, asks(piles=(pile,)), drop_scene())["pile_height_error_max"] == pytest.approx(50.0)
-    early = piles(moved((0.0, 0.0, 0.0), 5), asks(piles=(pile,)), drop_scene())["pile_height_error_max"]
+    assert piles(recording, expecting(30, piles=(pile,)), drop_scene())["pile_height_error_max"] == pytest.approx(50.0)
+    early = piles(moved((0.0, 0.0, 0.0), 5), expecting(30, piles=(pile,)), drop_scene())["pile_height_error_max"]
     assert isinstance(early, Missing) and early.fault == "scene"
-    assert piles(recording, asks(), drop_scene()) == {}
+    assert piles(recording, expecting(30), drop_scene()) == {}

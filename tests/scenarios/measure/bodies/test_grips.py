@@ -14,8 +14,7 @@ from runfiles.record import Array, Recording
 from scenarios.building.expected import Carried, Pressed, Sag
 from scenarios.measure.bodies.grips import carried, pressed, sags
 from scenarios.measure.value import Missing, Values
-from scenarios.scenario import Scenario
-from tests.scenarios.examples import DT, drop, resting
+from tests.scenarios.examples import DT, expecting, resting
 
 FRAMES, BOX, HAND = 60, 0, 1
 GRIPPED = 10
@@ -28,10 +27,6 @@ def scene() -> Scene:
     box, palm = (Piece(Box((0.1, 0.1, 0.1))),), (Piece(Box((0.02, 0.1, 0.1))),)
     return Scene("grip", (simulated("box", box, "wood", solid(box, 0.3), (0.06, 0.0, 0.05)),),
                  (rigid_avatar("hand", palm, solid(palm, 0.5)),))
-
-
-def asks(**expects: object) -> Scenario:
-    return replace(drop(FRAMES), expects=expects)
 
 
 def height() -> Array:
@@ -48,7 +43,7 @@ def lifted(share: float = 1.0, sag: float = 0.0) -> Recording:
 
 
 def of_grip(recording: Recording) -> Values:
-    return carried(recording, asks(carried=(CARRIED,)), scene())
+    return carried(recording, expecting(FRAMES, carried=(CARRIED,)), scene())
 
 
 @pytest.mark.parametrize("share", [1.0, 0.9, 0.0])
@@ -82,7 +77,7 @@ def test_only_the_stated_time_counts() -> None:
     recording.positions[: GRIPPED - 1, BOX, 0] += 0.5
     recording.positions[40:, BOX, 2] -= 0.5
     until = replace(CARRIED, until=39 * DT)
-    found = carried(recording, asks(carried=(until,)), scene())
+    found = carried(recording, expecting(FRAMES, carried=(until,)), scene())
     assert found["height_missing"] == pytest.approx(0.0, abs=1e-12) and found["grip_slip_max"] == pytest.approx(0.0, abs=1e-12)
 
 
@@ -91,24 +86,24 @@ def test_only_ways_at_right_angles_to_gravity_are_sideways(aside: float) -> None
     recording = resting(scene(), FRAMES)
     recording.positions[30:, BOX, 1] += aside
     recording.positions[30:, BOX, 2] -= 0.3
-    found = pressed(recording, asks(pressed=(Pressed("box", 0.2),)), scene())
+    found = pressed(recording, expecting(FRAMES, pressed=(Pressed("box", 0.2),)), scene())
     assert found["pressed_sideways_max"] == pytest.approx(aside, abs=1e-12)
 
 
 @pytest.mark.parametrize("sag", [0.004, 0.0, 0.01])
 def test_a_sag_is_compared_with_that_of_the_spring(sag: float) -> None:
     recording = lifted(sag=sag)
-    found = sags(recording, asks(sags=(Sag("hand", 0.004, (GRIPPED + 1) * DT),)), scene())
+    found = sags(recording, expecting(FRAMES, sags=(Sag("hand", 0.004, (GRIPPED + 1) * DT),)), scene())
     assert found["sag_error_max"] == pytest.approx(abs(sag - 0.004), abs=1e-12)
     recording.positions[-1, HAND, 0] += 0.3
-    found = sags(recording, asks(sags=(Sag("hand", 0.004, (GRIPPED + 1) * DT),)), scene())
+    found = sags(recording, expecting(FRAMES, sags=(Sag("hand", 0.004, (GRIPPED + 1) * DT),)), scene())
     assert found["sag_error_max"] == pytest.approx(np.hypot(0.3, sag - 0.004))
 
 
 def test_what_is_no_number_stays_none() -> None:
     recording = lifted()
     recording.positions[-1] = np.nan
-    everything = asks(carried=(CARRIED,), pressed=(Pressed("box", 0.0),), sags=(Sag("hand", 0.0, 0.0),))
+    everything = expecting(FRAMES, carried=(CARRIED,), pressed=(Pressed("box", 0.0),), sags=(Sag("hand", 0.0, 0.0),))
     found = {**carried(recording, everything, scene()), **pressed(recording, everything, scene()),
              **sags(recording, everything, scene())}
     assert len(found) == 4 and all(np.isnan(float(str(value))) for value in found.values())
@@ -116,8 +111,9 @@ def test_what_is_no_number_stays_none() -> None:
 
 def test_a_recording_that_is_too_short_says_so_and_a_scene_without_grips_nothing() -> None:
     early = 2.0 * FRAMES * DT
-    everything = asks(carried=(replace(CARRIED, since=early),), pressed=(Pressed("box", early),), sags=(Sag("hand", 0.0, early),))
+    late = replace(CARRIED, since=early)
+    everything = expecting(FRAMES, carried=(late,), pressed=(Pressed("box", early),), sags=(Sag("hand", 0.0, early),))
     for family in (carried, pressed, sags):
         found = family(lifted(), everything, scene())
         assert found and all(isinstance(value, Missing) and value.fault == "scene" for value in found.values())
-        assert family(lifted(), asks(), scene()) == {}
+        assert family(lifted(), expecting(FRAMES), scene()) == {}

@@ -1,6 +1,5 @@
 """Spins, falling rods, tops: flips between frames, one by one, angles until a rod is down, how fast an axis goes round."""
 
-from dataclasses import replace
 from math import cos, sin
 
 import numpy as np
@@ -11,8 +10,7 @@ from runfiles.record import Recording
 from scenarios.building.expected import Flips, Pivot, Top
 from scenarios.measure.bodies.closed_form import flips, pivots, tops
 from scenarios.measure.value import Missing
-from scenarios.scenario import Scenario
-from tests.scenarios.examples import drop, drop_scene, resting
+from tests.scenarios.examples import drop_scene, expecting, resting
 
 BALL, FRAMES = 1, 120
 
@@ -24,18 +22,15 @@ def swinging(late: float = 0.0) -> Recording:
     return recording
 
 
-def asks(**expects: object) -> Scenario:
-    return replace(drop(FRAMES), expects=expects)
-
-
 def test_flips_are_compared_one_by_one() -> None:
     wanted = Flips("ball", 1, (np.pi / 4, 3 * np.pi / 4))
-    assert flips(swinging(0.001), asks(flips=(wanted,)), drop_scene())["flip_time_error_max"] == pytest.approx(0.001, abs=1e-9)
+    found = flips(swinging(0.001), expecting(FRAMES, flips=(wanted,)), drop_scene())
+    assert found["flip_time_error_max"] == pytest.approx(0.001, abs=1e-9)
 
 
 def test_a_flip_too_few_is_the_engines_fault() -> None:
     for recording in (resting(drop_scene(), FRAMES), swinging(-0.7)):
-        found = flips(recording, asks(flips=(Flips("ball", 1, (np.pi / 4,)),)), drop_scene())["flip_time_error_max"]
+        found = flips(recording, expecting(FRAMES, flips=(Flips("ball", 1, (np.pi / 4,)),)), drop_scene())["flip_time_error_max"]
         assert isinstance(found, Missing) and found.fault == "engine"
 
 
@@ -50,9 +45,9 @@ def leaning(rate: float) -> Recording:
 
 
 def test_a_rod_is_judged_by_its_angle_until_it_is_down() -> None:
-    found = pivots(leaning(0.5), asks(pivots=(Pivot("ball", lambda angle: 0.5, 1.0),)), drop_scene())
+    found = pivots(leaning(0.5), expecting(FRAMES, pivots=(Pivot("ball", lambda angle: 0.5, 1.0),)), drop_scene())
     assert found == {"pivot_rate_error_max": pytest.approx(0.01), "pivot_missing": 0.0}
-    found = pivots(leaning(0.2), asks(pivots=(Pivot("ball", lambda angle: 0.5, 1.0),)), drop_scene())
+    found = pivots(leaning(0.2), expecting(FRAMES, pivots=(Pivot("ball", lambda angle: 0.5, 1.0),)), drop_scene())
     assert found == {"pivot_rate_error_max": pytest.approx(0.29), "pivot_missing": pytest.approx(0.5)}
 
 
@@ -71,7 +66,7 @@ def precessing(rate: float, spin: float, lean: float = 0.2) -> Recording:
 
 @pytest.mark.parametrize(("rate", "spin"), [(4.3, 200.0), (-3.1, 200.0), (4.0, 188.0), (12.0, 201.5)])
 def test_a_top_is_compared_by_its_own_spin_and_by_how_its_axis_goes_round(rate: float, spin: float) -> None:
-    found = tops(precessing(rate, spin), asks(tops=(Top("ball", 200.0, 4.0),)), drop_scene())
+    found = tops(precessing(rate, spin), expecting(FRAMES, tops=(Top("ball", 200.0, 4.0),)), drop_scene())
     assert found["axis_spin_error_max"] == pytest.approx(abs(spin - 200.0), abs=1e-9)
     assert found["precession_error_max"] == pytest.approx(abs(rate - 4.0), abs=1e-9)
-    assert tops(precessing(rate, spin), asks(), drop_scene()) == {}
+    assert tops(precessing(rate, spin), expecting(FRAMES), drop_scene()) == {}

@@ -10,7 +10,7 @@ from scenarios.measure.everything import measured
 from scenarios.measure.known import Known
 from scenarios.measure.posture.smoothness import contact_gap
 from scenarios.measure.value import Missing
-from tests.scenarios.examples import fist, fist_motion, fist_scene, recorded
+from tests.scenarios.examples import fist, fist_scene, walked
 
 
 def test_the_median_is_over_states_in_contact_and_an_overlap_is_no_gap() -> None:
@@ -22,7 +22,6 @@ def test_the_median_is_over_states_in_contact_and_an_overlap_is_no_gap() -> None
 
 def test_only_everyday_scenes_are_asked_and_a_fist_in_the_wall_has_no_gap() -> None:
     scene = fist_scene()
-    motion = fist_motion(scene, 0)
-    recording = recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
+    recording = walked(30)
     assert "contact_gap_p50" not in measured(recording, Known(fist(), scene)).values
     assert measured(recording, Known(replace(fist(), everyday=True), scene)).values["contact_gap_p50"] == 0.0

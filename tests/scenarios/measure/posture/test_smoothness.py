@@ -12,9 +12,9 @@ from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from runfiles.visible_motion import SHAKES
 from scenarios.measure.known import Known
-from scenarios.measure.posture.smoothness import NEAR, dashes, own_acceleration, smoothness
+from scenarios.measure.posture.smoothness import NEAR, creep, dashes, own_acceleration, smoothness
 from scenarios.measure.value import Missing
-from tests.scenarios.examples import DT, arm_scene, drop_scene, fist, fist_motion, fist_scene, recorded, resting
+from tests.scenarios.examples import DT, arm_scene, drop_scene, fist, fist_scene, resting, walked
 
 SEEDS = st.integers(0, 2**32 - 1)
 
@@ -146,6 +146,17 @@ def test_acceleration_beyond_the_users_is_that_of_a_limb_that_runs_home() -> Non
     assert isinstance(few, Missing) and isinstance(followed, Missing) and few.fault == followed.fault == "scene"
 
 
+def test_creep_is_the_speed_of_a_link_whose_user_rests() -> None:
+    """One of two links goes at 0.2 m/s; its user rests, goes along at 0.05 m/s, or at 0.3 m/s."""
+    shown, target = np.zeros((40, 2, 3)), np.zeros((40, 2, 3))
+    shown[:, 0, 0] = 0.01 + 0.2 * DT * np.arange(40)
+    assert creep(shown, target, DT) == pytest.approx(0.2, rel=1e-9)
+    target[:, 0, 1] = 0.05 * DT * np.arange(40)
+    assert creep(shown, target, DT) == pytest.approx(0.15, rel=1e-9)
+    target[:, 0, 1] = 0.3 * DT * np.arange(40)
+    assert isinstance(creep(shown, target, DT), Missing)
+
+
 def test_smoothing_the_motion_wins_nothing() -> None:
     """A low-pass filter of a recorded motion accelerates no more than its user, and no less than one that follows exactly."""
     target = walk(3, 120)
@@ -196,11 +207,8 @@ def test_without_contact_the_figure_is_missing_and_without_avatar_there_is_none(
 
 def test_contact_is_where_the_target_is_not_free_or_a_shown_link_is_near() -> None:
     """The fist's user goes on into the wall from frame 20 on; what is shown stops short of it, or is taken away to the side."""
-    scene, motion = fist_scene(), fist_motion(fist_scene(), 0)
-    walked = recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
-    known, link = Known(fist(), scene), 1
-    assert known.contact(walked).tolist() == [k >= 20 for k in range(31)]
+    recording, known, link = walked(30), Known(fist(), fist_scene()), 1
+    assert known.contact(recording).tolist() == [k >= 20 for k in range(31)]
     for gap, near in ((0.99 * NEAR, True), (1.01 * NEAR, False), (math.nan, True)):
-        positions = walked.positions.copy()
-        positions[:, link, 0] = 0.4 - gap
-        assert known.contact(replace(walked, positions=positions)).tolist() == [near or k > 20 for k in range(31)]
+        recording.positions[:, link, 0] = 0.4 - gap
+        assert known.contact(recording).tolist() == [near or k > 20 for k in range(31)]

@@ -7,13 +7,7 @@ import pytest
 
 from avatarsim.spatial import rotation
 from scenarios.measure.posture.stillness import movement, still_frames
-from tests.scenarios.examples import fist_motion, fist_scene, recorded, resting
-
-
-def moving() -> tuple:
-    scene = fist_scene()
-    motion = fist_motion(scene, 0)
-    return scene, recorded(scene, [scene.first_sample, *(motion(k) for k in range(10))])
+from tests.scenarios.examples import fist_scene, resting, walked
 
 
 def test_nobody_moves_nobody_is_still() -> None:
@@ -21,21 +15,20 @@ def test_nobody_moves_nobody_is_still() -> None:
 
 
 def test_injected_stillness_comes_out() -> None:
-    _, recording = moving()
-    positions = recording.positions.copy()
-    positions[4:7] = positions[3]
-    assert still_frames(replace(recording, positions=positions)) == {"still_frames": 30.0}
+    recording = walked(10)
+    assert still_frames(recording) == {"still_frames": 0.0}
+    recording.positions[4:7] = recording.positions[3]
+    assert still_frames(recording) == {"still_frames": 30.0}
 
 
 def test_a_nanometre_of_movement_is_movement() -> None:
-    _, recording = moving()
-    positions = recording.positions.copy()
-    positions[:, 1] = np.arange(11)[:, None] * 2e-9
-    assert still_frames(replace(recording, positions=positions)) == {"still_frames": 0.0}
+    recording = walked(10)
+    recording.positions[:, 1] = np.arange(11)[:, None] * 2e-9
+    assert still_frames(recording) == {"still_frames": 0.0}
 
 
 def test_a_user_who_moves_less_than_a_millimetre_asks_for_nothing() -> None:
-    _, recording = moving()
+    recording = walked(10)
     frozen = recording.positions[:1].repeat(11, 0)
     assert still_frames(replace(recording, positions=frozen)) == {"still_frames": 100.0}
     slow = replace(recording, positions=frozen, raw_positions=recording.raw_positions * 0.045)
@@ -43,8 +36,9 @@ def test_a_user_who_moves_less_than_a_millimetre_asks_for_nothing() -> None:
 
 
 def test_not_a_number_has_not_moved() -> None:
-    _, recording = moving()
-    assert still_frames(replace(recording, positions=np.full_like(recording.positions, np.nan))) == {"still_frames": 100.0}
+    recording = walked(10)
+    recording.positions[:] = np.nan
+    assert still_frames(recording) == {"still_frames": 100.0}
 
 
 def test_a_turn_moves_a_point_a_tenth_of_a_metre_away() -> None:

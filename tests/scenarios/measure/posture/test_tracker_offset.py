@@ -9,7 +9,7 @@ from avatarsim.spatial import rotation
 from scenarios.measure.posture.free import free_frames
 from scenarios.measure.posture.tracker_offset import tracker_offset
 from scenarios.measure.value import Missing
-from tests.scenarios.examples import arm_scene, fist, fist_motion, fist_scene, recorded, resting
+from tests.scenarios.examples import arm_scene, fist, fist_scene, recorded, resting, walked
 
 EVERY = np.ones(5, dtype=bool)
 
@@ -23,11 +23,10 @@ def test_following_exactly_is_zero() -> None:
 
 def test_an_injected_offset_comes_out_and_free_frames_apart() -> None:
     recording = resting(fist_scene(), 4)
-    positions = recording.positions.copy()
-    positions[1:, 1, 1] += 0.003
-    positions[3, 1, 1] += 0.004
+    recording.positions[1:, 1, 1] += 0.003
+    recording.positions[3, 1, 1] += 0.004
     free = np.array([True, True, True, False, True])
-    found = tracker_offset(replace(recording, positions=positions), fist_scene(), free)
+    found = tracker_offset(recording, fist_scene(), free)
     assert found["free_frames"] == 75.0 and found["tracker_offset_max"] == pytest.approx(0.007, abs=1e-15)
     assert found["tracker_offset_rms_free"] == pytest.approx(0.003, abs=1e-15)
     assert found["tracker_offset_rms"] == pytest.approx(np.sqrt((3 * 0.003**2 + 0.007**2) / 4), abs=1e-15)
@@ -35,10 +34,9 @@ def test_an_injected_offset_comes_out_and_free_frames_apart() -> None:
 
 def test_an_injected_turn_comes_out_over_joints() -> None:
     scene, recording = arm_scene(), resting(arm_scene(), 4)
-    orientations = recording.orientations.copy()
     # the whole arm turns at its hinge: one joint of three by 6 degrees
-    orientations[1:, 1:] = rotation.from_axis_angle([0.0, 1.0, 0.0], np.radians(6.0))
-    found = tracker_offset(replace(recording, orientations=orientations), scene, EVERY)
+    recording.orientations[1:, 1:] = rotation.from_axis_angle([0.0, 1.0, 0.0], np.radians(6.0))
+    found = tracker_offset(recording, scene, EVERY)
     assert found["tracker_angle_rms"] == pytest.approx(6.0 / np.sqrt(3.0), abs=1e-12)
 
 
@@ -48,9 +46,7 @@ def test_without_a_free_frame_the_figure_is_missing_and_not_zero() -> None:
 
 
 def test_free_means_no_overlap_right_side_and_within_limits() -> None:
-    scene = fist_scene()
-    motion = fist_motion(scene, 0)
-    recording = recorded(scene, [scene.first_sample, *(motion(k) for k in range(30))])
+    scene, recording = fist_scene(), walked(30)
     asked: list[float] = []
 
     def deep(positions: np.ndarray, orientations: np.ndarray) -> np.ndarray:

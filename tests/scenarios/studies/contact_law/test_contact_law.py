@@ -3,7 +3,6 @@
 import math
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from avatarsim.errors import UnknownName
@@ -12,14 +11,14 @@ from scenarios.job import Job
 from scenarios.studies.contact_law import worlds
 from scenarios.studies.contact_law.ask import STUDY, obtained, summed_up
 from scenarios.studies.study import Request
+from tests.scenarios.scene_rules import first_poses
 
 
 @pytest.mark.parametrize("law", worlds.LAWS)
 @pytest.mark.parametrize("shape", worlds.SHAPES)
 def test_it_starts_free_at_the_height_that_is_stated(law: str, shape: str) -> None:
     scene = worlds.get(worlds.name_of(law, shape, 60)).build()
-    places = np.array([body.position for body in scene.bodies])
-    turns = np.array([body.orientation for body in scene.bodies])
+    places, turns = first_poses(scene)
     judge, touch = Judge(scene), worlds.solid_of(law, shape)[2]
     assert judge.overlaps(places, turns).deepest == 0.0
     # sunk to where they touch, and a little more, all overlap the floor by that little

@@ -7,32 +7,23 @@ import pytest
 
 from avatarsim.errors import InvalidScene
 from avatarsim.scene.joint import Rigid
-from avatarsim.scene.scene import Scene
-from avatarsim.scene.tracker import link_poses
 from avatarsim.spatial import rotation
 from reference.judging.judge import Judge
 from scenarios import catalog
 from scenarios.studies.hard_cases.elsewhere import Elsewhere
 from tests.scenarios.examples import arm_scene, recorded
+from tests.scenarios.scene_rules import first_poses
 
 TURN = tuple(rotation.from_axis_angle((0.6, 0.0, 0.8), 1.1).tolist())
 PLACES = [Elsewhere(1e3), Elsewhere(1e-3), Elsewhere(1.0, TURN), Elsewhere(2.0, TURN, (10.0, -20.0, 5.0))]
 NAMES = ["stack_ten", "hand_in_bowl", "arms_through_chest", "non_convex", "coincident_centres"]
 
 
-def poses(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    links, turns = link_poses(scene.avatars, scene.first_sample)
-    bodies = scene.bodies
-    return (
-        np.vstack([*(body.position for body in bodies), links]), np.vstack([*(body.orientation for body in bodies), turns]),
-    )
-
-
 @pytest.mark.parametrize("there", PLACES)
 @pytest.mark.parametrize("name", NAMES)
 def test_first_poses_are_those_of_here_sent_there(name: str, there: Elsewhere) -> None:
     scene = catalog.get(name).build()
-    (here, turns), (places, orientations) = poses(scene), poses(there.scene(scene))
+    (here, turns), (places, orientations) = first_poses(scene), first_poses(there.scene(scene))
     assert np.allclose(places, there.place(here), atol=1e-12 * there.scale + 1e-14 * np.abs(places).max())
     assert np.allclose(np.abs(np.sum(orientations * there.turned(turns), axis=-1)), 1.0, atol=1e-12)
 
@@ -41,9 +32,9 @@ def test_first_poses_are_those_of_here_sent_there(name: str, there: Elsewhere) -
 def test_depths_grow_with_the_world_and_with_nothing_else(there: Elsewhere) -> None:
     """Two coincident boxes, balls, hulls, ellipsoids, capsules: as deep there as here, times the scale."""
     scene = catalog.get("coincident_start").build()
-    here = {pair[:2]: pair[2] for pair in Judge(scene).overlaps(*poses(scene)).pairs}
+    here = {pair[:2]: pair[2] for pair in Judge(scene).overlaps(*first_poses(scene)).pairs}
     moved = there.scene(scene)
-    for a, b, depth in Judge(moved).overlaps(*poses(moved)).pairs:
+    for a, b, depth in Judge(moved).overlaps(*first_poses(moved)).pairs:
         assert depth == pytest.approx(there.scale * here[a, b], rel=1e-6)
     assert len(here) == 5
 

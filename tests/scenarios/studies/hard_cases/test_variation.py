@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from avatarsim.scene.tracker import link_poses
 from reference.judging.judge import Judge
 from scenarios import catalog
 from scenarios.run.provenance import scene_hash
 from scenarios.scenario import RENDERED
 from scenarios.studies.hard_cases.plan import CASES, STARTS, together
 from scenarios.studies.hard_cases.variation import Variation, at_time, varied
+from tests.scenarios.scene_rules import first_poses
 
 
 @pytest.mark.parametrize("start", STARTS)
@@ -22,9 +22,7 @@ def test_a_changed_start_is_free_and_changed_by_no_more_than_that(name: str, sta
     assert np.abs(after - before).max(initial=0.0) <= start + 1e-12
     moving = [k for k, role in enumerate(plain.roles[: len(plain.bodies)]) if role.name == "SIMULATED"]
     assert all((after[k] != before[k]).any() for k in moving)
-    links, turns = link_poses(scene.avatars, scene.first_sample)
-    orientations = [body.orientation for body in scene.bodies]
-    assert Judge(scene).overlaps(np.vstack([after, links]), np.array([*orientations, *turns])).deepest == 0.0
+    assert Judge(scene).overlaps(*first_poses(scene)).deepest == 0.0
 
 
 @pytest.mark.parametrize("name", CASES)
