@@ -108,14 +108,6 @@ def test_no_factors_of_a_grid_are_better(seed: int) -> None:
     assert best - STEEPEST * GRID <= worst <= best + CLOSE
 
 
-def test_factors_are_found_from_their_products() -> None:
-    """Factors of 0.3, 0.5, 0.8 and 1 from their products."""
-    factors = np.array([0.3, 0.5, 0.8, 1.0])
-    first, second = np.triu_indices(4, 1)
-    logs = least_worst(first, second, factors[first] * factors[second], np.full(6, 0.5), np.zeros(4))
-    np.testing.assert_allclose(np.exp(logs), factors, atol=10.0 * CLOSE)
-
-
 @pytest.mark.parametrize(("table", "exact"), [((0.5, 0.4, 0.3), True), ((0.9, 0.0, 0.0), False)])
 def test_averages_of_three_bodies_are_exact_where_factors_of_at_least_0_can_be(table: tuple[float, ...], exact: bool) -> None:
     laws = dict(zip((("a", "b"), ("a", "c"), ("b", "c")), table, strict=True)) | {(name, name): 0.2 for name in "abc"}
@@ -127,11 +119,3 @@ def test_averages_of_three_bodies_are_exact_where_factors_of_at_least_0_can_be(t
     off = np.abs(said - wanted)[np.triu_indices(3, 1)].max()
     assert factors.values.min() >= 0.0
     assert (off <= MISS) == exact == (factors.misses == ()) == ("restitution" not in missed(scene, averages=True))
-
-
-def test_averages_of_one_material_are_its_own_coefficient() -> None:
-    """Of many bodies too, which share factors."""
-    for n in (2, 80):
-        scene = Scene("alike", tuple(simulated(f"b{k}", BALL, "wood", solid(BALL, 1.0), (0.2 * k, 0.0, 0.0)) for k in range(n)))
-        values = fit_averages(scene, coefficients(scene)[0], weights(scene)[0]).values
-        assert values == pytest.approx(np.full(n, 0.3), abs=1e-6)

@@ -1,13 +1,12 @@
 """Effects that an author leaves out are left out of the other engines too, or reported as unsupported."""
 
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import mujoco
 import numpy as np
 import pytest
 
 from avatarsim.engine import Settings
-from avatarsim.scene.effects import Effects
 from reference.in_mujoco.cannot_say import cannot_say as mujoco_cannot_say
 from reference.in_mujoco.engine import MujocoEngine
 from reference.narrowing import ALWAYS_THERE, alike_in_both
@@ -21,12 +20,6 @@ SCENES = {
 
 
 SWITCHED = ("restitution", "friction", "limits", "self_contact")
-NEVER_THERE = ("sleeping", "continuous", "reach_cones")
-
-
-def test_every_effect_that_can_be_left_out_has_its_place() -> None:
-    places = [*SWITCHED, *NEVER_THERE, *ALWAYS_THERE, "kinematics"]
-    assert sorted(places) == sorted(effect.name for effect in fields(Effects))
 
 
 @pytest.mark.parametrize("effect", ALWAYS_THERE)

@@ -11,15 +11,13 @@ from avatarsim.scene.body import ContactLaw, PairTable, fixed, simulated, solid
 from avatarsim.scene.joint import Ball, Free, Hinge, Hinges, Rigid, Slide, SwingTwist
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sphere, ellipsoid_hull
-from avatarsim.scene.tracker import TrackerSample, link_poses
+from avatarsim.scene.tracker import TrackerSample
 from avatarsim.spatial import rotation
 from reference.collision_groups import BITS
-from tests.agreement.runs import FRAME, depths, idle, limit_excess, played, poses
+from tests.agreement.runs import FRAME, depths, idle, limit_excess, played
 from tests.agreement.scenes import (
-    anchored,
     ball_on_slab,
     bodies_of_all_shapes,
-    chain,
     every_joint,
     hand_over_table,
     posture,
@@ -134,23 +132,6 @@ def test_twist_stops_at_its_limits() -> None:
     assert limit_excess(scene, records).max() < 0.3
 
 
-@pytest.mark.parametrize("preset", ["default", "tuned"])
-@pytest.mark.parametrize("avatar", [every_joint(), chain(), anchored(Rigid()), anchored(Ball())])
-def test_first_pose_is_that_of_the_scene(preset: str, avatar: Avatar) -> None:
-    start = posture(avatar, 0)
-    scene = Scene("pose", bodies_of_all_shapes().bodies, (avatar,), start=start)
-    record = engine().load(scene, Settings(preset), FRAME)
-    positions, orientations = link_poses(scene.avatars, start)
-    for k, body in enumerate(scene.bodies):
-        assert np.abs(record.shown.positions[k] - body.position).max() < SINGLE
-        assert np.abs(record.shown.velocities[k] - body.velocity).max() < SINGLE
-        assert abs(abs(record.shown.orientations[k] @ np.array(body.orientation)) - 1.0) < SINGLE
-    assert np.abs(record.shown.positions[len(scene.bodies) :] - positions).max() < SINGLE
-    assert np.abs(np.abs((record.shown.orientations[len(scene.bodies) :] * orientations).sum(axis=1)) - 1.0).max() < SINGLE
-    assert np.abs(record.angles - start.angles).max(initial=0.0) < SINGLE
-    assert np.abs(np.linalg.norm(record.shown.orientations, axis=1) - 1.0).max() < 1e-12
-
-
 def test_a_posture_that_is_held_stays() -> None:
     """Every joint at once: what holds hinges, rigid links and links between hinges together does not fight."""
     avatar = every_joint()
@@ -190,15 +171,6 @@ def test_a_run_repeats_to_the_bit_in_one_process(preset: str) -> None:
     first = [record.state_hash() for record in played(engine(), scene, samples, Settings(preset))]
     played(engine(), other, idle(other, 3), Settings("default", {"tgs": False, "bounce_threshold": 1.0}))
     assert [record.state_hash() for record in played(engine(), scene, samples, Settings(preset))] == first
-
-
-def test_a_tuned_hand_stops_on_a_table_and_follows_above_it() -> None:
-    scene = hand_over_table()
-    samples = [pressed(k) for k in range(1, 61)]
-    records = played(engine(), scene, samples, TUNED)
-    assert depths(scene, records).max() < 1e-5
-    above = poses(records)[0][:7, 1] - np.array([pressed(k).positions[0] for k in range(7)])
-    assert np.abs(above).max() < 5e-3
 
 
 def test_features_without_a_counterpart_are_reported() -> None:

@@ -1,7 +1,6 @@
 """The extras: what each brings, which pins it needs, and which command a missing package names."""
 
 import ast
-import re
 import tomllib
 from importlib import metadata
 from pathlib import Path
@@ -12,7 +11,7 @@ from packaging.utils import canonicalize_name
 
 from avatarsim import errors
 from avatarsim.assets.models.mujoco_versions import FAULTY
-from avatarsim.errors import MissingPackage, bringing
+from avatarsim.errors import bringing
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -63,12 +62,6 @@ def named_in_sources() -> list[tuple[str, str, str]]:
     return found
 
 
-def test_files_need_readers_of_meshes_coacd_and_mujocos_compiler() -> None:
-    wanted = {"trimesh", "pycollada", "coacd", "fast-simplification", "mujoco"}
-    assert {Requirement(line).name for line in EXTRAS["assets"]} == wanted
-    assert not closure(EXTRAS["assets"]) & {"gymnasium", "gymnasium-robotics", "pybullet"}
-
-
 def test_extras_that_bring_mujoco_take_the_same_versions_and_no_faulty_one() -> None:
     bringing_it = [name for name in EXTRAS if "mujoco" in closure(EXTRAS[name])]
     assert set(bringing_it) == {"assets", "compare", "hand"}
@@ -84,12 +77,6 @@ def test_each_missing_package_is_in_the_extra_that_is_named() -> None:
         listed = {canonicalize_name(Requirement(line).name) for line in EXTRAS[extra]}
         # a package such as pybullet_data comes with a distribution of another name
         assert canonicalize_name(package) in listed or package in brought_by(listed), f"{file}: {package} is not in {extra}"
-
-
-def test_from_a_checkout_the_command_names_its_folder() -> None:
-    said = str(MissingPackage("trimesh", "assets", "reading .stl meshes"))
-    [(quoted, folder)] = re.findall(r"pip install ('?([^'\[]+)\[assets\]'?), or `make setup`", said)
-    assert Path(folder) == ROOT and quoted == f"'{ROOT}[assets]'"
 
 
 def test_an_installed_engine_names_what_its_metadata_lists(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

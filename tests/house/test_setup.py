@@ -103,16 +103,6 @@ def test_make_fails_where_there_is_no_python(tmp_path: Path) -> None:
     assert ended.returncode != 0 and "python3" in ended.stderr
 
 
-def test_chooser_is_readable_by_an_old_python() -> None:
-    tree = ast.parse((ROOT / ".setup" / "choose_python.py").read_text(encoding="utf-8"))
-    too_new = (ast.JoinedStr, ast.AnnAssign, ast.NamedExpr, ast.AsyncFunctionDef, ast.Match, ast.Starred)
-    for node in ast.walk(tree):
-        assert not isinstance(node, too_new), f"line {node.lineno}"
-        if isinstance(node, ast.FunctionDef):
-            assert node.returns is None and not node.args.kwonlyargs, node.name
-            assert [argument.arg for argument in node.args.args if argument.annotation] == []
-
-
 PINS = ("numpy==2", "pybullet==3", "scipy==1")
 LOCK = "".join(f"{pin} \\\n    --hash=sha256:{number}\n" for number, pin in enumerate(PINS))
 NO_WHEEL = "ERROR: No matching distribution found for pybullet==3"
@@ -150,6 +140,16 @@ class _House:
 @pytest.fixture
 def house(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> _House:
     return _House(tmp_path, monkeypatch)
+
+
+def test_chooser_is_readable_by_an_old_python() -> None:
+    tree = ast.parse((ROOT / ".setup" / "choose_python.py").read_text(encoding="utf-8"))
+    too_new = (ast.JoinedStr, ast.AnnAssign, ast.NamedExpr, ast.AsyncFunctionDef, ast.Match, ast.Starred)
+    for node in ast.walk(tree):
+        assert not isinstance(node, too_new), f"line {node.lineno}"
+        if isinstance(node, ast.FunctionDef):
+            assert node.returns is None and not node.args.kwonlyargs, node.name
+            assert [argument.arg for argument in node.args.args if argument.annotation] == []
 
 
 def test_pybullet_is_split_off_and_nothing_is_lost() -> None:
@@ -225,19 +225,3 @@ def test_compiler_is_looked_for_on_path(tmp_path: Path, monkeypatch: pytest.Monk
     _fake_python(tmp_path / "g++", "")
     monkeypatch.setenv("CC", "my-cc -pthread")
     assert "my-cc" in install.compiler_obstacle()
-
-
-@pytest.mark.parametrize(
-    ("output", "named"),
-    [
-        ("ERROR: THESE PACKAGES DO NOT MATCH THE HASHES FROM ...", "hash"),
-        ("OSError: [Errno 28] No space left on device", "disk"),
-        ("Temporary failure in name resolution", "network"),
-        ("ERROR: No matching distribution found for coal==3.0.3", "coal==3.0.3"),
-        ("ERROR: something else\nnoise", "something else"),
-        ("", ""),
-    ],
-)
-def test_a_failure_of_pip_is_named_on_one_line(output: str, named: str) -> None:
-    sentence = _load("install").pip_sentence(output)
-    assert sentence and named in sentence and "\n" not in sentence

@@ -9,9 +9,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from avatarsim.scene.shape import Box, Piece, Sphere
 from reports.drawing.stills import instant, sides, stills
-from reports.drawing.thumbnail import HEIGHT, WIDTH, placed, thumbnail
+from reports.drawing.thumbnail import HEIGHT, WIDTH, thumbnail
 from reports.reading.kept import Drawn, Shown, drawn, shown
 from tests.reports.recorded import STATES, recording, scene
 from tests.reports.small_runs import MUJOCO, OURS
@@ -50,21 +49,6 @@ def test_every_body_is_drawn_in_its_role_inside_the_frame(found: Recorded) -> No
     assert numbers and min(numbers) >= -9 and max(numbers) <= max(WIDTH, HEIGHT) + 9
 
 
-def test_moving_bodies_are_drawn_after_fixed_ones_and_from_far_to_near(found: Recorded) -> None:
-    made, main, _ = found
-    for ball_first, turn in ((True, 0.0), (False, np.pi)):
-        main.positions[9, 1:, 0] = -1.0, 1.0
-        _, *order = re.findall(r'class="(\w)', thumbnail(made, main, 9, turn, "x"))
-        assert "".join(dict.fromkeys(order)) == ("fsdg" if ball_first else "fdsg")
-
-
-def test_triangles_of_one_plane_are_one_face() -> None:
-    upright = np.array([1.0, 0.0, 0.0, 0.0])
-    box, ball = (placed("fixed", Piece(shape), np.zeros(3), upright) for shape in (Box((1.0, 1.0, 0.1)), Sphere(0.1)))
-    assert [len(face) for face in box.faces] == [4] * 6 and not ball.faces
-    assert all((box.corners[face] @ normal).min() > 0.0 for face, normal in zip(box.faces, box.normals, strict=True))
-
-
 def test_a_link_away_from_its_target_has_a_ghost(found: Recorded) -> None:
     made, main, _ = found
     assert "g" not in styles(thumbnail(made, main, 3, 0.0, "x"))
@@ -82,14 +66,6 @@ def test_states_that_are_no_numbers_are_left_out(found: Recorded) -> None:
     assert "s2" not in styles(thumbnail(made, main, 3, 0.0, "x"))
     main.positions[3, 2] = np.inf
     assert thumbnail(made, main, 3, 0.0, "x") == ""
-
-
-def test_a_floor_of_a_kilometre_stays_in_the_frame(found: Recorded) -> None:
-    made, main, _ = found
-    wide = [dict(body) for body in made.bodies]
-    wide[0]["pieces"] = (Piece(Box((1000.0, 1000.0, 0.1))),)
-    svg = thumbnail(Drawn(wide, made.gravity), main, 3, 0.4, "x")
-    assert len(svg) < 2000 and not re.search(r"\d{4}", paths(svg))
 
 
 def test_the_instant_of_stills_is_that_of_the_deepest_overlap_of_another_engine(found: Recorded) -> None:

@@ -99,7 +99,3 @@ def test_the_recorded_scene_has_a_replay_and_stills_and_others_have_none(report:
     assert found == {"arm_wall": True, "hand_over_table": False, "ball_drop": False}
     [data] = data_of(report / "index.html")
     assert set(data["stills"]) == {"arm_wall"}
-
-
-def test_an_equal_run_changed_nothing(pages: dict[str, Page]) -> None:
-    assert {"changes", "since"} <= set(pages["index.html"].ids) and not {"better", "worse"} & set(pages["index.html"].cells)

@@ -12,8 +12,6 @@ from reports.tables.run import Run
 from runfiles.engines import run_label
 from tests.reports.small_runs import BULLET, HOST, MUJOCO, OURS, RAW, figure, run_of
 
-ROOT = Path(__file__).parents[3]
-
 
 def run() -> Run:
     """A run with one of each metric that the picture shows."""
@@ -49,13 +47,3 @@ def test_figures_are_traceable_to_run_commit_and_day() -> None:
     assert all(f"| {run_label(one)} |" in text for one in run().runs)
     assert block(run_of([figure("a", OURS, "course_error_max", 0.0)], provenance={})).startswith(BEGINS)
     assert "@" not in picture(run()) and ElementTree.fromstring(picture(run())).tag.endswith("svg")
-
-
-def test_labels_of_the_picture_keep_their_digits() -> None:
-    texts = {element.text for element in ElementTree.fromstring(picture(run())).iter() if element.tag.endswith("text")}
-    assert {text for chart in STRIPS.values() for text in chart.ticks.values()} <= texts
-
-
-def test_the_committed_readme_has_the_marks() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert 0 <= text.find(BEGINS) < text.find(ENDS) and text.count(BEGINS) == text.count(ENDS) == 1

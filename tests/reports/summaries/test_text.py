@@ -77,12 +77,6 @@ def test_said_is_the_summary_of_a_folder_and_names_what_changed(run_dir: Write, 
     assert [one.count("worse") for one in judged(old, old).changes] == [0] and judged(old).changes == []
 
 
-def test_damage_is_in_the_summary() -> None:
-    run = run_of(some("pass"))
-    text = markdown(run, checks(run), [], losses(run), ["settings.csv is cut"])
-    assert "settings.csv is cut" in text and "settings.csv is cut" not in both(run)[1]
-
-
 def test_the_table_tells_the_version_of_each_engine() -> None:
     versions = {MUJOCO: "3.17.0", "rapier/tuned": "0.36.1", RAW: "1"}
     notes = [EngineNote(run, "a", version, {}, {}) for run, version in versions.items()]
