@@ -53,12 +53,6 @@ def test_its_files_say_what_the_harness_asks_of_an_engine(site: Path) -> None:
     assert Job("stack_ten", "toy", "asleep").settings(opened("toy")).preset == "asleep"
 
 
-def test_its_variant_is_a_preset_where_its_condition_is_met(site: Path, tmp_path: Path) -> None:
-    laid(site)
-    called(tmp_path, "check", "--engine", "toy", "--preset", "asleep", "--filter", "stack_ten,mocap_run")
-    assert {(row["scenario"], row["preset"]) for row in latest(tmp_path)["rows"]} == {("stack_ten", "asleep")}
-
-
 def test_its_sweep_is_of_its_folder(site: Path) -> None:
     laid(site)
     found = settings_of("toy", ("default",))

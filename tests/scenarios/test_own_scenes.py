@@ -112,33 +112,6 @@ def test_scales_are_metres_a_unit_of_each_file(tmp_path: Path, boxes: str, arm: 
     assert scenario.build().avatars[0].span == pytest.approx(0.5 * spans[0])
 
 
-def test_models_are_read_by_the_options_of_other_commands(tmp_path: Path) -> None:
-    cupboard = """<body name="cupboard" pos="3 0 1"><geom type="box" size=".2 .2 .2"/>
-    <body name="door" pos=".4 0 0"><joint axis="0 0 1"/><geom type="box" size=".01 .1 .1" pos="0 .3 0"/></body></body>"""
-    keyframe = '</worldbody><keyframe><key name="up" qpos="0 0.6 0.3"/></keyframe>'
-    whole = ARM.replace("<worldbody>", f"<worldbody>{cupboard}").replace("</worldbody>", keyframe)
-    (tmp_path / "kitchen.xml").write_text(whole)
-    reading = Reading(body=("upper",), keyframe="up", fix=("elbow",))
-    own_scenes.take_files([str(tmp_path / "kitchen.xml")], None, None, None, 1.0, reading=reading)
-    (scenario,) = catalog.scenarios().values()
-    scene = scenario.build()
-    assert [link.name for link in scene.links] == ["upper", "lower"]
-    assert scene.first_sample.angles == pytest.approx([0.6])
-
-
-def test_loose_bodies_alone_are_no_avatar(tmp_path: Path) -> None:
-    """Boards with lengths in centimetres, after google-deepmind/mujoco#546."""
-    boards = "".join(
-        f'<body name="{name}" pos="{x} 0 {z}"><freejoint/><geom type="box" size="100 9.9 0.9"/></body>'
-        for name, x, z in (("low", 0, 1.9), ("high", 5, 4.0))
-    )
-    (tmp_path / "boards.xml").write_text(
-        f'<mujoco><worldbody><geom type="plane" size="150 50 1"/>{boards}</worldbody></mujoco>')
-    own_scenes.take_files([str(tmp_path / "boards.xml")], None, None, None, 1.0, scene_scale=0.01)
-    (scenario,) = catalog.scenarios().values()
-    assert not scenario.build().avatars and len(scenario.build().bodies) == 3
-
-
 def test_what_cannot_be_run_is_refused_at_the_door(tmp_path: Path, boxes: str, arm: tuple[str, str]) -> None:
     (tmp_path / "arm_in_ball.xml").write_text(ARM.replace("0 1 1", "0 0 1"))
     with pytest.raises(StartOverlaps, match="ball"):

@@ -2,9 +2,8 @@
 
 import pytest
 
-from avatarsim.errors import UnknownName
 from runfiles.engines import about
-from scenarios.__main__ import main, parser
+from scenarios.__main__ import parser
 from scenarios.cli.plan import plan, scenarios
 from scenarios.engines import opened, variants_of
 from scenarios.job import Job
@@ -49,12 +48,6 @@ def test_every_variant_loads_and_differs_from_its_base_in_few_settings(
     made.close()
     differs = {key for key in found[name] if key in found[base] and found[base][key] != found[name][key]}
     assert {key for key in differs if " " not in key or key == "dt as run"} == changed | {"optimises"}
-
-
-def test_a_preset_that_no_engine_has_is_an_error() -> None:
-    with pytest.raises(UnknownName):
-        Job("stack_ten", "mujoco", "dreaming").settings(opened("mujoco"))
-    assert main(["run", "stack_ten", "--engine", "mujoco", "--preset", "dreaming"]) == 2
 
 
 @pytest.mark.parametrize(("words", "runs"), [

@@ -82,22 +82,6 @@ def test_3_when_an_engine_is_missing_or_crashed(site: Path, tmp_path: Path, engi
     assert [row["status"] for row in latest(tmp_path)["rows"]] == [status]
 
 
-def test_3_when_a_bound_was_not_measured(site: Path, tmp_path: Path) -> None:
-    # the ball has not come down after six frames: no engine's fault, and no pass
-    assert called(tmp_path, "check", "--engine", "tunnels", *BALL) == 3
-
-
-def test_3_for_a_missing_package_in_all_presets(site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # what python does for a package that is not there
-    monkeypatch.setitem(sys.modules, "pybullet", None)
-    for name in [name for name in sys.modules if name.startswith("reference.in_pybullet")]:
-        monkeypatch.delitem(sys.modules, name)
-    assert called(tmp_path, "compare", "--engine", "pybullet", *BALL) == 3
-    rows = latest(tmp_path)["rows"]
-    assert [(row["preset"], row["status"]) for row in rows] == [("default", "not-measured"), ("tuned", "not-measured")]
-    assert all("make setup" in row["note"] for row in rows)
-
-
 def test_3_for_a_full_disk(
     site: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
