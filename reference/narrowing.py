@@ -1,7 +1,7 @@
 """What happens in the other engines when a scene's author leaves an effect out: which has the switch, and which cannot say it.
 
-Restitution, friction, limits and self-contact are left out by the adapters. Neither engine knows reach cones, nor looks for
-impacts within a step, and sleeping is off in both unless a preset asks for it: a scene without them runs there as it always does.
+Restitution, friction, limits and self-contact are left out by the adapters. No engine here knows reach cones, nor looks for
+impacts within a step, and sleeping is off unless a preset asks for it: a scene without them runs there as it always does.
 """
 
 from collections.abc import Mapping
@@ -14,12 +14,12 @@ from reference.pair_factors import missed
 ELLIPSOID_VERTICES = 162
 """Vertices of the hull that stands for an ellipsoid: it lies inside by at most about 2 % of the largest radius."""
 ALWAYS_THERE: Mapping[str, str] = {
-    "overlap_removal": "cannot be switched off apart from contact as a whole",
+    "overlap_removal": "not switched off apart from contact as a whole",
     "coupling": "a driven link is a body with mass, which gives and takes in every contact",
-    "dynamics": "what is free moves: a simulated body cannot be told to stand",
-    "gyroscopic": "cannot be switched off for links",
+    "dynamics": "what is free moves: simulated bodies are not held fixed",
+    "gyroscopic": "not switched off for links",
 }
-"""Effects that cannot be left out in these engines, and why."""
+"""Effects that these adapters do not leave out, and the consequence."""
 
 
 def alike_in_both(scene: Scene) -> dict[str, str]:

@@ -66,6 +66,15 @@ class Options(dict[str, Chosen]):
             raise InvalidInput(f"option dt of {engine}", self["dt"].value, "seconds above 0")
         return max(1, round(dt / self.number("dt")))
 
+    def as_run(self, preset: str, optimises: Mapping[str, str], better: Sequence[str], step: float, count: int
+               ) -> dict[str, object]:
+        """Return every setting as (value, reason), the purpose of the preset, the step [s], and of "tuned" better ones."""
+        run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self.items()}
+        run["optimises"] = (optimises[preset], "the purpose of this preset")
+        if preset == TUNED:
+            run["better elsewhere"] = ("; ".join(better), "settings that are better in something else, and their cost")
+        return run | {"dt as run": (step, cut_into(count))}
+
 
 def cut_into(count: int) -> str:
     """Why the step is what it is: a frame is cut into `count` of them."""
@@ -95,15 +104,6 @@ def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> 
 def of_one_scene(preset: Preset) -> Preset:
     """Settings that are the best of one scene and of no other, marked so in their reasons."""
     return {name: Chosen(chosen.value, f"{ONE_SCENE}{chosen.reason}") for name, chosen in preset.items()}
-
-
-def purpose(preset: str, optimises: Mapping[str, str], better: Sequence[str]) -> dict[str, tuple[str, str]]:
-    """What a preset was chosen for, and beside "tuned" the settings that are better in something else, as settings are told."""
-    told = {"optimises": (optimises[preset], "what this preset was chosen for")}
-    if preset == TUNED:
-        why = "settings that are better in something else, and what they cost; how much is in the run's sweep, where it has them"
-        told["better elsewhere"] = ("; ".join(better), why)
-    return told
 
 
 def _like(engine: str, name: str, default: Value, value: object) -> Value:

@@ -42,7 +42,7 @@ def unsupported(run: str, features: Iterable[str]) -> dict[str, str]:
     for feature in features:
         lacking = one.unsupported.get(feature)
         if lacking is not None and (not lacking.presets or preset in lacking.presets):
-            reason = f"{feature}: not set up in {one.label}" if lacking.lacks == "adapter" else f"{one.label} has no {feature}"
+            reason = f"{one.label} has no {feature}" if lacking.lacks == "engine" else f"{feature}: not set up in {one.label}"
             found |= dict.fromkeys(lacking.metrics, reason)
     return found
 

@@ -34,12 +34,12 @@ class Unsupported:
     """A feature that is not set up in an engine.
 
     metrics  that do not compare the engine in scenes with the feature
-    lacks    "engine" or "adapter"
+    lacks    "engine", the "package" that brings it to Python, or our "adapter"
     presets  that lack it; empty for all
     """
 
     metrics: tuple[Metric, ...]
-    lacks: Literal["engine", "adapter"]
+    lacks: Literal["engine", "package", "adapter"]
     presets: tuple[str, ...] = ()
 
 
@@ -62,7 +62,7 @@ class Issue:
     """Behaviour that explains large figures: found in a version on a date, in scenes (patterns)."""
 
     title: str
-    cause: Literal["engine", "adapter", "setting"]
+    cause: Literal["engine", "package", "adapter", "setting"]
     version: str
     date: str
     scenes: str

@@ -10,7 +10,7 @@ from multiprocessing import parent_process
 
 from avatarsim.engine import Engine
 from avatarsim.errors import InvalidFile, InvalidInput, MissingPackage, UnknownName, bringing
-from avatarsim.scene.joint import Ball
+from avatarsim.scene.joint import Ball, Hinges
 from runfiles.engines import about, engines, joined
 from runfiles.naming import UNSEEN_PREFIX
 from scenarios.scenario import Scenario
@@ -93,10 +93,17 @@ def limits_balls(scenario: Scenario) -> bool:
     return any(isinstance(link.joint, Ball) and link.joint.limits is not None for link in links)
 
 
+def hinges_only(scenario: Scenario) -> bool:
+    """Return whether avatars move by hinges, and by no ball joint."""
+    joints = [link.joint for link in scenario.as_run(False).build().links]
+    return any(isinstance(joint, Hinges) for joint in joints) and not any(isinstance(joint, Ball) for joint in joints)
+
+
 CONDITIONS: Mapping[str, Callable[[Scenario], bool]] = {
     "bodies may sleep": may_sleep,
     "follows recorded motion": lambda scenario: scenario.name.startswith(("mocap_", UNSEEN_PREFIX)),
     "ball joints have limits": limits_balls,
+    "avatars have hinges only": hinges_only,
 }
 """Conditions on a scene that `scenes` of a variant in about.toml can name."""
 

@@ -22,7 +22,7 @@ from reference.in_mujoco.presets import BETTER_ELSEWHERE, EVERYWHERE, OPTIMISES,
 from reference.in_mujoco.reading import Reading
 from reference.in_mujoco.stiffness import Stiffness, check_words
 from reference.in_mujoco.world import build_world
-from reference.presets import Options, cut_into, in_force, kind_of, purpose
+from reference.presets import Options, in_force, kind_of
 from reference.targets import Targets
 from runfiles.naming import COMPILED
 
@@ -56,13 +56,11 @@ class MujocoEngine:
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
-        run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
+        run = self._chosen.as_run(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE, self._step, self._count)
         run["version"] = (self.version, PINNED)
         run |= EVERYWHERE
         if self._motors is not None:
             run["welds"] = ("the root's", EVERYWHERE["welds"][1])
-        run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
-        run["dt as run"] = (self._step, cut_into(self._count))
         run["explicit pairs"] = (len(self._world.pair_law), "pairs of geoms whose law priorities cannot say")
         return run | {f"{COMPILED}{name}": told for name, told in resolved(self._model).items()}
 

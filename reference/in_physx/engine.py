@@ -1,7 +1,6 @@
 """PhysX behind the Engine protocol."""
 
 from collections.abc import Mapping
-from importlib.metadata import version
 from time import perf_counter_ns
 
 import numpy as np
@@ -12,15 +11,12 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
 from reference.in_physx.cannot_say import cannot_say
 from reference.in_physx.presets import BETTER_ELSEWHERE, OPTIMISES, presets
-from reference.in_physx.world import PLACE, SPIN, STATED, TURN, VELOCITY, Pose, World
+from reference.in_physx.world import PLACE, SPIN, STATED, TURN, VELOCITY, VERSION, Pose, World
 from reference.joint_angles import JointAngles
-from reference.presets import cut_into, in_force, kind_of, purpose
+from reference.presets import in_force, kind_of
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
-
-INSTALLED = version("sapien")
-"""Asked once: it is looked for among the files of every package."""
 
 
 class PhysxEngine:
@@ -28,11 +24,7 @@ class PhysxEngine:
 
     name = "physx"
     presets = ("default", "tuned")
-
-    @property
-    def version(self) -> str:
-        """Version of the package, which holds PhysX."""
-        return INSTALLED
+    version = VERSION
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """Return unsupported features: feature -> consequence."""
@@ -40,9 +32,7 @@ class PhysxEngine:
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Return every setting in force after `load`: name -> (value, reason)."""
-        run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
-        run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
-        return run | {"dt as run": (self._step, cut_into(self._count))}
+        return self._chosen.as_run(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE, self._step, self._count)
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the world, put everything at its first pose, show it."""

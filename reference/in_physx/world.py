@@ -35,6 +35,9 @@ with warnings.catch_warnings():
 Array = NDArray[np.float64]
 Pose = sapien.Pose
 
+VERSION = f"{physx.version().rpartition('-')[2].partition('.patch')[0]} in sapien {sapien.__version__}"
+"""Release of PhysX, without its branch and patch, and of the package."""
+
 ARM = 1.0
 """Distance [m] from a joint to points by which further joints hold directions: a swing cone is two points 2 ARM sin(swing / 2)
 apart at most, a hinge two points of its axis. Larger: rounding of positions counts more; smaller: that of directions."""

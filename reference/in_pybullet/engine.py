@@ -20,7 +20,7 @@ from reference.in_pybullet.presets import BETTER_ELSEWHERE, OPTIMISES, presets
 from reference.in_pybullet.reading import STATED, Reading
 from reference.in_pybullet.world import World, build_world
 from reference.pair_factors import coefficients, fit, weights
-from reference.presets import cut_into, in_force, kind_of, purpose
+from reference.presets import in_force, kind_of
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
@@ -49,9 +49,7 @@ class PybulletEngine:
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Every setting in force after `load`: name -> (value, reason)."""
-        run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
-        run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
-        run["dt as run"] = (self._step, cut_into(self._count))
+        run = self._chosen.as_run(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE, self._step, self._count)
         run["bodies outside the multibody solver"] = (len(self._world.maximal), "those whose inertia Bullet "
                                                                                 "finds by itself")
         return run

@@ -1,7 +1,7 @@
 """Rapier behind the Engine protocol."""
 
 from collections.abc import Mapping
-from importlib.metadata import version
+from importlib import metadata
 from time import perf_counter_ns
 
 import numpy as np
@@ -18,7 +18,7 @@ from reference.in_rapier.world import build_world
 from reference.joint_angles import JointAngles
 from reference.length_unit import length_unit
 from reference.narrowing import alike_in_game_engines
-from reference.presets import cut_into, in_force, kind_of, purpose
+from reference.presets import in_force, kind_of
 from reference.targets import Targets
 
 Array = NDArray[np.float64]
@@ -29,11 +29,7 @@ class RapierEngine:
 
     name = "rapier"
     presets = ("default", "tuned")
-
-    @property
-    def version(self) -> str:
-        """Version of the package."""
-        return version("rapier3d")
+    version = metadata.version("rapier3d")
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
         """Return unsupported features: feature -> consequence."""
@@ -44,11 +40,9 @@ class RapierEngine:
 
     def settings_as_run(self) -> Mapping[str, object]:
         """Return every setting in force after `load`: name -> (value, reason)."""
-        run: dict[str, object] = {name: (chosen.value, chosen.reason) for name, chosen in self._chosen.items()}
-        run |= purpose(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE)
-        run["dt as run"] = (self._step, cut_into(self._count))
-        run |= {"length unit as run": (self._unit, "[m]"), "threads": (self._world.physics.num_threads, "RAYON_NUM_THREADS")}
-        return run
+        run = self._chosen.as_run(self._settings.preset, OPTIMISES, BETTER_ELSEWHERE, self._step, self._count)
+        run["length unit as run"] = (self._unit, "[m]")
+        return run | {"threads": (self._world.physics.num_threads, "RAYON_NUM_THREADS")}
 
     def native(self) -> tuple[str, str]:
         """Return the world as Rapier writes it."""
@@ -86,8 +80,7 @@ class RapierEngine:
         places, turns = goals.positions.tolist(), goals.orientations.tolist()
         for k in range(self._count):
             for target, link in self._held:
-                turn = rapier.Rotation3(*turns[k + 1][link])
-                target.set_next_kinematic_position(rapier.Isometry3(places[k + 1][link], turn))
+                target.set_next_kinematic_position(rapier.Isometry3(places[k + 1][link], rapier.Rotation3(*turns[k + 1][link])))
             before = perf_counter_ns()
             self._world.physics.step()
             stepping += perf_counter_ns() - before

@@ -39,20 +39,22 @@ class World:
     and slides, in the order of the scene's angles.
 
     places (links, 3) [m], turned (links, 4), angles (hinges,) [rad, m]: the first posture;
-    limits: flag, joints have them."""
+    limits: flag, joints have them; reduced: flag, hinges and what is rigid are joined in reduced coordinates."""
 
     physics: rapier.PhysicsWorld
     places: Array
     turned: Array
     angles: Array
     limits: bool
+    reduced: bool
     handles: list[Handle] = field(default_factory=list)
     held: list[tuple[Handle, int]] = field(default_factory=list)
     joined: list[Joined] = field(default_factory=list)
 
-    def join(self, above: int, below: int, joint: AnyJoint) -> None:
+    def join(self, above: int, below: int, joint: AnyJoint, reduced: bool = False) -> None:
         """Insert a joint between two bodies, by their rows."""
-        self.physics.impulse_joints.insert(self.handles[above], self.handles[below], joint)
+        joints = self.physics.multibody_joints if reduced else self.physics.impulse_joints
+        joints.insert(self.handles[above], self.handles[below], joint)
 
     def add(self, body: rapier.RigidBodyBuilder) -> int:
         """Insert a body without shape; its row."""
@@ -63,7 +65,7 @@ class World:
 def build_world(scene: Scene, options: Options, unit: float) -> World:
     """Build the scene at its first posture, with skins in length units [m]. Settings of the solver are set afterwards."""
     world = World(rapier.PhysicsWorld(gravity=_vector(scene.gravity)), *link_poses(scene.avatars, scene.first_sample),
-                  scene.first_sample.angles, scene.effects.limits)
+                  scene.first_sample.angles, scene.effects.limits, options.flag("reduced_coordinates"))
     groups = collision_groups(scene.contact_filter)
     factors = [fit(scene, wanted, matters).values for wanted, matters in zip(coefficients(scene), weights(scene), strict=True)]
     skins = {Role.DRIVEN: options.number("driven_skin"), Role.SIMULATED: options.number("loose_skin"), Role.FIXED: 0.0}
@@ -88,7 +90,8 @@ def build_world(scene: Scene, options: Options, unit: float) -> World:
 
 def isometry(position: ArrayLike, orientation: ArrayLike) -> rapier.Isometry3:
     """Return a pose in Rapier's form; `orientation` is (w, x, y, z)."""
-    return rapier.Isometry3(_vector(position), _turn(orientation))
+    w, x, y, z = np.asarray(orientation, dtype=np.float64).tolist()
+    return rapier.Isometry3(_vector(position), rapier.Rotation3(w, x, y, z))
 
 
 def _vector(values: ArrayLike) -> tuple[float, float, float]:
@@ -96,24 +99,21 @@ def _vector(values: ArrayLike) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _turn(quaternion: ArrayLike) -> rapier.Rotation3:
-    return rapier.Rotation3(*np.asarray(quaternion, dtype=np.float64).tolist())
-
-
 def _body(owner: Body | Link, options: Options) -> rapier.RigidBodyBuilder:
     """A body without place; rigid roots of avatars are fixed."""
     if owner.mass is None or (isinstance(owner, Link) and owner.parent is None and isinstance(owner.joint, Rigid)):
         return rapier.RigidBody.fixed()
-    made = rapier.RigidBody.dynamic().additional_mass_properties(_mass(owner.mass)).gyroscopic_forces(True)
+    made = rapier.RigidBody.dynamic().gyroscopic_forces(True).ccd_enabled(options.flag("ccd"))
+    made = made.additional_mass_properties(_mass(owner.mass))
     if isinstance(owner, Link):
         return made.can_sleep(False).gravity_scale(float(options.flag("gravity_on_links")))
     made = made.linvel(_vector(owner.velocity)).angvel(_vector(owner.angular_velocity))
-    return made.can_sleep(options.flag("sleep")).ccd_enabled(options.flag("ccd"))
+    return made.can_sleep(options.flag("sleep"))
 
 
 def _mass(mass: Mass, share: float = 1.0) -> rapier.MassProperties:
     moments, turn = principal_axes(mass.inertia)
-    return rapier.MassProperties(_vector(mass.centre), share * mass.mass, _vector(share * moments), _turn(turn))
+    return rapier.MassProperties(_vector(mass.centre), share * mass.mass, _vector(share * moments), isometry(X, turn).rotation)
 
 
 def _collider(piece: Piece) -> rapier.ColliderBuilder:
@@ -179,7 +179,8 @@ def _joint(world: World, link: Link, above: int, row: int, options: Options, tur
     if isinstance(link.joint, Ball):
         _ball(world, link.joint, above, row, isometry(anchor, rest), options)
     elif not axes_of(link.joint):
-        world.join(above, row, rapier.FixedJointBuilder().local_frame1(isometry(anchor, rest)).contacts_enabled(False).build())
+        fixed = rapier.FixedJointBuilder().local_frame1(isometry(anchor, rest)).contacts_enabled(False).build()
+        world.join(above, row, fixed, world.reduced)
     place = world.physics.rigid_bodies[world.handles[row]].position.translation
     for left, axis in reversed(list(enumerate(reversed(axes_of(link.joint))))):
         below = row
@@ -189,7 +190,7 @@ def _joint(world: World, link: Link, above: int, row: int, options: Options, tur
             between = rapier.RigidBody.dynamic().additional_mass_properties(_mass(link.mass, BETWEEN_HINGES))
             pose = isometry((place.x, place.y, place.z), turned)
             below = world.add(between.position(pose).can_sleep(False).gravity_scale(0.0))
-        world.join(above, below, _about(axis, anchor, rest, world.limits))
+        world.join(above, below, _about(axis, anchor, rest, world.limits), world.reduced)
         world.joined.append(Joined(above, below, anchor, rest, axis))
         above, anchor, rest = below, np.zeros(3), np.array(rotation.IDENTITY)
 

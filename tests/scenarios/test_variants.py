@@ -15,15 +15,19 @@ CASES: list[tuple[str, str, str, set[str]]] = [
     ("mujoco", "hinges", "tuned", {"ball_joints"}),
     ("pybullet", "sleeping", "tuned", {"sleep"}),
     ("pybullet", "follows", "default", {"feed_forward", "ball_gain"}),
+    ("rapier", "sleeping", "tuned", {"sleep"}),
+    ("rapier", "multibody", "tuned", {"reduced_coordinates"}),
 ]
 """Engine, variant, the preset that it changes, and the settings that differ."""
 
 
 @pytest.mark.parametrize(("variants", "among", "not_among", "most"), [
-    ([("mujoco", "sleeping"), ("pybullet", "sleeping")], {"stack_ten", "rest_ten_minutes", "heavy_on_light", "hand_over_table"},
+    ([(engine, "sleeping") for engine in ("mujoco", "pybullet", "rapier")],
+     {"stack_ten", "rest_ten_minutes", "heavy_on_light", "hand_over_table"},
      {"two_arms", "mocap_punch_wall", "mocap_run", "free_flight", "hand_in_corner"}, 20),
     ([("mujoco", "servos"), ("pybullet", "follows")], {"mocap_run", "mocap_punch_wall", "unseen_door"},
      {"hand_over_table", "ball_drop", "hand_in_corner", "stack_ten"}, 30),
+    ([("rapier", "multibody")], {"hand_in_corner", "hand_grasp", "limit_torture_hinges"}, {"stack_ten", "two_arms"}, 20),
     ([("mujoco", "hinges")], {"unseen_door", "mocap_run", "two_arms"}, {"hand_over_table", "stack_ten"}, 45),
 ])
 def test_scenes_of_a_variant(variants: list[tuple[str, str]], among: set[str], not_among: set[str], most: int) -> None:
