@@ -30,7 +30,7 @@ from scenarios.cli import listing
 from scenarios.cli.comparison import take_own_scenes
 from scenarios.cli.plan import Plan, plan
 from scenarios.cli.table import COLUMNS
-from scenarios.engines import known
+from scenarios.engines import known, taken
 from scenarios.job import Job
 from scenarios.run.gate import FAILED, INCOMPLETE, PASSED, USAGE, exit_code
 from scenarios.run.harness import Run
@@ -145,7 +145,7 @@ def chosen(options: argparse.Namespace, gates: Sequence[str]) -> Plan:
     Raises UnknownName for an engine, or for a preset that does not run in the scene.
     """
     asked = [*options.engine, *gates] if options.engine else gates
-    engines = dict.fromkeys(word.partition("/")[0] for word in (options.engine and asked) or [*known(), *gates])
+    engines = dict.fromkeys(word.partition("/")[0] for word in (asked if options.engine else [*taken([]), *gates]))
     # as compare, so that variants are planned too
     made = plan(argparse.Namespace(**{**vars(options), "command": "compare", "preset": []}), list(engines), False)
     runs = {job.run for job in made.jobs}
@@ -156,12 +156,12 @@ def chosen(options: argparse.Namespace, gates: Sequence[str]) -> Plan:
             raise UnknownName(f"preset of {engine}", word.partition("/")[2], presets)
     rows = {f"{one.engine}/{one.name}" for one in made.own}
 
-    def taken(job: Job) -> bool:
+    def is_wanted(job: Job) -> bool:
         one = about(job.engine)
         usual = job.preset in one.presets if one.path else job.preset not in one.variants
         return job.run in asked or job.run in rows or (usual and (not options.engine or job.engine in asked))
 
-    return replace(made, jobs=list(filter(taken, made.jobs)), ready=[one for one in made.ready if taken(one.job)])
+    return replace(made, jobs=list(filter(is_wanted, made.jobs)), ready=[one for one in made.ready if is_wanted(one.job)])
 
 
 def document(ran: Run, rows: Sequence[Row], checks: Sequence[Row]) -> dict[str, object]:
