@@ -23,6 +23,7 @@ from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.body import Body, ContactLaw, PairTable, Role
 from avatarsim.scene.carried import Carried
 from avatarsim.scene.checks import instance, listed
+from avatarsim.scene.joint import Rigid
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import Scene
@@ -144,6 +145,7 @@ def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequ
     taken = {avatar.name} if len(links) == 1 else {f"{avatar.name}/{link.name}" for link in links}
     named, known = with_own_names((*own, *others), taken), taken | {body.name for body in own}
     exclude = tuple(pair for pair in model.exclude if known.issuperset(pair))
+    exclude += tuple((body.name, link) for body in named[len(own) :] for link in bolted(avatar))
     at_rest = tuple(entry for entry in model.at_rest if known.issuperset(entry[:2]))
     moving = with_own_names((one.body for one in carried), taken | {body.name for body in named})
     avatars = (avatar, *moving)
@@ -155,6 +157,15 @@ def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequ
     if start is not None and moving:
         start = with_moving(avatars, start, {}, rest(avatars))
     return Scene("clean", named, avatars, materials, start=start, exclude=exclude, at_rest=at_rest)
+
+
+def bolted(avatar: Avatar) -> tuple[str, ...]:
+    """Return the links that no joint moves, by their names in a scene: the base of an arm may touch the floor that it stands on."""
+    found = set[str]()
+    for link in avatar.links:
+        if isinstance(link.joint, Rigid) and (link.parent is None or link.parent in found):
+            found.add(link.name)
+    return tuple(name for link, name in zip(avatar.links, avatar.link_names, strict=True) if link.name in found)
 
 
 def is_taken(body: Body, options: Options) -> bool:
