@@ -160,7 +160,7 @@ def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequ
 
 
 def bolted(avatar: Avatar) -> tuple[str, ...]:
-    """Return the links that no joint moves, by their names in a scene: the base of an arm may touch the floor that it stands on."""
+    """Return the names in a scene of links that no joint moves: the base of an arm may touch the floor on which it stands."""
     found = set[str]()
     for link in avatar.links:
         if isinstance(link.joint, Rigid) and (link.parent is None or link.parent in found):
