@@ -45,7 +45,7 @@ def posed(avatars: Sequence[Avatar], joints: Mapping[str, ArrayLike | Pose], sta
         first += avatar.hinge_count
     for name, value in joints.items():
         if name not in named:
-            raise UnknownName("joint to pose", str(name), named)
+            raise UnknownName("link of the joint to pose", str(name), named)
         k = named[name]
         if following.intersection(range(hinges[k], hinges[k + 1])):
             raise InvalidSample(f"value of joint {name}", value, "none: this joint follows another")

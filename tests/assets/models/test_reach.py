@@ -1,5 +1,6 @@
 """Poses of links for coordinates, and coordinates for goals of links."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,9 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from avatarsim.assets.models.coordinates import coordinates_of
 from avatarsim.assets.models.load import load_avatar, load_room
 from avatarsim.assets.models.model import Model
 from avatarsim.errors import InvalidInput, UnknownName
+from avatarsim.scene.joint import Coupling
 from tests.assets.motions.robots import held, robot
 from tests.cleaning.rated import coordinates, home, mixed, two_arms, two_arms_text
 
@@ -91,6 +94,16 @@ def test_coordinates_by_the_names_of_joints() -> None:
     assert model.pose(further)["pelvis"][0].tolist() == [1.0, 2.0, 3.0]
 
 
+def test_a_joint_that_follows_another_goes_along() -> None:
+    avatar = robot(free=False).avatar
+    assert avatar is not None
+    avatar = replace(avatar, couplings=(Coupling(2, 1, 0.5),))
+    model = Model(avatar, coordinates_of(avatar), (), ())
+    assert model.at({"left_arm": 0.4}).tolist() == [0.0, 0.4, 0.2, 0.0]
+    with pytest.raises(UnknownName):
+        model.at({"left_forearm": 0.2})
+
+
 def test_values_that_fit_no_joint_are_refused() -> None:
     with pytest.raises(UnknownName, match="left_elbow"):
         robot().at({"left_elbo": 0.7})
@@ -98,6 +111,6 @@ def test_values_that_fit_no_joint_are_refused() -> None:
         held().at({"left_shoulder": 0.7})
     for name, value in (("waist", (0.1, 0.2)), ("waist", float("nan")), ("floating_base", (0.0, 0.0, 1.0)), ("waist", "left")):
         with pytest.raises(InvalidInput, match=name):
-            robot().at({name: value})  # type: ignore[dict-item]
+            robot().at({name: value})
     with pytest.raises(InvalidInput):
         robot().at({}, start=np.zeros(3))
