@@ -17,7 +17,6 @@ from avatarsim.assets.models.smpl_skeleton import approximate
 from avatarsim.errors import InvalidInput, UnknownName
 from avatarsim.live.drive.limbs import handle_links
 from avatarsim.live.drive.tree import Tree
-from avatarsim.live.drive.turns import about
 from avatarsim.scene.avatar import Avatar, Link
 from avatarsim.scene.body import Body, fixed, simulated, solid
 from avatarsim.scene.checks import Quaternion, Vector
@@ -143,8 +142,8 @@ def _thumb_joint(number: int) -> Hinges:
 
 def _about(axis: str, degrees: float) -> Quaternion:
     """A turn about an axis of the world."""
-    x, y, z = (1.0 if axis == one else 0.0 for one in "xyz")
-    return about((x, y, z), radians(degrees))
+    w, x, y, z = rotation.from_axis_angle([axis == one for one in "xyz"], radians(degrees)).tolist()
+    return w, x, y, z
 
 
 TOP = 0.75

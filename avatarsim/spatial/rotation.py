@@ -145,6 +145,16 @@ def with_signs_of(quaternions: ArrayLike, recorded: ArrayLike, kept: ArrayLike) 
     return np.asarray(q * np.where((q[anchor] * like[anchor]).sum(axis=-1, keepdims=True) < 0.0, -1.0, 1.0))
 
 
+def difference(a: ArrayLike, b: ArrayLike) -> Array:
+    """Rotation vector (..., 3) [rad], in the axes that both turn into, that takes unit quaternion a to b, the short way round."""
+    return to_rotation_vector(multiply(b, conjugate(a)))
+
+
+def turned(quaternion: ArrayLike, vector: ArrayLike) -> Array:
+    """Unit quaternion (..., 4): `quaternion`, and then the turn of a rotation vector (..., 3) [rad]."""
+    return normalised(multiply(from_rotation_vector(vector), quaternion))
+
+
 def slerp(a: ArrayLike, b: ArrayLike, fraction: ArrayLike) -> Array:
     """Spherical interpolation from a (fraction 0) to b (fraction 1), the short way round."""
     start = normalised(a)

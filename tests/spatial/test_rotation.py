@@ -76,6 +76,12 @@ def test_matrices_to_quaternions_at_every_branch(axis: np.ndarray, angle: float)
     assert rotation.to_matrix(found) == pytest.approx(turn.as_matrix(), abs=1e-14)
 
 
+@given(SEEDS)
+def test_the_difference_of_two_turns_leads_from_one_to_the_other(seed: int) -> None:
+    a, b = random(seed, 1)[0], random(seed + 1, 1)[0]
+    same(rotation.turned(wxyz(a), rotation.difference(wxyz(a), -wxyz(b))), wxyz(b))
+
+
 @given(SEEDS, st.floats(0.0, 1.0))
 def test_slerp_goes_the_short_way_at_an_even_pace(seed: int, share: float) -> None:
     a, b = random(seed, 1)[0], random(seed + 1, 1)[0]

@@ -5,6 +5,7 @@ through every change of source: by hand one goes on from what is shown, and clip
 (inertialization, Bollo 2016). No obstacles are known here; the engine keeps the avatar out of them.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import accumulate
 from math import hypot
@@ -13,18 +14,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from avatarsim.errors import InvalidInput, InvalidSample, UnknownName
-from avatarsim.live.drive.ease import STEEPNESS, Offset, largest_turn, minimum_jerk, mixed, pulse, within_limits
-from avatarsim.live.drive.gait import Gait, planar, yaw_of_x
+from avatarsim.live.drive.ease import STEEPNESS, Offset, largest_turn, minimum_jerk, mixed, pulse, shortened
+from avatarsim.live.drive.gait import Gait, yaw_of_x
 from avatarsim.live.drive.keys import BY_NAME, KEYS, Speeds
 from avatarsim.live.drive.limbs import closing, fingers_of, limbs_of
 from avatarsim.live.drive.pull import Goal, Pull
-from avatarsim.live.drive.tree import Posture, Tree, posture_of
-from avatarsim.live.drive.turns import add, norm, normalised, rotate, scaled, shortened, sub, turned_by, way
-from avatarsim.scene.checks import Quaternion, Vector, bounded, unit_quaternion, vector, within
+from avatarsim.live.drive.tree import Array, Posture, Tree, posture_of
+from avatarsim.scene.checks import bounded, unit_quaternion, vector, within
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.moving import with_moving
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, checked
+from avatarsim.spatial.rotation import difference, rotate, turned
 
 __all__ = ["KEYS", "Driver"]
 
@@ -61,27 +62,28 @@ LEVER = 0.1
 class _Drag:
     """A link that is pulled: where its gizmo is, and how far the pull has come."""
 
-    goal: Vector
-    turn: Quaternion | None
-    at: Vector
-    turned: Quaternion
+    goal: Array
+    turn: Array | None
+    at: Array
+    turned: Array
 
 
 @dataclass
 class _Clip:
     motion: Motion
-    shift: Vector
+    shift: Array
     time: float = 0.0
 
 
 @dataclass
 class _Swing:
-    """Joints on their way from one posture to another."""
+    """Joints on their way from one posture to another, by a course over the time `length` [s]."""
 
     start: Posture
     end: Posture
     links: list[int]
     length: float
+    course: Callable[[float], float] = minimum_jerk
     age: float = 0.0
 
 
@@ -124,7 +126,6 @@ class Driver:
         self._is_fresh = self._is_reached = self._was_moved = False
         self._offset: Offset | None = None
         self._swing: _Swing | None = None
-        self._flick = 0.0
         self._source = "still"
         if self._gait is not None:
             self._gait.end()
@@ -144,7 +145,7 @@ class Driver:
         """[s] of two steps of the walk; 0 for an avatar without legs, which glides."""
         return 0.0 if self._gait is None else self._gait.period
 
-    def pose(self, link: str) -> tuple[Vector, Quaternion]:
+    def pose(self, link: str) -> tuple[Array, Array]:
         """Where a link's joint is [m] and how it is turned in the last posture. Raises UnknownName."""
         return self._tree.pose(self._shown, self._number(link))
 
@@ -156,11 +157,11 @@ class Driver:
         Root links go there as a whole. Others pull the chain up to the root along; the root itself follows where the goal is out
         of reach. Raises UnknownName, and InvalidSample for what is not finite, no rotation, or farther than `FARTHEST`."""
         k = self._number(link)
-        goal = vector(f"goal of {link} [m]", np.asarray(position, dtype=object).tolist(), InvalidSample)
+        goal = _vector(f"goal of {link} [m]", position)
         root = self._tree.pose(self._shown, self._tree.chain(k)[0])[0]
-        bounded(f"way from the root to the goal of {link} [m]", sub(goal, root), FARTHEST, InvalidSample)
+        bounded(f"way from the root to the goal of {link} [m]", (goal - root).tolist(), FARTHEST, InvalidSample)
         given = None if orientation is None else np.asarray(orientation, dtype=object).tolist()
-        turn = None if given is None else unit_quaternion(f"orientation of the goal of {link}", given, InvalidSample)
+        turn = None if given is None else np.array(unit_quaternion(f"orientation of the goal of {link}", given, InvalidSample))
         if k in self._drags:
             self._drags[k].goal, self._drags[k].turn = goal, turn
             return
@@ -194,8 +195,8 @@ class Driver:
         elif key == "t":
             self._is_reached = not self._is_reached
             self._swing = self._towards(self._reached if self._is_reached else self._start)
-        elif self._flick <= 0.0:
-            self._flick = 1.0
+        elif self._swing is None:
+            self._swing = self._flick()
         return ""
 
     def play(self, motion: Motion, at: ArrayLike | None = None) -> None:
@@ -215,15 +216,12 @@ class Driver:
         if not (np.abs(lengths - 1.0) <= 1e-6).all():
             frame = int(np.argmax(np.abs(lengths - 1.0).max(axis=1)))
             raise InvalidSample(f"rotations of frame {frame} of the motion", motion.rotations[frame].tolist(), "of length 1")
-        shift: Vector = (0.0, 0.0, 0.0)
-        x, y, z = (float(value) for value in motion.positions[0, 0])
-        if at is not None:
-            begin = vector("place where a motion begins [m]", np.asarray(at, dtype=object).tolist(), InvalidSample)
-            shift = sub(begin, (x, y, z))
-        bounded("place where the root of a motion begins [m]", add((x, y, z), shift), 1e6, InvalidSample)
+        own = np.asarray(motion.positions[0, 0], dtype=np.float64)
+        begin = own if at is None else _vector("place where a motion begins [m]", at)
+        bounded("place where the root of a motion begins [m]", begin.tolist(), 1e6, InvalidSample)
         self._drags.clear()
         self._take("clip")
-        self._clip = _Clip(motion, shift)
+        self._clip = _Clip(motion, begin - own)
         self._offset = self._offset_to(self._of_clip(self._clip))
 
     def take_over(self) -> None:
@@ -241,7 +239,7 @@ class Driver:
         sample = checked(sample, self._scene.avatars)
         if not (np.abs(sample.positions) <= 1e6).all():
             raise InvalidSample("tracker positions [m]", float(np.abs(sample.positions).max()), "components up to 1e6")
-        self._tracker, self._is_fresh = within_limits(self._tree, posture_of(sample)), True
+        self._tracker, self._is_fresh = self._tree.clip(posture_of(sample)), True
 
     def tick(self, dt: float) -> TrackerSample:
         """Pass `dt` [s] and give the posture of all avatars. Raises InvalidInput for a time that no frame has."""
@@ -275,13 +273,13 @@ class Driver:
     @property
     def _is_keyed(self) -> bool:
         stepping = self._gait is not None and self._gait.is_stepping
-        return self._speeds.is_moving or self._swing is not None or self._flick > 0.0 or stepping
+        return self._speeds.is_moving or self._swing is not None or stepping
 
     def _take(self, source: str) -> None:
         """Another source begins: from what is shown."""
         if self._source != source or source in ("drag", "clip"):
             self._base = self._shown.copy()
-            self._flick, self._swing = 0.0, None
+            self._swing = None
             self._speeds.stop()
         if self._source in ("clip", "tracker") or source == "clip" or self._clip is not None:
             self._was_moved = True
@@ -294,24 +292,21 @@ class Driver:
         return Offset(self._tree, self._shown, first, 0.5 * FASTEST, 0.5 * FASTEST_TURN)
 
     def _finished(self, dt: float) -> Posture:
-        """The base with what is laid over it: an offset that decays, a flick."""
+        """The base, with an offset that decays."""
         if self._offset is not None:
             if self._offset.advance(dt):
                 return self._offset.added(self._base)
             self._offset = None
-        shown = self._base.copy()
-        if self._flick > 0.0:
-            self._struck(shown, dt)
-        return shown
+        return self._base.copy()
 
     def _pulled(self, dt: float) -> None:
         """A frame of dragging."""
-        step, turn, before = FASTEST * dt, FASTEST_TURN * dt, self._base.roots[0]
+        step, turn, before = FASTEST * dt, FASTEST_TURN * dt, self._base.roots[0].copy()
         limbs: dict[int, list[int]] = {}
         for k, drag in sorted(self._drags.items()):
-            drag.at = add(drag.at, shortened(sub(drag.goal, drag.at), step))
+            drag.at = drag.at + shortened(drag.goal - drag.at, step)
             if drag.turn is not None:
-                drag.turned = turned_by(shortened(way(drag.turned, drag.turn), turn), drag.turned)
+                drag.turned = turned(drag.turned, shortened(difference(drag.turned, drag.turn), turn))
             root = self._tree.chain(k)[0]
             if k == root and self._tree.nodes[k].is_free:
                 self._base.roots[k] = drag.at
@@ -323,7 +318,7 @@ class Driver:
         for root, links in limbs.items():
             self._pull_limbs(root, tuple(links), step, turn, dt)
         if self._gait is not None and self._gait.is_on and not any(self._gait.is_leg(k) for k in self._drags):
-            x, y, _ = scaled(sub(self._base.roots[0], before), 1.0 / dt)
+            x, y, _ = ((self._base.roots[0] - before) / dt).tolist()
             self._gait.advance(self._base, (x, y), 0.0, dt, turn)
 
     def _pull_limbs(self, root: int, links: tuple[int, ...], step: float, turn: float, dt: float) -> None:
@@ -336,21 +331,15 @@ class Driver:
         if root in self._drags or not self._tree.nodes[root].is_free:
             return
         share = self._stalls[links] / PATIENCE
-        errors = pull.errors(self._base, goals)
-        mean = (0.0, 0.0, 0.0)
-        for error in errors:
-            mean = add(mean, scaled(error, 1.0 / len(errors)))
-        moved = shortened(scaled(mean, share), step)
-        place = add(self._base.roots[root], moved)
+        moved = shortened(share * pull.error(self._base, goals), step)
         if root == 0 and self._gait is not None and not any(self._gait.is_leg(k) for k in links):
-            if not norm(moved) > 0.0:
+            if not moved.any():
                 return
             self._begin_gait()
             low, high = self._gait.heights()
             height = self._gait.height(self._base)
-            lowered = min(max(height + moved[2], min(low, height)), max(high, height))
-            place = (place[0], place[1], self._base.roots[0][2] + lowered - height)
-        self._base.roots[root] = place
+            moved[2] = min(max(height + moved[2], min(low, height)), max(high, height)) - height
+        self._base.roots[root] += moved
 
     def _pull(self, links: tuple[int, ...]) -> Pull:
         if links not in self._pulls:
@@ -371,9 +360,8 @@ class Driver:
             bent = self._base.angles[h] + now["fist"] * (closed - opened) / CLOSING * dt
             self._base.angles[h] = min(max(bent, min(opened, closed)), max(opened, closed))
         for k in self._lifts:
-            x, y, z = self._base.roots[k]
-            low, high = self._start.roots[k][2], self._start.roots[k][2] + HIGHEST
-            self._base.roots[k] = (x, y, min(max(z + now["lift"] * LIFTING * dt, min(low, z)), max(high, z)))
+            z, low = self._base.roots[k, 2], self._start.roots[k, 2]
+            self._base.roots[k, 2] = min(max(z + now["lift"] * LIFTING * dt, min(low, z)), max(low + HIGHEST, z))
         if self._swing is not None:
             self._swung(self._swing, dt)
         if not self._tree.nodes[0].is_free:
@@ -383,17 +371,15 @@ class Driver:
             self._begin_gait()
         speed = min(FASTEST, self._span if gait is None else gait.speed) / max(1.0, hypot(forward, side))
         facing = yaw_of_x(self._base.turns[0]) if gait is None else gait.forward(self._base)
-        x, y = planar(facing, forward * speed, side * speed)
-        root = self._base.roots[0]
-        self._base.turns[0] = normalised(turned_by((0.0, 0.0, spin * dt), self._base.turns[0]))
-        height = root[2] + rise * min(FASTEST, self._span) * dt
+        x, y, _ = rotate(facing, (forward * speed, side * speed, 0.0)).tolist()
+        self._base.turns[0] = turned(self._base.turns[0], (0.0, 0.0, spin * dt))
+        raised = rise * min(FASTEST, self._span) * dt
         if gait is not None and is_moving:
             low, high = gait.heights()
             now_at = gait.height(self._base)
             # crouching takes a second
-            wanted = min(max(now_at + rise * gait.leg * dt, min(low, now_at)), max(high, now_at))
-            height = root[2] + wanted - now_at
-        self._base.roots[0] = (root[0] + x * dt, root[1] + y * dt, height)
+            raised = min(max(now_at + rise * gait.leg * dt, min(low, now_at)), max(high, now_at)) - now_at
+        self._base.roots[0] += (x * dt, y * dt, raised)
         if gait is not None and gait.is_on:
             gait.advance(self._base, (x, y), spin, dt, FASTEST_TURN * dt)
 
@@ -406,44 +392,39 @@ class Driver:
         tips = tuple(arm.tip for arm in self._arms)
         held = frozenset(range(len(self._tree.nodes))) - frozenset(k for arm in self._arms for k in arm.links)
         pull = Pull(self._tree, tips, LEVER * self._span, held)
-        poses = self._tree.poses(found)
+        places, _ = self._tree.poses(found)
         goals = []
         for arm in self._arms:
-            length = sum(norm(self._tree.nodes[k].anchor) for k in arm.links[2:])
-            shoulder = poses[arm.links[1]][0]
-            goals.append(Goal(arm.tip, add(shoulder, rotate(facing, (0.95 * length, 0.0, 0.0)))))
+            length = sum(hypot(*self._tree.nodes[k].anchor) for k in arm.links[2:])
+            goals.append(Goal(arm.tip, places[arm.links[1]] + rotate(facing, (0.95 * length, 0.0, 0.0))))
         for _ in range(100):
             pull.solve(found, goals, 1.0)
         return found
 
     def _towards(self, end: Posture) -> _Swing:
         """The arms on their way, no faster than joints may turn."""
-        angles = [h for k in self._arm_joints for h in range(
-            self._tree.nodes[k].first_angle, self._tree.nodes[k].first_angle + len(self._tree.nodes[k].hinges))]
-        widest = largest_turn(self._base, end, self._arm_joints, angles)
+        widest = largest_turn(self._tree, self._base, end, self._arm_joints)
         return _Swing(self._base.copy(), end, self._arm_joints, max(REACHING, STEEPNESS * widest / FASTEST_TURN))
 
+    def _flick(self) -> _Swing:
+        """The right arm on its way to where it reaches out, or the root ahead, and back."""
+        end, links = self._base.copy(), self._tree.moving(self._arms[1].links) if self._arms else []
+        if links:
+            mixed(self._tree, self._base, self._reached, STRIKE_SHARE, links, end)
+            least = largest_turn(self._tree, self._base, end, links) / FASTEST_TURN
+        else:
+            end.roots[0] += rotate(yaw_of_x(end.turns[0]), (STRIKE_WAY * self._span, 0.0, 0.0))
+            least = STRIKE_WAY * self._span / FASTEST
+        return _Swing(self._base.copy(), end, links, max(STRIKE, 2.0 * STEEPNESS * least), pulse)
+
     def _swung(self, swing: _Swing, dt: float) -> None:
+        before = swing.course(swing.age / swing.length)
         swing.age += dt
-        mixed(self._tree, swing.start, swing.end, minimum_jerk(swing.age / swing.length), swing.links, self._base)
+        share = swing.course(swing.age / swing.length)
+        mixed(self._tree, swing.start, swing.end, share, swing.links, self._base)
+        self._base.roots += (share - before) * (swing.end.roots - swing.start.roots)
         if swing.age >= swing.length:
             self._swing = None
-
-    def _struck(self, shown: Posture, dt: float) -> None:
-        """Lay a frame of a flick over the posture; `_flick` is the share of it that is left."""
-        if self._arms:
-            joints = self._tree.moving(self._arms[1].links)
-            angles = [h for k in joints for h in range(
-                self._tree.nodes[k].first_angle, self._tree.nodes[k].first_angle + len(self._tree.nodes[k].hinges))]
-            way_there = STRIKE_SHARE * largest_turn(self._base, self._reached, joints, angles)
-            length = max(STRIKE, 2.0 * STEEPNESS * way_there / FASTEST_TURN)
-            self._flick = max(0.0, self._flick - dt / length)
-            mixed(self._tree, self._base, self._reached, STRIKE_SHARE * pulse(1.0 - self._flick), joints, shown)
-            return
-        far = STRIKE_WAY * self._span
-        self._flick = max(0.0, self._flick - dt / max(STRIKE, 2.0 * STEEPNESS * far / FASTEST))
-        ahead = rotate(yaw_of_x(shown.turns[0]), (far * pulse(1.0 - self._flick), 0.0, 0.0))
-        shown.roots[0] = add(shown.roots[0], ahead)
 
     def _of_clip(self, clip: _Clip) -> Posture:
         """The posture of a clip at its time, the other avatars as they are."""
@@ -455,9 +436,9 @@ class Driver:
         own = posture_of(clip.motion.between(frame, share))
         found = self._base.copy()
         count = len(own.roots)
-        found.roots[:count] = [add(root, clip.shift) for root in own.roots]
+        found.roots[:count] = own.roots + clip.shift
         found.turns[:count], found.angles[: len(own.angles)] = own.turns, own.angles
-        return within_limits(self._tree, found)
+        return self._tree.clip(found)
 
     def _played(self, clip: _Clip, dt: float) -> None:
         clip.time += dt
@@ -475,3 +456,8 @@ class Driver:
             if self._gait is not None:
                 self._gait.end()
         self._base, self._is_fresh = self._tracker.copy(), False
+
+
+def _vector(thing: str, value: ArrayLike) -> Array:
+    """Three finite numbers. Raises InvalidSample for anything else."""
+    return np.array(vector(thing, np.asarray(value, dtype=object).tolist(), InvalidSample))

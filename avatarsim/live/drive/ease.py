@@ -1,8 +1,11 @@
-"""Minimum-jerk time courses (Flash and Hogan 1985), and the decaying offset that hides a change of source (Bollo 2016).
-"""
+"""Minimum-jerk time courses (Flash and Hogan 1985), and the decaying offset that hides a change of source (Bollo 2016)."""
 
-from avatarsim.live.drive.tree import Posture, Tree
-from avatarsim.live.drive.turns import add, norm, scaled, sub, turned_by, way
+from collections.abc import Sequence
+
+import numpy as np
+
+from avatarsim.live.drive.tree import Array, Posture, Tree
+from avatarsim.spatial import rotation
 
 STEEPNESS = 1.875
 """Largest slope of a minimum-jerk course, of a way of 1 in a time of 1."""
@@ -22,28 +25,28 @@ def pulse(share: float) -> float:
     return minimum_jerk(2.0 * share) if share < 0.5 else minimum_jerk(2.0 - 2.0 * share)
 
 
-def largest_turn(a: Posture, b: Posture, turns: list[int], angles: list[int]) -> float:
-    """[rad] the most that one of these joints turns between two postures."""
-    found = [norm(way(a.turns[k], b.turns[k])) for k in turns] + [abs(b.angles[h] - a.angles[h]) for h in angles]
-    return max(found, default=0.0)
+def shortened(vector: Array, most: float) -> Array:
+    """The vector, or one of length `most` along it where it is longer."""
+    length = float(np.linalg.norm(vector))
+    return vector * (most / length) if length > most else vector
 
 
-def mixed(tree: Tree, a: Posture, b: Posture, share: float, links: list[int], out: Posture) -> None:
+def largest_turn(tree: Tree, a: Posture, b: Posture, links: Sequence[int]) -> float:
+    """[rad] the most that the joint of one of these links turns between two postures."""
+    turned, angles = rotation.difference(a.turns[links], b.turns[links]), tree.angles(links)
+    return _largest(turned, b.angles[angles] - a.angles[angles])
+
+
+def _largest(vectors: Array, angles: Array) -> float:
+    return float(max(np.linalg.norm(vectors, axis=1).max(initial=0.0), np.abs(angles).max(initial=0.0)))
+
+
+def mixed(tree: Tree, a: Posture, b: Posture, share: float, links: Sequence[int], out: Posture) -> None:
     """Put links' joints at a share of the way from one posture to another."""
-    for k in links:
-        node = tree.nodes[k]
-        if node.is_ball:
-            out.turns[k] = turned_by(scaled(way(a.turns[k], b.turns[k]), share), a.turns[k])
-        for h in range(node.first_angle, node.first_angle + len(node.hinges)):
-            out.angles[h] = a.angles[h] + share * (b.angles[h] - a.angles[h])
+    balls, angles = [k for k in links if tree.nodes[k].is_ball], tree.angles(links)
+    out.turns[balls] = rotation.slerp(a.turns[balls], b.turns[balls], share)
+    out.angles[angles] = a.angles[angles] + share * (b.angles[angles] - a.angles[angles])
     tree.clip(out)
-
-
-def within_limits(tree: Tree, posture: Posture) -> Posture:
-    """The posture with each joint inside its limits."""
-    found = posture.copy()
-    tree.clip(found)
-    return found
 
 
 class Offset:
@@ -52,12 +55,10 @@ class Offset:
 
     def __init__(self, tree: Tree, shown: Posture, first: Posture, speed: float, turn: float) -> None:
         self._tree, self._age = tree, 0.0
-        self._roots = [sub(a, b) for a, b in zip(shown.roots, first.roots, strict=True)]
-        self._turns = [way(b, a) for a, b in zip(shown.turns, first.turns, strict=True)]
-        self._angles = [a - b for a, b in zip(shown.angles, first.angles, strict=True)]
-        farthest = max((norm(one) for one, node in zip(self._roots, tree.nodes, strict=True) if node.is_free), default=0.0)
-        widest = max([norm(one) for one in self._turns] + [abs(one) for one in self._angles], default=0.0)
-        self._length = max(SHORTEST, STEEPNESS * farthest / speed, STEEPNESS * widest / turn)
+        self._roots, self._angles = shown.roots - first.roots, shown.angles - first.angles
+        self._turns = rotation.difference(first.turns, shown.turns)
+        farthest = _largest(self._roots[[node.is_free for node in tree.nodes]], np.zeros(0))
+        self._length = max(SHORTEST, STEEPNESS * farthest / speed, STEEPNESS * _largest(self._turns, self._angles) / turn)
 
     def advance(self, dt: float) -> bool:
         """Let time pass; False once nothing is left of it."""
@@ -67,8 +68,7 @@ class Offset:
     def added(self, posture: Posture) -> Posture:
         """The posture, with what is left of the offset, inside the limits."""
         left = 1.0 - minimum_jerk(self._age / self._length)
-        return within_limits(self._tree, Posture(
-            [add(a, scaled(b, left)) for a, b in zip(posture.roots, self._roots, strict=True)],
-            [turned_by(scaled(b, left), a) for a, b in zip(posture.turns, self._turns, strict=True)],
-            [a + left * b for a, b in zip(posture.angles, self._angles, strict=True)],
+        return self._tree.clip(Posture(
+            posture.roots + left * self._roots, rotation.turned(posture.turns, left * self._turns),
+            posture.angles + left * self._angles,
         ))

@@ -6,25 +6,16 @@ Stride length and speed are those of dynamic similarity (Alexander 1976): stride
 
 from math import atan2, exp, hypot, pi, sin, sqrt
 
-from avatarsim.live.drive.ease import minimum_jerk
+import numpy as np
+
+from avatarsim.live.drive.ease import minimum_jerk, shortened
 from avatarsim.live.drive.limbs import Limb
-from avatarsim.live.drive.pull import Goal, Pull, exterior_angle, turn_about
-from avatarsim.live.drive.tree import Pose, Posture, Tree
-from avatarsim.live.drive.turns import (
-    UP,
-    about,
-    add,
-    conjugate,
-    cross,
-    dot,
-    multiply,
-    norm,
-    rotate,
-    scaled,
-    shortened,
-    sub,
-)
-from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.live.drive.pull import Goal, Pull, bend_about, exterior_angle, turn_about
+from avatarsim.live.drive.tree import Array, Poses, Posture, Tree
+from avatarsim.spatial.rotation import IDENTITY, conjugate, from_axis_angle, multiply, rotate
+
+UP = (0.0, 0.0, 1.0)
+"""Up in the world."""
 
 GRAVITY = 9.81
 """[m/s^2] that the speed of a walk is scaled by."""
@@ -64,7 +55,7 @@ class Gait:
         self._tree, self._legs = tree, legs
         self._own = {k for leg in legs for k in leg.links}
         self._bent = [_knee_and_ankle(tree, leg) for leg in legs]
-        self.leg = sum(norm(tree.nodes[k].anchor) for k in self._bent[0])
+        self.leg = sum(hypot(*tree.nodes[k].anchor) for k in self._bent[0])
         # the knee gives the length of the leg, what is above it aims, and what is below it turns the foot
         every = frozenset(range(len(tree.nodes)))
         self._aim, self._turn = [], []
@@ -72,15 +63,14 @@ class Gait:
             above = frozenset(leg.links[: leg.links.index(knee)])
             self._aim.append(Pull(tree, (ankle,), lever, every - above))
             self._turn.append(Pull(tree, (leg.tip,), lever, every - frozenset(leg.links) | above | {knee}))
-        back = conjugate(self._facing(start))
-        poses, root = tree.poses(start), start.roots[0]
-        self._home = [rotate(back, sub(poses[leg.tip][0], root)) for leg in legs]
-        self._heel = [rotate(back, sub(poses[ankle][0], poses[leg.tip][0]))
-                      for leg, (_, ankle) in zip(legs, self._bent, strict=True)]
-        self._heels: list[Vector] = [(0.0, 0.0, 0.0) for _ in legs]
-        self._turned = [multiply(back, poses[leg.tip][1]) for leg in legs]
-        self._floor = min(poses[leg.tip][0][2] for leg in legs)
-        self._stand = root[2] - self._floor
+        self._tips = [leg.tip for leg in legs]
+        back, (places, turns), root = conjugate(self.forward(start)), tree.poses(start), start.roots[0]
+        self._home = rotate(back, places[self._tips] - root)
+        self._heel = rotate(back, places[[ankle for _, ankle in self._bent]] - places[self._tips])
+        self._heels = np.zeros((len(legs), 3))
+        self._turned = multiply(back, turns[self._tips])
+        self._floor = float(places[self._tips, 2].min())
+        self._stand = float(root[2]) - self._floor
         self.speed = sqrt(FROUDE * GRAVITY * self.leg)
         self.period = 2.3 * FROUDE**0.3 * self.leg / self.speed
         self._phase = self._drop = self._spin = 0.0
@@ -101,10 +91,9 @@ class Gait:
         if self.is_on:
             return
         self.is_on, self._phase, self._drop, self._way, self._spin = True, 0.0, 0.0, (0.0, 0.0), 0.0
-        self._heels = [(0.0, 0.0, 0.0) for _ in self._legs]
+        self._heels[:] = 0.0
         if finds_floor:
-            poses = self._tree.poses(posture)
-            self._floor = min(poses[leg.tip][0][2] for leg in self._legs)
+            self._floor = float(self._tree.poses(posture)[0][self._tips, 2].min())
 
     def end(self) -> None:
         """Leave the legs to another source."""
@@ -116,17 +105,14 @@ class Gait:
 
     def height(self, posture: Posture) -> float:
         """Where the root would be without the dip of a stride [m]."""
-        return posture.roots[0][2] + self._drop
+        return float(posture.roots[0, 2]) + self._drop
 
-    def forward(self, posture: Posture) -> Quaternion:
+    def forward(self, posture: Posture) -> Array:
         """The turn about the vertical from x to where the body faces."""
-        return self._facing(posture)
-
-    def _facing(self, posture: Posture) -> Quaternion:
-        hips = self._tree.poses(posture)
-        x, y, _ = sub(hips[self._legs[0].links[0]][0], hips[self._legs[1].links[0]][0])
+        places, _ = self._tree.poses(posture)
+        x, y, _ = places[self._legs[0].links[0]] - places[self._legs[1].links[0]]
         # left is a quarter turn from forward
-        return about(UP, atan2(-x, y))
+        return from_axis_angle(UP, atan2(-x, y))
 
     def advance(self, posture: Posture, velocity: tuple[float, float], spin: float, dt: float, most: float) -> None:
         """Move the legs under a root that is where it is to be and goes at `velocity` (x, y) [m/s] and `spin` [rad/s]; no joint
@@ -137,22 +123,23 @@ class Gait:
         self._way = vx + follow * (share * velocity[0] - vx), vy + follow * (share * velocity[1] - vy)
         self._spin += follow * (spin - self._spin)
         self._phase = (self._phase + dt / self.period) % 1.0 if self.is_stepping else 0.0
-        x, y, z = posture.roots[0]
+        x, y, z = posture.roots[0].tolist()
         height, reach = z + self._drop, 0.5 * hypot(*self._way) * self.period * STANCE
         self._drop = self.leg - sqrt(max(self.leg**2 - reach**2, (0.5 * self.leg) ** 2))
         # a root above standing takes its ground along, as one below the deepest crouch does
         ground = min(max(self._floor, height - self._stand), height - self._stand + DEEPEST * self.leg)
         posture.roots[0] = (x, y, height - self._drop)
-        facing = self._facing(posture)
-        for number, leg in enumerate(self._legs):
-            place = self._foot(number, (x, y, ground + self._stand), facing)
-            self._turn[number].solve(posture, [Goal(leg.tip, None, multiply(facing, self._turned[number]))], most)
+        facing = self.forward(posture)
+        for number, tip in enumerate(self._tips):
+            place = self._foot(number, np.array((x, y, ground + self._stand)), facing)
+            self._turn[number].solve(posture, [Goal(tip, None, multiply(facing, self._turned[number]))], most)
             poses = self._tree.poses(posture)
-            ax, ay, az = add(self._heels[number], scaled(sub(place, poses[leg.tip][0]), HEEL))
-            self._heels[number] = shortened((ax, ay, max(0.0, az)), HIGHEST_HEEL * self.leg)
-            self._stand_on(number, posture, poses, add(place, self._heels[number]), facing, most)
+            heel = self._heels[number] + HEEL * (place - poses[0][tip])
+            heel[2] = max(0.0, heel[2])
+            self._heels[number] = shortened(heel, HIGHEST_HEEL * self.leg)
+            self._stand_on(number, posture, poses, place + self._heels[number], facing, most)
 
-    def _foot(self, number: int, root: Vector, facing: Quaternion) -> Vector:
+    def _foot(self, number: int, root: Array, facing: Array) -> Array:
         """Where a foot is to be [m], under a root that stands."""
         home = rotate(facing, self._home[number])
         ux, uy = self._way[0] - self._spin * home[1], self._way[1] + self._spin * home[0]
@@ -163,16 +150,16 @@ class Gait:
             along = minimum_jerk(swung) - 0.5
             lift = LIFT * self.leg * sin(pi * swung) ** 2 * min(1.0, hypot(ux, uy) / (0.5 * self.speed))
         stride = self.period * STANCE * along
-        return root[0] + home[0] + ux * stride, root[1] + home[1] + uy * stride, root[2] + home[2] + lift
+        return root + home + (ux * stride, uy * stride, lift)
 
-    def _stand_on(self, number: int, posture: Posture, poses: list[Pose], toe: Vector, facing: Quaternion, most: float) -> None:
+    def _stand_on(self, number: int, posture: Posture, poses: Poses, toe: Array, facing: Array, most: float) -> None:
         """Put the ankle of a leg where that of a level foot with its tip at `toe` [m] is, by knee and hip."""
         (knee, ankle), leg = self._bent[number], self._legs[number]
-        goal = add(toe, rotate(facing, self._heel[number]))
-        hip, middle, low = (poses[k][0] for k in (leg.links[0], knee, ankle))
-        thigh, shank, left = sub(middle, hip), sub(low, middle), rotate(facing, (0.0, 1.0, 0.0))
-        a, b, d = norm(thigh), norm(shank), norm(sub(goal, hip))
-        bent = atan2(dot(left, cross(thigh, shank)), dot(thigh, shank))
+        goal = toe + rotate(facing, self._heel[number])
+        hip, middle, low = poses[0][[leg.links[0], knee, ankle]]
+        thigh, shank, left = middle - hip, low - middle, rotate(facing, (0.0, 1.0, 0.0))
+        a, b, d = hypot(*thigh), hypot(*shank), hypot(*(goal - hip))
+        bent = bend_about(left, thigh, shank)
         wanted = exterior_angle(a, b, d)
         turn_about(self._tree, posture, knee, left, min(max(wanted - bent, -most), most), poses)
         self._aim[number].solve(posture, [Goal(ankle, goal)], most)
@@ -180,18 +167,12 @@ class Gait:
 
 def _knee_and_ankle(tree: Tree, leg: Limb) -> tuple[int, int]:
     """The links at the lower ends of the two longest bones."""
-    longest = sorted(leg.links[1:], key=lambda k: -norm(tree.nodes[k].anchor))[:2]
+    longest = sorted(leg.links[1:], key=lambda k: -hypot(*tree.nodes[k].anchor))[:2]
     knee, ankle = sorted(longest)
     return knee, ankle
 
 
-def planar(turn: Quaternion, forward: float, side: float) -> tuple[float, float]:
-    """A velocity forward and to the left, in the world's x and y."""
-    x, y, _ = rotate(turn, (forward, side, 0.0))
-    return x, y
-
-
-def yaw_of_x(turn: Quaternion) -> Quaternion:
+def yaw_of_x(turn: Array) -> Array:
     """The turn about the vertical to where a frame's x axis points; none where that is upright."""
     x, y, _ = rotate(turn, (1.0, 0.0, 0.0))
-    return about(UP, atan2(y, x)) if hypot(x, y) > 0.1 else (1.0, 0.0, 0.0, 0.0)
+    return from_axis_angle(UP, atan2(y, x)) if hypot(x, y) > 0.1 else np.array(IDENTITY)

@@ -9,9 +9,9 @@ whatever their names (of a hand's, "lf" is the little and "rf" the ring finger).
 
 import re
 from dataclasses import dataclass
+from math import hypot
 
 from avatarsim.live.drive.tree import Posture, Tree
-from avatarsim.live.drive.turns import norm
 from avatarsim.scene.joint import MANY_TURNS, Slide
 
 LIMB = 3
@@ -89,13 +89,13 @@ def limbs_of(tree: Tree, posture: Posture) -> Limbs:
         left, right = _row(tree, side, k), _row(tree, side, other[k])
         if min(len(left), len(right)) >= LIMB and min(len(tree.moving(left)), len(tree.moving(right))) >= 2:
             pairs.append((Limb(left), Limb(right)))
-    poses = tree.poses(posture)
+    places, _ = tree.poses(posture)
     legs: tuple[Limb, ...] = ()
-    lowest = min(pairs, key=lambda pair: poses[pair[0].tip][0][2], default=None)
-    if lowest is not None and tree.nodes[0].is_free and poses[lowest[0].tip][0][2] < poses[0][0][2]:
+    lowest = min(pairs, key=lambda pair: places[pair[0].tip, 2], default=None)
+    if lowest is not None and tree.nodes[0].is_free and places[lowest[0].tip, 2] < places[0, 2]:
         legs = lowest
         pairs.remove(lowest)
-    arms = max(pairs, key=lambda pair: poses[pair[0].links[0]][0][2], default=())
+    arms = max(pairs, key=lambda pair: places[pair[0].links[0], 2], default=())
     return Limbs(legs, arms)
 
 
@@ -119,7 +119,7 @@ def fingers_of(tree: Tree) -> tuple[Finger, ...]:
 
 
 def _length(tree: Tree, row: tuple[int, ...]) -> float:
-    return sum(norm(tree.nodes[k].anchor) for k in row[1:])
+    return sum(hypot(*tree.nodes[k].anchor) for k in row[1:])
 
 
 def closing(tree: Tree, fingers: tuple[Finger, ...]) -> tuple[tuple[int, float, float], ...]:

@@ -3,31 +3,18 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from math import atan2, sqrt
+from math import atan2, hypot, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
 from avatarsim.ik.goals import SPENT, Goals, GoalScratch, approach, make_goal_scratch, make_goals, mobility
-from avatarsim.live.drive.tree import Pose, Posture, Tree
-from avatarsim.live.drive.turns import (
-    NO_LENGTH,
-    add,
-    conjugate,
-    cross,
-    dot,
-    norm,
-    rotate,
-    scaled,
-    sub,
-    turned_by,
-    way,
-)
-from avatarsim.scene.checks import Quaternion, Vector
+from avatarsim.live.drive.tree import Array, Poses, Posture, Tree
 from avatarsim.scene.joint import MANY_TURNS
-from avatarsim.spatial.rotation import to_matrix
+from avatarsim.spatial import rotation
 
-Array = NDArray[np.float64]
+NO_LENGTH = 1e-12
+"""Length below which a vector has no direction: rounding of unit vectors is 1e-16."""
 
 CLOSE = 1e-5
 """[m] error, turns counted by the lever, below which a goal is reached: far below a pixel; less: rounds that nothing shows."""
@@ -47,8 +34,8 @@ class Goal:
     """Where a link is to be, in the world: its joint's centre [m] and its orientation; None for what may be any."""
 
     link: int
-    position: Vector | None
-    orientation: Quaternion | None = None
+    position: ArrayLike | None
+    orientation: ArrayLike | None = None
 
 
 @dataclass
@@ -67,10 +54,11 @@ class Pull:
         above = sorted({k for link in self.links for k in self.tree.chain(link)})
         self.joints = [k for k in self.tree.moving(above) if k not in self.held]
 
-    def errors(self, posture: Posture, goals: Sequence[Goal]) -> list[Vector]:
-        """From each link to the place that is its goal [m]."""
-        poses = self.tree.poses(posture)
-        return [sub(goal.position, poses[goal.link][0]) for goal in goals if goal.position is not None]
+    def error(self, posture: Posture, goals: Sequence[Goal]) -> Array:
+        """The mean way from each link to the place that is its goal (3,) [m]."""
+        places, _ = self.tree.poses(posture)
+        missed = [goal.position - places[goal.link] for goal in goals if goal.position is not None]
+        return np.asarray(np.mean(missed, axis=0), dtype=np.float64)
 
     def solve(self, posture: Posture, goals: Sequence[Goal], most: float, still: Sequence[int] = ()) -> bool:
         """Move the posture towards the goals, no joint by more than `most` [rad], and `still` ones not at all.
@@ -88,7 +76,7 @@ class Pull:
             if goal.position is not None:
                 asked.place[g] = goal.position
             if goal.orientation is not None:
-                asked.turn[g] = to_matrix(goal.orientation)
+                asked.turn[g] = rotation.to_matrix(goal.orientation)
         found = arrays.read(posture.sample(0.0))
         is_stuck = approach(arrays.skeleton, asked, self.lever, CLOSE, ROUNDS, most, found, scratch)
         self.tree.take_over(found, [k for k in self.joints if self.tree.nodes[k].is_ball], posture)
@@ -113,14 +101,13 @@ class Pull:
             if axis is None or goal.position is None:
                 continue
             below = chain[chain.index(elbow) + 1 :]
-            above, middle, wrist = poses[self.tree.nodes[elbow].parent][0], poses[elbow][0], poses[below[0]][0]
-            upper, lower = sub(middle, above), sub(wrist, middle)
+            above, middle, wrist, end = poses[0][[self.tree.nodes[elbow].parent, elbow, below[0], goal.link]]
             # what is below the wrist goes along as it is
-            wanted = norm(sub(add(goal.position, sub(wrist, poses[goal.link][0])), above))
-            if not wanted < norm(sub(wrist, above)) - SHORTENED * self.lever:
+            wanted = hypot(*(goal.position + (wrist - end) - above))
+            if not wanted < hypot(*(wrist - above)) - SHORTENED * self.lever:
                 continue
-            bent = atan2(dot(axis, cross(upper, lower)), dot(upper, lower))
-            turn = min(exterior_angle(norm(upper), norm(lower), wanted) - bent, most)
+            upper, lower = middle - above, wrist - middle
+            turn = min(exterior_angle(hypot(*upper), hypot(*lower), wanted) - bend_about(axis, upper, lower), most)
             if turn > 0.0 and turn_about(self.tree, posture, elbow, axis, turn, poses) > SPENT * turn:
                 found += [k for k in (elbow, *below) if k in self.joints]
         return found
@@ -129,48 +116,52 @@ class Pull:
         """The joint of a chain, below its first one, between the longest bones; -1 where there is none."""
         best, longest = -1, 0.0
         for k, after in zip(chain[2:], chain[3:], strict=False):
-            shorter = min(norm(self.tree.nodes[k].anchor), norm(self.tree.nodes[after].anchor))
+            shorter = min(hypot(*self.tree.nodes[k].anchor), hypot(*self.tree.nodes[after].anchor))
             if k in self.joints and shorter > longest:
                 best, longest = k, shorter
         return best
 
-    def _bending(self, k: int, poses: Sequence[Pose]) -> Vector | None:
+    def _bending(self, k: int, poses: Poses) -> Array | None:
         """The axis in the world about which a joint bends: from zero to the middle of its limits; None where that is not far."""
         node = self.tree.nodes[k]
         if node.is_ball:
             # axis of the limb and centre of its swing, both in the link's frame at zero
-            x, y, z, a, b, c = self.tree.arrays.skeleton.cone[k, :6].tolist()
-            across = cross((x, y, z), (a, b, c))
-            if atan2(norm(across), dot((x, y, z), (a, b, c))) < ONE_SIDED or norm(across) < NO_LENGTH:
+            limb, centre = self.tree.arrays.skeleton.cone[k, :3], self.tree.arrays.skeleton.cone[k, 3:6]
+            across = rotation.cross(limb, centre)
+            length = hypot(*across)
+            if atan2(length, float(limb @ centre)) < ONE_SIDED or length < NO_LENGTH:
                 return None
-            return rotate(self.tree.above(k, poses), scaled(across, 1.0 / norm(across)))
+            return rotation.rotate(self.tree.above(k, poses), across / length)
         if node.is_slide:
             return None
         middle = 0.5 * (node.hinges[0].lower + node.hinges[0].upper) if len(node.hinges) == 1 else 0.0
         if not ONE_SIDED < abs(middle) < MANY_TURNS:
             return None
-        return rotate(self.tree.above(k, poses), scaled(node.hinges[0].axis, 1.0 if middle > 0.0 else -1.0))
+        return rotation.rotate(self.tree.above(k, poses), np.multiply(node.hinges[0].axis, 1.0 if middle > 0.0 else -1.0))
 
 
-def turn_about(
-    tree: Tree, posture: Posture, k: int, axis: Vector, angle: float, poses: Sequence[Pose]
-) -> float:
+def turn_about(tree: Tree, posture: Posture, k: int, axis: Array, angle: float, poses: Poses) -> float:
     """Turn the joint of a link about an axis in the world, by the hinge that is nearest to it if it has hinges; the angle [rad]
     that its limits leave of it."""
     node, above = tree.nodes[k], tree.above(k, poses)
     if node.is_ball:
-        was = posture.turns[k]
-        posture.turns[k] = turned_by(rotate(conjugate(above), scaled(axis, angle)), was)
+        was = posture.turns[k].copy()
+        posture.turns[k] = rotation.turned(was, angle * rotation.rotate(rotation.conjugate(above), axis))
         tree.clip(posture)
-        return norm(way(was, posture.turns[k]))
-    along = [] if node.is_slide else [dot(rotate(above, hinge.axis), axis) for hinge in node.hinges]
+        return hypot(*rotation.difference(was, posture.turns[k]))
+    along = [] if node.is_slide else [float(rotation.rotate(above, hinge.axis) @ axis) for hinge in node.hinges]
     best = max(range(len(along)), key=lambda h: abs(along[h]), default=-1)
     if best < 0:
         return 0.0
     hinge, at = node.hinges[best], node.first_angle + best
-    wanted = posture.angles[at] + (angle if along[best] > 0.0 else -angle)
-    before, posture.angles[at] = posture.angles[at], min(max(wanted, hinge.lower), hinge.upper)
-    return abs(posture.angles[at] - before)
+    before = float(posture.angles[at])
+    posture.angles[at] = min(max(before + (angle if along[best] > 0.0 else -angle), hinge.lower), hinge.upper)
+    return abs(float(posture.angles[at]) - before)
+
+
+def bend_about(axis: Array, upper: Array, lower: Array) -> float:
+    """[rad] by which the second of two bones is turned against the first about an axis."""
+    return atan2(float(axis @ rotation.cross(upper, lower)), float(upper @ lower))
 
 
 def exterior_angle(a: float, b: float, distance: float) -> float:

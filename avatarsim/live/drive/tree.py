@@ -1,48 +1,46 @@
-"""Trees of links as plain lists, and postures that may be changed in place; kinematics and limits are the engine's own."""
+"""Trees of links, and postures that may be changed in place; kinematics and limits are the engine's own."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain
 
 import numpy as np
+from numpy.typing import NDArray
 
 from avatarsim.ik.bare_avatars import BareAvatars
-from avatarsim.live.drive.turns import multiply, normalised
 from avatarsim.model import skeleton
 from avatarsim.scene.avatar import Avatar
 from avatarsim.scene.checks import Quaternion, Vector
 from avatarsim.scene.joint import Ball, Free, Hinge, Slide, axes_of
 from avatarsim.scene.tracker import TrackerSample
+from avatarsim.spatial import rotation
 
-Pose = tuple[Vector, Quaternion]
-"""Place [m] and orientation of a link in the world."""
+Array = NDArray[np.float64]
+Poses = tuple[Array, Array]
+"""Places (links, 3) [m] and orientations (links, 4) of links in the world."""
 
 
 @dataclass(slots=True)
 class Posture:
-    """What a sample says, as lists: `roots` [m] of free links, `turns` of free links and balls, `angles` of hinges [rad] and
-    slides [m]."""
+    """What a sample says: `roots` (links, 3) [m] of free links, `turns` (links, 4) of free links and balls, `angles` of hinges
+    [rad] and slides [m]."""
 
-    roots: list[Vector]
-    turns: list[Quaternion]
-    angles: list[float]
+    roots: Array
+    turns: Array
+    angles: Array
 
     def copy(self) -> "Posture":
         """One of its own."""
-        return Posture(list(self.roots), list(self.turns), list(self.angles))
+        return Posture(self.roots.copy(), self.turns.copy(), self.angles.copy())
 
     def sample(self, time: float) -> TrackerSample:
-        """As a sample at `time` [s]."""
-        # two thirds of the time of np.array
-        roots, turns = (np.fromiter(chain.from_iterable(rows), np.float64) for rows in (self.roots, self.turns))
-        return TrackerSample(time, roots.reshape(-1, 3), turns.reshape(-1, 4), np.array(self.angles, dtype=np.float64))
+        """As a sample at `time` [s], of the same arrays."""
+        return TrackerSample(time, self.roots, self.turns, self.angles)
 
 
 def posture_of(sample: TrackerSample) -> Posture:
     """A posture of a sample that has been checked; its turns become unit quaternions to rounding."""
-    turns = [normalised((w, x, y, z)) for w, x, y, z in sample.rotations.tolist()]
-    return Posture([(x, y, z) for x, y, z in sample.positions.tolist()], turns, [float(angle) for angle in sample.angles])
+    return Posture(sample.positions.copy(), rotation.normalised(sample.rotations), sample.angles.copy())
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,19 +90,17 @@ class Tree:
         """The engine's arrays of these links."""
         return BareAvatars(self._avatars)
 
-    def take_over(self, found: skeleton.Posture, links: Iterable[int], posture_out: Posture) -> None:
+    def take_over(self, found: skeleton.Posture, links: Sequence[int], posture_out: Posture) -> None:
         """Take over all angles, and the turns of these links, from arrays."""
         sample = self.arrays.sample(found)
-        turns, posture_out.angles = sample.rotations.tolist(), sample.angles.tolist()
-        for k in links:
-            w, x, y, z = turns[k]
-            posture_out.turns[k] = (w, x, y, z)
+        posture_out.turns[links], posture_out.angles[:] = sample.rotations[links], sample.angles
 
-    def clip(self, posture_out: Posture) -> None:
-        """Put each joint inside its limits; turns inside them stay to the bit."""
+    def clip(self, posture_out: Posture) -> Posture:
+        """Put each joint inside its limits; turns inside them stay to the bit. Returns the posture."""
         own = self.arrays.read(posture_out.sample(0.0))
         clipped = self.arrays.clipped(own)
         self.take_over(clipped, np.flatnonzero((clipped.turn != own.turn).any(axis=(1, 2))).tolist(), posture_out)
+        return posture_out
 
     def chain(self, link: int) -> tuple[int, ...]:
         """A link and all above it, the root first."""
@@ -125,16 +121,21 @@ class Tree:
         """Those of some links that turn or slide against their parent."""
         return [k for k in links if self.nodes[k].is_ball or self.nodes[k].hinges]
 
-    def above(self, k: int, poses: Sequence[Pose]) -> Quaternion:
+    def angles(self, links: Iterable[int]) -> list[int]:
+        """Numbers of the angles of some links."""
+        return [h for k in links for h, _ in enumerate(self.nodes[k].hinges, start=self.nodes[k].first_angle)]
+
+    def above(self, k: int, poses: Poses) -> Array:
         """The frame that the joint of link k turns in, in the world."""
         node = self.nodes[k]
-        return node.orientation if node.parent < 0 else multiply(poses[node.parent][1], node.orientation)
+        return np.array(node.orientation) if node.parent < 0 else rotation.multiply(poses[1][node.parent], node.orientation)
 
-    def poses(self, posture: Posture) -> list[Pose]:
+    def poses(self, posture: Posture) -> Poses:
         """Return the poses of all links."""
         places, turns = self.arrays.poses(self.arrays.read(posture.sample(0.0)))
-        return [((a, b, c), (w, x, y, z)) for (a, b, c), (w, x, y, z) in zip(places.tolist(), turns.tolist(), strict=True)]
+        return places.copy(), turns.copy()
 
-    def pose(self, posture: Posture, link: int) -> Pose:
-        """Place [m] and orientation in the world of one link."""
-        return self.poses(posture)[link]
+    def pose(self, posture: Posture, link: int) -> tuple[Array, Array]:
+        """Place (3,) [m] and orientation (4,) in the world of one link."""
+        places, turns = self.poses(posture)
+        return places[link], turns[link]

@@ -6,9 +6,7 @@ import numpy as np
 
 from avatarsim.assets.models.ball_limits import ball_excess
 from avatarsim.live.drive.driver import Driver
-from avatarsim.live.drive.ease import within_limits
 from avatarsim.live.drive.tree import Tree, posture_of
-from avatarsim.live.drive.turns import exp, multiply
 from avatarsim.live.stages import stage
 from avatarsim.scene.joint import Ball, Hinges
 from avatarsim.scene.scene import Scene
@@ -39,11 +37,10 @@ def random_sample(scene: Scene, seed: int, amount: float = 0.8) -> TrackerSample
     found = posture_of(scene.first_sample)
     for k, node in enumerate(tree.nodes):
         if node.is_ball:
-            x, y, z = (rng.uniform(-amount, amount) for _ in range(3))
-            found.turns[k] = multiply(exp((x, y, z)), found.turns[k])
+            found.turns[k] = rotation.turned(found.turns[k], [rng.uniform(-amount, amount) for _ in range(3)])
         for h, hinge in enumerate(node.hinges, start=node.first_angle):
             found.angles[h] = rng.uniform(hinge.lower, hinge.upper)
-    return within_limits(tree, found).sample(0.0)
+    return tree.clip(found).sample(0.0)
 
 
 def excess(scene: Scene, sample: TrackerSample) -> float:
