@@ -241,7 +241,7 @@ def read_json(path: Path, thing: str, valid: str, most: int = MOST, constant: Ca
 def parsed_json(content: str, thing: str, valid: str, constant: Callable[[str], object] | None = None) -> Any:
     """The value of JSON that stood in a file, nested no deeper than DEEPEST. Raises InvalidFile."""
     try:
-        return _shallow(json.loads(content, parse_constant=constant))
+        return shallow(json.loads(content, parse_constant=constant))
     except (ValueError, RecursionError) as error:
         raise InvalidFile(thing, _unparsed(error, "JSON"), valid) from error
 
@@ -250,15 +250,15 @@ def read_toml(path: Path, thing: str, valid: str, most: int = MOST) -> dict[str,
     """The tables of a TOML file. Raises InvalidFile."""
     content = read_text(path, thing, valid, most)
     try:
-        return _shallow(tomllib.loads(content))
+        return shallow(tomllib.loads(content))
     except (ValueError, RecursionError) as error:
         raise InvalidFile(thing, _unparsed(error, "TOML"), valid) from error
 
 
-def _shallow(value: Parsed) -> Parsed:
-    """`value`, level by level found to be nested no deeper than DEEPEST. Raises RecursionError."""
+def shallow(value: Parsed, most: int = DEEPEST) -> Parsed:
+    """Return `value`, level by level found to be nested no deeper than `most`. Raises RecursionError."""
     level: list[object] = [value]
-    for _ in range(DEEPEST):
+    for _ in range(most):
         level = [part for node in level for part in _parts(node) if isinstance(part, list | dict)]
         if not level:
             return value

@@ -14,7 +14,7 @@ from avatarsim.engine import Settings
 from avatarsim.errors import AvatarsimError, InvalidInput, UnknownName
 from avatarsim.live.messages import Plan
 from avatarsim.live.show import require_page
-from avatarsim.live.stages import NAMES, Stage, stage, staged
+from avatarsim.live.stages import NAMES, Stage, stage
 from avatarsim.live.view.depth import Depth
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.scene import Scene
@@ -73,7 +73,7 @@ def staged_of(name: str) -> tuple[Stage, Mapping[str, Motion]]:
         raise InvalidInput("--scene", name, "a scene with an avatar")
     motion = scenario.motion(scene, 0)
     clip = motion_of([scene.first_sample, *(motion(frame) for frame in range(scenario.frames))], 1.0 / RENDERED)
-    return staged(scene, scenario.title), {f"{scene.name}, seed 0": clip}
+    return Stage(scene), {f"{scene.name}, seed 0": clip}
 
 
 def plan_of(words: str, scene: Scene, rate: float) -> Plan:

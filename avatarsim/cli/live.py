@@ -26,7 +26,7 @@ from avatarsim.live.ports.server import HIGHEST_PORT, Ports
 from avatarsim.live.recording import OURS
 from avatarsim.live.session import LoopDied, Session
 from avatarsim.live.show import require_page
-from avatarsim.live.stages import Stage, stage, staged
+from avatarsim.live.stages import Stage, stage
 from avatarsim.live.view.depth import Depth, own_depth, still
 from avatarsim.scene.carried import joined
 from avatarsim.scene.checks import within
@@ -81,7 +81,7 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
 
         together = with_carried(together, carried_in(read(asked.motion[0], options_for(asked.motion[0], reading))[0], reading))
     scene = together.scene(asked.avatar.stem)
-    own = staged(scene, f"{model.avatar.name}: {len(model.avatar.links)} links, {len(scene.names)} bodies and links")
+    own = Stage(scene)
     start = free_posture(Chords(still(own.scene)), own.scene.first_sample, MARGIN)
     return replace(own, scene=replace(own.scene, start=start), visuals=together.visuals), model
 

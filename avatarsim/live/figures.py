@@ -1,8 +1,10 @@
 """Order statistics of the last seconds of a loop: frame time, latency, late frames (nearest-rank percentiles, ISO 3534-1)."""
 
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from math import ceil
+
+import numpy as np
 
 from avatarsim.live.messages import State
 
@@ -10,16 +12,15 @@ SPAN = 10.0
 """[s] over which figures are taken: long enough for a p99 of 600 frames, short enough to see what a hand just did."""
 
 
-def rank(values: list[int], percent: float) -> int:
-    """The smallest value that at least `percent` of the sorted `values` do not exceed; 0 of none."""
-    return values[max(0, ceil(0.01 * percent * len(values)) - 1)] if values else 0
+def ranked(values: Sequence[int], *percents: float) -> list[int]:
+    """For each percentage the smallest value that as many of `values` do not exceed; 0 of none."""
+    return [int(found) for found in np.percentile(values or [0], percents, method="inverted_cdf")]
 
 
 @dataclass(frozen=True)
 class Figures:
     """Of the frames of the last `SPAN` seconds: frame times and latencies [ns], share late, frames left out, medians of stages
-    [ns], how often each status was reported, and the longest that a frame had the processor [ns], which `worst` may exceed by
-    what other programs took."""
+    [ns], and the longest that a frame had the processor [ns], which `worst` may exceed by what other programs took."""
 
     frames: int = 0
     p50: int = 0
@@ -30,7 +31,6 @@ class Figures:
     latency_p50: int = 0
     latency_p99: int = 0
     stages: dict[str, int] = field(default_factory=dict)
-    statuses: dict[str, int] = field(default_factory=dict)
     worst_cpu: int = 0
 
 
@@ -54,14 +54,10 @@ class Window:
         states = list(self._states)
         if not states:
             return Figures()
-        times, latencies = sorted(s.engine_ns for s in states), sorted(s.latency for s in states if s.latency >= 0)
-        stages = {name: rank(sorted(s.stage_ns.get(name, 0) for s in states), 50.0) for name in states[-1].stage_ns}
-        statuses: dict[str, int] = {}
-        for state in states:
-            for name, count in state.statuses.items():
-                statuses[name] = statuses.get(name, 0) + count
+        stages = {name: ranked([s.stage_ns.get(name, 0) for s in states], 50.0)[0] for name in states[-1].stage_ns}
+        p50, p99, worst = ranked([s.engine_ns for s in states], 50.0, 99.0, 100.0)
+        latency_p50, latency_p99 = ranked([s.latency for s in states if s.latency >= 0], 50.0, 99.0)
         return Figures(
-            len(states), rank(times, 50.0), rank(times, 99.0), times[-1], sum(s.is_late for s in states) / len(states),
-            states[-1].skipped - states[0].skipped, rank(latencies, 50.0), rank(latencies, 99.0), stages, statuses,
-            max(s.cpu_ns for s in states),
+            len(states), p50, p99, worst, sum(s.is_late for s in states) / len(states), states[-1].skipped - states[0].skipped,
+            latency_p50, latency_p99, stages, max(s.cpu_ns for s in states),
         )

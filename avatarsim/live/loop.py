@@ -10,9 +10,9 @@ import os
 import time
 from collections.abc import Collection
 from contextlib import suppress
-from importlib import import_module
 from multiprocessing.connection import Connection
 from pathlib import Path
+from pkgutil import resolve_name
 
 import numpy as np
 
@@ -64,9 +64,8 @@ def go_first() -> None:
 
 def engine_of(words: str) -> type[Engine]:
     """The class that "module:class" names. Raises UnknownName for what is not there."""
-    module, _, name = words.partition(":")
     try:
-        found = getattr(import_module(module), name)
+        found = resolve_name(words)
     except (ImportError, AttributeError, ValueError) as error:
         raise UnknownName("engine of a loop", words, ["avatarsim.simulator:AvatarsimEngine"]) from error
     if not isinstance(found, type):

@@ -47,13 +47,11 @@ class Target:
 
     stamp   [ns] of the monotonic clock when the bytes or the event behind it arrived at the door
     number  ascending from 1 in a session
-    source  "drag", "keys", "clip", "tracker:NAME"
     """
 
     sample: TrackerSample
     stamp: int
     number: int
-    source: str
 
 
 class Order(Enum):

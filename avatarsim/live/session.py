@@ -16,9 +16,10 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from avatarsim.clips.whole_files import write_whole
 from avatarsim.errors import AvatarsimError, InvalidFile, InvalidInput, UnknownName, ended_by
 from avatarsim.live.channel import pair
-from avatarsim.live.figures import SPAN, Figures, Window
+from avatarsim.live.figures import SPAN, Window
 from avatarsim.live.loop import run
 from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target, Touching
 from avatarsim.scene.tracker import TrackerSample, checked
@@ -52,7 +53,7 @@ class Driven:
         self._process.start()
         other.close()
         theirs.close()
-        self._window = Window(plan.rate)
+        self.window = Window(plan.rate)
         self.state: State | None = None
         self.touching: Touching | None = None
 
@@ -75,17 +76,9 @@ class Driven:
             if isinstance(told, Touching):
                 self.touching = told
             else:
-                self._window.add(told)
+                self.window.add(told)
                 self.state = told
         return self.state
-
-    def figures(self) -> Figures:
-        """Of its last seconds."""
-        return self._window.figures()
-
-    def states(self) -> tuple[State, ...]:
-        """The states of its last seconds that came here, oldest first."""
-        return self._window.states()
 
     @property
     def pid(self) -> int:
@@ -169,12 +162,12 @@ class Session:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.close()
 
-    def send(self, sample: TrackerSample, source: str, stamp: int | None = None) -> None:
+    def send(self, sample: TrackerSample, stamp: int | None = None) -> None:
         """Hand what the user wants to all loops; `stamp` [ns] of the monotonic clock, now by default.
 
         Raises InvalidSample for what does not fit the avatars or is not finite."""
         sample = checked(sample, self.scene.avatars)
-        target = Target(sample, time.monotonic_ns() if stamp is None else stamp, next(self._numbers), source)
+        target = Target(sample, time.monotonic_ns() if stamp is None else stamp, next(self._numbers))
         self.sent.append(target)
         for loop in self.loops.values():
             loop.send(target)
@@ -238,12 +231,9 @@ class Session:
         answer = self.command(Order.SAVE)[self.first.plan.name]
         if answer.refused:
             raise InvalidFile("recording", str(path), answer.refused)
-        part = path.with_name(path.name + ".part")
         try:
-            shutil.copyfile(answer.told, part)
-            part.replace(path)
+            write_whole(path, Path(answer.told).read_bytes())
         except OSError as error:
-            part.unlink(missing_ok=True)
             raise InvalidFile("recording", str(path), f"a place that takes a file ({error.strerror})") from error
 
     def close(self) -> None:

@@ -35,13 +35,21 @@ GAP = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A scene that one drives, the links that get gizmos, by their names in the scene, what it is in one line, and parts that are
-    drawn in place of pieces, as `Model.visuals`."""
+    """A scene that one drives, and parts that are drawn in place of pieces, as `Model.visuals`. Raises InvalidInput for a scene
+    without an avatar."""
 
     scene: Scene
-    handles: tuple[str, ...]
-    what: str
     visuals: Mapping[str, tuple[Visual, ...]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.scene.avatars:
+            raise InvalidInput(f"avatars of scene {self.scene.name}", 0, "at least 1, to be driven")
+
+    @property
+    def handles(self) -> tuple[str, ...]:
+        """Names of the links of all avatars that get gizmos: free roots, and ends of limbs; of several hands no fingers."""
+        names = self.scene.names[len(self.scene.bodies):]
+        return tuple(names[k] for k in handle_links(Tree(self.scene.avatars)))
 
 
 def stage(name: str) -> Stage:
@@ -49,19 +57,6 @@ def stage(name: str) -> Stage:
     if name not in _STAGES:
         raise UnknownName("stage", name, _STAGES)
     return _STAGES[name]()
-
-
-def staged(scene: Scene, what: str) -> Stage:
-    """Return a scene with avatars as a stage: roots and ends of limbs have gizmos. Raises InvalidInput without an avatar."""
-    if not scene.avatars:
-        raise InvalidInput(f"avatars of scene {scene.name}", 0, "at least 1, to be driven")
-    return Stage(scene, handles_of(scene), what)
-
-
-def handles_of(scene: Scene) -> tuple[str, ...]:
-    """Names of the links of all avatars that get gizmos: free roots, and ends of limbs; of several hands no fingers."""
-    names = scene.names[len(scene.bodies):]
-    return tuple(names[k] for k in handle_links(Tree(scene.avatars)))
 
 
 # --- the hand
@@ -163,13 +158,13 @@ def _table(half: float, rim: float) -> tuple[Body, Body]:
 
 
 def _above_table(
-    name: str, bodies: tuple[Body, ...], what: str, high: float, roll: float = 0.0, doors: tuple[Avatar, ...] = ()
+    name: str, bodies: tuple[Body, ...], high: float, roll: float = 0.0, doors: tuple[Avatar, ...] = ()
 ) -> Stage:
     """Return the hand, turned about its fingers by ``roll`` [degrees], ``high`` [m] above the table with bodies and doors."""
     avatars = hand(), *doors
     start = rest(avatars)
     start.positions[0], start.rotations[0] = (-0.05, 0.0, TOP + high), _about("x", roll)
-    return staged(Scene(name, bodies, avatars, start=start), what)
+    return Stage(Scene(name, bodies, avatars, start=start))
 
 
 def _hand_stage() -> Stage:
@@ -183,8 +178,7 @@ def _hand_stage() -> Stage:
         _loose("roller", (lying,), 0.12, (0.10, 0.28, TOP + 0.025)),
         _loose("marble", (Piece(Sphere(0.015)),), 0.02, (0.30, -0.24, TOP + 0.015), "metal"),
     )
-    what = "a hand of 16 links over a table with a rim and a wall, and five loose objects"
-    return _above_table("live hand", (*_table(half, 0.03), wall, *loose), what, 0.1)
+    return _above_table("live hand", (*_table(half, 0.03), wall, *loose), 0.1)
 
 
 def _toys_stage() -> Stage:
@@ -198,8 +192,7 @@ def _toys_stage() -> Stage:
         *_tower(6, (0.06, 0.06, 0.04), 0.1, (0.06, 0.3, TOP)),
         *_dominoes(14, (0.008, 0.024, 0.048), 0.015, 0.026, (-0.05, -0.28, TOP)),
     )
-    what = "a hand of 16 links over a table with a mug, a tower, a row of dominoes and a door"
-    return _above_table("live toys", bodies, what, 0.14, -90.0, (door,))
+    return _above_table("live toys", bodies, 0.14, -90.0, (door,))
 
 
 def _mug(foot: Vector) -> Body:
@@ -265,9 +258,7 @@ def _gallery() -> Stage:
         for k, link in enumerate(avatar.links) for piece in link.pieces
     )
     start = replace(start, positions=_first_root(avatar, (-2.2, 0.0, GAP - lowest)))
-    scene = Scene("live gallery", (*_rooms(), *_furniture(), *_playthings()), (avatar,), start=start)
-    what = "a human of 24 links in two rooms with a doorway, furniture, steps, and eight loose balls and boxes"
-    return staged(scene, what)
+    return Stage(Scene("live gallery", (*_rooms(), *_furniture(), *_playthings()), (avatar,), start=start))
 
 
 def _half_height(piece: Piece, orientation: Array) -> float:
@@ -346,8 +337,7 @@ def _house() -> Stage:
     assert start is not None
     avatars = avatar, door, lift
     whole = with_moving(avatars, start, {}, rest(avatars))
-    scene = Scene("live house", (*_rooms(), ledge, stand, _mug((-1.1, -0.45, 0.7)), *things, *games), avatars, start=whole)
-    return staged(scene, "a human of 24 links, a door between two rooms, a lift, a mug and boxes to carry, a tower and dominoes")
+    return Stage(Scene("live house", (*_rooms(), ledge, stand, _mug((-1.1, -0.45, 0.7)), *things, *games), avatars, start=whole))
 
 
 def _box(position: Vector, size: Vector) -> Piece:

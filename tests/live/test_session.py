@@ -49,13 +49,13 @@ def until(session: Session, frames: int, name: str = "avatarsim") -> State:
 def test_all_loops_follow_the_same_targets(session: Session) -> None:
     session.command(Order.RESET)
     for frame in range(40):
-        session.send(pushed(frame), "test")
+        session.send(pushed(frame))
         until(session, 1)
     states = until(session, 5), until(session, 5, "other")
     for state in states:
         assert state.positions[2][2] < 0.2 and state.target > 0 and not state.is_paused
     np.testing.assert_allclose(states[0].positions, states[1].positions, atol=0.05)
-    figures = session.first.figures()
+    figures = session.first.window.figures()
     assert figures.frames > 0 and figures.worst >= figures.p99 >= figures.p50 > 0 and figures.latency_p99 > 0
 
 
@@ -64,7 +64,7 @@ def test_quaternions_that_are_shown_keep_their_side(session: Session) -> None:
     shown = []
     for frame in range(40):
         turn = rotation.from_axis_angle(np.array([0.0, 0.0, 1.0]), np.array(0.3 * frame))
-        session.send(replace(pushed(0), rotations=np.stack([turn, pushed(0).rotations[1]])), "test")
+        session.send(replace(pushed(0), rotations=np.stack([turn, pushed(0).rotations[1]])))
         shown.append(until(session, 1).orientations)
     turns = np.array(shown)
     assert ((turns[1:] * turns[:-1]).sum(axis=-1) > 0.0).all() and (turns[:, 2, 0] < -0.5).any()
@@ -73,7 +73,7 @@ def test_quaternions_that_are_shown_keep_their_side(session: Session) -> None:
 def test_a_target_that_fits_no_avatar_is_refused_at_the_door(session: Session) -> None:
     for bad in (replace(pushed(0), angles=np.zeros(3)), replace(pushed(0), positions=np.full((2, 3), np.nan)), rest(())):
         with pytest.raises(InvalidSample):
-            session.send(bad, "test")
+            session.send(bad)
     until(session, 3)
 
 
@@ -102,7 +102,7 @@ def test_refusals_are_sentences_and_the_loop_goes_on(session: Session) -> None:
 def test_what_was_driven_is_saved_and_runs_again(session: Session, tmp_path: Path) -> None:
     session.command(Order.RESET)
     for frame in range(30):
-        session.send(pushed(2 * frame), "test")
+        session.send(pushed(2 * frame))
         until(session, 1)
         if frame == 10:
             assert not session.command(Order.KEEP)["avatarsim"].refused
@@ -120,7 +120,7 @@ def test_what_was_driven_is_saved_and_runs_again(session: Session, tmp_path: Pat
 def test_a_place_that_takes_no_file_is_named(session: Session, tmp_path: Path) -> None:
     (tmp_path / "a.live").write_text("mine")
     with pytest.raises(InvalidFile, match="a place that takes a file"):
-        session.save(tmp_path / "none" / "a.live")
+        session.save(tmp_path / "a.live" / "b.live")
     assert (tmp_path / "a.live").read_text() == "mine"
 
 
@@ -148,15 +148,15 @@ def test_a_mug_in_the_house_is_dragged_to_taken_and_lifted() -> None:
             """Drag the hand to a place until a condition is met."""
             driver.drag(hand, place)
             while not is_there(state := until(one, 1)) and time.monotonic() < end:
-                one.send(driver.tick(1.0 / RATE), driver.source)
+                one.send(driver.tick(1.0 / RATE))
             return state
 
         pull(first + (-0.08, 0.0, 0.05), lambda state: np.linalg.norm(state.positions[scene.names.index(hand)] - first) < 0.11)
         while one.command(Order.TAKE)["avatarsim"].told != "took mug" and time.monotonic() < end:
-            one.send(driver.tick(1.0 / RATE), driver.source)
+            one.send(driver.tick(1.0 / RATE))
         lifted = pull(first + (-0.2, 0.05, 0.4), lambda state: state.positions[at][2] > first[2] + 0.3)
         assert lifted.positions[at][2] > first[2] + 0.3
-        shown = one.first.states()
+        shown = one.first.window.states()
     poses = (np.array([getattr(state, name) for state in shown]) for name in ("positions", "orientations"))
     assert Judge(scene).depths(*poses).max() <= JUDGED
 

@@ -6,7 +6,7 @@ import pytest
 from avatarsim.engine import Settings
 from avatarsim.errors import UnknownName
 from avatarsim.live.drive.driver import Driver
-from avatarsim.live.stages import HAND_MASS, NAMES, STATURE, hand, stage, staged
+from avatarsim.live.stages import HAND_MASS, NAMES, STATURE, Stage, hand, stage
 from avatarsim.scene.avatar import rigid_avatar
 from avatarsim.scene.body import Role, fixed, solid
 from avatarsim.scene.joint import Ball, Free, Hinges
@@ -66,7 +66,7 @@ def test_the_human_stands_on_the_floor_with_its_arms_down() -> None:
 def test_an_avatar_of_ones_own_becomes_a_stage_that_can_be_driven() -> None:
     stick = rigid_avatar("stick", BALL, solid(BALL, 1.0))
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.3))
-    own = staged(Scene("own", (floor,), (stick,)), "a stick")
+    own = Stage(Scene("own", (floor,), (stick,)))
     assert own.handles == ("stick",)
     one = Driver(own.scene)
     one.drag("stick", (0.0, 0.0, 0.2))

@@ -142,10 +142,10 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
             if now - told >= 5.0:
                 told = now
                 if now > WARM:
-                    for s in session.first.states():
+                    for s in session.first.window.states():
                         states[s.frame] = Numbers(*(getattr(s, name) for name in Numbers._fields))
                     memory.append(resident(session.first.pid) + resident(os.getpid()))
-                print(f"\r{now:4.0f} s, {session.first.figures()}"[:150], end="", file=sys.stderr, flush=True)
+                print(f"\r{now:4.0f} s, {session.first.window.figures()}"[:150], end="", file=sys.stderr, flush=True)
             return now > asked.seconds
 
         page.rounds(is_due)

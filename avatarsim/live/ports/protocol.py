@@ -7,17 +7,16 @@ has the formats.
 
 import json
 import math
-import re
 import struct
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import accumulate
+from functools import cached_property, lru_cache
 from typing import NoReturn, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from avatarsim.files import shallow
 from avatarsim.live.messages import State
 from avatarsim.live.ports.refusals import Refusal, Refused
 from avatarsim.scene.scene import Scene
@@ -43,10 +42,6 @@ UNIT = 1e-3
 
 DEEPEST = 4
 """Levels of the deepest message: an object of goals by name, of which each is an object with lists."""
-STRING = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"')
-STEPS = {ord("["): 1, ord("{"): 1, ord("]"): -1, ord("}"): -1}
-NO_BRACKETS = bytes(set(range(256)) - STEPS.keys())
-
 NUMBER_BYTES = 32
 """Of a number in JSON: sign, 17 digits, point and exponent take 24, comma, blank and its share of brackets the rest."""
 KEY_BYTES = 128
@@ -138,13 +133,11 @@ def _short(value: object) -> str:
 
 
 def _json(text: str) -> object:
-    """The value of a JSON text, all of whose numbers are floats. Python's own reader takes NaN and keys that come twice, and how
-    deep it goes depends on its version."""
-    brackets = STRING.sub("", text).encode("utf-8", "replace").translate(None, NO_BRACKETS)
-    if max(accumulate(map(STEPS.__getitem__, brackets)), default=0) > DEEPEST:
-        raise Refused(Refusal.TOO_DEEP, "nesting of a message", text[:QUOTED], f"at most {DEEPEST} levels")
+    """The value of a JSON text, all of whose numbers are floats. Python's own reader takes NaN and keys that come twice."""
     try:
-        value: object = json.loads(text, object_pairs_hook=_object, parse_constant=_constant, parse_int=float)
+        value: object = shallow(json.loads(text, object_pairs_hook=_object, parse_constant=_constant, parse_int=float), DEEPEST)
+    except RecursionError:
+        raise Refused(Refusal.TOO_DEEP, "nesting of a message", text[:QUOTED], f"at most {DEEPEST} levels") from None
     except ValueError as error:
         said = error.msg if isinstance(error, json.JSONDecodeError) else type(error).__name__
         raise Refused(Refusal.NOT_JSON, "a message", text[:QUOTED], f"JSON ({said})") from None
@@ -280,27 +273,16 @@ def _packed(data: bytes, shape: Shape) -> TrackerSample:
     return _capped(positions.reshape(links, 3), rotations.reshape(links, 4), angles)
 
 
-def packed_sample(sample: TrackerSample, width: int = 4) -> bytes:
-    """A sample as packed numbers of `width` bytes, 4 or 8: what `parse` reads."""
-    head = HEAD.pack(SAMPLE, VERSION, width, len(sample.positions), len(sample.angles))
-    return head + b"".join(array.astype(WIDTHS[width]).tobytes() for array in (sample.positions, sample.rotations, sample.angles))
-
-
-def json_sample(sample: TrackerSample) -> str:
-    """A sample as JSON: what `parse` reads."""
-    return json.dumps({
-        "positions": sample.positions.tolist(), "rotations": sample.rotations.tolist(), "angles": sample.angles.tolist()
-    })
-
-
+@lru_cache(maxsize=1)
 def packed_poses(state: State) -> bytes:
-    """What is shown as packed numbers of 4 bytes: head, positions (n, 3), orientations (n, 4), angles."""
+    """What is shown as packed numbers of 4 bytes, once for all clients: head, positions (n, 3), orientations (n, 4), angles."""
     head = POSES_HEAD.pack(POSES, VERSION, 4, len(state.positions), len(state.angles), state.frame, state.time)
     return head + b"".join(array.astype("<f4").tobytes() for array in (state.positions, state.orientations, state.angles))
 
 
+@lru_cache(maxsize=1)
 def json_poses(state: State) -> str:
-    """What is shown as JSON: frame, time [s], positions (n, 3) [m], orientations (n, 4), angles [rad]."""
+    """What is shown as JSON, once for all clients: frame, time [s], positions (n, 3) [m], orientations (n, 4), angles."""
     return json.dumps({
         "frame": state.frame, "time": state.time, "positions": state.positions.tolist(),
         "orientations": state.orientations.tolist(), "angles": state.angles.tolist(),

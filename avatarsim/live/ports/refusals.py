@@ -63,13 +63,11 @@ class Refusals:
         self._lock = threading.Lock()
         self._counts: Counter[tuple[Refusal, Peer]] = Counter()
         self._taken: Counter[Peer] = Counter()
-        self._last = ""
 
-    def count(self, reason: Refusal, peer: Peer, sentence: str = "") -> None:
-        """One more refusal; `sentence` is what was wrong, the reason itself where none is given."""
+    def count(self, reason: Refusal, peer: Peer) -> None:
+        """One more refusal."""
         with self._lock:
             self._counts[reason, peer] += 1
-            self._last = sentence or reason.value
 
     def took(self, peer: Peer) -> None:
         """One more message that was good and was handed on."""
@@ -87,14 +85,3 @@ class Refusals:
         """How many messages were good, by kind of peer."""
         with self._lock:
             return dict(self._taken)
-
-    @property
-    def last(self) -> str:
-        """What was wrong with what was refused last; empty before the first."""
-        with self._lock:
-            return self._last
-
-    def of(self, reason: Refusal, peer: Peer | None = None) -> int:
-        """How often for this reason, by all kinds of peers or by one."""
-        with self._lock:
-            return sum(n for (why, kind), n in self._counts.items() if why is reason and peer in (None, kind))

@@ -4,9 +4,11 @@ import asyncio
 import errno
 import socket
 import threading
-from collections.abc import Coroutine, Mapping
+from collections.abc import Mapping
+from concurrent.futures import Future
+from contextlib import suppress
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Self
 
 from avatarsim.errors import InvalidInput, MissingPackage
 from avatarsim.live.messages import State
@@ -51,7 +53,8 @@ class Ports:
         self._gate = Gate(Shape.of(scene), on_target, self.refusals, on_refusal)
         self._scene, self._allow = scene, allow
         self._ends: dict[str, socket.socket] = {}
-        self._loop: asyncio.SelectorEventLoop | None = None
+        self._loop: asyncio.AbstractEventLoop
+        self._is_over: asyncio.Event
         self._thread: threading.Thread | None = None
         self._web: WebSockets | None = None
         self._newest: State | None = None
@@ -76,16 +79,12 @@ class Ports:
         """Open the ports. Raises PortTaken for one that cannot be had, MissingPackage where `websockets` is not installed."""
         if self._thread is not None:
             return self
+        begun: Future[None] = Future()
         try:
             self._open()
-        except BaseException:
-            self._shut()
-            raise
-        self._loop = asyncio.SelectorEventLoop()
-        self._thread = threading.Thread(target=self._run, args=(self._loop,), name="avatarsim ports", daemon=True)
-        self._thread.start()
-        try:
-            self._in_loop(self._begin())
+            self._thread = threading.Thread(target=self._run, args=(begun,), name="avatarsim ports", daemon=True)
+            self._thread.start()
+            begun.result()
         except BaseException:
             self.close()
             raise
@@ -93,29 +92,26 @@ class Ports:
 
     def close(self) -> None:
         """Close the ports; a second time does nothing."""
-        thread, loop = self._thread, self._loop
-        if thread is None or loop is None:
-            return
-        self._thread = None
-        try:
-            self._in_loop(self._end())
-        finally:
-            loop.call_soon_threadsafe(loop.stop)
+        thread, self._thread = self._thread, None
+        if thread is not None:
+            # the thread may have ended by itself
+            with suppress(RuntimeError):
+                self._loop.call_soon_threadsafe(self._is_over.set)
             thread.join()
-            self._loop = None
-            self._shut()
+        for end in self._ends.values():
+            end.close()
+        self._ends.clear()
 
     def publish(self, state: State) -> None:
         """Hand what is shown to all clients of poses; never waits, and may be called from any thread. Of several states that come
         before the ports' thread has looked, the newest goes out."""
         self._newest = state
-        loop = self._loop
-        if self._is_offered or loop is None or self._thread is None:
+        if self._is_offered or self._thread is None:
             return
         # set before the thread is woken and cleared before it reads: a state that finds it set is read by that wake
         self._is_offered = True
         try:
-            loop.call_soon_threadsafe(self._offer)
+            self._loop.call_soon_threadsafe(self._offer)
         except RuntimeError:
             # closed meanwhile
             self._is_offered = False
@@ -138,38 +134,28 @@ class Ports:
         if self._asked["udp"] is not None:
             self._ends["udp"] = _bound(self._listen, self._asked["udp"], socket.SOCK_DGRAM, "UDP port")
 
-    def _shut(self) -> None:
-        for end in self._ends.values():
-            end.close()
-        self._ends.clear()
+    def _run(self, begun: Future[None]) -> None:
+        with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:
+            runner.run(self._serve(begun))
 
-    def _run(self, loop: asyncio.AbstractEventLoop) -> None:
-        asyncio.set_event_loop(loop)
+    async def _serve(self, begun: Future[None]) -> None:
+        """Read and write until the ports are closed; `begun` is done once they are open."""
+        self._loop, self._is_over, udp = asyncio.get_running_loop(), asyncio.Event(), None
         try:
-            loop.run_forever()
-        finally:
-            loop.close()
-
-    def _in_loop(self, work: Coroutine[Any, Any, None]) -> None:
-        assert self._loop is not None
-        asyncio.run_coroutine_threadsafe(work, self._loop).result()
-
-    async def _begin(self) -> None:
-        if "udp" in self._ends:
-            reader = Datagrams(self._ends["udp"], self._gate, self._limits)
-            asyncio.get_running_loop().add_reader(self._ends["udp"], reader.read)
-        if self._web is not None:
-            await self._web.start(self._ends["websocket"])
-
-    async def _end(self) -> None:
-        if "udp" in self._ends:
-            asyncio.get_running_loop().remove_reader(self._ends["udp"])
+            if "udp" in self._ends:
+                reader = Datagrams(self._gate, self._limits)
+                udp, _ = await self._loop.create_datagram_endpoint(lambda: reader, sock=self._ends["udp"])
+            if self._web is not None:
+                await self._web.start(self._ends["websocket"])
+        except BaseException as error:
+            begun.set_exception(error)
+        else:
+            begun.set_result(None)
+            await self._is_over.wait()
+        if udp is not None:
+            udp.close()
         if self._web is not None:
             await self._web.close()
-        left = [task for task in asyncio.all_tasks() if task is not asyncio.current_task()]
-        for task in left:
-            task.cancel()
-        await asyncio.gather(*left, return_exceptions=True)
 
     def _offer(self) -> None:
         self._is_offered = False

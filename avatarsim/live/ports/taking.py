@@ -48,7 +48,7 @@ class Gate:
     def refuse(self, reason: Refusal, peer: Peer, source: str, sentence: str = "") -> str:
         """Count a refusal, and report it if it is the first of its source. Returns the sentence, or the reason without one."""
         sentence = sentence or reason.value
-        self.refusals.count(reason, peer, sentence)
+        self.refusals.count(reason, peer)
         if self._on_refusal is not None and source not in self._reported and len(self._reported) < REPORTED:
             self._reported.add(source)
             self._on_refusal(source, "".join(c if c.isprintable() else "?" for c in sentence))

@@ -1,23 +1,19 @@
-"""UDP in: one datagram is one message (RFC 768). A non-blocking socket that an event loop reads in small batches.
+"""UDP in: one datagram is one message (RFC 768), read by an event loop one by one, so that others have their turn.
 
 A source gets an answer to its first datagram that is taken, and to one refused datagram a second. Source addresses can be forged:
 answers are short, and so few that they are no use as an echo.
 """
 
+import asyncio
 import json
-import socket
 import time
 from collections import OrderedDict
-from contextlib import suppress
+from typing import Any
 
 from avatarsim.live.ports.admission import SECOND, Limits, Window
 from avatarsim.live.ports.refusals import Peer
 from avatarsim.live.ports.taking import Gate
 
-LONGEST_DATAGRAM = 1 << 16
-"""[bytes] more than a datagram can hold."""
-BATCH = 64
-"""Datagrams read before others have their turn: a millisecond or two of a flood."""
 ANSWERS = 20
 """Answers a second to all sources together. More: a flood of forged addresses makes more traffic elsewhere."""
 TAKEN = json.dumps({"taken": 1}).encode()
@@ -31,29 +27,25 @@ class Source:
         self.window, self.was_taken, self.told = Window(limits), False, -1
 
 
-class Datagrams:
-    """The socket's reader."""
+class Datagrams(asyncio.DatagramProtocol):
+    """The socket's reader. What becomes of an answer is not waited for."""
 
-    def __init__(self, end: socket.socket, gate: Gate, limits: Limits) -> None:
-        self._end, self._gate, self._limits = end, gate, limits
+    def __init__(self, gate: Gate, limits: Limits) -> None:
+        self._gate, self._limits = gate, limits
         self._sources: OrderedDict[object, Source] = OrderedDict()
         self._second, self._answers = -1, 0
 
-    def read(self) -> None:
-        """Take what has come, up to a batch; the event loop calls again where more is there."""
-        for _ in range(BATCH):
-            try:
-                data, address = self._end.recvfrom(LONGEST_DATAGRAM)
-            except BlockingIOError:
-                return
-            except OSError:
-                # a system that reports here what became of something sent earlier; the next call reads on
-                return
-            source = self._source(address)
-            _, wrong = self._gate.take(data, source.window, Peer.UDP, f"udp {address[0]}:{address[1]}")
-            self._answer(source, address, wrong)
+    def connection_made(self, transport: asyncio.DatagramTransport) -> None:  # type: ignore[override]
+        """Called by the event loop when the socket is open."""
+        self._transport = transport
 
-    def _answer(self, source: Source, address: tuple[str, int], wrong: str) -> None:
+    def datagram_received(self, data: bytes, address: tuple[Any, ...]) -> None:
+        """Called by the event loop for each datagram."""
+        source = self._source(address)
+        _, wrong = self._gate.take(data, source.window, Peer.UDP, f"udp {address[0]}:{address[1]}")
+        self._answer(source, address, wrong)
+
+    def _answer(self, source: Source, address: tuple[Any, ...], wrong: str) -> None:
         """Send the reason of a refusal, at most one a second, or that a first datagram was taken."""
         second = time.monotonic_ns() // SECOND
         if second != self._second:
@@ -65,9 +57,7 @@ class Datagrams:
             source.told = second
         else:
             source.was_taken = True
-        # an answer that cannot be sent at once is lost, as any datagram may be
-        with suppress(OSError):
-            self._end.sendto(json.dumps({"refused": wrong}).encode() if wrong else TAKEN, address)
+        self._transport.sendto(json.dumps({"refused": wrong}).encode() if wrong else TAKEN, address)
 
     def _source(self, address: object) -> Source:
         """A source by its address; the one that was silent longest makes room."""

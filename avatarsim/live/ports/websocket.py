@@ -9,7 +9,6 @@ import json
 import logging
 import socket
 import time
-from functools import cached_property
 from http import HTTPStatus
 from typing import Any, ClassVar
 
@@ -37,23 +36,6 @@ QUIET = logging.getLogger("avatarsim.live.ports")
 QUIET.addHandler(logging.NullHandler())
 QUIET.propagate = False
 """What the library logs of bad handshakes is counted here instead."""
-
-
-class Written:
-    """What is shown, written when it is first asked for and once for all clients."""
-
-    def __init__(self, state: State) -> None:
-        self._state = state
-
-    @cached_property
-    def json(self) -> str:
-        """As JSON."""
-        return json_poses(self._state)
-
-    @cached_property
-    def packed(self) -> bytes:
-        """As packed numbers."""
-        return packed_poses(self._state)
 
 
 class Slot:
@@ -109,7 +91,7 @@ class WebSockets:
         self._waiting: dict[Guarded, None] = {}
         self._admitted: set[Guarded] = set()
         self._slots: dict[Slot, str] = {}
-        self._newest: Written | None = None
+        self._newest: State | None = None
         self._server: Server | None = None
 
     async def start(self, end: socket.socket) -> None:
@@ -136,7 +118,7 @@ class WebSockets:
 
     def publish(self, state: State) -> None:
         """Put what is shown into each client's slot."""
-        self._newest = Written(state)
+        self._newest = state
         for slot, way in self._slots.items():
             if way != TRACKER:
                 slot.put(self._newest)
@@ -248,7 +230,7 @@ class WebSockets:
                 connection.transport.abort()
                 return
             newest = await slot.take()
-            message = newest if isinstance(newest, str) else newest.packed if way == PACKED else newest.json
+            message = newest if isinstance(newest, str) else (packed_poses if way == PACKED else json_poses)(newest)
 
 
 def source_of(connection: ServerConnection) -> str:

@@ -45,16 +45,16 @@ class OwnOverlap:
         gap, pair = self._chords.nearest(sample, 0.0)
         return (-gap, pair) if gap < -LEAST else (0.0, None)
 
+    def at(self, positions: Array, orientations: Array, angles: Array) -> tuple[float, Pair | None]:
+        """Return the same of bodies and links at positions (n, 3) [m] and orientations (n, 4), with hinges at angles [rad]."""
+        first = len(self._scene.bodies)
+        return self.deepest(posture_of(self._scene, positions[first:], orientations[first:], angles))
+
 
 def own_depth(scene: Scene) -> Depth:
     """Return a function for the depth of avatars in what is fixed and in themselves, by our own distances."""
     overlap = OwnOverlap(scene)
-
-    def depth(scene: Scene, positions: Array, orientations: Array, angles: Array) -> float:
-        first = len(scene.bodies)
-        return overlap.deepest(posture_of(scene, positions[first:], orientations[first:], angles))[0]
-
-    return depth
+    return lambda scene, positions, orientations, angles: overlap.at(positions, orientations, angles)[0]
 
 
 def own_posture(

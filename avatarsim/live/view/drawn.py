@@ -10,7 +10,9 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from avatarsim.assets.models.pieces_of_geoms import Visual
 from avatarsim.live.messages import State, Touching
+from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
 from avatarsim.player.surfaces import Surface, corners, surface
 from avatarsim.scene.body import Body as SceneBody
 from avatarsim.scene.body import Role
@@ -71,6 +73,12 @@ def room_colours(bodies: Sequence[SceneBody]) -> dict[str, Colour]:
         is_floor = high[2] <= ground and z <= FLAT * min(x, y)
         found[name] = FLOOR if is_floor else WALL if z >= HIGH else FURNITURE
     return found
+
+
+def surfaces_of(scene: Scene, visuals: Mapping[str, tuple[Visual, ...]]) -> dict[str, Surface]:
+    """Return the surfaces that are drawn in place of pieces, by names of the scene, from its visuals."""
+    names, first = scene.names, len(scene.bodies)
+    return drawn(visuals, names[first:]) | drawn(visuals, names[:first], ROOM_TRIANGLES)
 
 
 class Body:

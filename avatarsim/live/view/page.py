@@ -5,7 +5,6 @@ Schmidt 1996). It hands targets over a few milliseconds before the loop's next f
 the business of another thread, since the messages of a draw take several milliseconds.
 """
 
-import asyncio
 import queue
 import re
 import sys
@@ -20,10 +19,9 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from avatarsim.errors import AvatarsimError, InvalidInput
+from avatarsim.errors import AvatarsimError
 from avatarsim.live.drive.driver import Driver
 from avatarsim.live.messages import Order, Plan, State
-from avatarsim.live.orders import posture_of
 from avatarsim.live.ports.protocol import Goals
 from avatarsim.live.ports.server import Ports
 from avatarsim.live.session import Driven, Session
@@ -77,12 +75,9 @@ class Page:
 
     def __init__(self, session: Session, driver: Driver, shows: Shows) -> None:
         self.session, self.driver, self.shows = session, driver, shows
-        self._events: queue.SimpleQueue[tuple[int, Callable[[], None]]] = queue.SimpleQueue()
+        self._events: queue.SimpleQueue[tuple[int, Callable[[], object]]] = queue.SimpleQueue()
         self._scene, self._overlap = session.scene, OwnOverlap(session.scene)
-        try:
-            self.server = AdmittingServer(shows.host, shows.port, "avatarsim live")
-        except OSError as error:
-            raise InvalidInput("port of the page", shows.port, f"a port that is free ({error.strerror})") from error
+        self.server = AdmittingServer(shows.host, shows.port, "avatarsim live")
         self._names = {name: k for k, name in enumerate(self._scene.names)}
         self._offset = len(self._scene.bodies)
         self._loose = [k for k, body in enumerate(self._scene.bodies) if body.role is Role.SIMULATED]
@@ -91,7 +86,7 @@ class Page:
         self._gizmos: dict[str, viser.TransformControlsHandle] = {}
         self._words: dict[str, tuple[str, float, int]] = {}
         self._apart, self._is_new = 0.0, True
-        self._there(self._build)
+        self.server.do(self._build)
         self._sample: TrackerSample = self._scene.first_sample
         self._stamp, self._is_over = 0, False
         self._ended: AvatarsimError | None = None
@@ -115,29 +110,17 @@ class Page:
             "/hint", text, position=(*places[0, :2], above[2] + 0.1 * own.span), font_screen_scale=1.6, anchor="bottom-center"
         )
 
-    def there(self, work: Callable[[], None]) -> None:
-        """Have something done in the server's thread, soon. What is written from another one meets events of asyncio there that
-        are made for one thread: with several viewers its buffers break."""
-        self.server.get_event_loop().call_soon_threadsafe(work)
-
-    def _there(self, work: Callable[[], None]) -> None:
-        """The same, and wait until it is done."""
-        async def done() -> None:
-            work()
-
-        asyncio.run_coroutine_threadsafe(done(), self.server.get_event_loop()).result()
-
     @property
     def address(self) -> str:
         """Where a browser finds it."""
-        return f"http://{self.server.get_host()}:{self.server.get_port()}"
+        return self.server.address
 
     @property
     def method(self) -> str:
         """The preset of the driven engine at first."""
         return self.session.first.plan.settings.preset
 
-    def post(self, event: Callable[[], None], stamp: int = 0) -> None:
+    def post(self, event: Callable[[], object], stamp: int = 0) -> None:
         """Have something done in the page's own thread, before the next target; from any thread. `stamp` [ns] of the monotonic
         clock: when what is behind it arrived, now by default."""
         self._events.put((stamp or time.monotonic_ns(), event))
@@ -172,7 +155,7 @@ class Page:
                 if now - timed >= TIMED:
                     timed = now
                     self._time()
-                self._there(self._draw)
+                self.server.do(self._draw)
                 drawn = max(drawn + DRAWN, now)
                 time.sleep(max(SOONEST, drawn + DRAWN - time.monotonic()))
         finally:
@@ -201,7 +184,7 @@ class Page:
         self._stamp = time.monotonic_ns()
         self._drain()
         self._sample = self.driver.tick(period)
-        self.session.send(self._sample, self.driver.source, self._stamp)
+        self.session.send(self._sample, self._stamp)
         if self.ports is not None and first is not None:
             self.ports.publish(first)
 
@@ -216,7 +199,7 @@ class Page:
             try:
                 event()
             except AvatarsimError as error:
-                self.there(partial(self.panel.say, str(error)))
+                self.panel.say(str(error))
 
     def _draw(self) -> None:
         """Move all that is drawn to where the newest states have it."""
@@ -230,7 +213,7 @@ class Page:
                 if name == first:
                     self._apart = drawn.show_ghost(positions, orientations, state)
                 drawn.show(state, loop.touching, now)
-                self._say_word(name, drawn, loop.states(), now)
+                self._say_word(name, drawn, loop.window.states(), now)
             for name, gizmo in self._gizmos.items():
                 if name not in self._grabbed:
                     k = self._names[name] - self._offset
@@ -267,8 +250,7 @@ class Page:
             for one, state in states.items():
                 depths[one] = self.shows.depth(self._scene, state.positions, state.orientations, state.angles)
             target = self.shows.depth(self._scene, *wanted)
-        at = self._offset
-        pair = self._overlap.deepest(posture_of(self._scene, wanted[0][at:], wanted[1][at:], wanted[2]))[1]
+        pair = self._overlap.at(*wanted)[1]
         overlap = overlapping(pair, self.driver.links) if pair is not None else ""
         heard = [situation(first, overlap), at_page(self.server.refusals)]
         if self.ports is not None:
@@ -276,7 +258,7 @@ class Page:
         colours = {one: drawn.colour for one, drawn in list(self.worlds.drawn.items())}
         depths = {one: found for one, found in depths.items() if one in colours}
         above, words = numbers(target, self._apart, depths, colours), "\n\n".join(filter(None, heard))
-        self._there(lambda: self._write(above, words, depths, target))
+        self.server.do(lambda: self._write(above, words, depths, target))
 
     def _write(self, above: str, words: str, depths: Mapping[str, float], target: float) -> None:
         """Numbers over the scene, words on the panel, and red for what overlaps."""
@@ -289,9 +271,9 @@ class Page:
 
     def _time(self) -> None:
         """Timing of all loops."""
-        figures = {name: loop.figures() for name, loop in list(self.session.loops.items())}
+        figures = {name: loop.window.figures() for name, loop in list(self.session.loops.items())}
         words = table(figures), timing(figures[self.session.first.plan.name])
-        self._there(lambda: self.panel.time(*words))
+        self.server.do(lambda: self.panel.time(*words))
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
         """A gizmo for each handle of the stage, for drags along axes and for turns."""
@@ -357,10 +339,10 @@ class Page:
         """Show an engine that is offered beside the driven one, from the start of the scene on; or end that."""
         if name in self.session.loops:
             self.session.leave(name)
-            self.there(lambda: self._see_less(name))
+            self.server.post(lambda: self._see_less(name))
             return
         plan = next(plan for plan in self.shows.offered if plan.name == name)
-        self.there(partial(self.panel.say, f"{name} is loading"))
+        self.panel.say(f"{name} is loading")
         threading.Thread(target=self._load, args=(plan,), name=f"avatarsim loads {name}", daemon=True).start()
 
     def _load(self, plan: Plan) -> None:
@@ -370,14 +352,14 @@ class Page:
             loop.is_loaded()
         except AvatarsimError as error:
             loop.close()
-            self.there(partial(self.panel.say, str(error)))
+            self.panel.say(str(error))
             return
         self.post(partial(self._join, loop))
 
     def _join(self, loop: Driven) -> None:
         """Have a loaded loop follow the targets, and begin the scene again, so that all engines are led alike."""
         self.session.join(loop)
-        self.there(partial(self._see_more, loop.plan.name))
+        self.server.post(partial(self._see_more, loop.plan.name))
         self.session.command(Order.RESET)
         self.driver.reset()
 
@@ -396,7 +378,7 @@ class Page:
 
     def film(self, client: viser.ClientHandle) -> None:
         """Send a viewer a moving picture of what it sees in the next seconds."""
-        self._send(client, "gif", lambda: filmed(client, lambda words: self.there(partial(self.panel.say, words))))
+        self._send(client, "gif", lambda: filmed(client, self.panel.say))
 
     def _send(self, client: viser.ClientHandle, suffix: str, make: Callable[[], bytes]) -> None:
         def work() -> None:
@@ -404,13 +386,13 @@ class Page:
                 content = make()
             except (AvatarsimError, RuntimeError) as error:
                 # also of a viewer that has gone
-                self.there(partial(self.panel.say, str(error)))
+                self.panel.say(str(error))
                 return
             name = f"{re.sub('[^a-zA-Z0-9]+', '-', self._scene.name)}.{suffix}"
-            self.there(lambda: client.send_file_download(name, content, save_immediately=True))
-            self.there(partial(self.panel.say, f"{name}: {len(content) / 1e6:.1f} MB"))
+            self.server.post(lambda: client.send_file_download(name, content, save_immediately=True))
+            self.panel.say(f"{name}: {len(content) / 1e6:.1f} MB")
 
-        self.there(partial(self.panel.say, "working ..."))
+        self.panel.say("working ...")
         threading.Thread(target=work, name=f"avatarsim {suffix}", daemon=True).start()
 
     def see_gizmos(self, visible: bool) -> None:

@@ -12,6 +12,7 @@ from viser._messages import HotkeyKey
 from avatarsim.live.drive.keys import KEYS
 from avatarsim.live.messages import Order, Switch
 from avatarsim.live.view.cameras import VIEWS
+from avatarsim.live.view.server import AdmittingServer
 from avatarsim.live.view.telling import AT_FIRST, STYLE
 
 if TYPE_CHECKING:
@@ -33,7 +34,7 @@ METHODS = {"default": "default: certified", "paper": "paper: equations as printe
 class Panel:
     """The widgets, and what they do to their page's session and driver; each in the page's own thread."""
 
-    def __init__(self, server: viser.ViserServer, page: "Page", clips: Sequence[str], dark: bool) -> None:
+    def __init__(self, server: AdmittingServer, page: "Page", clips: Sequence[str], dark: bool) -> None:
         self._server, self._page = server, page
         self._switched = Switch((), page.method)
         gui = server.gui
@@ -74,7 +75,7 @@ class Panel:
     def _on(self, bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
         """Have `act` done in the page's thread whenever a widget fires."""
         async def fired(event: object) -> None:
-            self._page.post(lambda: void(act()))
+            self._page.post(act)
 
         bind(fired)
 
@@ -142,7 +143,7 @@ class Panel:
     def _ordered(self, order: Order, value: object = None) -> bool:
         """Give a command to all loops; what the driven one refuses is said."""
         answer = self._page.session.command(order, value)[self._page.session.first.plan.name]
-        self._said(answer.refused or answer.told)
+        self.say(answer.refused or answer.told)
         return not answer.refused
 
     def _take(self) -> None:
@@ -153,7 +154,7 @@ class Panel:
         acts[group.value]()
 
     def _press(self, key: str) -> None:
-        self._said(self._page.driver.press(key))
+        self.say(self._page.driver.press(key))
 
     def _pause(self) -> None:
         state = self._page.session.first.look()
@@ -172,7 +173,7 @@ class Panel:
         if self._ordered(Order.SWITCH, wanted):
             self._switched = wanted
             return
-        self._page.there(self._show_switched)
+        self._server.post(self._show_switched)
 
     def _show_switched(self) -> None:
         """Set the boxes to what runs, which what was refused is not."""
@@ -185,19 +186,18 @@ class Panel:
         name = re.sub(r"\W+", "-", self._page.session.scene.name)
         path = self._page.shows.folder / f"{name}-{datetime.now():%Y%m%d-%H%M%S}.live"
         self._page.session.save(path)
-        self._said(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
+        self.say(f"Saved as {path}. `avatarsim replay {path}` runs it again.")
 
     @property
     def off(self) -> tuple[str, ...]:
         """Effects that are switched off."""
         return self._switched.off
 
-    def _said(self, words: str) -> None:
-        """`say`, from the thread of the targets."""
-        self._page.there(lambda: self.say(words))
-
     def say(self, words: str) -> None:
-        """Say what went wrong, or was done; nothing where there are no words."""
+        """Say what went wrong, or was done; nothing where there are no words. From any thread."""
+        self._server.post(self._show_said, words)
+
+    def _show_said(self, words: str) -> None:
         self._trouble.content, self._trouble.visible = words, bool(words)
 
     def tell(self, numbers: str, words: str) -> None:
@@ -207,7 +207,3 @@ class Panel:
     def time(self, table: str, words: str) -> None:
         """Show timing: a table and words."""
         self._table.content, self._timing.content = table, words
-
-
-def void(value: object) -> None:
-    """Forget what an act answers."""

@@ -5,39 +5,63 @@ to the headers of a connection; what is read here in place of that is `PRIVATE`,
 """
 
 import asyncio
+from collections.abc import Callable
+from typing import TypeVar
 
 import viser
 from viser.infra import WebsockClientConnection
 
-from avatarsim.errors import MissingPackage
+from avatarsim.errors import InvalidInput, MissingPackage
 from avatarsim.live.ports.admission import judged
 from avatarsim.live.ports.refusals import Peer, Refusals
 
 PRIVATE = ("_websock_server", "_live_connections")
 """What is read of viser beside its public interface: the server of its sockets, and of that the connections by client."""
 
+T = TypeVar("T")
+
 
 class AdmittingServer(viser.ViserServer):
     """A page's server for its own page alone, which no client can make public: viser would open a tunnel to a host of its own for
     any that asks. A connection from elsewhere is cut before a browser can send on it, and counted in `refusals`.
 
-    Raises MissingPackage where the installed viser has no such connections."""
+    Raises InvalidInput for a port that is taken, MissingPackage where the installed viser has no such connections."""
 
     def __init__(self, host: str, port: int, label: str) -> None:
         self.refusals = Refusals()
-        super().__init__(host=host, port=port, label=label, verbose=False)
+        try:
+            super().__init__(host=host, port=port, label=label, verbose=False)
+        except OSError as error:
+            raise InvalidInput("port of the page", port, f"a port that is free ({error.strerror})") from error
         if not hasattr(getattr(self, PRIVATE[0], None), PRIVATE[1]):
             self.stop()
             raise MissingPackage("viser", "view", f"admission to its page ({viser.__version__} names its connections otherwise)")
         self._websock_server.on_client_connect(self._admit)
         # what came before the line above
-        asyncio.run_coroutine_threadsafe(self._admit_all(), self.get_event_loop()).result()
+        self.do(self._admit_all)
+
+    @property
+    def address(self) -> str:
+        """Where a browser finds the page."""
+        return f"http://{self.get_host()}:{self.get_port()}"
+
+    def post(self, work: Callable[..., object], *about: object) -> None:
+        """Have something done in the server's thread, soon. What is written from another one meets events of asyncio there that
+        are made for one thread: with several viewers its buffers break."""
+        self.get_event_loop().call_soon_threadsafe(work, *about)
+
+    def do(self, work: Callable[[], T]) -> T:
+        """Have something done in the server's thread, and return what it returns."""
+        async def done() -> T:
+            return work()
+
+        return asyncio.run_coroutine_threadsafe(done(), self.get_event_loop()).result()
 
     async def _admit(self, client: WebsockClientConnection) -> None:
         """viser reads nothing of a client before this returns."""
         self._judge(client.client_id)
 
-    async def _admit_all(self) -> None:
+    def _admit_all(self) -> None:
         for client in tuple(self._websock_server._live_connections):
             self._judge(client)
 

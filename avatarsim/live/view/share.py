@@ -14,16 +14,14 @@ from avatarsim.clips.page.layout import data, esc, page, resource
 from avatarsim.engine import FrameRecord
 from avatarsim.errors import InvalidInput
 from avatarsim.live.messages import Array, State
-from avatarsim.live.orders import posture_of
 from avatarsim.live.recording import Frame, Recorded
 from avatarsim.live.replaying import replay
 from avatarsim.live.session import Session
 from avatarsim.live.view.depth import LEAST, OwnOverlap, own_posture
-from avatarsim.live.view.drawn import DRAWN, FURNITURE, colour_of, room_colours
+from avatarsim.live.view.drawn import DRAWN, FURNITURE, colour_of, room_colours, surfaces_of
 from avatarsim.live.view.telling import depth
 from avatarsim.player import payload, three_js
-from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
-from avatarsim.player.surfaces import Surface, surface
+from avatarsim.player.surfaces import surface
 from avatarsim.scene.body import Body, Role
 from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
@@ -52,7 +50,7 @@ class Moment:
 def driven(session: Session) -> list[Moment]:
     """Return the last seconds of a session. Raises InvalidInput before anything was driven."""
     samples = {target.number: target.sample for target in tuple(session.sent)}
-    loops = {name: loop.states() for name, loop in list(session.loops.items())}
+    loops = {name: loop.window.states() for name, loop in list(session.loops.items())}
     lead = loops.pop(session.first.plan.name)
     begin = (lead[-1].time - SECONDS) if lead else 0.0
     found, last = list[Moment](), -1.0
@@ -97,7 +95,8 @@ def shared_page(scene: Scene, moments: Sequence[Moment], visuals: Mapping[str, t
         visuals: parts that are drawn in place of pieces, by names of the scene.
     """
     names, first = scene.names, len(scene.bodies)
-    surfaces = _surfaces(scene, visuals)
+    pieces = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
+    surfaces = {name: surface(own) for name, own in zip(names, pieces, strict=True) if own} | surfaces_of(scene, visuals)
     is_fixed = [k < first and scene.bodies[k].role is Role.FIXED for k in range(len(names))]
     known = [k for k in range(len(names)) if names[k] in surfaces]
     moving, still = [k for k in known if not is_fixed[k]], [k for k in known if is_fixed[k]]
@@ -111,10 +110,10 @@ def shared_page(scene: Scene, moments: Sequence[Moment], visuals: Mapping[str, t
 
     own = range(first, first + len(scene.avatars[0].links))
     engines, overlap = list(moments[0].shown), OwnOverlap(scene)
-    wanted = [_deepest(scene, overlap, own_posture(scene, one.sample, *one.shown[engines[0]])) for one in moments]
+    wanted = [overlap.at(*own_posture(scene, one.sample, *one.shown[engines[0]])) for one in moments]
     views, said = [], [f"you {depth(max(found[0] for found in wanted))}"]
     for at, name in enumerate(engines):
-        depths = [_deepest(scene, overlap, one.shown[name]) for one in moments]
+        depths = [overlap.at(*one.shown[name]) for one in moments]
         said.append(f"{name} {depth(max(found[0] for found in depths))}")
         poses = payload.Poses(*(np.array([one.shown[name][part][moving] for one in moments]) for part in (0, 1)))
         red, green, blue = colour_of(at)
@@ -145,21 +144,8 @@ def _place(body: Body) -> tuple[Array, Array]:
     return np.array(body.position), np.array(body.orientation)
 
 
-def _surfaces(scene: Scene, visuals: Mapping[str, tuple[Visual, ...]]) -> dict[str, Surface]:
-    names, first = scene.names, len(scene.bodies)
-    pieces = [body.pieces for body in scene.bodies] + [link.pieces for one in scene.avatars for link in one.links]
-    found = {name: surface(own) for name, own in zip(names, pieces, strict=True) if own}
-    return found | drawn(visuals, names[first:]) | drawn(visuals, names[:first], ROOM_TRIANGLES)
-
-
 Deepest = tuple[float, tuple[str, str] | None]
 """Depth [m], and the pair that overlaps."""
-
-
-def _deepest(scene: Scene, overlap: OwnOverlap, poses: tuple[Array, Array, Array]) -> Deepest:
-    positions, orientations, angles = poses
-    first = len(scene.bodies)
-    return overlap.deepest(posture_of(scene, positions[first:], orientations[first:], angles))
 
 
 def _captions(name: str, wanted: Sequence[Deepest], depths: Sequence[Deepest]) -> dict[int, tuple[str, str]]:

@@ -1,15 +1,13 @@
 """A page that shows the records of a loop of the user's own."""
 
-import asyncio
 import time
 import webbrowser
 from types import TracebackType
 from typing import Self
 
 from avatarsim.engine import FrameRecord
-from avatarsim.errors import InvalidInput
 from avatarsim.live.messages import State
-from avatarsim.live.stages import staged
+from avatarsim.live.stages import Stage
 from avatarsim.live.view.drawn import DRAWN
 from avatarsim.live.view.server import AdmittingServer
 from avatarsim.live.view.worlds import Worlds
@@ -25,25 +23,16 @@ class Window:
 
     def __init__(self, engine: AvatarsimEngine, port: int = 8080, opens_browser: bool = True) -> None:
         self._scene = engine.scene
-        stage = staged(self._scene, self._scene.name)
-        try:
-            self.server = AdmittingServer("127.0.0.1", port, "avatarsim")
-        except OSError as error:
-            raise InvalidInput("port of the page", port, f"a port that is free ({error.strerror})") from error
-        self._last = 0.0
-
-        async def build() -> Worlds:
-            return Worlds(self.server, stage, [engine.name])
-
-        self._worlds = asyncio.run_coroutine_threadsafe(build(), self.server.get_event_loop()).result()
-        self._drawn = self._worlds.drawn[engine.name]
+        stage = Stage(self._scene)
+        self.server, self._last = AdmittingServer("127.0.0.1", port, "avatarsim"), 0.0
+        self._drawn = self.server.do(lambda: Worlds(self.server, stage, [engine.name])).drawn[engine.name]
         if opens_browser:
             webbrowser.open(self.address)
 
     @property
     def address(self) -> str:
         """Address of the page."""
-        return f"http://{self.server.get_host()}:{self.server.get_port()}"
+        return self.server.address
 
     def sync(self, record: FrameRecord, sample: TrackerSample | None = None) -> None:
         """Show a record, and with `sample` the user's own posture as a ghost. Returns at once, and leaves records out beyond 30 a
@@ -61,16 +50,14 @@ class Window:
             record.counts, record.stage_ns, "",
         )
 
-        async def draw() -> None:
+        def draw() -> None:
             with self.server.atomic():
                 if ghost is not None:
                     apart = self._drawn.show_ghost(*ghost, state)
                     self._drawn.see_through(apart)
                 self._drawn.show(state, None, now)
 
-        drawn = asyncio.run_coroutine_threadsafe(draw(), self.server.get_event_loop())
-        if wait:
-            drawn.result()
+        (self.server.do if wait else self.server.post)(draw)
 
     def close(self) -> None:
         """End the page."""

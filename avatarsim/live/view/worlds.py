@@ -8,8 +8,7 @@ import viser
 
 from avatarsim.live.stages import Stage
 from avatarsim.live.view.cameras import FIELD, Camera, beside, framed
-from avatarsim.live.view.drawn import Drawn
-from avatarsim.player.simplified import ROOM_TRIANGLES, drawn
+from avatarsim.live.view.drawn import Drawn, surfaces_of
 from avatarsim.scene.tracker import link_poses
 
 UP = np.array((0.0, 0.0, 1.0))
@@ -20,9 +19,9 @@ class Worlds:
     """The worlds of engines, by name, in the order in which they were added; each in a view of its own, beside the last one."""
 
     def __init__(self, server: viser.ViserServer, stage: Stage, names: Iterable[str]) -> None:
-        scene, first = stage.scene, len(stage.scene.bodies)
+        scene = stage.scene
         self._server, self._scene = server, scene
-        self._surfaces = drawn(stage.visuals, scene.names[first:]) | drawn(stage.visuals, scene.names[:first], ROOM_TRIANGLES)
+        self._surfaces = surfaces_of(scene, stage.visuals)
         self._beside, self.drawn = beside(scene), dict[str, Drawn]()
         self._labels: dict[str, viser.LabelHandle] = {}
         self._places, self._turns = link_poses(scene.avatars, scene.first_sample)

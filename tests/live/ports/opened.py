@@ -1,5 +1,6 @@
 """Ports on loopback that the system chose, what they handed on, and clients of plain sockets."""
 
+import json
 import socket
 import time
 from collections.abc import Callable
@@ -9,7 +10,10 @@ import numpy as np
 
 import avatarsim as av
 from avatarsim.live.messages import State
+from avatarsim.live.ports.protocol import HEAD, SAMPLE, VERSION, WIDTHS
+from avatarsim.live.ports.refusals import Peer, Refusal
 from avatarsim.live.ports.server import Ports
+from avatarsim.scene.tracker import TrackerSample
 
 UPGRADE = ("Upgrade: websocket", "Connection: Upgrade", "Sec-WebSocket-Version: 13", f"Sec-WebSocket-Key: {'A' * 22}==")
 """Headers that ask for a WebSocket."""
@@ -43,6 +47,22 @@ def state(frame: int, bodies: int = 2) -> State:
     places = np.full((bodies, 3), float(frame))
     turned = np.tile([1.0, 0.0, 0.0, 0.0], (bodies, 1))
     return State(frame, frame / 60, places, turned, np.zeros(0), 0, -1, 0, False, 0, 0, {}, {}, {}, "")
+
+
+def counted(ports: Ports, reason: Refusal, peer: Peer | None = None) -> int:
+    """How often a reason was met, by all kinds of peers or by one."""
+    return sum(times for (why, kind), times in ports.refusals.counts.items() if why is reason and peer in (None, kind))
+
+
+def packed_sample(sample: TrackerSample, width: int = 4) -> bytes:
+    """A sample as packed numbers of `width` bytes, 4 or 8: what `parse` reads."""
+    head = HEAD.pack(SAMPLE, VERSION, width, len(sample.positions), len(sample.angles))
+    return head + b"".join(array.astype(WIDTHS[width]).tobytes() for array in (sample.positions, sample.rotations, sample.angles))
+
+
+def json_sample(sample: TrackerSample) -> str:
+    """A sample as JSON: what `parse` reads."""
+    return json.dumps({name: getattr(sample, name).tolist() for name in ("positions", "rotations", "angles")})
 
 
 class Opened:

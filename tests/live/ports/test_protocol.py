@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from avatarsim.errors import InvalidSample
-from avatarsim.live.ports.protocol import HEAD, MOST_METRES, SAMPLE, UNIT, Goals, Shape, json_sample, packed_sample, parse
+from avatarsim.live.ports.protocol import HEAD, MOST_METRES, SAMPLE, UNIT, Goals, Shape, parse
 from avatarsim.live.ports.refusals import Refusal, Refused
 from avatarsim.scene.tracker import TrackerSample
+from tests.live.ports.opened import json_sample, packed_sample
 
 LINKS = ("left/palm", "left/tip", "right/palm", "ball_hand")
 SHAPE = Shape(LINKS, 2, ("table", *LINKS), LINKS)

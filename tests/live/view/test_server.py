@@ -52,11 +52,11 @@ def test_own_pages_and_programs_are_served(server: AdmittingServer, origin: str 
 def test_pages_from_elsewhere_are_cut_and_counted(
     server: AdmittingServer, host: str, origin: str | None, reason: Refusal
 ) -> None:
-    before = server.refusals.of(reason, Peer.PAGE)
+    before = server.refusals.counts.get((reason, Peer.PAGE), 0)
     with client(server, host, origin) as one:
         with pytest.raises(ConnectionClosed):
             one.recv(SECONDS)
-    assert server.refusals.of(reason, Peer.PAGE) == before + 1
+    assert server.refusals.counts.get((reason, Peer.PAGE), 0) == before + 1
     assert not server.get_clients()
 
 
