@@ -113,12 +113,6 @@ def test_pieces_hold_the_mesh_within_the_bound() -> None:
     assert found.hausdorff < 0.15 * found.size
 
 
-def test_the_hull_of_a_convex_mesh_adds_nothing() -> None:
-    found = pieces_of_mesh(cube(), hull=True, kept=False)
-    assert found.source == "hull" and found.hausdorff == 0.0 and found.vertices == (8,)
-
-
-
 @pytest.mark.usefixtures("nothing_runs")
 def test_a_hull_may_be_asked_for_even_of_an_open_mesh() -> None:
     vertices, triangles = ell()

@@ -11,13 +11,6 @@ from tests.assets.meshes.solids import channel, cube, ell, torus
 CLOUD = np.array([[1.0, 2.0, 0.5] * p / np.linalg.norm(p) for p in np.random.default_rng(5).normal(size=(200, 3))])
 
 
-def test_heights_and_distances() -> None:
-    hull = hull_of(cube()[0], "cube")
-    points = np.array([[0.5, 0.5, 0.9], [2.0, 0.5, 0.5], [2.0, 2.0, 0.5], [2.0, 2.0, 2.0]])
-    np.testing.assert_allclose(hull.heights(points), [-0.1, 1.0, 1.0, 1.0], atol=1e-12)
-    np.testing.assert_allclose(hull.distances(points), [0.0, 1.0, np.sqrt(2.0), np.sqrt(3.0)], atol=1e-12)
-
-
 def test_distances_against_every_facet() -> None:
     hull = hull_of(CLOUD, "cloud")
     points = 3.0 * np.random.default_rng(6).normal(size=(20, 3))

@@ -3,7 +3,6 @@
 import json
 import os
 import re
-import subprocess
 import sys
 from pathlib import Path
 
@@ -11,10 +10,10 @@ import numpy as np
 import pytest
 import trimesh
 
-from avatarsim.assets.meshes.mesh import BY_TRIMESH, areas, groups_of, read_mesh, signed_volume
+from avatarsim.assets.meshes.mesh import BY_TRIMESH, groups_of, read_mesh, signed_volume
 from avatarsim.assets.meshes.repairs import mended
 from avatarsim.errors import InvalidFile, MissingPackage
-from tests.assets.meshes.solids import cube, ell, mesh, obj_text, together
+from tests.assets.meshes.solids import cube, ell, obj_text
 
 
 @pytest.mark.parametrize("ending", [".obj", *BY_TRIMESH])
@@ -153,26 +152,3 @@ def test_without_trimesh_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.
     # OBJ needs nothing
     (tmp_path / "a.obj").write_text(obj_text(cube()), encoding="utf-8")
     assert len(read_mesh(tmp_path / "a.obj").triangles) == 12
-
-
-def test_area_volume_and_size() -> None:
-    thing = mesh(ell())
-    assert signed_volume(thing.corners) == pytest.approx(5.0)
-    assert signed_volume(thing.corners[:, ::-1]) == pytest.approx(-5.0)
-    assert areas(thing.corners).sum() == pytest.approx(2 * 5.0 + 12.0)
-    assert thing.size == pytest.approx(np.sqrt(19.0))
-    assert signed_volume(np.zeros((0, 3, 3))) == 0.0
-
-
-def test_a_part_keeps_the_order_of_the_file_and_only_the_vertices_it_uses() -> None:
-    both = mesh(together(cube(), cube(2.0, 3.0)))
-    part = both.part(np.arange(24) >= 12)
-    np.testing.assert_array_equal(part.vertices, cube(2.0, 3.0)[0])
-    np.testing.assert_array_equal(part.corners, both.corners[12:])
-
-
-def test_importing_the_room_loads_nothing_heavy() -> None:
-    script = "import avatarsim.assets.meshes, sys\nprint(*sys.modules)"
-    root = Path(__file__).parents[3]
-    done = subprocess.run([sys.executable, "-c", script], cwd=root, capture_output=True, text=True, check=True)
-    assert not set(done.stdout.split()) & {"trimesh", "coacd", "numba", "scipy", "pandas"}

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from avatarsim.assets.meshes.mesh_queries import Surface, finer, halves, inside_closed, inside_open, point_triangle, ragged
+from avatarsim.assets.meshes.mesh_queries import Surface, inside_closed, inside_open, point_triangle
 from tests.assets.meshes.solids import cube, ell, together, torus
 
 POINTS = np.random.default_rng(0).uniform(-1.5, 3.5, (4000, 3))
@@ -24,23 +24,10 @@ def test_the_ell_against_its_formula() -> None:
     np.testing.assert_array_equal(inside_open(POINTS, corners), expected)
 
 
-def test_points_over_corners_and_edges_of_a_cube() -> None:
-    corners = cube()[0][cube()[1]]
-    grid = np.stack(np.meshgrid(*[np.arange(-0.5, 2.0, 0.25)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    on = ((grid == 0.0) | (grid == 1.0)).any(axis=1)
-    expected = ((grid > 0.0) & (grid < 1.0)).all(axis=1)
-    np.testing.assert_array_equal(inside_closed(grid, corners)[~on], expected[~on])
-
-
 def test_a_grid_in_the_ell_whose_points_see_many_edges() -> None:
     corners = ell()[0][ell()[1]]
     grid = np.stack(np.meshgrid(*[np.arange(-1, 26) / 8.0 + 1.0 / 16.0] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     np.testing.assert_array_equal(inside_closed(grid, corners), in_ell(grid))
-
-
-def test_the_hole_of_a_torus_is_outside() -> None:
-    corners = torus()[0][torus()[1]]
-    assert inside_closed(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, -1.0, 0.1]]), corners).tolist() == [False, True, True]
 
 
 def test_a_hollow_is_outside_and_an_overlap_of_two_parts_inside() -> None:
@@ -54,11 +41,6 @@ def test_a_hollow_is_outside_and_an_overlap_of_two_parts_inside() -> None:
 def test_a_cube_without_one_triangle_still_has_an_inside() -> None:
     corners = cube()[0][cube()[1]][1:]
     assert inside_open(np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 1.5]]), corners).tolist() == [True, False]
-
-
-def test_ragged_counts() -> None:
-    owner, number = ragged(np.array([2, 0, 3]))
-    assert owner.tolist() == [0, 0, 2, 2, 2] and number.tolist() == [0, 1, 0, 1, 2]
 
 
 WEIGHTS = np.array([(i, j, 60 - i - j) for i in range(61) for j in range(61 - i)]) / 60.0
@@ -88,15 +70,6 @@ def test_distance_from_a_triangle_against_a_grid_of_its_points(values: list[floa
 )
 def test_faces_edges_and_flat_triangles(corners: list[tuple[float, ...]], point: tuple[float, ...], distance: float) -> None:
     assert point_triangle(np.array([point]), np.array([corners], dtype=float))[0] == pytest.approx(distance)
-
-
-def test_finer_triangles_are_the_same_surface() -> None:
-    vertices, triangles = ell()
-    fine = finer(vertices[triangles], 0.2)
-    assert np.linalg.norm(fine - fine.mean(axis=1, keepdims=True), axis=2).max() <= 0.2
-    area = np.linalg.norm(np.cross(fine[:, 1] - fine[:, 0], fine[:, 2] - fine[:, 0]), axis=1).sum() / 2.0
-    assert area == pytest.approx(22.0)
-    assert len(halves(fine)) == 2 * len(fine)
 
 
 @pytest.mark.parametrize("soup", [ell(), torus()])

@@ -83,9 +83,3 @@ def test_other_times_and_motions_of_other_avatars_are_refused() -> None:
     motion = of_puppet().motion(rows(2, 0), np.arange(2.0))
     with pytest.raises(InvalidInput, match=r"links and hinges.*\(3, 2\).*\(6, 4\)"):
         robot().coordinates.rows(motion)
-
-
-def test_an_avatar_without_joints_has_rows_without_numbers() -> None:
-    coordinates = Coordinates((), 1, 0)
-    motion = coordinates.motion(np.zeros((4, 0)), np.arange(4.0))
-    assert coordinates.rows(motion).shape == (4, 0)

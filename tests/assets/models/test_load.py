@@ -56,12 +56,6 @@ def test_trees_that_go_apart_are_not_one_avatar(tmp_path: Path) -> None:
     assert model.avatar is not None and len(model.avatar.links) == 4
 
 
-def test_a_room_has_no_avatar(tmp_path: Path) -> None:
-    room = av.load_room(written(tmp_path, TWO + '<geom name="floor" type="plane" size="1 1 1" pos="0 0 -3"/>'))
-    assert room.avatar is None and room.coordinates is None and room.start is None
-    assert {body.name: body.role for body in room.bodies} == {"floor": Role.FIXED, "small": Role.FIXED, "big": Role.SIMULATED}
-
-
 def test_names_are_given_once_each(tmp_path: Path) -> None:
     ball = '<geom size="0.1"/>'
     geoms = f'<geom name="box" size="0.1"/>{ball}<body name="box">{ball}</body><body>{ball}</body>'

@@ -7,7 +7,6 @@ import pytest
 
 import avatarsim as av
 from avatarsim.assets.models.model import beside
-from scenarios.own_scenes import OwnScene
 from tests.assets.models.test_links_of_tree import written
 
 FLOOR = '<geom name="floor" type="plane" size="1 1 1"/>'
@@ -91,11 +90,3 @@ def test_what_moves_stands_still_where_clips_are_cleaned(tmp_path: Path) -> None
     )
     assert {body.name for body in model.room} == {"floor", "tool", "handle", "door"}
     assert len(av.clean(motion, model).motion) >= rows
-
-
-def test_a_scene_of_such_a_file_runs_in_the_comparison(tmp_path: Path) -> None:
-    path = written(tmp_path, ARM + TOOL + DOOR + HANDLE + FLOOR, WELDS)
-    own = OwnScene("own_door", str(path), "", "", "", 1.0)
-    scene, _ = own.parts()
-    assert dict(scene.attached)["handle"] == "door"
-    assert len(scene.first_sample.positions) == 3

@@ -46,16 +46,6 @@ def test_primitives_are_what_they_are(geom: str, tmp_path: Path) -> None:
     assert [piece.shape for piece in body.pieces] == [SHAPES[geom]]
 
 
-def test_a_geom_stands_where_the_file_has_it(tmp_path: Path) -> None:
-    geom = '<geom type="box" size="0.1 0.2 0.3" pos="0.5 0 0" euler="90 0 0"/>'
-    body = f'<body name="shelf" pos="1 2 3" euler="0 0 90">{geom}</body>'
-    shelf = room_of(tmp_path, body)["shelf"]
-    piece = shelf.pieces[0]
-    np.testing.assert_allclose(shelf.position, (1.0, 2.0, 3.0))
-    np.testing.assert_allclose(rotation.rotate(shelf.orientation, piece.position), (0.0, 0.5, 0.0), atol=1e-15)
-    np.testing.assert_allclose(rotation.rotate(piece.orientation, (0.0, 0.0, 1.0)), (0.0, -1.0, 0.0), atol=1e-15)
-
-
 def test_a_plane_is_a_box_below_it(tmp_path: Path) -> None:
     wall = room_of(tmp_path, '<geom name="wall" type="plane" size="1 1 0.1" pos="2 0 0" zaxis="-1 0 0"/>')["wall"]
     (piece,) = wall.pieces
@@ -215,11 +205,6 @@ def test_visuals_are_the_geoms_that_viewers_show_in_the_frames_of_links(tmp_path
     assert isinstance(stone, tuple) and len(stone[1]) == len(ell()[1])
     pieces = [piece.shape for link in model.avatar.links for piece in link.pieces]
     assert pieces == [av.Box((0.2, 0.2, 0.2)), av.Capsule(0.05, 0.2)]
-
-
-def test_a_model_of_primitives_that_collide_has_no_visuals(tmp_path: Path) -> None:
-    body = '<body name="arm"><joint/><geom type="capsule" size="0.1 0.3"/><geom type="cylinder" size="0.1 0.3"/></body>'
-    assert av.load_avatar(written(tmp_path, body)).visuals == {}
 
 
 def test_the_visuals_of_a_room_keep_to_their_bodies_beside_an_avatar(tmp_path: Path) -> None:

@@ -107,13 +107,6 @@ def test_friction_is_that_of_mujoco(tmp_path: Path, of_ramp: str, of_box: str, p
     assert law.friction == pytest.approx(expected) and law.restitution == 0.3
 
 
-@pytest.mark.parametrize(("friction", "stays"), [(1.0, True), (0.5, True), (0.4, False)])
-def test_a_box_stays_on_a_ramp_by_the_friction_of_the_file(tmp_path: Path, friction: float, stays: bool) -> None:
-    of = f'friction="{friction}"'
-    places = played(av.load_room(mjcf(tmp_path, ramp(of, of))), 1.0)
-    assert bool(np.linalg.norm(places[-1] - places[5]) < 1e-3) is stays
-
-
 def test_friction_of_several_geoms_and_of_two_files(tmp_path: Path) -> None:
     geoms = '<geom size=".1" friction="0.3"/><geom size=".1" pos="1 0 0" friction="0.7"/>'
     mixed = f'<body name="x" pos="0 0 2"><freejoint/>{geoms}</body>'

@@ -52,10 +52,6 @@ def test_an_even_turn_has_one_speed(about: float, speed: float, frames: int) -> 
     assert np.allclose(spins(-turns, times), speed * axis, atol=1e-9)
 
 
-def test_a_single_frame_has_no_speed() -> None:
-    assert spins(np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(1)).tolist() == [[0.0, 0.0, 0.0]]
-
-
 def test_a_turn_counts_as_a_way() -> None:
     turns = rotation.from_axis_angle(np.tile([0.0, 0.0, 1.0], (2, 1)), np.array([0.0, 0.5]))
     assert strays(np.zeros((2, 3)), turns) == pytest.approx(0.05)

@@ -46,11 +46,6 @@ def test_another_rate_is_stated_in_the_files_own_way() -> None:
     assert np.allclose(found["times"], [5.0, 5.01, 5.02])
 
 
-def test_a_rate_that_is_not_whole_is_not_cut_off() -> None:
-    found = restated(archive(fps=50), motion([0.0, 1 / 29.97, 2 / 29.97]))
-    assert found["fps"] == pytest.approx(29.97)
-
-
 def test_uneven_steps_do_not_fit_into_a_rate() -> None:
     with pytest.raises(InvalidInput, match="equal steps"):
         restated(archive(fps=50), motion([0.0, 0.01, 0.03]))

@@ -119,14 +119,6 @@ def test_ranges_and_allowed_depths_of_a_body_do_not_depend_on_its_clip(tmp_path:
     assert one == other and one["at_rest"]
 
 
-def test_size_mass_and_limits_are_the_users_choice(tmp_path: Path) -> None:
-    path = saved(tmp_path / "some.npz", amass("SMPL"))
-    small = load_motion(path, stature=1.0, mass=20.0, limits=False).model()
-    assert sum(link.mass.mass for link in small.avatar.links) == pytest.approx(20.0, abs=1.0)
-    assert all(link.joint.limits is None for link in small.avatar.links if isinstance(link.joint, Ball))
-    assert small.avatar.span < 3.5
-
-
 FORMS: dict[str, Callable[[], dict[str, Any]]] = {
     **{member: lambda member=member: amass(member) for member in MEMBERS},  # type: ignore[misc]
     "parts beside the whole": parted, "parts alone": parts_alone, "float32": lambda: amass(dtype=np.float32),

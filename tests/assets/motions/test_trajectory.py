@@ -14,7 +14,7 @@ from avatarsim.errors import InvalidFile
 from avatarsim.scene.motion import Motion
 from avatarsim.scene.tracker import poses_of_links
 from avatarsim.spatial import rotation
-from tests.assets.motions.robots import JOINTS, entries, held, puppet, robot, saved, walk
+from tests.assets.motions.robots import JOINTS, entries, held, robot, saved, walk
 
 FRAMES = 40
 XYZW = [0, 1, 2, 4, 5, 6, 3]
@@ -236,14 +236,6 @@ def test_a_fixed_joint_may_be_missing_in_the_file(tmp_path: Path) -> None:
     arrays = {"joint_pos": np.delete(walk(FRAMES), 8, axis=1), "fps": 50, "joint_names": names}
     motion = load_motion(saved(tmp_path / "some.npz", arrays)).motion(held())
     assert np.allclose(motion.angles[:, 0], walk(FRAMES)[:, 7])
-
-
-def test_balls_are_rows_of_four(tmp_path: Path) -> None:
-    rng = np.random.default_rng(0)
-    q = np.concatenate([walk(5, 0), rotation.normalised(rng.normal(size=(5, 4))), rng.normal(size=(5, 2))], axis=1)
-    found = load_motion(saved(tmp_path / "some.npz", {"qpos": q, "fps": 30}))
-    motion = found.motion(puppet())
-    assert np.allclose(np.abs((motion.rotations[:, 1] * q[:, 7:11]).sum(axis=1)), 1.0) and np.allclose(motion.angles, q[:, 11:])
 
 
 def without(key: str) -> dict[str, Any]:

@@ -8,7 +8,7 @@ import pytest
 from avatarsim.spatial import rotation
 from runfiles.record import Recording
 from scenarios.building.expected import Flips, Pivot, Top
-from scenarios.measure.bodies.closed_form import flips, pivots, tops
+from scenarios.measure.bodies.closed_form import crossings, flips, pivots, tops
 from scenarios.measure.value import Missing
 from tests.scenarios.examples import drop_scene, expecting, resting
 
@@ -20,6 +20,11 @@ def swinging(late: float = 0.0) -> Recording:
     recording = resting(drop_scene(), FRAMES)
     recording.angular_velocities[:, BALL, 1] = np.cos(2.0 * (recording.times - late))
     return recording
+
+
+def test_a_change_of_sign_is_placed_far_better_than_a_frame() -> None:
+    times = np.arange(0.0, 3.0, 1.0 / 60.0)
+    assert crossings(times, np.cos(2.0 * times)) == pytest.approx([np.pi / 4, 3 * np.pi / 4], abs=1e-12)
 
 
 def test_flips_are_compared_one_by_one() -> None:
