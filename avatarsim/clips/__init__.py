@@ -1,1 +1,1 @@
-"""Files of clips, as a command takes and leaves them: found in folders, cleaned or audited one by one, certified and shown."""
+"""Motion clips of a command: found in folders, cleaned or audited one by one, certified and shown."""

@@ -1,8 +1,8 @@
-"""All clips of a command: one task each, side by side (Pebble, Dask) or here, and what the whole of them leaves.
+"""Batch of all clips of a command: one task per clip, in parallel (Pebble, Dask) or in this process, and the folder's summary.
 
-A batch can be killed at any time and be gone on with by the same command: clips that are done are known by their certificates,
-and what is left in the folder in the end are the same bytes. What a command asks for stands in the folder's certificate as not
-done before anything is, so that it is not forgotten however the command ends (write-ahead logging; Gray and Reuter 1993).
+A batch can be killed at any time and continued by the same command: finished clips are recognised by their certificates, and the
+folder holds the same bytes in the end. All clips of a command are entered in the folder's certificate as not done before any is
+started, so that none is forgotten however the command ends (write-ahead logging; Gray and Reuter 1993).
 """
 
 from collections.abc import Callable, Container, Generator, Iterator, Mapping, Sequence
@@ -31,38 +31,38 @@ INDEX, WHOLE = "index.html", "certificate.json"
 """Page and certificate of the whole folder."""
 
 UNFINISHED = "not finished"
-"""Kind of trouble: asked for, and neither a result nor a reason is there."""
+"""Kind of trouble of a clip that has neither a result nor a reason."""
 GOES_ON = "the command that asked for it did not come to its end; the same command goes on from there"
 
 PATIENCE = 6 * 3600.0
-"""Longest a clip may take [s]. A million frames take some two hours; an endless loop must end somewhere."""
+"""Longest time per clip [s]. A million frames take about two hours; an endless loop must end somewhere."""
 
 PRELOADED = ("numpy", "numba", "scipy.spatial", "avatarsim.clips.task")
-"""What processes of clips have loaded. No engine is opened in it."""
+"""Modules that processes of clips have loaded. No engine is created in them."""
 
 
 @dataclass
 class Batch:
-    """What has become of the clips so far."""
+    """Results of the clips so far."""
 
     outcomes: list[Outcome] = field(default_factory=list)
-    """One of each clip, in the order in which they ended."""
+    """One per clip, in the order in which they ended."""
     troubles: list[Trouble] = field(default_factory=list)
-    """What could not be done."""
+    """Clips and files that failed."""
     clips: frozenset[str] = frozenset()
-    """Places of the clips that are asked for."""
+    """Places of the requested clips."""
     earlier: tuple[Trouble, ...] = ()
-    """What earlier commands into the same folder left undone, and this one does not ask for."""
+    """Clips that earlier commands into the same folder left undone and that this command does not include."""
 
     @property
     def entries(self) -> list[Mapping[str, object]]:
-        """Entries of the certificate."""
+        """Return the entries of the certificate."""
         return [one.entry for one in self.outcomes if one.entry is not None]
 
     def not_done(self, done: Container[str]) -> list[Trouble]:
-        """What of all that was asked for in a folder is not done; `done` are the places of clips with a result there.
+        """Return all requested work of a folder that is not done; `done` are the places of clips with a result there.
 
-        A clip of which an earlier result is there counts as unfinished no more: its entry says what that was made of."""
+        A clip that has an earlier result no longer counts as unfinished: its entry states the inputs of that result."""
         ended = {one.place for one in self.outcomes}
         return [
             *self.troubles, *((place, UNFINISHED, GOES_ON) for place in self.clips - ended if place not in done),
@@ -74,9 +74,9 @@ def run(
     tasks: Sequence[Task], workers: "Workers", batch: Batch, told: Callable[[Outcome], None],
     progress: Callable[[float], None] | None = None,
 ) -> None:
-    """Do the tasks, and put what becomes of them into `batch`, one by one; `told` of each as it ends.
+    """Run the tasks and collect their results in `batch`, one by one; call `told` with each result.
 
-    `progress` is called with the share of a clip that is done, where clips are done here. Raises MissingPackage without pebble
+    `progress` is called with the finished share of a clip, where clips run in this process. Raises MissingPackage without pebble
     for more workers than 0, InvalidInput for a cluster that does not fit."""
     with closing(_answers(tasks, workers, progress)) as answers:
         for task, found in answers:
@@ -92,7 +92,7 @@ def _answers(
     tasks: Sequence[Task], workers: "Workers", progress: Callable[[float], None] | None
 ) -> Generator[tuple[Task, object], None, None]:
     if workers == 0:
-        # here, and without what processes are run by
+        # in this process, without the packages that run tasks in parallel
         yield from ((task, _here(task, progress)) for task in tasks)
         return
     try:
@@ -108,15 +108,15 @@ def _here(task: Task, progress: Callable[[float], None] | None) -> object:
     except OSError as error:
         return _refused(error)
     except AvatarsimError:
-        # of no clip alone: a package that is missing
+        # not of a single clip: a missing package
         raise
     except Exception as error:
-        # as of a process, whose end costs its clip alone
+        # as in a worker process, whose end costs only its own clip
         return described(error)
 
 
 def answer(task: Task) -> Outcome:
-    """The life of a clip in a process of its own or on another machine."""
+    """Run the task of one clip in its own process or on another machine."""
     try:
         return outcome(task)
     except OSError as error:
@@ -124,18 +124,18 @@ def answer(task: Task) -> Outcome:
 
 
 def _refused(error: OSError) -> str:
-    # without its folder: what is being written lies in one whose name is drawn, and certificates name no path
+    # without its folder: a file is written in a folder of random name, and certificates contain no path
     name = Path(error.filename).name if isinstance(error.filename, str) else "a file"
     return f"the system refused {name}: {error.strerror or error}"
 
 
 def shares_its_process(task: Task) -> bool:
-    """Clips leave nothing behind: the next one has a process whose kernels and model are loaded."""
+    """Return True: clips leave no state behind, so that the next one reuses a process with loaded kernels and model."""
     return True
 
 
 def workers_of(count: int, scheduler: str | None, folder: Path) -> "Workers":
-    """Where clips are done: in `count` processes here, or on the cluster of a scheduler whose workers see `folder`."""
+    """Return the workers: `count` processes here, or the cluster of a scheduler whose workers see `folder`."""
     if scheduler is None:
         return count
     try:
@@ -148,27 +148,27 @@ def workers_of(count: int, scheduler: str | None, folder: Path) -> "Workers":
 
 
 def tasks_of(clips: Sequence[Clip], wishes: Wishes, out: Path | None, force: bool) -> list[Task]:
-    """One task a clip; with paths that hold in any folder, since a worker may have another one."""
+    """Return one task per clip, with absolute paths, since a worker may have another working directory."""
     whole = None if out is None else out.absolute()
     return [Task(Clip(clip.place, clip.path.absolute()), wishes, whole, force) for clip in clips]
 
 
 def require_place(out: Path, force: bool) -> None:
-    """Raise InvalidInput where a file of another program stands in the place of the folder's page or certificate."""
+    """Raise InvalidInput where the path of the folder's page or certificate has a file of another program."""
     require_ours(out / INDEX, GENERATOR, force)
     require_ours(out / WHOLE, certificate.MARK, force)
 
 
 def left_undone(out: Path, places: frozenset[str]) -> tuple[Trouble, ...]:
-    """What earlier commands into a folder left undone, but for `places`, which are asked for now. Raises InvalidFile where the
-    folder's certificate cannot be read."""
+    """Return the undone clips of earlier commands into a folder, but for `places`, which are requested now.
+    Raises InvalidFile where the folder's certificate cannot be read."""
     if not (out / WHOLE).exists():
         return ()
     return tuple(one for one in certificate.not_done(out / WHOLE) if one[0] not in places)
 
 
 def leave(out: Path, batch: Batch) -> dict[str, object]:
-    """Write `certificate.json` and `index.html` of all clips in the folder, of earlier commands too; the former's value."""
+    """Write `certificate.json` and `index.html` of all clips in the folder, also of earlier commands; return the certificate."""
     entries = {str(one["motion"]): one for one in earlier(out)}
     entries.update({str(one["motion"]): one for one in batch.entries})
     whole = certificate.summary("clean", list(entries.values()), batch.not_done(entries))
@@ -181,7 +181,7 @@ def leave(out: Path, batch: Batch) -> dict[str, object]:
 
 
 def earlier(out: Path) -> Iterator[Mapping[str, object]]:
-    """Entries of the certificates in a folder."""
+    """Yield the entries of the certificates in a folder."""
     base = out / CERTIFICATES
     for path in sorted(base.rglob("*.json")):
         found = certificate.read(path)

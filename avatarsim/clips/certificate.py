@@ -1,7 +1,7 @@
-"""Certificates: what was measured of a clip, of which files, with which options and versions; as JSON, and the same bytes always.
+"""Certificates: measures of a clip, with its files, options and versions, as JSON of reproducible bytes.
 
-No time, no machine and no path is in them, so that two runs of one command leave equal files. The layout is
-`certificate.schema.json` (JSON Schema 2020-12), beside this file.
+They contain no time, machine or path, so that two runs of one command write equal files. The layout is
+`certificate.schema.json` (JSON Schema 2020-12), in this folder.
 """
 
 import json
@@ -25,23 +25,23 @@ from avatarsim.scene.motion import Motion
 LAYOUT = 3
 """Version of the layout."""
 LINES = 3
-"""Levels of a certificate whose members have a line each."""
+"""Levels of a certificate whose members have their own line."""
 MARK = '{\n "layout": '
-"""What the certificate of a folder begins with."""
+"""First bytes of a folder's certificate."""
 
 LARGEST, LARGEST_WHOLE = 2**27, 2**30
-"""Bytes of a clip's certificate at most, and of a folder's. An entry has some 20 kB, so this is a folder of 50,000 clips; of a
-larger one what earlier commands left undone is not read back."""
+"""Largest size of a clip's certificate, and of a folder's [bytes]. An entry has some 20 kB, so this is a folder of 50,000 clips;
+in larger folders the undone clips of earlier commands are not read back."""
 
 Trouble = tuple[str, str, str]
-"""(name, kind, why) of what could not be done."""
+"""(name, kind, why) of a failure."""
 
 OPINIONS = ("coal",)
 """Distributions of the independent judge."""
 
 
 def key(motion: Hashes, avatar: Hashes, room: Hashes, wishes: Wishes) -> dict[str, object]:
-    """What decides the outputs of a clip: hashes of its inputs, options, and versions."""
+    """Return the inputs that determine the outputs of a clip: hashes of its files, options, and versions."""
 
     def listed(files: Hashes) -> list[dict[str, str]]:
         return [{"name": name, "sha256": content} for name, content in files]
@@ -57,7 +57,7 @@ def entry(
     place: str, format_: str, decides: Mapping[str, object], motion: Motion, before: Audit, after: Audit | None = None,
     cleaned: Cleaned | None = None, said: Sequence[str] = (), outputs: Mapping[str, tuple[str, str]] | None = None,
 ) -> dict[str, object]:
-    """The entry of one clip. `before` is of its input, `after` of what was written and read back, `decides` its `key`."""
+    """Return the entry of one clip: `before` of its input, `after` of the file written and read back, `decides` its `key`."""
     last = after or before
     sentences = [*said, *before.notes, *last.said]
     found: dict[str, object] = {
@@ -93,7 +93,7 @@ def entry(
 
 
 def summary(command: str, entries: Sequence[Mapping[str, object]], troubles: Sequence[Trouble]) -> dict[str, object]:
-    """The certificate of a folder: its clips by their places, and what is not done."""
+    """Return the certificate of a folder: its clips by their places, and the undone ones."""
     return {
         "layout": LAYOUT, "command": command,
         "clips": sorted(entries, key=lambda one: str(one["motion"])),
@@ -102,7 +102,7 @@ def summary(command: str, entries: Sequence[Mapping[str, object]], troubles: Seq
 
 
 def _rate(motion: Motion) -> float | None:
-    # steps of recorded instants sum up to a rate with a tail of rounding
+    # a rate summed from steps of recorded instants has a tail of rounding errors
     return None if len(motion) < 2 else float(f"{motion.rate:.9g}")
 
 
@@ -138,7 +138,7 @@ def _moved(one: Moved) -> dict[str, object]:
 
 
 def plain(value: Mapping[str, object]) -> dict[str, object]:
-    """The value as JSON gives it back: tuples as lists, and numbers that JSON has no word for as null."""
+    """Return the value as JSON represents it: tuples as lists, and numbers that JSON cannot represent as null."""
     found: dict[str, object] = json.loads(json.dumps(_finite(value), allow_nan=False))
     return found
 
@@ -154,13 +154,13 @@ def _finite(value: object) -> object:
 
 
 def text(value: Mapping[str, object]) -> bytes:
-    """A certificate as bytes: equal values give equal bytes, and names that are no text stay what they are."""
+    """Return a certificate as bytes: equal values give equal bytes, and names that are not valid text are preserved."""
     return (_in_lines(_finite(value), LINES, "\n") + "\n").encode()
 
 
 def _in_lines(value: object, deep: int, end: str) -> str:
-    """`value` as JSON, with a line for each member of its first `deep` levels: an entry has one for each of its parts, in a third
-    of the bytes."""
+    """Return `value` as JSON with one line per member of its first `deep` levels.
+    So each part of an entry has one line, in a third of the bytes."""
     if deep and value and isinstance(value, dict | list):
         parts = value.values() if isinstance(value, dict) else value
         names = [f"{json.dumps(name)}: " for name in value] if isinstance(value, dict) else [""] * len(value)
@@ -171,7 +171,7 @@ def _in_lines(value: object, deep: int, end: str) -> str:
 
 
 def read(path: Path) -> dict[str, object] | None:
-    """A certificate of one clip; None where there is none, or what is there is none of this layout."""
+    """Read the certificate of one clip; None where there is none, or the file does not have this layout."""
     try:
         found = _parsed(path, LARGEST)
     except InvalidFile:
@@ -181,7 +181,7 @@ def read(path: Path) -> dict[str, object] | None:
 
 
 def not_done(path: Path) -> tuple[Trouble, ...]:
-    """What a folder's certificate says is not done. Raises InvalidFile for what is none of this layout."""
+    """Return the undone clips of a folder's certificate. Raises InvalidFile for a file that does not have this layout."""
     found, whole, name = _parsed(path, LARGEST_WHOLE), schema(), "not_done"
     part = found.get(name) if isinstance(found, dict) else None
     wrong = fault(part, whole["properties"][name], whole, name)
@@ -196,18 +196,18 @@ def _parsed(path: Path, largest: int) -> object:
 
 
 def _is_of_clean(one: Mapping[str, Any]) -> bool:
-    """Return True if an entry that keeps to the schema is of a clip that was cleaned, and not audited alone."""
+    """Return True if a valid entry is of a clip that was cleaned, not only audited."""
     after = (one["overlap"]["after"], one["between_frames"]["not_certified_after"], one["jerk_p95_m_s3"]["after"])
     return None not in after and {"moved", "held_frames", "changed_frames", "flagged", "outputs"} <= set(one)
 
 
 def _no_number(text: str) -> object:
-    """JSON has no word for what is no number, and Python's reader takes three."""
+    """Raise an error for a constant that JSON does not have; Python's reader accepts three."""
     raise ValueError(f"{text} is no JSON")
 
 
 def output_hash(one: Mapping[str, object] | None, name: str) -> str | None:
-    """SHA-256 of one output of an entry; None where it names none."""
+    """Return the SHA-256 of one output of an entry; None where it has none."""
     outputs = one.get("outputs") if one else None
     about = outputs.get(name) if isinstance(outputs, dict) else None
     return str(about.get("sha256")) if isinstance(about, dict) else None
@@ -215,6 +215,6 @@ def output_hash(one: Mapping[str, object] | None, name: str) -> str | None:
 
 @cache
 def schema() -> dict[str, Any]:
-    """The JSON schema of `summary`."""
+    """Return the JSON schema of `summary`."""
     found: dict[str, Any] = json.loads(resources("avatarsim.clips").joinpath("certificate.schema.json").read_text("utf-8"))
     return found

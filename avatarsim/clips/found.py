@@ -1,4 +1,4 @@
-"""Clips that a command line names: files, and folders taken whole (recursive, sorted), each with its place below the output."""
+"""Clips named on a command line: files, and folders (recursive, sorted), each with its place below the output."""
 
 import os
 from collections.abc import Iterator, Sequence
@@ -25,8 +25,8 @@ class Clip:
 
 @dataclass(frozen=True)
 class Found:
-    """The clips of a command in the order of their places, files of folders that are `left` alone since they are no motions, and
-    `folders` by their places, those that could not be read among them: (place, path, why)."""
+    """Clips of a command in the order of their places, files of folders that are `left` alone since they are no motions, and
+    `folders` by their places, including unreadable ones: (place, path, why)."""
 
     clips: tuple[Clip, ...]
     left: tuple[Path, ...]
@@ -35,22 +35,22 @@ class Found:
 
     @property
     def places(self) -> frozenset[str]:
-        """The places of all that was looked at."""
+        """Return the places of all files and folders that were visited."""
         return frozenset([*(clip.place for clip in self.clips), *self.folders])
 
 
 def found(named: Sequence[Path], out: Path | None) -> Found:
-    """The clips that `named` files and folders stand for; what lies in the folder `out` is none of them.
+    """Return the clips of the `named` files and folders, without files in the folder `out`.
 
-    A file's place is its name, that of a file in a folder its path in that folder; that of a folder ends in a slash. Raises
-    InvalidInput where two clips would have one place, where a result would take the place of a file that was named, and for names
-    that the output uses itself."""
+    A file's place is its name; that of a file in a folder is its path in that folder; a folder's place ends in a slash. Raises
+    InvalidInput where two clips would have one place, where a result would replace a named input file, and for names that the
+    output uses itself."""
     clips: list[Clip] = []
     left: list[Path] = []
     folders: list[str] = []
     unreadable: list[tuple[str, Path, str]] = []
     for path in named:
-        # by os.path, which takes names that are too long for the system as names of nothing
+        # by os.path, which treats names that are too long for the system as missing files
         if not os.path.isdir(path):
             clips.append(Clip(path.name, path))
             continue
@@ -67,7 +67,7 @@ def found(named: Sequence[Path], out: Path | None) -> Found:
 
 
 def _files(folder: Path, out: Path | None, looked: list[str], unreadable: list[tuple[str, Path, str]]) -> Iterator[Path]:
-    """Files in and below a folder, sorted; links to folders are not followed, since they may lead in a circle."""
+    """Yield the files in and below a folder, sorted; links to folders are not followed, since they may lead in a circle."""
 
     def refused(error: OSError) -> None:
         at = Path(error.filename)
@@ -82,13 +82,13 @@ def _files(folder: Path, out: Path | None, looked: list[str], unreadable: list[t
 
 
 def _place(at: Path, named: Path) -> str:
-    """The place of a folder in the folder that was named, which itself goes by its own name."""
+    """Return the place of a folder in the named folder, which itself goes by its own name."""
     return f"{named.name or named if at == named else at.relative_to(named).as_posix()}/"
 
 
 def is_motion(path: Path) -> bool:
-    """Return True if a file of a folder is taken for a motion: by the end of its name, and a text by its first character as well,
-    since notes lie beside clips."""
+    """Return True if a file of a folder is treated as a motion.
+    It is so by its suffix, and for text also by its first character, since notes lie next to clips."""
     suffix = path.suffix.lower()
     if suffix != ".txt":
         return suffix in READERS or suffix in PICKLES
@@ -96,7 +96,7 @@ def is_motion(path: Path) -> bool:
         with opened_at_once(path) as file:
             return file.read(64).lstrip(b"\xef\xbb\xbf \t\r\n").startswith((b"{", b"["))
     except OSError:
-        # named later, as what cannot be read
+        # reported later as unreadable
         return True
 
 
@@ -117,7 +117,7 @@ def _require_places(clips: Sequence[Clip], out: Path | None) -> None:
 
 
 def _real(path: Path) -> Path:
-    """The path with links followed, as far as the system takes it."""
+    """Return the path with links followed, as far as the system resolves it."""
     try:
         return path.resolve()
     except (OSError, RuntimeError, ValueError):

@@ -1,4 +1,4 @@
-"""Inputs of a clip: its motion, the avatar and the room, each with the SHA-256 of every file that it was read from."""
+"""Inputs of a clip: its motion, the avatar and the room, with the SHA-256 of every file read."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -23,25 +23,25 @@ from avatarsim.files import check
 from avatarsim.scene.carried import Carried
 
 FILE_BYTES = 2**28
-"""Bytes of a motion file at most; readers have limits of their own, this one is for hashing what is read."""
+"""Largest size of a motion file [bytes]; readers have limits of their own, this one is for hashing."""
 
 Hashes = tuple[tuple[str, str], ...]
 """(name, SHA-256) of files."""
 
 MEAN = "mean"
-"""The word that stands for a way to read BVH in place of a file of offsets."""
+"""Value that selects a method of reading BVH in place of a file of offsets."""
 
 
 @dataclass(frozen=True)
 class Files:
-    """Hashes of the files of the avatar and of the room of a command; of none, and of level ground, there are none."""
+    """Hashes of the files of a command's avatar and room; empty without files, and for level ground."""
 
     avatar: Hashes
     room: Hashes
 
 
 def files_of(wishes: Wishes) -> Files:
-    """Hashes of what avatar and room are read from. Raises InvalidFile for what cannot be read."""
+    """Return hashes of the files of avatar and room. Raises InvalidFile for unreadable files."""
     folder = wishes.reading.folder
     avatar = () if wishes.avatar is None else _files(wishes.avatar, folder)
     room = () if wishes.room is None or str(wishes.room) == FLOOR else _files(wishes.room, folder)
@@ -49,7 +49,7 @@ def files_of(wishes: Wishes) -> Files:
 
 
 def given(wishes: Wishes, files: Files) -> tuple[Model | None, Model | None]:
-    """Avatar and room of a command, read once by each process as long as their files stay. Raises InvalidFile, InvalidInput."""
+    """Load avatar and room of a command, once per process while their files do not change. Raises InvalidFile, InvalidInput."""
     avatar = None if wishes.avatar is None else _avatar(wishes.avatar, wishes.reading, files.avatar)
     return avatar, None if wishes.room is None else _room(wishes.room, wishes.reading, avatar is not None, files.room)
 
@@ -81,12 +81,12 @@ def _hashed(path: Path, name: str) -> tuple[str, str]:
 
 @lru_cache(maxsize=4096)
 def _sha256(path: Path, number: int, size: int, written: int) -> str:
-    """The hash of a file as it was when it had this number, size and time: a model of a thousand clips is hashed once."""
+    """Return the hash of a file of this number, size and time: a model of a thousand clips is hashed once."""
     return sha256_of(path)
 
 
 def _files(path: Path, folder: str | None) -> Hashes:
-    """A model's or a mesh's file and all that it names. Raises InvalidFile for what cannot be read."""
+    """Return hashes of a model's or mesh's file and of all files that it names. Raises InvalidFile for unreadable files."""
     if path.suffix.lower() not in doors.MODELS:
         return (_hashed(path, path.name),)
     base = doors.folder_of(path, folder)
@@ -98,7 +98,7 @@ def _files(path: Path, folder: str | None) -> Hashes:
 
 
 def _named(texts: doors.Texts) -> Iterator[tuple[str, Path]]:
-    """Mesh files that a model names: (path below its folder, place). What is not there its reader refuses."""
+    """Yield the mesh files of a model: (path below its folder, place). The model's reader rejects missing ones."""
     trees = [ElementTree.fromstring(content) for content in texts.texts.values()]
     folders = {node.get("meshdir") or node.get("assetdir") or "" for tree in trees for node in tree.iter("compiler")} | {""}
     bases = [PurePosixPath(name).parent for name in texts.texts]
@@ -115,7 +115,7 @@ def _named(texts: doors.Texts) -> Iterator[tuple[str, Path]]:
 
 
 def motion_files(path: Path, reading: Reading) -> Hashes:
-    """Hashes of a motion file and of the skeleton beside it. Raises InvalidFile."""
+    """Return hashes of a motion file and of its skeleton file, if it has one. Raises InvalidFile."""
     suffix = path.suffix.lower()
     beside = [skeleton_of(path, reading)] if suffix == ".amc" else []
     if reading.offsets is not None and suffix == ".npz" and reading.offsets != MEAN:
@@ -127,7 +127,7 @@ def motion_files(path: Path, reading: Reading) -> Hashes:
 
 
 def carried_in(file: MotionFile, reading: Reading) -> tuple[Carried, ...]:
-    """The object of a motion file, where its shape is known. Raises InvalidFile for a shape without poses."""
+    """Return the object of a motion file, where its shape is known. Raises InvalidFile for a shape without poses."""
     if file.object is None:
         if reading.object_file is not None:
             valid = f"a motion with one of {', '.join(PLACES)} and one of {', '.join(TURNS)}"
@@ -139,19 +139,19 @@ def carried_in(file: MotionFile, reading: Reading) -> tuple[Carried, ...]:
 
 
 def skeleton_of(path: Path, reading: Reading) -> Path | None:
-    """The ASF file of an AMC file: the one that was asked for, else by its name."""
+    """Return the ASF file of an AMC file: the one of the options, else by its name."""
     return skeleton_beside(path) if reading.asf is None else Path(reading.asf)
 
 
 def options_for(path: Path, reading: Reading) -> dict[str, object]:
-    """What is asked of the reader of a motion; the skeleton of an AMC file by its path, so that a copy elsewhere has the same."""
+    """Return the options for the reader of a motion; of AMC with the skeleton's path, so that a copy elsewhere uses it too."""
     asked = reading.of_motion()
     skeleton = skeleton_of(path, reading) if path.suffix.lower() == ".amc" else None
     return asked if skeleton is None else {**asked, "skeleton": str(skeleton)}
 
 
 def read(path: Path, asked: Mapping[str, object]) -> tuple[MotionFile, tuple[str, ...]]:
-    """The motion at `path`, and those of the options `asked` that its format does not have. Raises InvalidFile, InvalidInput."""
+    """Read the motion at `path`; also return those options of `asked` that its format lacks. Raises InvalidFile, InvalidInput."""
     known = options_of(path.suffix.lower())
     used = {name: value for name, value in asked.items() if name in known}
     return load_motion(path, **used), tuple(sorted(set(asked) - set(used)))

@@ -52,7 +52,7 @@ class Reading:
     object_scale: float | None = None
 
     def of_motion(self) -> dict[str, object]:
-        """Options for readers of motions, by the readers' names."""
+        """Return the options for readers of motions, by the readers' names."""
         asked = {
             "scale": self.scale, "up": self.up, "rate": self.file_rate, "quaternion": self.quaternion, "joints": self.joints,
             "offsets": self.offsets, "stature": self.stature, "skeleton": self.asf,
@@ -61,7 +61,7 @@ class Reading:
         return {name: value for name, value in asked.items() if value is not None}
 
     def of_avatar(self) -> dict[str, object]:
-        """Options of `load_avatar`."""
+        """Return the options of `load_avatar`."""
         asked = {"avatar": self.body, "fix": "all" if self.fix == ("all",) else self.fix, "leave": self.leave,
                  "exclude": tuple((a, b) for a, _, b in (pair.partition(":") for pair in self.exclude)),
                  "root": self.root, "scale": self.avatar_scale, **self._of_model()}
@@ -72,7 +72,7 @@ class Reading:
                 "repair": self.repair, "fit": self.fit}
 
     def of_room(self, is_model: bool, beside_avatar: bool) -> dict[str, object]:
-        """Options of `load_room`, for a model or for a mesh; `beside_avatar`, the keyframe is one of the avatar's file."""
+        """Return the options of `load_room`, for a model or a mesh; if `beside_avatar`, the keyframe is of the avatar's file."""
         asked = {"scale": self.room_scale, **self._of_model()}
         if beside_avatar:
             asked["keyframe"] = None

@@ -1,8 +1,7 @@
-"""Validation of JSON by a schema: the part of JSON Schema 2020-12 that the schema of certificates uses, and no package for it.
+"""Validation of JSON by a schema: the part of JSON Schema 2020-12 that the schema of certificates uses, without a package for it.
 
-A folder is gone on with by what its certificates say, also by an install without extras, which has no `jsonschema`; tests hold
-the two against each other. https://json-schema.org/draft/2020-12. A keyword that is not known here is an error of the schema, so
-that none is passed over.
+A batch is continued by its certificates also in an install without extras, which has no `jsonschema`; tests compare the two.
+https://json-schema.org/draft/2020-12. An unknown keyword is an error of the schema, so that none is ignored.
 """
 
 import re
@@ -15,7 +14,7 @@ TYPES: Mapping[str, tuple[type, ...]] = {
     "number": (int, float),
 }
 SILENT = ("$schema", "$defs", "title", "description")
-"""Keywords that ask nothing."""
+"""Keywords without a condition."""
 BOUNDS: Mapping[str, Callable[[Any, Any], bool]] = {
     "minimum": ge, "exclusiveMinimum": gt, "maximum": le, "minItems": ge, "maxItems": le,
 }
@@ -23,9 +22,9 @@ BOUNDS: Mapping[str, Callable[[Any, Any], bool]] = {
 
 
 def fault(value: object, schema: Mapping[str, Any], root: Mapping[str, Any], place: str = "") -> str:
-    """Where a value, of those that `json.loads` gives, is against the schema, a part of `root`: "" if nowhere.
+    """Return the first place where a value from `json.loads` violates the schema, a part of `root`: "" if it is valid.
 
-    Raises ValueError for a schema with a keyword that is not known here."""
+    Raises ValueError for a schema with an unknown keyword."""
     return next(filter(None, (_against(word, value, schema, root, place) for word in schema if word not in SILENT)), "")
 
 
@@ -48,7 +47,7 @@ def _against(word: str, value: object, schema: Mapping[str, Any], root: Mapping[
             found = [fault(value, one, root, place) for one in asked]
             return "" if "" in found else found[0]
         case "type":
-            # to Python a truth is a number
+            # to Python a bool is a number
             right = isinstance(value, TYPES[asked]) and (asked == "boolean" or not isinstance(value, bool))
             return "" if right else f"{place or 'the whole'} is no {asked}"
         case "enum":

@@ -27,7 +27,7 @@ from avatarsim.scene.carried import Carried
 from avatarsim.scene.motion import Motion
 
 CERTIFICATES, PAGES = "certificates", "pages"
-"""Folders of the output for what belongs to one clip each."""
+"""Folders of the output for files that belong to one clip."""
 
 UNREADABLE, REFUSED, OVERLAPS = "unreadable", "refused", "no free posture"
 """Kinds of trouble."""
@@ -35,8 +35,8 @@ UNREADABLE, REFUSED, OVERLAPS = "unreadable", "refused", "no free posture"
 
 @dataclass(frozen=True)
 class Task:
-    """A clip, what is asked, where outputs go (None: an audit, which writes nothing), and whether it is done again all the same
-    (`force`), or in place of a file that another program wrote."""
+    """A clip with its options and output folder (None: an audit, which writes nothing), and whether it is repeated in any case
+    (`force`), also in place of a file that another program wrote."""
 
     clip: Clip
     wishes: Wishes
@@ -46,8 +46,8 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a clip: its entry in the certificate, or the trouble (its kind and a sentence). `kept`: it was done before.
-    `said` are sentences for the user that belong in no certificate."""
+    """Result of a clip: its entry in the certificate, or the trouble (its kind and a sentence). `kept`: it was done before.
+    `said` are sentences for the user that are not part of the certificate."""
 
     place: str
     entry: Mapping[str, object] | None = None
@@ -57,8 +57,8 @@ class Outcome:
 
 
 def outcome(task: Task, progress: Callable[[float], None] | None = None) -> Outcome:
-    """The task done. What is wrong with files is in the outcome. Raises MissingPackage, and OSError where an output cannot be
-    written."""
+    """Run the task; errors in files become part of the outcome.
+    Raises MissingPackage, and OSError where an output cannot be written."""
     place = task.clip.place
     try:
         return _Clip(task).done(progress)
@@ -71,7 +71,7 @@ def outcome(task: Task, progress: Callable[[float], None] | None = None) -> Outc
 
 
 class _Clip:
-    """One clip on its way."""
+    """One clip in progress."""
 
     def __init__(self, task: Task) -> None:
         self.task, self.wishes = task, task.wishes
@@ -114,7 +114,7 @@ class _Clip:
         self, content: bytes, format_: str, key: Mapping[str, object], motion: Motion, cleaned: Cleaned, model: Model,
         room: Model | None, said: list[str],
     ) -> Mapping[str, object]:
-        """Write the outputs; the entry of the certificate, which is of what is read back."""
+        """Write the outputs and return the entry of the certificate, measured on the file that is read back."""
         out = self.task.out
         assert out is not None
         target = out / self.place
@@ -136,13 +136,13 @@ class _Clip:
     def _read_back(
         self, path: Path, motion: Motion, cleaned: Cleaned, model: Model, bodies: tuple[Body, ...]
     ) -> tuple[Motion, Audit]:
-        """The motion that was written, as a reader finds it, and its measures."""
+        """Read the written motion back with its reader, and measure it."""
         asked = dict(self.asked)
         if self.wishes.rate is not None and "rate" in options_of(self.path.suffix.lower()):
-            # of a file that states none
+            # for a file that states none
             asked["rate"] = self.wishes.rate
         if "home" in asked and parsed_home("home", asked["home"])[0] is None:
-            # a frame as it was recorded
+            # a frame as recorded
             asked["home"] = f"{self.path}:{asked['home']}"
         back = read(path, asked)[0].motion(model)
         if len(back) != len(motion):
@@ -152,12 +152,12 @@ class _Clip:
         if same:
             return back, cleaned.after
         found = audit(back, model, bodies, self.wishes.cleaning, self.carried)
-        # over frames that the input decides on, which are not to be seen in the written motion; rounding moves no digit
+        # over frames selected by the input, which the written motion does not contain; rounding changes no digit
         kept_measures = {name: getattr(cleaned.after, name) for name in ("jerk_free", "jerk_held", "foot_slide")}
         return back, replace(found, **kept_measures)
 
     def _require_free(self, target: Path, content: str) -> None:
-        """Raise InvalidInput where a file stands in the place of the result that no command of ours wrote."""
+        """Raise InvalidInput where a file that this program did not write is in the place of the result."""
         if self.task.force or not target.exists():
             return
         assert self.task.out is not None
@@ -169,7 +169,7 @@ class _Clip:
 
 
 def _model(avatar: Model | None, own: Model | None, path: Path) -> Model:
-    """The avatar that was asked for, else the one that the motion brings."""
+    """Return the avatar of the command, else that of the motion file."""
     if avatar is not None:
         return avatar
     if own is None:
@@ -178,27 +178,27 @@ def _model(avatar: Model | None, own: Model | None, path: Path) -> Model:
 
 
 def _of_clip(place: str, before: Audit) -> tuple[str, ...]:
-    """Notes on the recording of a clip, with its place."""
+    """Return the notes on the recording of a clip, with its place."""
     return tuple(f"{place}: {note}" for note in before.notes)
 
 
 def lowered(motion: Motion, height: float) -> Motion:
-    """The motion with its ground, which is at a height [m], at 0."""
+    """Return the motion with its ground moved from a height [m] to 0."""
     return replace(motion, positions=motion.positions - np.array([0.0, 0.0, height]))
 
 
 def certificate_of(place: str) -> str:
-    """Where the certificate of a clip lies below the output folder."""
+    """Return the path of a clip's certificate below the output folder."""
     return f"{CERTIFICATES}/{place}.json"
 
 
 def page_of(place: str) -> str:
-    """Where the page of a clip lies below the output folder."""
+    """Return the path of a clip's page below the output folder."""
     return f"{PAGES}/{place}.html"
 
 
 def finished(out: Path, place: str, key: Mapping[str, object], page: bool) -> Mapping[str, object] | None:
-    """The entry of a clip that is done already with the same inputs, options and versions, its outputs whole; else None."""
+    """Return the entry of a clip already done with the same inputs, options and versions and intact outputs; else None."""
     entry = certificate.read(out / certificate_of(place))
     if entry is None or any(entry.get(name) != value for name, value in certificate.plain(key).items()):
         return None

@@ -1,7 +1,7 @@
 """Atomic replacement of output files (temporary file in the same folder, fsync, rename), and one writer at a time (flock).
 
-A killed command leaves no half of a file. What it was writing lies in a folder of its own beside the place, and the next command
-that has the output folder removes it.
+A killed command leaves no partial output file. Unfinished files lie in a temporary folder next to their place, and the next
+command that uses the output folder removes it.
 """
 
 import errno
@@ -18,15 +18,15 @@ from pathlib import Path
 from avatarsim.errors import InvalidInput
 
 BEGUN, PART = ".avatarsim-", ".part"
-"""How the name of a folder begins and ends in which a file is being written."""
+"""Prefix and suffix of the temporary folder in which a file is written."""
 
 BEGINNING = 4096
-"""Bytes of a file in which its mark stands."""
+"""Bytes at the beginning of a file that must contain its mark."""
 
 
 @contextmanager
 def beside(place: Path) -> Iterator[Path]:
-    """A path for a file that is to become `place`: of the same name, in a new folder beside it, which is removed at the end.
+    """Yield a path for a file that is to become `place`: same name, in a temporary folder next to it, removed at the end.
 
     Raises OSError where none can be made."""
     place.parent.mkdir(parents=True, exist_ok=True)
@@ -38,22 +38,22 @@ def beside(place: Path) -> Iterator[Path]:
 
 
 def put(content: bytes, at: Path) -> None:
-    """Write a new file and hand it to the disk."""
+    """Write a new file and flush it to disk."""
     try:
         with at.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
     except OSError as error:
-        # a disk that is full names no file
+        # the error of a full disk has no file name
         error.filename = error.filename or str(at)
         raise
 
 
 def moved(written: Path, place: Path) -> None:
-    """Give a file that is written whole its place, and hand the folder to the disk."""
+    """Move a completely written file to its place, and flush the folder to disk."""
     os.replace(written, place)
-    # not every file system can
+    # not supported by every file system
     with suppress(OSError):
         handle = os.open(place.parent, os.O_RDONLY | os.O_DIRECTORY)
         try:
@@ -63,14 +63,14 @@ def moved(written: Path, place: Path) -> None:
 
 
 def write_whole(place: Path, content: bytes) -> None:
-    """After it, `place` holds all of `content`, or what it held before, even if the machine loses power. Raises OSError."""
+    """Write `content` to `place` atomically: it has the old or the new bytes even after a power loss. Raises OSError."""
     with beside(place) as path:
         put(content, path)
         moved(path, place)
 
 
 def clear_halves(out: Path) -> None:
-    """Remove, in and below a folder, what commands were writing when they were killed."""
+    """Remove the partial files of killed commands in and below a folder."""
     for folder, names, _ in os.walk(out):
         for name in [name for name in names if name.startswith(BEGUN) and name.endswith(PART)]:
             shutil.rmtree(Path(folder, name), ignore_errors=True)
@@ -79,9 +79,9 @@ def clear_halves(out: Path) -> None:
 
 @contextmanager
 def alone_in(out: Path) -> Iterator[None]:
-    """Hold the folder `out`, made if need be, against other commands. The lock goes with the process, however that ends.
+    """Lock the folder `out`, made if need be, against other commands. The lock goes with the process, however that ends.
 
-    Raises InvalidInput where another command has it or it takes no file."""
+    Raises InvalidInput where another command holds the lock or no file can be written there."""
     try:
         out.mkdir(parents=True, exist_ok=True)
         handle = os.open(out, os.O_RDONLY | os.O_DIRECTORY)
@@ -103,15 +103,15 @@ def alone_in(out: Path) -> Iterator[None]:
         try:
             yield
         finally:
-            # of what was stopped in the middle of writing
+            # of commands stopped while writing
             clear_halves(out)
     finally:
         os.close(handle)
 
 
 def require_ours(place: Path, mark: str, force: bool, named: str = "") -> None:
-    """Raise InvalidInput where a file stands in the place of one of ours that does not have `mark` near its beginning; with
-    `force` it is written over. `named`: what the error calls the place; else its path."""
+    """Raise InvalidInput where an existing file at the place of an output does not have `mark` near its beginning.
+    With `force` it may be overwritten. `named`: the place's name in the error; else its path."""
     if force or not os.path.lexists(place):
         return
     try:
@@ -129,11 +129,11 @@ def _why(error: OSError | ValueError) -> str:
 
 
 def opened_at_once(path: Path) -> BufferedReader:
-    """Return a file that is open for reading, without a wait for a writer, should the name lead to a pipe. Raises OSError."""
+    """Return a file open for reading, without waiting for a writer if the name is a pipe. Raises OSError."""
     return open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK))
 
 
 def sha256_of(path: Path) -> str:
-    """SHA-256 of a file, in hexadecimal digits. Raises OSError."""
+    """Return the SHA-256 of a file, in hexadecimal digits. Raises OSError."""
     with opened_at_once(path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

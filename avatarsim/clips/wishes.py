@@ -1,4 +1,4 @@
-"""What a command asks for: which avatar and room, how files are read, and how motions are cleaned."""
+"""Options of a command: avatar and room, how files are read, and how motions are cleaned."""
 
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -10,12 +10,12 @@ OPTIONS = {"avatar": "body", "rate": "file-rate", "skeleton": "asf", "limits": "
 """Arguments of readers that have another name on the command line."""
 
 FLOOR = "floor"
-"""The word that stands for level ground in place of a room's file."""
+"""Value for level ground in place of a room's file."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """All that decides what becomes of a motion.
+    """All options that determine the result of a motion.
 
     avatar, room   files; None for the skeleton that a motion brings, and for no room
     rate           frames a second at which motions are cleaned and written [1/s]; None: their own
@@ -33,7 +33,7 @@ class Wishes:
     page: bool = True
 
     def told(self) -> dict[str, object]:
-        """All of it as JSON holds it, files by their names: a certificate says nothing of a machine."""
+        """Return all options as JSON, files by their names: a certificate does not depend on the machine."""
         reading = {field.name: getattr(self.reading, field.name) for field in fields(Reading)}
         for name in ("asf", "folder", "home", "offsets", "object_file"):
             if reading[name] is not None:

@@ -1,1 +1,1 @@
-"""Pages of a folder of clips: a summary, and of each clip one that plays it before and after; they hold everything they show."""
+"""Self-contained pages of a folder of clips: a summary, and one page per clip that plays it before and after."""

@@ -32,21 +32,21 @@ CORNERS, FEWEST, MOST, PIECES = 10_000, 8, 128, 1_000
 """Corners of the hulls of an avatar or a room together, fewest and most of one, those farthest in as many directions, and pieces
 of a room at most. More: pages of clips are larger than their motions; fewer: hulls are drawn smaller than they are."""
 AZIMUTH = -0.6
-"""Direction [rad] from which the eye looks at first."""
+"""Azimuth of the camera at first [rad]."""
 RUNS = 1_500
 """Marks of one kind on the time line at most; those that lie closer together than a pixel become one."""
 THINNEST = 1.0 / 600.0
-"""Least width of a mark, as a share of the line: a single frame is to be seen."""
+"""Least width of a mark, as a share of the line, so that a single frame is visible."""
 GROUND_WIDTH = 20.0
 """Width [m] above which a body of the room is drawn as ground and not as furniture."""
 MOMENTS = 120
-"""Moments with a button of their own; the certificate has all."""
+"""Most moments with a button; the certificate has all."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shown:
-    """What a page shows: the avatar, room and what is carried, the input and what was written, their measures, and what was
-    flagged."""
+    """Content of a page: the avatar, the room and carried bodies, the input and the written motion, their measures, and flagged
+    frames."""
 
     model: Model
     room: Model | None
@@ -59,7 +59,7 @@ class Shown:
 
 
 def clip_page(entry: Mapping[str, Any], shown: Shown, place: str) -> bytes:
-    """The page of a clip as bytes; `place` is its path below the output folder, `entry` its part of the certificate."""
+    """Return the page of a clip; `place` is its path below the output folder, `entry` its part of the certificate."""
     name = str(entry["motion"])
     up = "../" * (len(PurePosixPath(place).parts) - 1)
     moments = moments_of(shown)
@@ -103,7 +103,7 @@ def _rate(entry: Mapping[str, Any]) -> str:
 
 
 def moments_of(shown: Shown) -> list[payload.Moment]:
-    """The deepest overlap before, the deepest after, and the runs that were flagged, in this order."""
+    """Return the deepest overlap before, the deepest after, and the flagged runs, in this order."""
     found = []
     for audit, when in ((shown.audit_before, "before"), (shown.audit_after, "after")):
         if audit.overlapping:
@@ -118,7 +118,7 @@ def moments_of(shown: Shown) -> list[payload.Moment]:
 
 
 def runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(first, last) of the runs of marked frames; where there are more than RUNS, near ones are joined."""
+    """Return (first, last) of the runs of marked frames; where there are more than RUNS, near ones are joined."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(np.int8)))
     found = [(int(a), int(b) - 1) for a, b in zip(edges[::2], edges[1::2], strict=True)]
     if len(found) <= RUNS:
@@ -133,7 +133,7 @@ def runs(marked: NDArray[np.bool_]) -> list[tuple[int, int]]:
 
 
 def time_line(shown: Shown) -> str:
-    """Two rows of marks over the frames, before and after, and what was flagged between them, as SVG."""
+    """Return two rows of marks over the frames, before and after, and flagged frames between them, as SVG."""
     frames = len(shown.before)
     marks = [f'<rect class=free x=0 y=4 width="{frames}" height=10 /><rect class=free x=0 y=20 width="{frames}" height=10 />']
     for audit, y in ((shown.audit_before, 4), (shown.audit_after, 20)):
@@ -158,7 +158,7 @@ def _mark(kind: str, first: int, last: int, y: int, height: int, frames: int) ->
 
 
 def measures(entry: Mapping[str, Any]) -> str:
-    """The table of measures, before and after."""
+    """Return the table of measures, before and after."""
     rows = []
 
     def row(name: str, of: str, *told: str) -> None:
@@ -238,7 +238,7 @@ def _said(entry: Mapping[str, Any]) -> str:
 
 
 def replay(name: str, shown: Shown, moments: Sequence[payload.Moment]) -> dict[str, object]:
-    """Return what the player plays: the cleaned motion, the input as its ghost, the room, captions of frames in overlap."""
+    """Return the player's data: the cleaned motion, the input as its ghost, the room, captions of frames in overlap."""
     avatar = shown.model.avatar
     assert avatar is not None
     avatars = (avatar, *(one.body for one in shown.carried))
@@ -298,8 +298,8 @@ def _caption(*depths: float) -> str:
 
 
 def room_of(model: Model) -> list[payload.Drawn]:
-    """Return what is drawn of a model's room, in the world; hulls with fewer corners where there are many, and of very many the
-    largest."""
+    """Return the drawn bodies of a model's room, in the world frame.
+    With many hulls each has fewer corners, and with very many the largest are drawn."""
     sizes = nlargest(PIECES, (_size(piece) for body in model.room for piece in body.pieces))
     least, most, found = min(sizes, default=0.0), _corners(len(sizes)), []
     seen = drawn(model.visuals, [body.name for body in model.room], ROOM_TRIANGLES)
@@ -324,5 +324,5 @@ def _corners(pieces: int) -> int:
 
 
 def _size(piece: Piece) -> float:
-    """Diagonal of a piece [m]."""
+    """Return the diagonal of a piece [m]."""
     return float(np.linalg.norm(np.ptp(surfaces.corners(piece, MOST), axis=0)))

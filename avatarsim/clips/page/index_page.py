@@ -1,4 +1,4 @@
-"""The page of a folder: one line for each clip, with what it was before and what it is after, and what is not done."""
+"""The page of a folder: one line per clip with its measures before and after, and the undone clips."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -12,7 +12,7 @@ HEAD = [
 
 
 def index_page(whole: Mapping[str, Any]) -> bytes:
-    """The page of a summary (`certificate.summary`) as bytes."""
+    """Return the page of a summary (`certificate.summary`) as bytes."""
     clips: Sequence[Mapping[str, Any]] = whole["clips"]
     troubles: Sequence[Mapping[str, Any]] = whole["not_done"]
     left = [one for one in clips if not one["is_clean"]]
@@ -31,7 +31,7 @@ def index_page(whole: Mapping[str, Any]) -> bytes:
 
 
 def verdict(clips: int, left: int, troubles: int) -> str:
-    """One sentence on a folder."""
+    """Return one sentence on a folder."""
     state = f"{left} not clean" if left else "all free of overlap, in and between frames"
     done = f"{clips} clip{'' if clips == 1 else 's'}: {state}"
     return f"{done}; {troubles} not done" if troubles else done
@@ -59,7 +59,7 @@ def _overlap(one: Mapping[str, Any]) -> str:
 
 
 def jerk_ratio(one: Mapping[str, Any]) -> str:
-    """How many times the input's the jerk of what was written is, over the frames where the input is free."""
+    """Return the ratio of the jerk of the written motion to the input's, over the frames where the input is free."""
     before, after = (one["jerk_p95_m_s3"][when]["where_free"] for when in ("before", "after"))
     if after is None or not before:
         return "—"

@@ -1,4 +1,4 @@
-"""HTML of a page that asks nothing of any place: one style, one script known by its hash, and data (Content Security Policy 3).
+"""HTML of a page that loads nothing from elsewhere: one style, one script allowed by its hash, data (Content Security Policy 3).
 
 Every text that comes from a file goes through `html.escape`; data goes as JSON in which `<` is written as its code.
 """
@@ -16,24 +16,24 @@ from urllib.parse import quote
 from avatarsim.console import printable
 
 GENERATOR = '<meta name="generator" content="avatarsim clean">'
-"""Near the beginning of each page: what has it may be written over."""
+"""Mark near the beginning of each page: files with it may be overwritten."""
 
 ROUNDING = 1e-9
-"""Angle that is none [rad]: within it joints count as within their limits."""
+"""Angle treated as zero [rad]: within it joints count as within their limits."""
 
 
 def resource(name: str, package: str = "avatarsim.clips.page") -> str:
-    """Return the text of a file of a package's folder, as the wheel holds it."""
+    """Return the text of a file of a package's folder, as the wheel contains it."""
     return resources(package).joinpath(name).read_text("utf-8")
 
 
 def esc(text: object) -> str:
-    """Any text as HTML, also within attributes; what cannot be printed by its code."""
+    """Escape any text as HTML, also within attributes; unprintable characters by their codes."""
     return html.escape(printable(str(text)), quote=True)
 
 
 def address(name: str) -> str:
-    """The path of a file below the folder as an address; its separators stay."""
+    """Return the path of a file below the folder as an address; its separators stay."""
     try:
         return esc(quote(os.fsencode(name)))
     except UnicodeEncodeError:
@@ -42,7 +42,7 @@ def address(name: str) -> str:
 
 
 def data(name: str, value: object) -> str:
-    """A value that the page's script reads."""
+    """Return a value in the form that the page's script reads."""
     content = json.dumps(value, allow_nan=False, separators=(",", ":"))
     for letter in "<>&":
         content = content.replace(letter, f"\\u{ord(letter):04x}")
@@ -61,7 +61,7 @@ def page(title: str, body: str, script: str = "", style: str = "", library: str 
         body: HTML.
         script: JavaScript, which the policy allows by its hash.
         style: CSS beyond that of all pages.
-        library: path of a script beside the page, loaded before ``script``.
+        library: path of a script next to the page, loaded before ``script``.
     """
     css = resource("page.css") + style
     scripts = " ".join(([_hash(script)] if script else []) + (["'self'", "file:"] if library else [])) or "'none'"
@@ -81,7 +81,7 @@ def page(title: str, body: str, script: str = "", style: str = "", library: str 
 
 
 def length(metres: object) -> str:
-    """A length with three digits, in the unit that suits it."""
+    """Format a length with three digits, in a suitable unit."""
     if not isinstance(metres, int | float):
         return "—"
     for unit, size in (("m", 1.0), ("mm", 1e-3), ("µm", 1e-6)):
@@ -91,20 +91,20 @@ def length(metres: object) -> str:
 
 
 def angle(radians: object) -> str:
-    """An angle in degrees with three digits; what rounding leaves is 0."""
+    """Format an angle in degrees with three digits; rounding errors are shown as 0."""
     if not isinstance(radians, int | float):
         return "—"
     return "0" if abs(radians) <= ROUNDING else f"{math.degrees(radians):.3g}°"
 
 
 def limit_excess(limits: Mapping[str, object], when: str) -> str:
-    """The largest excess over limits of joints and, where slides have any, of slides; `when` is "before" or "after"."""
+    """Return the largest excess over limits of joints and, if there are any, of slides; `when` is "before" or "after"."""
     turned, slid = angle(limits[f"excess_{when}_rad"]), limits[f"slide_excess_{when}_m"]
     return f"{turned}, {length(slid)}" if slid else turned
 
 
 def table(head: list[str], rows: list[list[str]]) -> str:
-    """A table of cells that are HTML already; on a narrow screen each cell has its head beside it."""
+    """Return a table of HTML cells; on a narrow screen each cell shows its head next to it."""
     top = "".join(f"<th scope=col>{cell}</th>" for cell in head)
     lines = [
         "<tr>" + "".join(f'<td data-label="{esc(label)}">{cell}</td>' for label, cell in zip(head, row, strict=True)) + "</tr>"
