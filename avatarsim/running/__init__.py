@@ -1,1 +1,1 @@
-"""Tasks that run side by side: in processes of this machine, or on the machines of a cluster."""
+"""Parallel tasks: in processes of this machine, or on the machines of a cluster."""

@@ -1,8 +1,8 @@
-"""Jobs on the machines of a Dask cluster: its scheduler hands each to a worker, which runs it as it is run here.
+"""Jobs on the machines of a Dask cluster: its scheduler sends each to a worker, which runs it as it is run here.
 
-https://distributed.dask.org. A worker gives each job a process of its own, on one thread and with the same time limit, so that a
-job that dies ends neither the worker nor another job. A worker has to run the same sources with the same packages, and to see the
-folder that jobs write into under the same path.
+https://distributed.dask.org. A worker runs each job in its own process, on one thread and with the same time limit, so that a
+crashed job ends neither the worker nor another job. A worker has to run the same sources with the same packages, and to see the
+output folder of the jobs under the same path.
 """
 
 import sys
@@ -18,19 +18,19 @@ from avatarsim.errors import InvalidInput, MissingPackage
 from avatarsim.running.processes import PRELOADED, Answer, Died, Task, side_by_side
 
 ANSWERS_WITHIN = 10.0
-"""Longest [s] to wait for a scheduler."""
+"""Longest time to wait for a scheduler [s]."""
 LOOK_EVERY, SAY_EVERY = 5.0, 60.0
-"""Time [s] between two looks at the workers while jobs run, and between two lines that say that there is none."""
+"""Time between two checks of the workers while jobs run, and between two messages that there is none [s]."""
 OPTION = "--scheduler"
 START = "`python -m dask worker ADDRESS --no-nanny --nthreads JOBS` in a checkout"
-"""How a worker is started, whose threads are the jobs that it has at a time."""
+"""Command that starts a worker; its threads are the jobs that it runs at a time."""
 
 
 def there(
     task: Task, function: Callable[[Task], Answer], patience: float, code: Callable[[], str], wanted: str, preload: Sequence[str]
 ) -> Answer | Died:
-    """What a worker does with a task. One that joined late has not been asked before what it runs. Raises RuntimeError for other
-    sources, an error that can travel."""
+    """Run a task on a worker, after a check of its sources, since it may have joined late.
+    Raises RuntimeError for other sources, an error that can be pickled."""
     if code() != wanted:
         raise RuntimeError(f"a worker runs other sources, {code()} in place of {wanted}")
     [(_, answer)] = side_by_side(function, [task], 1, patience=patience, preload=preload)
@@ -38,14 +38,14 @@ def there(
 
 
 def lost_said(worker: str) -> str:
-    """A sentence about a worker that was lost."""
+    """Return a sentence about a worker that was lost."""
     return f"worker {worker} was lost while jobs ran; another one did its jobs again"
 
 
 class Watch:
-    """Watch the workers of a cluster while jobs run: print a line a minute while there is none, and find those that were lost.
+    """Monitor of a cluster's workers while jobs run: prints a line a minute while there is none, and finds lost ones.
 
-    seen  workers that were there at a look"""
+    seen  workers that were present at a check"""
 
     def __init__(self, client: Any, address: str, workers: Iterable[str]) -> None:
         self.client, self.address, self.seen = client, address, set(workers)
@@ -58,19 +58,19 @@ class Watch:
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
         self.over.set()
-        # a scheduler that has gone may leave the last look without an answer
+        # the last check may get no answer after the scheduler has gone
         self.thread.join(LOOK_EVERY)
 
     def present(self) -> set[str] | None:
-        """Return the workers that are there now; None where the scheduler does not answer."""
+        """Return the workers that are present; None where the scheduler does not answer."""
         try:
             return set(self.client.nthreads())
         except Exception:
-            # whatever becomes of the scheduler, the jobs' own futures report it
+            # the futures of the jobs report any failure of the scheduler
             return None
 
     def lost(self) -> list[str]:
-        """Return the workers that have been seen and are gone; none where the scheduler does not answer."""
+        """Return the workers that were seen and are gone; none where the scheduler does not answer."""
         present = self.present()
         return [] if present is None else sorted(self.seen - present)
 
@@ -92,10 +92,10 @@ class Cluster:
     """The cluster of the scheduler at `address`.
 
     code     a function of a module: the hash of the sources that a process runs
-    about    one that can be pickled: what a process runs and sees, with "daemon", whether it may start no processes, and "cpu"
+    about    one that can be pickled: environment of a process, with "daemon", whether it may start no processes, and "cpu"
     same     entries of `about` in which a worker has to agree with this process
     preload  modules that processes of jobs have loaded
-    lost     workers that went away while jobs ran; filled once these have ended"""
+    lost     workers that went away while jobs ran; filled at the end"""
 
     address: str
     code: Callable[[], str]
@@ -107,11 +107,11 @@ class Cluster:
     def results(
         self, function: Callable[[Task], Answer], tasks: Sequence[Task], patience: float
     ) -> Iterator[tuple[Task, Answer | Died]]:
-        """Each task with its answer, or how it died, in the order in which they end. Where the loop is left early, what has not
-        begun is called off; what runs goes on to its end or its time limit, and is not heard. Raises InvalidInput where no
-        scheduler answers, a worker runs something else or the cluster goes, MissingPackage without distributed.
+        """Yield each task with its answer, or the error with which it died, in the order in which they end.
 
-        While there is no worker, a line a minute on the error stream says so; there lost workers are named at the end."""
+        If the loop is left early, jobs not yet started are cancelled; running ones go on to their end or time limit, ignored.
+        While there is no worker, the error stream gets a line a minute, and in the end the lost workers. Raises InvalidInput
+        where no scheduler answers, a worker differs or the cluster goes, MissingPackage without distributed."""
         try:
             from distributed import Client, as_completed
         except ImportError as error:
@@ -123,7 +123,7 @@ class Cluster:
         with client:
             workers = client.run(self.about, on_error="return")
             self.require_same(self.about(), workers)
-            # twice the same task is asked twice
+            # equal tasks are run separately
             wanted = self.code()
             work = partial(there, function=function, patience=patience, code=self.code, wanted=wanted, preload=self.preload)
             running = dict(zip(client.map(work, tasks, pure=False), tasks, strict=True))
@@ -136,14 +136,14 @@ class Cluster:
                     self._name(watch.lost())
 
     def _name(self, lost: Sequence[str]) -> None:
-        """Name workers that were lost."""
+        """Report the names of lost workers."""
         self.lost.extend(lost)
         for worker in lost:
             print(lost_said(worker), file=sys.stderr, flush=True)
 
     def _answer(self, future: Any) -> Any:
-        """The answer of a task that is over. A job that died has one, so that without there is something wrong with the cluster,
-        and that is no result of an engine's."""
+        """Return the answer of a finished task.
+        A job that died has one too, so that a missing answer is an error of the cluster, not a result of an engine."""
         if future.status == "finished":
             return future.result()
         why = future.exception() if future.status == "error" else future.status
@@ -151,7 +151,7 @@ class Cluster:
         raise InvalidInput(OPTION, self.address, valid)
 
     def require_same(self, here: Mapping[str, object], found: Mapping[str, Any]) -> None:
-        """Raise InvalidInput for a cluster without workers, or with one whose figures would not be those of this command."""
+        """Raise InvalidInput for a cluster without workers, or with a worker whose figures would differ from this process's."""
         if not found:
             raise InvalidInput(OPTION, self.address, f"a scheduler with workers: {START}")
         for worker, told in found.items():

@@ -1,9 +1,9 @@
 """Process isolation of jobs by Pebble: each in a fresh process with a time limit, as many side by side as processors.
 
-https://pebble.readthedocs.io. A job that crashes, hangs or is killed is that job's result and no other's: its answer has a pipe
-of its own. Tidy jobs follow each other in processes that stay, pools of one worker each: the workers of a larger pool share a
-pipe and its lock, which a worker that is killed while it sends would take along. Beside Pebble stand here the fork server that
-processes come from, and that the end of each process is read once.
+https://pebble.readthedocs.io. A job that crashes, hangs or is killed affects no other job: its answer has its own pipe. Tidy jobs
+share persistent processes, in pools of one worker each: the workers of a larger pool share a pipe and its lock, which a worker
+that is killed while it sends would block. In addition to Pebble this module has the fork server that starts the processes, and
+ensures that the end of each process is read once.
 """
 
 import gc
@@ -30,33 +30,33 @@ if TYPE_CHECKING:
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
 Workers = Union[int, "Cluster"]
-"""So many processes side by side, or the machines of a cluster."""
+"""Number of parallel processes, or the machines of a cluster."""
 
 PRELOADED = ("numpy", "numba", "scipy.spatial")
-"""What the fork server imports once, unless a caller asks for more. No engine is among it: each begins with a fresh one."""
+"""Modules that the fork server imports once, unless a caller adds more. No engine is among them: each begins with a fresh one."""
 PATIENCE = 1800.0
-"""Longest a job may take [s] before it counts as crashed; an endless loop in an engine must end somewhere."""
+"""Longest time of a job [s] before it counts as crashed; an endless loop in an engine must end somewhere."""
 LOOK = 1.0
-"""Time [s] after which it is looked for pools that have given up, while no job ends."""
+"""Interval [s] of the check for failed pools while no job ends."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""Set to 1 in every worker: as many jobs as processors run side by side, and the timing pass promises one thread."""
+"""Variables set to 1 in every worker: jobs run in parallel on all processors, and the timing pass promises one thread."""
 _numbers, _starting = count(), threading.Lock()
 
 
 class Died(Exception):
-    """A job ended without an answer; the text says how."""
+    """A job ended without an answer; the text describes how."""
 
 
 class Told(popen_forkserver.Popen):
-    """A process whose end is read by one thread at a time. The fork server tells it once, each start of a process asks after all
-    others, and Pebble has a thread for each: without this, one end in seventy would be told as code 255."""
+    """A process whose exit code is read by one thread at a time. The fork server reports it once, each start of a process polls
+    all others, and Pebble has a thread for each: without this, one exit in seventy would be reported as code 255."""
 
     def __init__(self, process: BaseProcess) -> None:
         self.asking = threading.Lock()
         super().__init__(process)
 
     def poll(self, flag: int = os.WNOHANG) -> int | None:
-        """The exit code, once there is one."""
+        """Return the exit code, once there is one."""
         with self.asking:
             return super().poll(flag)
 
@@ -70,19 +70,20 @@ class Forked(ForkServerProcess):
 
 
 class Forking(ForkServerContext):
-    """What processes are started by."""
+    """Context that starts processes."""
 
     Process = Forked
 
 
 def context(preload: Sequence[str] = PRELOADED) -> Forking:
-    """Processes forked from a clean, small one that has loaded the modules `preload` (10 ms each, in place of 0.6 s): a process
-    has one such server, so that the first call decides. It runs on one thread, and is deaf to Ctrl-C, which a terminal sends to
-    all and the parent alone answers; both are inherited."""
+    """Return a context that forks processes from a clean server with the modules `preload` loaded, in 10 ms instead of 0.6 s.
+
+    A process has one such server, so that the first call decides. It runs on one thread and ignores Ctrl-C, which a terminal
+    sends to all processes and the parent handles; both are inherited."""
     forking = Forking()
     forking.set_forkserver_preload(list(preload))
     with _starting:
-        # started within, it would lift the block
+        # starting it inside would lift the block
         resource_tracker.ensure_running()
         blocked = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         kept = {name: os.environ[name] for name in THREADS if name in os.environ}
@@ -93,15 +94,15 @@ def context(preload: Sequence[str] = PRELOADED) -> Forking:
             for name in THREADS:
                 del os.environ[name]
             os.environ.update(kept)
-            # what came meanwhile reaches the parent here
+            # signals that arrived meanwhile reach the parent here
             signal.pthread_sigmask(signal.SIG_SETMASK, blocked)
     return forking
 
 
 def settled() -> None:
-    """What each process begins with. What it prints is dropped: some engines greet from C on import, and tables belong to the
-    parent; errors stay. Ctrl-C is the parent's. Python's collector is kept away from what the fork server loaded: going through
-    all of it again and again is a seventh of what a short run costs, and would count as time of the engine."""
+    """Prepare a process: no standard output, which engines print to from C on import; no Ctrl-C, which the parent handles.
+
+    Garbage collection of the fork server's objects is off: it takes a seventh of a short run, counted as time of the engine."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.stdout.flush()
     nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -111,7 +112,7 @@ def settled() -> None:
 
 
 def attempt(function: Callable[[Task], Answer], task: Task) -> Answer | Died:
-    """The answer, or what was raised, in words: an exception of an engine's own class need not travel."""
+    """Return the answer, or the exception as text: an exception of an engine's own class may not be picklable."""
     try:
         return function(task)
     except Exception as error:
@@ -120,13 +121,13 @@ def attempt(function: Callable[[Task], Answer], task: Task) -> Answer | Died:
 
 
 def only(function: Callable[[Task], Answer], task: Task) -> Answer | Died:
-    """The life of a process that has one job."""
+    """Run the only job of a process."""
     settled()
     return attempt(function, task)
 
 
 def heard(future: Future[Any], patience: float) -> Any:
-    """The answer of a job that is over, or how it died."""
+    """Return the answer of a finished job, or how it died."""
     error = future.exception() if future.done() else RuntimeError("its process gave up before it had begun")
     if isinstance(error, ProcessExpired):
         return Died(f"its process {ended_by(error.exitcode)}")
@@ -136,7 +137,7 @@ def heard(future: Future[Any], patience: float) -> Any:
 
 
 def stopped(pools: Sequence[ProcessPool]) -> None:
-    """End their processes, in the middle of their work if need be."""
+    """Terminate the processes of pools, also while they work."""
     for pool in pools:
         pool.stop()
     for pool in pools:
@@ -144,7 +145,7 @@ def stopped(pools: Sequence[ProcessPool]) -> None:
 
 
 def alone(task: object) -> bool:
-    """Every task has a process of its own."""
+    """Return False: every task has its own process."""
     return False
 
 
@@ -152,12 +153,11 @@ def side_by_side(
     function: Callable[[Task], Answer], tasks: Sequence[Task], workers: Workers, tidy: Callable[[Task], bool] = alone,
     patience: float = PATIENCE, preload: Sequence[str] = PRELOADED,
 ) -> Iterator[tuple[Task, Answer | Died]]:
-    """Each task with its answer, or how it died, in the order in which they end; with 0 workers here, one after the other; on a
-    cluster, each in a process of its own.
+    """Yield each task with its answer, or how it died, in the order in which they end.
 
-    Tasks of which `tidy` says that they leave nothing behind share processes, each until one of its tasks fails. No task takes
-    longer than `patience` [s]. Processes have the modules `preload` loaded. Where the loop is left early, what still runs is
-    ended. Raises InvalidInput for fewer workers than none.
+    With 0 workers tasks run here, one after the other; on a cluster, each in its own process. Tasks for which `tidy` is True
+    leave nothing behind and share processes, each until a task fails. `patience` is the longest time per task [s]. Processes have
+    the modules `preload` loaded. Leaving the loop early terminates running tasks. Raises InvalidInput for negative workers.
     """
     if not isinstance(workers, int):
         yield from workers.results(function, tasks, patience)
@@ -168,7 +168,7 @@ def side_by_side(
         yield from ((task, function(task)) for task in tasks)
         return
     waiting, name, forking = iter(tasks), f"jobs-{next(_numbers)}", context(preload)
-    # the overloads say mp_context, what they stand for takes context
+    # the overloads name mp_context, the implementation takes context
     fresh = concurrent.process(name=name, timeout=patience, context=forking)(only)  # type: ignore[call-overload]
     running: dict[Future[Any], tuple[Task, ProcessPool | None]] = {}
     idle: list[ProcessPool] = []
@@ -195,10 +195,10 @@ def side_by_side(
     finally:
         for child in active_children():
             if child.name == name:
-                # Pebble's own way to call a job off fails where its answer comes at that moment
+                # Pebble's own cancellation fails if the answer arrives at that moment
                 child.kill()
         stopped([*idle, *(stays for _, stays in running.values() if stays)])
         for thread in threading.enumerate():
             if thread.name == name:
-                # it is over once its process is
+                # finished once its process has ended
                 thread.join()

@@ -16,14 +16,14 @@ PACKAGE = Path(__file__).resolve().parents[1]
 """The folder of this package."""
 
 FIGURES = ("numpy", *TESTED, "scipy")
-"""Distributions beside our own whose versions can change a figure."""
+"""Distributions besides this one whose versions can change a figure."""
 
 SAME = ("code", "python", "versions", "folder")
-"""What processes have in common that are to give the same bytes."""
+"""Properties that must be equal in processes for equal bytes."""
 
 
 def digest_of(root: Path, folders: Iterable[str]) -> str:
-    """Sixteen hexadecimal digits of every source file in `folders` of `root`."""
+    """Return sixteen hexadecimal digits of every source file in `folders` of `root`."""
     digest = hashlib.blake2b(digest_size=8)
     for room in folders:
         for path in sorted((root / room).rglob("*.py")):
@@ -33,13 +33,13 @@ def digest_of(root: Path, folders: Iterable[str]) -> str:
 
 @cache
 def code_hash() -> str:
-    """`digest_of` this package, as it was when first asked for: what runs is what was read then."""
+    """Return `digest_of` this package at the first call: the code that runs is the code that was read then."""
     return digest_of(PACKAGE.parent, (PACKAGE.name,))
 
 
 @cache
 def version(package: str) -> str | None:
-    """Version of an installed distribution, None when there is none."""
+    """Return the version of an installed distribution, None when there is none."""
     try:
         return metadata.version(package)
     except metadata.PackageNotFoundError:
@@ -47,12 +47,12 @@ def version(package: str) -> str | None:
 
 
 def versions(more: Iterable[str] = ()) -> dict[str, str | None]:
-    """Versions of this package and of what can change its figures, and of `more`."""
+    """Return versions of this package, of the packages that can change its figures, and of `more`."""
     return {"avatarsim": VERSION, **{name: version(name) for name in (*FIGURES, *more)}}
 
 
 def cpu() -> str:
-    """The processor's name where the system tells it."""
+    """Return the processor's name where the system provides it."""
     table = Path("/proc/cpuinfo")
     if sys.platform == "linux" and table.exists():
         for line in table.read_text(encoding="utf-8", errors="replace").splitlines():
@@ -62,7 +62,7 @@ def cpu() -> str:
 
 
 def about(folder: Path) -> dict[str, object]:
-    """What this process runs, and which folder it sees at a path, by its number in the file system's table; None: none."""
+    """Return the environment of this process, and the folder at a path by its number in the file system's table; None: none."""
     try:
         seen: int | None = folder.stat().st_ino
     except OSError:

@@ -1,4 +1,4 @@
-"""Requests to end, taken as Ctrl-C is (POSIX signals): what was finished is kept, and child processes are ended."""
+"""Termination signals handled like Ctrl-C (POSIX): finished results are kept, and child processes are ended."""
 
 import signal
 from collections.abc import Callable, Iterator
@@ -7,13 +7,13 @@ from types import FrameType
 from typing import NoReturn
 
 ENDINGS = ("SIGTERM", "SIGHUP")
-"""Requests to end beside Ctrl-C: of `kill`, and of a terminal or a connection that is closed. Not every system has both."""
+"""Signals other than Ctrl-C: of `kill`, and of a closed terminal or connection. Not every system has both."""
 
 
 @contextmanager
 def stoppable() -> Iterator[None]:
-    """A request to end (SIGTERM, SIGHUP) is taken like Ctrl-C: what was finished is kept, and child processes are ended. One that
-    is ignored, as under `nohup`, stays ignored."""
+    """Handle SIGTERM and SIGHUP like Ctrl-C: finished results are kept, and child processes are ended.
+    An ignored signal, as under `nohup`, stays ignored."""
 
     def stop(number: int, frame: FrameType | None) -> NoReturn:
         raise KeyboardInterrupt
@@ -25,7 +25,7 @@ def stoppable() -> Iterator[None]:
             if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
                 before[number] = signal.signal(number, stop)
     except ValueError:
-        # not the main thread, which alone hears of signals
+        # not the main thread, which alone receives signals
         yield
         return
     try:
