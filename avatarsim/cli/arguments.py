@@ -1,4 +1,4 @@
-"""Words of the command line: every option of every command, with its help (argparse)."""
+"""Command line: every option of every command, with its help (argparse)."""
 
 import argparse
 from pathlib import Path
@@ -94,7 +94,7 @@ read; 3 a gated engine is missing, crashed or refuses the scene, or a limit was 
 
 
 def parser() -> argparse.ArgumentParser:
-    """The whole command line."""
+    """Return the parser of the whole command line."""
     top = argparse.ArgumentParser(prog="avatarsim", description="Without a command: as `avatarsim compile`.")
     top.add_argument("--parts", metavar="PART", nargs="+", help=argparse.SUPPRESS)
     commands = top.add_subparsers(dest="command", title="commands", metavar="COMMAND")
@@ -131,7 +131,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def options_of(command: str) -> frozenset[str]:
-    """Names of a command's options, without dashes; of one that is none, no names."""
+    """Return names of a command's options, without dashes; none for an unknown command."""
     for action in parser()._actions:
         if isinstance(action, argparse._SubParsersAction) and command in action.choices:
             return frozenset(name.lstrip("-") for one in action.choices[command]._actions for name in one.option_strings)
@@ -159,7 +159,7 @@ def _live(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> No
 
 
 def live_options(live: argparse.ArgumentParser) -> None:
-    """Options of all commands that drive an avatar live."""
+    """Add the options of all commands that drive an avatar live."""
     live.add_argument("--motion", metavar="FILE", nargs="+", type=path_option, default=[], help=f"clips to play: {MOTION}")
     live.add_argument("--rate", type=float, default=60.0, metavar="HZ", help="frames a second (default 60)")
     live.add_argument("--method", choices=("default", "paper"), default="default", help="of our engine (default: default)")
@@ -186,7 +186,7 @@ def _scene(one: argparse.ArgumentParser) -> None:
 
 
 def height_option(text: str) -> float | None:
-    """A height [m]; None for the word auto."""
+    """Convert text to a height [m]; None for "auto"."""
     return None if text == "auto" else float(text)
 
 
@@ -230,7 +230,7 @@ def _compiling(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") 
 
 
 def parsed(arguments: list[str] | None) -> argparse.Namespace:
-    """The command line; argparse ends the process if it is wrong."""
+    """Parse the command line; argparse ends the process if it is wrong."""
     top = parser()
     found = top.parse_args(arguments)
     if found.command is not None and found.parts is not None:

@@ -12,13 +12,13 @@ from avatarsim.jit.baseline import compile_for_baseline
 
 
 def run(asked: argparse.Namespace) -> int:
-    """0 when everything is compiled; 1 when something could not be. Raises AvatarsimError for what is impossible."""
+    """Return 0 when everything is compiled; 1 when something could not be. Raises AvatarsimError for impossible options."""
     if asked.command is not None and asked.to is not None:
         return compile_to(asked.to, asked.cpu or "baseline")
     from avatarsim.compile_ahead import PARTS, compile_everything, compile_share, is_compiled
 
     if asked.parts is None:
-        # without a command it is the first line of others, which have more to say
+        # without a command this is the first line of other commands, which print more
         if asked.command is not None and is_compiled():
             print("the engine's kernels are compiled already: nothing to do")
         return 0 if compile_everything() else 1
@@ -26,12 +26,12 @@ def run(asked: argparse.Namespace) -> int:
         if part not in PARTS:
             raise UnknownName("part to compile", part, PARTS)
     compile_share(tuple(asked.parts))
-    # What was compiled is on disk; to take down millions of objects one by one would cost seconds.
+    # The compiled code is on disk; to take down millions of objects one by one would cost seconds.
     os._exit(0)
 
 
 def compile_to(folder: Path, cpu: str) -> int:
-    """Compile everything for a processor into a folder that all users may read; the exit code."""
+    """Compile everything for a processor into a folder that all users may read, and return the exit code."""
     if not folder.absolute().parent.is_dir():
         raise InvalidInput("folder of --to", str(folder), "a folder, or the name of one to be made in a folder that exists")
     if cpu == "baseline":

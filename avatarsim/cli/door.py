@@ -1,4 +1,4 @@
-"""The door of the command line: which command runs, and in which exit code it ends."""
+"""Entry point of the command line: selects the command to run and its exit code."""
 
 import sys
 
@@ -8,15 +8,15 @@ from avatarsim.console import USAGE
 from avatarsim.errors import AvatarsimError, InvalidFile
 
 UNREADABLE = 3
-"""Exit code where a file could not be read."""
+"""Exit code if a file could not be read."""
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """The exit code: 0 when all is well, 1 where overlap is or something could not be compiled, 2 when what was asked for is
-    impossible, 3 where something could not be read."""
+    """Run a command and return its exit code.
+    It is 0 on success, 1 for an overlap or a failed compilation, 2 for impossible options, 3 for unreadable input."""
     words = sys.argv[1:] if arguments is None else arguments
     if words[:1] == ["pieces"]:
-        # its options are those of a room of its own
+        # its options are those of a user's own room
         from avatarsim.cli.pieces import main as pieces
 
         return pieces(words[1:])

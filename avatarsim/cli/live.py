@@ -36,15 +36,15 @@ from avatarsim.scene.scene import Scene
 ENDED, DIED, UNREADABLE = 0, 1, 3
 """Exit codes."""
 SCENE = "toys"
-"""The scene that is shown where none is asked for."""
+"""Scene that is shown by default."""
 MARGIN = 1e-3
-"""[m] about the first posture of an avatar of one's own, as in cleaning."""
+"""[m] about the first posture of a user's own avatar, as in cleaning."""
 AS_FOUND = Reading()
-"""How files are read where no option says otherwise."""
+"""Default options for reading files."""
 
 
 def run(asked: argparse.Namespace) -> int:
-    """The exit code. Raises InvalidInput for options that do not fit, MissingPackage without the page's library."""
+    """Return the exit code. Raises InvalidInput for options that do not fit, MissingPackage without the page's library."""
     require_page()
     try:
         found, model = _stage(asked)
@@ -56,8 +56,8 @@ def run(asked: argparse.Namespace) -> int:
 
 
 def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
-    """The scene that is asked for, and the model of a user's own avatar. Raises InvalidInput for both a built-in one and a file,
-    InvalidFile for what cannot be read."""
+    """Return the scene of the options and the model of a user's own avatar.
+    Raises InvalidInput for both a built-in avatar and a file, InvalidFile for unreadable files."""
     if asked.avatar is None:
         if asked.room is not None:
             raise InvalidInput("--room", str(asked.room), "an option beside --avatar, which goes about in it")
@@ -89,9 +89,9 @@ def _stage(asked: argparse.Namespace) -> tuple[Stage, Model | None]:
 def clips_of(
     paths: Sequence[Path], scene: Scene, model: Model | None, reading: Reading = AS_FOUND
 ) -> Mapping[str, Motion]:
-    """The motions of files for an avatar, with the objects of them that the scene has, by the files' names.
+    """Return the motions of files for an avatar, with the objects of them that the scene has, by the files' names.
 
-    Raises InvalidFile for what cannot be read or does not fit."""
+    Raises InvalidFile for files that are unreadable or do not fit."""
     from avatarsim.clips.inputs import carried_in, options_for, read
 
     clips = {}
@@ -105,7 +105,7 @@ def clips_of(
 
 
 def require_place(listen: str, port: int) -> None:
-    """InvalidInput for an address of another machine, and for a port that is none: the page's server would never start."""
+    """Raise InvalidInput for an address of another machine or an invalid port: the page's server would never start."""
     address = as_address(listen)
     if not 0 <= port <= HIGHEST_PORT:
         raise InvalidInput("--port", port, f"a whole number from 0, which lets the system choose, to {HIGHEST_PORT}")
@@ -118,7 +118,7 @@ def require_place(listen: str, port: int) -> None:
 
 
 def _say_ports(ports: Ports) -> None:
-    """Where trackers and renderers find this session."""
+    """Print the ports at which trackers and renderers find this session."""
     for kind, (host, port) in ports.addresses.items():
         print(f"avatarsim: {kind} at {host}:{port}", file=sys.stderr)
     if ports.hands:
@@ -126,7 +126,7 @@ def _say_ports(ports: Ports) -> None:
 
 
 def _say_refusal(source: str, sentence: str) -> None:
-    """The first refusal of a peer of the ports."""
+    """Print the first refusal of a peer of the ports."""
     print(f"avatarsim: refused from {source}: {sentence}; further refusals are counted on the page", file=sys.stderr, flush=True)
 
 
@@ -138,9 +138,9 @@ def drive(
 
     Args:
         asked: options of the command.
-        found: what is driven.
+        found: the scene to drive.
         clips: motions by name.
-        others: loops that run beside it from the start.
+        others: loops that run alongside from the start.
         depth: how overlap is measured.
         offered: loops that the page can start.
 

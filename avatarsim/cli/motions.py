@@ -1,4 +1,4 @@
-"""`avatarsim clean` and `avatarsim audit`: from the words of a command to its table, its files and its exit code."""
+"""Commands `avatarsim clean` and `avatarsim audit`: from their options to table, files and exit code."""
 
 import argparse
 import os
@@ -37,15 +37,15 @@ STOPPED = 130
 """Exit code of a program that the user stopped."""
 
 WORKERS = 1024
-"""Processes of one command at most: each takes some 0.2 GB of memory."""
+"""Most processes of one command: each takes some 0.2 GB of memory."""
 AUDIT = "audit.json"
 """File of an audit's measures."""
 NAMED = 5
-"""Names in a sentence; of more, the number."""
+"""Most names in a sentence; the rest are counted."""
 SENTENCES = 24
-"""Different sentences on clips that are said; the certificate has all. More would bury the table of a thousand clips."""
+"""Most different sentences on clips that are printed; the certificate has all. More would bury the table of a thousand clips."""
 WIDEST = 40
-"""Characters of a clip's name in the table; of longer ones the end."""
+"""Most characters of a clip's name in the table; of longer names the end."""
 HEAD = {
     "clean": f"{'clip':{WIDEST}} frames  overlap before       after           ways before/after    moved p95 / most  ",
     "audit": f"{'clip':{WIDEST}} frames  overlap              ways not certified  outside limits  ",
@@ -53,7 +53,7 @@ HEAD = {
 
 
 def run(asked: argparse.Namespace) -> int:
-    """The exit code. Raises InvalidInput for options that do not fit, MissingPackage for what is asked for and not installed."""
+    """Return the exit code. Raises InvalidInput for options that do not fit, MissingPackage for an option's missing package."""
     wishes = wishes_of(asked)
     clips = found(asked.motions, asked.out)
     if not clips.clips and not clips.unreadable:
@@ -81,7 +81,7 @@ def run(asked: argparse.Namespace) -> int:
 
 
 def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch) -> int:
-    """Do all clips and write what the whole of them leaves; the exit code."""
+    """Process all clips, write the files of the whole folder, and return the exit code."""
     for _, path, why in clips.unreadable:
         say(f"{path}: {why}")
     try:
@@ -96,12 +96,12 @@ def _done(asked: argparse.Namespace, wishes: Wishes, clips: Found, batch: Batch)
     tasks = batches.tasks_of(clips.clips, wishes, asked.out if is_clean else None, is_clean and asked.force)
     workers = _workers(asked, len(tasks), asked.out if asked.out is not None else asked.motions[0].parent)
     if is_clean:
-        # what is asked for, should this process be killed
+        # the list of requested clips, in case this process is killed
         batches.leave(asked.out, batch)
     try:
         _work(asked.command, tasks, workers, batch)
     finally:
-        # also of what was done until the user stopped it
+        # also of clips that were done before the user stopped it
         if is_clean:
             whole = batches.leave(asked.out, batch)
     if not is_clean and asked.out is not None:
@@ -143,20 +143,20 @@ def _work(command: str, tasks: Sequence[Task], workers: "Workers", batch: Batch)
 def _workers(asked: argparse.Namespace, clips: int, folder: Path) -> "Workers":
     count = asked.workers
     if count is None:
-        # without what runs them side by side one after the other, and a single clip here, with its progress
+        # without the package for parallel tasks one after the other, and a single clip here, with its progress
         count = min(clips, len(os.sched_getaffinity(0))) if clips > 1 and find_spec("pebble") is not None else 0
     return batches.workers_of(count, asked.scheduler, folder)
 
 
 def exit_code(batch: Batch) -> int:
-    """Of what has become of all clips."""
+    """Return the exit code for the results of all clips."""
     if any(kind != OVERLAPS for _, kind, _ in batch.troubles):
         return UNDONE
     return LEFT if batch.troubles or not all(one["is_clean"] for one in batch.entries) else CLEAN
 
 
 def wishes_of(asked: argparse.Namespace) -> Wishes:
-    """The options as what a clip asks for. Raises InvalidInput for numbers out of range."""
+    """Return the options for a clip. Raises InvalidInput for numbers out of range."""
     reading = reading_of(asked)
     if asked.rate is not None:
         within("--rate [1/s]", asked.rate, SLOWEST, FASTEST, InvalidInput)
@@ -175,7 +175,7 @@ def wishes_of(asked: argparse.Namespace) -> Wishes:
 
 
 def row(command: str, one: Outcome) -> str:
-    """One line of the table."""
+    """Return one line of the table."""
     entry: dict[str, Any] = dict(one.entry or {})
     overlap, chords, limits = entry["overlap"], entry["between_frames"], entry["limits"]
     name = printable(one.place)
@@ -193,7 +193,7 @@ def row(command: str, one: Outcome) -> str:
 
 
 def verdict(entry: Mapping[str, Any]) -> str:
-    """What is worst about a clip as it is written, or of an audit as it came."""
+    """Return the worst finding on a clip as written, or on an audited clip as recorded."""
     when = "before" if entry["overlap"]["after"] is None else "after"
     if entry["is_clean"]:
         return "clean"
@@ -203,7 +203,7 @@ def verdict(entry: Mapping[str, Any]) -> str:
 
 
 def _where(overlap: Mapping[str, Any], frames: int) -> str:
-    """A line on the pair and the frame of the deepest overlap; empty without any."""
+    """Return a line on the pair and the frame of the deepest overlap; empty without any."""
     if overlap["pair"] is None:
         return ""
     a, b = map(printable, overlap["pair"])
@@ -214,12 +214,12 @@ MEANS = {
     "excluded": "from contact by the file, and no proof looks there",
     "at_rest": "at home and may be no deeper",
 }
-"""What it means for pairs to be in these lists of a certificate."""
+"""Meaning of these lists of pairs of a certificate."""
 
 
 def excluded(entry: Mapping[str, Any]) -> str:
-    """A sentence on the pairs that are excluded from contact, and on those that overlap at home, the same for all clips of an
-    avatar; "" without any."""
+    """Return a sentence on pairs that are excluded from contact or overlap at home; "" without any.
+    It is equal for all clips of an avatar."""
     told = []
     for kind, one_is, are in (
         ("excluded", "is excluded", "are excluded"), ("at_rest", "overlaps", "overlap"),
@@ -237,23 +237,23 @@ def _deepest(one: dict[str, Any]) -> str:
 
 
 def say(sentence: str) -> None:
-    """One line on the error stream, in the words of the command line."""
+    """Print one line on the error stream, with options as on the command line."""
     print(f"avatarsim: {in_words(printable(sentence), 'clean')}", file=sys.stderr, flush=True)
 
 
 def _say_left(clips: Found) -> None:
-    """Name what is left alone in folders, since it is no motion."""
+    """Name the files and folders that are skipped since they are no motions."""
     if clips.left:
         say(f"left alone, no motions: {_some([path.name for path in clips.left])}")
 
 
 def _some(names: Sequence[str]) -> str:
-    """The first few names, and how many more there are."""
+    """Return the first few names, and how many more there are."""
     return ", ".join([*names[:NAMED], *([f"{len(names) - NAMED} more"] if len(names) > NAMED else [])])
 
 
 def _earlier(out: Path, clips: Found) -> tuple[Trouble, ...]:
-    """What earlier commands into the folder left undone."""
+    """Return the undone clips of earlier commands into the folder."""
     try:
         return batches.left_undone(out, clips.places)
     except InvalidFile as error:
@@ -262,7 +262,7 @@ def _earlier(out: Path, clips: Found) -> tuple[Trouble, ...]:
 
 
 def _say_earlier(whole: Mapping[str, Any], clips: Found) -> None:
-    """Name what is not done of earlier commands into the same folder."""
+    """Name the undone clips of earlier commands into this folder."""
     names = [str(one["name"]) for one in whole["not_done"] if one["name"] not in clips.places]
     if names:
         say(f"not done, of earlier commands into this folder: {_some(names)}; {batches.WHOLE} says why")

@@ -1,4 +1,4 @@
-"""Sentences of the library in the words of a command line: `fix=("elbow", ...)` is `--fix elbow,...` there.
+"""Messages of the library rewritten for the command line: `fix=("elbow", ...)` is `--fix elbow,...` there.
 
 Readers advise in Python, since they are called from there; a command prints their sentences with its own options.
 """
@@ -11,7 +11,7 @@ from avatarsim.cli.arguments import options_of
 from avatarsim.clips.wishes import OPTIONS
 
 VALUE = r"\"[^\"]*\"|'[^']*'|\([^()]*\)|True|False|\.\.\.|[A-Z]+\.npz|[0-9.]+(?![\w.])"
-"""A value as sentences write it: a text, a tuple of texts, a truth value, three dots, a file's name in capitals, a number."""
+"""A value as sentences write it: a text, a tuple of texts, a bool, three dots, a file's name in capitals, a number."""
 
 ARGUMENT = re.compile(rf"(?<![\w.-])([a-z][a-z_]*)=({VALUE})?(?=(\S)?)")
 """An argument, its value if it has one, and the character after it."""
@@ -21,16 +21,16 @@ PHRASES = {
     "motion.resampled(rate) makes them": ("margin", "--rate makes them"),
     "load_room reads a room": ("room", "--room takes a room"),
 }
-"""What is said of Python in other ways: the option that must be there, and how the command line says it."""
+"""Phrases about Python: each with the option that a command needs for it, and its form on the command line."""
 
 
 def in_words(sentence: str, command: str) -> str:
-    """The sentence in the words of a command of `avatarsim`."""
+    """Return the sentence with the options of a command of `avatarsim`."""
     return as_options(sentence, options_of(command))
 
 
 def as_options(sentence: str, options: Collection[str]) -> str:
-    """The sentence with arguments that are among a command's `options` as such; others stay as they are."""
+    """Return the sentence with arguments that are among a command's `options` as such; others stay unchanged."""
 
     def option(found: re.Match[str]) -> str:
         argument, value, after = found[1], found[2] or "", found[3]
@@ -47,10 +47,10 @@ def as_options(sentence: str, options: Collection[str]) -> str:
 
 
 def _said(value: str) -> str:
-    """A value as a shell takes it."""
+    """Return a value as a shell takes it."""
     if value.startswith("("):
         names = [name for pair in re.findall(r"\"([^\"]*)\"|'([^']*)'", value) for name in pair if name]
-        # of a tuple that is only sketched there is no name to give
+        # a tuple with three dots contains no real name
         return ",".join(filter(None, [shlex.quote(",".join(names)) if names else "NAME", "..." if "..." in value else ""]))
     if value in ("", "True", "False"):
         return ""

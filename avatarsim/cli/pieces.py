@@ -20,7 +20,7 @@ HEAD = f"{'mesh':24} {'source':13} pieces vertices most  Hausdorff of size secon
 
 
 def parser() -> argparse.ArgumentParser:
-    """The options; each is one argument of `pieces_of_mesh`."""
+    """Return the parser; each option is one argument of `pieces_of_mesh`."""
     options = argparse.ArgumentParser(
         prog="avatarsim pieces",
         description="Convex pieces of mesh files, with a bound of their Hausdorff distance; kept in the cache folder.",
@@ -43,7 +43,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 def main(words: list[str] | None = None) -> int:
-    """0, or REFUSED when a mesh was refused, which the error stream explains."""
+    """Return 0, or REFUSED when a mesh was refused, with the reason on the error stream."""
     options = parser()
     asked = options.parse_args(words)
     flags = {name.lstrip("-") for action in options._actions for name in action.option_strings}
@@ -75,7 +75,7 @@ def main(words: list[str] | None = None) -> int:
 
 
 def as_row(path: str, found: Pieces) -> str:
-    """One row of the table, and one more line for each repair."""
+    """Return one row of the table, and one more line for each repair."""
     counts = found.vertices
     name = path.replace("\\", "/").rsplit("/", 1)[-1]
     row = (
@@ -86,7 +86,7 @@ def as_row(path: str, found: Pieces) -> str:
 
 
 def as_json(path: str, found: Pieces) -> str:
-    """The results as a dictionary, without the vertices."""
+    """Return the results as a dictionary, without the vertices."""
     return json.dumps({
         "mesh": path, "source": found.source, "pieces": len(found.pieces), "vertices": found.vertices, "size": found.size,
         "hausdorff": found.hausdorff, "uncovered": found.uncovered, "added": found.added, "reached": found.reached,

@@ -1,4 +1,4 @@
-"""Options on how files are read, checked and put together."""
+"""Options for reading, checking and combining files."""
 
 import argparse
 from pathlib import Path
@@ -21,7 +21,7 @@ RANGES = {
     "room_scale": (SMALLEST, LARGEST), "object_scale": (SMALLEST, LARGEST),
     "stature": (LEAST_STATURE, MOST_STATURE), "mass": MASSES,
 }
-"""What numbers of options of readers may be, in the units of their help."""
+"""Valid ranges of numeric options of readers, in the units of their help."""
 OF_AVATAR, OF_ROOM = ("body", "fix", "root", "leave", "exclude"), ("room_scale", "room_up")
 """Options that go with an avatar's file, and with a room's."""
 OF_EITHER = ("keyframe", "collide", "fit", "folder", "meshes", "repair")
@@ -67,11 +67,11 @@ def reading_options(one: argparse.ArgumentParser) -> None:
 
 
 def reading_of(asked: argparse.Namespace) -> Reading:
-    """How files are read by these options. Raises InvalidInput for numbers out of range, and for options without their file."""
+    """Return the options for reading files. Raises InvalidInput for numbers out of range and options without their file."""
     for name, (least, most) in RANGES.items():
         if getattr(asked, name, None) is not None:
             within(f"--{name.replace('_', '-')}", getattr(asked, name), least, most, InvalidInput)
-    # a scene of one's own may hold the avatar
+    # a user's own scene may contain the avatar
     of_avatar = () if getattr(asked, "own_scene", False) else OF_AVATAR
     for what, names in (("avatar", (*of_avatar, "avatar_scale")), ("room", OF_ROOM), ("object", ("object_scale",))):
         for name in names:
@@ -102,11 +102,11 @@ def absolute(path: Path | None) -> str | None:
 
 
 def _home(text: str | None) -> str | None:
-    """The word of --home, its file by its whole path. Raises InvalidInput."""
+    """Return the value of --home, with an absolute path of its file. Raises InvalidInput."""
     file, frame = parsed_home("--home", text)
     return ":".join(str(part) for part in (absolute(file), frame) if part is not None) or None
 
 
 def _listed(text: str) -> tuple[str, ...]:
-    """Names with commas between."""
+    """Return names separated by commas."""
     return tuple(name.strip() for name in text.split(",") if name.strip())

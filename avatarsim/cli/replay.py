@@ -1,4 +1,4 @@
-"""The command `avatarsim replay`: a recording run again, and its states compared bit for bit."""
+"""The command `avatarsim replay`: runs a recording again and compares its states bit for bit."""
 
 import argparse
 import json
@@ -18,7 +18,7 @@ SAME, DIFFERS, UNREADABLE = 0, 1, 3
 
 
 def run(asked: argparse.Namespace) -> int:
-    """The exit code."""
+    """Return the exit code."""
     try:
         recorded = read(asked.recording)
         if asked.page is not None:
@@ -43,7 +43,7 @@ def run(asked: argparse.Namespace) -> int:
 
 
 def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> dict[str, object]:
-    """What became of it, as JSON."""
+    """Return the result as JSON."""
     difference = done.difference
     return {
         "scene": recorded.plan.scene.name, "preset": recorded.plan.settings.preset, "rate_hz": recorded.plan.rate,
@@ -58,7 +58,7 @@ def _told(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]]
 
 def _say(recorded: Recorded, done: Replayed, others: dict[str, tuple[str, str]], seconds: float) -> None:
     plan = recorded.plan
-    # texts of an untrusted file may hold what a terminal obeys
+    # texts of an untrusted file may contain terminal control codes
     name, method = (text if text.isprintable() else repr(text) for text in (plan.scene.name, plan.settings.preset))
     print(
         f"{name}, method {method}, {done.frames} frames at {plan.rate:g} Hz, {len(recorded.rows) - recorded.frames} commands; "
