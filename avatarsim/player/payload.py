@@ -1,4 +1,4 @@
-"""Data of the player: meshes once, the poses of moving bodies in whole numbers of 16 bits, captions, moments, the eye."""
+"""Data of the player: meshes once, the poses of moving bodies in whole numbers of 16 bits, captions, moments, the camera."""
 
 import base64
 from collections.abc import Callable, Mapping, Sequence
@@ -13,21 +13,21 @@ from avatarsim.player.surfaces import Surface
 Array = NDArray[np.float64]
 
 OVERLAP, GHOST, MOVES = "overlap", "ghost", "moves"
-"""Kinds of captions: the view overlaps, only its ghost overlaps, it moves in a way that is worth a remark."""
+"""Kinds of captions: the view overlaps, only its ghost overlaps, it moves in a remarkable way."""
 MISSING, LEAST, MOST = 0, 1, 65535
 """The code of a number that is not finite, and the codes of the least and the greatest value."""
 AIR = 0.25
 """Share by which the box of all bodies is wider than the leading view and the ghost; bodies beyond it are drawn at its edge."""
 CLOSEST = 1.0 / 3.0
-"""Least share of the room of the whole motion that a view which follows shows: a fist alone shows nothing of what it meets."""
+"""Least share of the extent of the whole motion that a following view shows: a fist alone shows none of its surroundings."""
 FOLLOWS = 0.85
-"""The views follow at first where that needs less than this share of the room that the whole motion needs."""
+"""Share of the extent of the whole motion below which the views follow at first."""
 
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A body: its role ("fixed", "furniture", "simulated" or "driven"), its surface, and that of the shapes that are tested for
-    overlap where it is another. Equal surfaces are stored once."""
+    """A body: its role ("fixed", "furniture", "simulated" or "driven"), its surface, and that of the shapes tested for overlap
+    where it differs. Equal surfaces are stored once."""
 
     role: str
     surface: Surface
@@ -44,7 +44,7 @@ class Poses:
 
 @dataclass(frozen=True)
 class Moment:
-    """A state that has a button, the button's text, and whether it is one of the worst."""
+    """A state with a button, the button's text, and whether it is one of the worst."""
 
     state: int
     said: str
@@ -53,7 +53,7 @@ class Moment:
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """One picture among those side by side.
+    """One of the pictures shown side by side.
 
     label    its name
     colour   of its dot, in CSS
@@ -78,13 +78,13 @@ def payload(
     """Return the data of the player, ready for JSON.
 
     Args:
-        bodies: all of them.
+        bodies: all bodies.
         still: position and orientation of those that do not move; the others move.
         times: (F,) [s] of the states, from 0 on.
         views: side by side.
         leader: number of the view whose bodies all views follow.
         ghost: its name, its bodies and their poses, drawn as a veil in each view; views follow these bodies, else all that move.
-        azimuth: of the eye at first [rad], for the middle (3,) [m] and the radius [m] of the whole motion.
+        azimuth: of the camera at first [rad], for the middle (3,) [m] and the radius [m] of the whole motion.
         more: `name`, `ghost_overlaps` (pairs of bodies by state), `calm` (caption of other states), `opens` (state), `frames`
             (numbers of the states), `ground` (flag: lines at z = 0).
     """
@@ -103,7 +103,7 @@ def payload(
     low, high = _span(np.concatenate([main.reshape(-1, 3), target.reshape(-1, 3)]), max((reach[k] for k in moving), default=0.1))
     margin, focus, radius = AIR * (high - low) + 0.5, 0.5 * (low + high), float(0.5 * np.linalg.norm(high - low))
     box = low - margin, high + margin
-    # the ghost too is to be seen, whose place may be far from what is shown
+    # the ghost must be visible too, and may be far from the leading view
     seen = np.concatenate([main[:, [moving.index(k) for k in followed]], target[: len(main)]], axis=1)
     near = max(_near(seen, [reach[k] for k in followed] * (1 if ghost is None else 2)), CLOSEST * radius)
     return {
@@ -147,7 +147,7 @@ def _span(places: Array, reach: float) -> tuple[Array, Array]:
 
 
 def _near(positions: Array, reach: Sequence[float]) -> float:
-    """Return the radius [m] of a ball round the middle of bodies (F, m, 3) that holds nearly all of them nearly always."""
+    """Return the radius [m] of a ball round the middle of bodies (F, m, 3) that contains nearly all of them nearly always."""
     sound = positions[np.isfinite(positions).all(axis=(1, 2))]
     if not sound.size:
         return 1.0
@@ -164,7 +164,7 @@ def _packed(poses: Poses, box: tuple[Array, Array]) -> dict[str, object]:
 
 
 def codes(values: Array, low: Array | float, high: Array | float) -> NDArray[np.uint16]:
-    """Spread values evenly from LEAST at ``low`` to MOST at ``high``; MISSING for what is not finite."""
+    """Spread values evenly from LEAST at ``low`` to MOST at ``high``; MISSING for values that are not finite."""
     share = (np.clip(np.where(np.isfinite(values), values, low), low, high) - low) / np.maximum(np.subtract(high, low), 1e-300)
     return np.asarray(np.where(np.isfinite(values), LEAST + np.rint(share * (MOST - LEAST)), MISSING), dtype=np.uint16)
 

@@ -18,7 +18,7 @@ CREASE = 0.72
 """Angle [rad] between two triangles beyond which their common edge is drawn sharp: 41 degrees."""
 
 HASTE = 5.0
-"""How fast the error of edges that are collapsed may grow, from 0 to 10. More: surfaces are farther off, three times at 7; less:
+"""Largest growth of the error of collapsed edges, from 0 to 10. More: surfaces are farther off, three times at 7; less:
 meshes stay finer than the page allows."""
 
 
@@ -45,7 +45,7 @@ def simplified(meshes: Sequence[Surface], most: int) -> list[Surface]:
         import trimesh
     except ModuleNotFoundError as error:
         raise MissingPackage(error.name or "fast_simplification", "assets", "drawing fine meshes") from error
-    # edges are collapsed where triangles share vertices, which those of STL files do not
+    # edges are collapsed where triangles share vertices, but those of STL files do not
     found = [trimesh.Trimesh(points, triangles) for points, triangles in meshes]
     thinned: list[Surface] = [(one.vertices, one.faces) for one in found]
     while count > most:
@@ -61,7 +61,7 @@ def simplified(meshes: Sequence[Surface], most: int) -> list[Surface]:
 
 
 def creased(mesh: Surface) -> Surface:
-    """Return a mesh whose triangles share vertices only across edges that are to look round. Raises MissingPackage."""
+    """Return a mesh whose triangles share vertices only across edges that should look round. Raises MissingPackage."""
     try:
         import trimesh
     except ModuleNotFoundError as error:

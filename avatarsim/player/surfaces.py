@@ -31,7 +31,7 @@ BALL = _ball()
 
 
 def is_round(shape: Shape) -> bool:
-    """Return whether a shape has a curved surface."""
+    """Return True if a shape has a curved surface."""
     return isinstance(shape, Sphere | Capsule | Ellipsoid)
 
 

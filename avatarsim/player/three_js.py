@@ -1,4 +1,4 @@
-"""Source of three.js (MIT), which draws what the player plays: read from an installed package when pages are written."""
+"""Source of three.js (MIT), the player's renderer: read from an installed package when pages are written."""
 
 import zipfile
 from functools import cache
@@ -6,18 +6,18 @@ from importlib.util import find_spec
 from pathlib import Path
 
 ARCHIVE = ("resources", "templates", "viewer.zip")
-"""Where the package trimesh keeps the page that carries the library."""
+"""Path of the page that contains the library in the package trimesh."""
 BEGINS, ENDS = "<script>", "\n(function(){"
-"""The library is the page's first script, up to the first of the add-ons that follow it."""
+"""Marks around the library: it is the page's first script, up to the first of the add-ons that follow it."""
 MARK = "Three.js Authors"
-"""Part of the library's licence, which stays with it."""
+"""Part of the library's licence, which is kept with it."""
 FILE = "three.js"
-"""Its name beside pages."""
+"""File name of the library next to pages."""
 
 
 @cache
 def library() -> str | None:
-    """Return the source of three.js with its licence; None where there is none, or where it could end its script."""
+    """Return the source of three.js with its licence; None if it is missing or could end its script element."""
     spec = find_spec("trimesh")
     for place in (spec and spec.submodule_search_locations) or ():
         try:
