@@ -1,4 +1,4 @@
-"""Recorded motions made free of overlap within joint limits, each written frame and the way between frames proved."""
+"""Recorded motions freed of overlap within joint limits, with each written frame and the motion between frames proved."""
 
 from collections.abc import Callable, Sequence
 
@@ -19,13 +19,11 @@ def clean(
     motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = DEFAULTS,
     progress: Callable[[float], None] | None = None, carried: Sequence[Carried] = (),
 ) -> Cleaned:
-    """The nearest motion to `motion` that is found free of overlap and within limits, in each frame and on the way between
-    frames.
+    """Return the nearest motion to `motion` that is found free of overlap and within limits, in frames and between them.
 
-    The avatar is the model's; it meets the model's bodies and those of `room`, which stand still, and what is `carried`, whose
-    recorded poses stay as they are. Frames that are free, and that
-    are reached on a free way, stay as they are, to the bit. `progress` is called with the share that is done, 0 to 1. Method and
-    sources: docs/cleaning.md.
+    The avatar is the model's; it meets the model's bodies and those of `room`, which are fixed, and `carried` bodies, whose
+    recorded poses stay as they are. Frames that are free, and that are reached by a free motion, stay as they are, to the bit.
+    `progress` is called with the finished share, 0 to 1. Method and sources: docs/cleaning.md.
 
     Raises InvalidInput for a model without avatar and a motion that does not fit it, StartOverlaps where no free posture is found
     near the first one.
@@ -36,7 +34,7 @@ def clean(
 def audit(
     motion: Motion, model: Model, room: Sequence[Body] = (), options: Options = DEFAULTS, carried: Sequence[Carried] = ()
 ) -> Audit:
-    """Measures of a motion as it is: overlap in frames and proof between them, limits, jerk, and what is excluded from all that.
+    """Measure a motion as it is: overlap in frames and proof between them, limits, jerk, and the pairs excluded from all that.
 
     Raises InvalidInput for a model without avatar and a motion that does not fit it.
     """

@@ -1,4 +1,4 @@
-"""Queries of recorded postures: the way from one to the next proved free, nearest pairs, limits. On arrays of their own.
+"""Queries of recorded postures: motion segments proved free, nearest pairs, limits. On arrays of their own.
 
 The kernels, the method and its source are those of `avatarsim.ik.chord`.
 """
@@ -38,8 +38,8 @@ Named = TypeVar("Named", Body, Avatar)
 class Chords:
     """Queries of postures of the avatars of `scene`, whose bodies are all fixed.
 
-    Moving bodies are avatars in it: their ways, straight lines and slerp, are those of free roots. free_roots, turning: links of
-    the others with free roots, and with free roots or balls; given: links of moving bodies, whose poses no query changes."""
+    Moving bodies are avatars in it: they move as free roots do, on straight lines and by slerp. free_roots, turning: links of the
+    others with free roots, and with free roots or balls; given: links of moving bodies, whose poses no query changes."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.world = scene, build(scene)
@@ -51,21 +51,21 @@ class Chords:
         self.free_roots, self.turning = np.flatnonzero(is_free), np.flatnonzero(is_free | ((kinds == BALL) & ~moves))
 
     def free_until(self, before: TrackerSample, after: TrackerSample, least: float = 0.0) -> tuple[float, Pair | None]:
-        """Share of the way between two postures, from its begin, over which all pairs are proved to be at least `least` [m]
-        apart, and the pair that ends it. The samples must fit the avatars."""
+        """Return the share of the motion segment between two postures over which all pairs are proved apart, and a pair.
+        They are at least `least` [m] apart from its start up to there; the pair ends it. The samples must fit the avatars."""
         arrays = (*sample_arrays(before), *sample_arrays(after))
         share, a, b = free_until(self.world.words, self.words, *arrays, least)
         return share, self._pair(a, b)
 
     def nearest(self, sample: TrackerSample, within: float) -> tuple[float, Pair | None]:
-        """Smallest signed distance [m] of all pairs that must not overlap, negative where they do, and the pair; a number above
-        `within` [m] where none is as near."""
+        """Return the smallest signed distance [m] of all pairs that must not overlap, negative where they do, and the pair.
+        The distance is some number above `within` [m] where none is as near."""
         gap, a, b = nearest_at(self.world.words, self.words, *sample_arrays(sample), within)
         return gap, self._pair(a, b)
 
     def clipped(self, sample: TrackerSample) -> tuple[TrackerSample, tuple[float, float]]:
-        """The posture with each joint at the nearest place within its limits, and by how much the joints [rad] and the slides [m]
-        were outside at most."""
+        """Return the posture with each joint at the nearest place within its limits, and the excesses.
+        These are the largest of the joints [rad] and of the slides [m]."""
         beyond = clip_posture(self.world.words, self.words, *sample_arrays(sample))
         if beyond == (0.0, 0.0):
             return sample, beyond
@@ -74,7 +74,7 @@ class Chords:
         return self.with_given(clipped, sample), beyond
 
     def with_given(self, sample: TrackerSample, other: TrackerSample) -> TrackerSample:
-        """The posture with moving bodies where another one has them."""
+        """Return the posture with moving bodies at their poses in another one."""
         if not self.given.size:
             return sample
         positions, rotations = sample.positions.copy(), sample.rotations.copy()
@@ -82,7 +82,7 @@ class Chords:
         return TrackerSample(sample.time, positions, rotations, sample.angles)
 
     def gaps(self, sample: TrackerSample, pairs: NDArray[np.int64]) -> Array:
-        """(m,) signed distance [m] of pairs (m, 2) of bodies by their numbers, some number above 0 where they are apart."""
+        """Return signed distances (m,) [m] of pairs (m, 2) of bodies by number, some positive number where they are apart."""
         found = np.zeros(len(pairs))
         pair_gaps(self.world.words, self.words, *sample_arrays(sample), pairs, found)
         return found
@@ -95,8 +95,8 @@ class Chords:
 
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
-    """The posture at `share` (0 to 1) of the way from one to the next, as a player shows it: `scene.tracker.between`, up to
-    rounding, compiled, since a motion is cleaned in many small parts."""
+    """Return the posture at `share` (0 to 1) of the motion from one to the next, as a player shows it.
+    Equals `scene.tracker.between` up to rounding; compiled, since a motion is cleaned in many small parts."""
     first, last = sample_arrays(before), sample_arrays(after)
     mixed = tuple(np.empty_like(array) for array in first)
     mix_samples(*first, *last, float(share), *mixed)
@@ -104,8 +104,8 @@ def between(before: TrackerSample, after: TrackerSample, share: float) -> Tracke
 
 
 def difference(chords: Chords, one: TrackerSample, other: TrackerSample) -> float:
-    """The largest difference of two postures in any joint or root [rad, m]; of turns, which are small where it matters, the
-    chord's."""
+    """Return the largest difference of two postures in any joint or root [rad, m].
+    Of turns, which are small where it matters, it is the chord's."""
     a, b = one.rotations[chords.turning], other.rotations[chords.turning]
     turns = 2.0 * np.minimum(np.abs(a - b), np.abs(a + b))
     parts = (turns, one.positions[chords.free_roots] - other.positions[chords.free_roots], one.angles - other.angles)
@@ -113,24 +113,24 @@ def difference(chords: Chords, one: TrackerSample, other: TrackerSample) -> floa
 
 
 class Certified(NamedTuple):
-    """Of the F-1 ways between the postures of a motion: until (F-1,) the share that is proved, pair the pair that ends it."""
+    """Proof of the F-1 motion segments of a motion: until (F-1,) the proved share, pair the pair that ends it."""
 
     until: Array
     pair: tuple[Pair | None, ...]
 
 
 def certified(chords: Chords, motion: Motion, least: float = 0.0) -> Certified:
-    """Which ways between neighbouring postures of a motion keep all pairs at least `least` [m] apart."""
+    """Find the motion segments between neighbouring postures over which all pairs keep at least `least` [m] apart."""
     samples = [motion.sample(frame) for frame in range(len(motion))]
     found = [chords.free_until(a, b, least) for a, b in zip(samples, samples[1:], strict=False)]
     return Certified(np.array([share for share, _ in found], dtype=np.float64), tuple(pair for _, pair in found))
 
 
 def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried] = ()) -> Scene:
-    """The scene in which a model's avatar is cleaned: its own bodies and the room's, loose ones fixed where they are or left out,
-    and what it carries.
+    """Return the scene in which a model's avatar is cleaned: its own bodies, the room's and the carried ones.
+    Loose bodies are fixed where they are or left out.
 
-    Raises InvalidInput for a model without avatar, and for what is none or no bodies."""
+    Raises InvalidInput for a model without avatar, and for objects that are not bodies."""
     instance("model to clean with", model, Model, "a Model, as load_avatar gives", InvalidInput)
     instance("options of cleaning", options, Options, "Options(margin, blend, ...)", InvalidInput)
     for body in listed(room):
@@ -149,7 +149,7 @@ def scene_of(model: Model, room: Sequence[Body], options: Options, carried: Sequ
     at_rest = tuple(entry for entry in model.at_rest if known.issuperset(entry[:2]))
     moving = with_own_names((one.body for one in carried), taken | {body.name for body in named})
     avatars = (avatar, *moving)
-    # what bodies are made of matters to impacts only, of which there are none
+    # the material of bodies matters only to impacts, of which there are none
     made_of = sorted({body.material for body in named} | {link.material for one in avatars for link in one.links})
     law = ContactLaw(0.0, 0.0)
     materials = PairTable({(one, other): law for one in made_of for other in made_of})
@@ -174,12 +174,12 @@ def is_taken(body: Body, options: Options) -> bool:
 
 
 def standing(body: Body) -> Body:
-    """The body, fixed where it is."""
+    """Return the body, fixed where it is."""
     return replace(body, role=Role.FIXED, mass=None, velocity=(0.0, 0.0, 0.0), angular_velocity=(0.0, 0.0, 0.0))
 
 
 def with_own_names(bodies: Iterable[Named], taken: set[str]) -> tuple[Named, ...]:
-    """The bodies with a number behind names that are taken or occur before."""
+    """Return the bodies, with a number appended to names that are taken or repeated."""
     known, found = set(taken), list[Named]()
     for body in bodies:
         name, count = body.name, 1

@@ -1,9 +1,9 @@
 """Support phases of feet, and how far planted feet slide.
 
-A foot is one of the last two links of a limb, so that hands and knees of a crawl count as well. On the way to the next frame it
-is planted if its sole is near the room at both ends and the lowest point of the sole hardly moves: thresholds of height and
-speed, as Kovar, Schreiner and Gleicher (2002) find the constraints of footskate cleanup. Both ends of a way decide on it and
-nothing beyond, so the answer is the same wherever a clip is cut.
+A foot is one of the last two links of a limb, so that hands and knees of a crawl count as well. Between two frames it is planted
+if its sole is near the room at both ends and the lowest point of the sole hardly moves: thresholds of height and speed, as Kovar,
+Schreiner and Gleicher (2002) find the constraints of footskate cleanup. Only the two frames decide on it, so the answer is the
+same wherever a clip is cut.
 """
 
 from collections.abc import Sequence
@@ -25,7 +25,7 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 PLANTED_HEIGHT = 0.03
-"""[m] above the room up to which a sole may be planted: what the ground of recordings is off by. Larger: feet that pass low over
+"""[m] above the room up to which a sole may be planted: the error of the ground of recordings. Larger: feet that pass low over
 the ground are held to it where they turn slowly; smaller: planted feet of recordings that float are missed."""
 
 PLANTED_SPEED = 0.3
@@ -42,8 +42,8 @@ class Soles:
     radii: tuple[Array, ...]
 
     def lowest(self, positions: Array, rotations: Array) -> tuple[Array, Array]:
-        """Return the lowest material point of each foot in each frame: in its link (F, feet, 3) and in the world, for poses
-        (F, links, 3) and (F, links, 4)."""
+        """Return the lowest material point of each foot in each frame, for poses (F, links, 3) and (F, links, 4).
+        It is given in its link and in the world, (F, feet, 3) each."""
         inside, world = np.zeros((2, len(positions), len(self.links), 3))
         frames = np.arange(len(positions))
         for n, (link, points, radii) in enumerate(zip(self.links, self.points, self.radii, strict=True)):
@@ -55,7 +55,7 @@ class Soles:
 
 
 def soles(chords: Chords) -> Soles:
-    """Return the feet of the avatar that is cleaned."""
+    """Return the feet of the cleaned avatar."""
     avatar = chords.scene.avatars[0]
     parents = {link.parent for link in avatar.links}
     carriers = {link.parent for link in avatar.links if link.name in parents}
@@ -76,8 +76,8 @@ def _points(pieces: tuple[Piece, ...]) -> tuple[Array, Array]:
 
 
 def slip_speeds(chords: Chords, motion: Motion) -> Array:
-    """Return how fast (F-1, feet) [m/s] the lowest point of each sole moves level on the way from each frame to the next, as a
-    point of its link: a foot that rolls from heel to toe does not slip."""
+    """Return the level speed (F-1, feet) [m/s] of the lowest point of each sole from each frame to the next.
+    It is that of a point of the link: a foot that rolls from heel to toe does not slip."""
     avatar, feet = chords.scene.avatars[0], soles(chords)
     own = of_avatar(motion, avatar)
     positions, rotations = poses_of_links((avatar,), own.positions, own.rotations, own.angles)
@@ -89,8 +89,8 @@ def slip_speeds(chords: Chords, motion: Motion) -> Array:
 
 
 def lowered_gaps(chords: Chords, motion: Motion, links: Sequence[int], heights: float | Array) -> Array:
-    """Return the signed distance (F, links) [m] of links from the fixed bodies with the avatar lowered by heights (F,) [m];
-    some number above 0 of links that are apart from them then."""
+    """Return the signed distance (F, links) [m] of links from the fixed bodies with the avatar lowered by heights (F,) [m].
+    It is some number above 0 for links that are apart from them then."""
     bodies = len(chords.scene.bodies)
     fixed = [k for k, body in enumerate(chords.scene.bodies) if body.role is Role.FIXED]
     pairs = np.array([(body, bodies + link) for link in links for body in fixed], dtype=np.int64).reshape(-1, 2)
@@ -108,11 +108,11 @@ def lowered_gaps(chords: Chords, motion: Motion, links: Sequence[int], heights: 
 
 
 def planted_feet(chords: Chords, motion: Motion) -> Flags:
-    """Return on which ways between frames (F-1, feet) each foot is planted on the room."""
+    """Return between which frames (F-1, feet) each foot is planted on the room."""
     near = lowered_gaps(chords, motion, soles(chords).links, PLANTED_HEIGHT) <= 0.0
     return np.asarray(near[:-1] & near[1:] & (slip_speeds(chords, motion) <= PLANTED_SPEED))
 
 
 def foot_slide(chords: Chords, motion: Motion, planted: Flags) -> float:
-    """Return the mean speed [m/s] at which soles slip on the ways (F-1, feet) where they should be planted; nan without any."""
+    """Return the mean speed [m/s] of soles in the steps (F-1, feet) in which they should be planted; nan without any."""
     return float(slip_speeds(chords, motion)[planted].mean()) if planted.any() else float("nan")

@@ -1,4 +1,4 @@
-"""Clips that are in the room in every frame: how deep, and the constant lift that frees them."""
+"""Clips that are in the room in every frame: their depth, and the constant lift that frees them."""
 
 from dataclasses import dataclass
 
@@ -40,7 +40,7 @@ class Ground:
 
     @property
     def note(self) -> str:
-        """A sentence on a clip that is in the room in every frame."""
+        """Return a sentence on a clip that is in the room in every frame."""
         least, most = (1e3 * (lift - self.margin) for lift in (self.lifts.min(), self.lifts.max()))
         return (
             f"every frame is in the room, by {least:.0f} to {most:.0f} mm; a constant lift of {1e3 * self.free:.0f} mm takes it "
@@ -49,7 +49,7 @@ class Ground:
 
 
 def ground_of(chords: Chords, motion: Motion, margin: float) -> Ground:
-    """Find by how much each frame has to be lifted out of the fixed bodies; not at all an avatar whose root does not move."""
+    """Find by how much each frame has to be lifted out of the fixed bodies; an avatar whose root does not move is not lifted."""
     lifts = np.zeros(len(motion))
     if not chords.free_roots.size:
         return Ground(lifts, margin)

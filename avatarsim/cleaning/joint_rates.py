@@ -1,4 +1,4 @@
-"""Limits of speed and acceleration of joints, from what a user states and what a file says, as one number a group of degrees."""
+"""Limits of speed and acceleration of joints, from the user and from the file, as one number per group of degrees of freedom."""
 
 from collections.abc import Mapping, Sequence
 
@@ -21,12 +21,12 @@ Rates = float | Mapping[str, Rate] | Sequence[Rate] | Array | str | None
 """Limits of all joints: one number for each, numbers by the joints' names, or in their order; "file": what the file states."""
 
 FILE = "file"
-"""The word for the limits that the file states."""
+"""Value that selects the limits that the file states."""
 
 
 def speeds_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
-    """Speed limits (ng) of the groups of degrees [rad/s, m/s], infinite where there is none. "file": those that the file states,
-    none where it states no speed at all; a root or a ball, of which no file states one, is not limited then.
+    """Return speed limits (ng) of the groups of degrees of freedom [rad/s, m/s], infinite where there is none.
+    "file": those of the file, none where it states no speed; a root or a ball, for which no file states one, is not limited then.
 
     Raises InvalidInput and UnknownName for limits that do not fit, and InvalidInput where a joint has no speed in the file while
     others have."""
@@ -44,7 +44,7 @@ def speeds_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
 
 
 def accelerations_of(given: Rates, coordinates: Coordinates, world: World) -> Array:
-    """Acceleration limits (ng) of the groups of degrees [rad/s^2, m/s^2]. Raises what `speeds_of` raises."""
+    """Return acceleration limits (ng) of the groups of degrees of freedom [rad/s^2, m/s^2]. Raises as `speeds_of` does."""
     if isinstance(given, str) and given == FILE:
         raise InvalidInput("acceleration limits", given, "numbers: no file states them")
     return _by_groups(_named("acceleration limits", given, coordinates, {}), coordinates, world)
@@ -55,7 +55,7 @@ def _moving(coordinates: Coordinates) -> list[Slot]:
 
 
 def _named(thing: str, given: Rates, coordinates: Coordinates, stated: Mapping[str, float]) -> Mapping[str, Rate]:
-    """The limits by the joints' names."""
+    """Return the limits by the joints' names."""
     names = [slot.name for slot in _moving(coordinates)]
     if isinstance(given, np.ndarray):
         given = given.tolist()
@@ -78,7 +78,7 @@ def _named(thing: str, given: Rates, coordinates: Coordinates, stated: Mapping[s
 
 
 def _by_groups(rates: Mapping[str, Rate], coordinates: Coordinates, world: World) -> Array:
-    """One number a group of degrees."""
+    """Return one number per group of degrees of freedom."""
     groups = degree_groups(world.skeleton)
     found = np.full(len(groups), np.inf)
     of_degree = {first: g for g, (first, _, _, _) in enumerate(groups)}

@@ -1,4 +1,4 @@
-"""The avatar as it follows postures within limits of speed and acceleration, always with a proved way to rest."""
+"""An avatar that follows postures within limits of speed and acceleration, always with a proved motion to rest."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,13 +14,13 @@ from avatarsim.scene.tracker import TrackerSample
 Array = NDArray[np.float64]
 
 OPENING = 0.05
-"""[m/s] at which pairs nearer than the margin open at most. Faster: limbs jump off what they come too near to; slower: they stay
+"""[m/s] at which pairs nearer than the margin open at most. Faster: limbs jump off bodies that are too near; slower: they stay
 near it."""
 
 
 class LimitedFollower:
-    """Follows postures by one step a call: `shown` is the posture of the last call, `is_input` whether that is the one that was
-    asked for."""
+    """Follower of postures by one step a call.
+    `shown` is the posture of the last call, `is_input` whether it equals the requested one."""
 
     def __init__(self, chords: Chords, speed: Array, acceleration: Array, dt: float, margin: float) -> None:
         self.chords, self._margin, self._opening = chords, margin, OPENING * dt
@@ -43,13 +43,13 @@ class LimitedFollower:
         self.shown = sample if self.is_input else self._posture(sample.time)
 
     def brake(self, time: float) -> None:
-        """Take one step along the proved way to rest, at `time` [s]."""
+        """Take one step along the proved motion to rest, at `time` [s]."""
         brake_once(self.chords.world.words, self._words)
         self.outcome, self.is_input = Outcome.BRAKED, False
         self.shown = self._posture(time)
 
     def stops(self) -> list[TrackerSample]:
-        """The postures of the proved way to rest from the shown one, call by call; none at rest."""
+        """Return the postures of the proved motion to rest from the shown one, call by call; none at rest."""
         return [self._ahead(k) for k in range(1, int(self._parts.calls[0]))]
 
     def _posture(self, time: float) -> TrackerSample:

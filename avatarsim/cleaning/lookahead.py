@@ -1,10 +1,10 @@
-"""Look-ahead smoothing of what was displaced: an envelope by running maximum and a Hann window, as in a look-ahead limiter.
+"""Look-ahead smoothing of displacements: an envelope by running maximum and a Hann window, as in a look-ahead limiter.
 
 Where a motion was held off its input the displacement changes with a jerk. The clip is known whole, so the target may give way
-before it has to: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response of the
+before contact: the displacement, raised to its largest value within a window, is low-passed by a finite impulse response of the
 same length (zero phase; Oppenheim and Schafer, Discrete-Time Signal Processing), added to the input as in motion warping (Witkin
-and Popovic 1995), and tracked again. Its support is compact: towards frames that kept the input it is faded to what was tracked
-first, and those keep the input to the bit. Only where that leaves too much jerk may limbs give way in free frames as well, by at
+and Popovic 1995), and tracked again. Its support is compact: towards frames that kept the input it is faded to the first tracked
+motion, and those keep the input to the bit. Only where that leaves too much jerk may limbs give way in free frames as well, by at
 most the length of the window before and after.
 """
 
@@ -26,31 +26,31 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 LEAST_FRAMES = 4
-"""Frames of a window at least: fewer can not be smooth."""
+"""Least number of frames of a window: fewer cannot be smooth."""
 
 WIDEST = 1.0
-"""[rad] a displacement of a joint beyond this is no small one that may be scaled and averaged."""
+"""[rad] largest displacement of a joint that may be scaled and averaged as a small one."""
 
 WORTH = 0.95
-"""Share of the jerk of what was tracked first that a smoothed episode has at most: else frames would change for nothing."""
+"""Largest share of the first tracked motion's jerk that a smoothed episode may have: else frames would change for nothing."""
 
 MOST_JERK = 1.5
-"""Jerk up to which free frames keep the input, in multiples of the input's, where that was free and elsewhere. Larger: a motion
-that gives way within few frames is seen to; smaller: more frames change for it."""
+"""Jerk up to which free frames keep the input, in multiples of the input's in free frames and elsewhere. Larger: a motion that
+gives way within few frames looks abrupt; smaller: more frames change for it."""
 
 TRIES = 2
-"""Windows that are tried, each twice as long as the one before."""
+"""Number of windows that are tried, each twice as long as the one before."""
 
 
 class Episode(NamedTuple):
-    """Frames first .. last that are not the input's, both included."""
+    """Frames first .. last, both included, that differ from the input."""
 
     first: int
     last: int
 
 
 def episodes(is_input: NDArray[np.bool_], grow: int) -> list[Episode]:
-    """Runs of frames that are not the input's; those whose surroundings of `grow` frames meet are one."""
+    """Return runs of frames that differ from the input; those whose surroundings of `grow` frames meet are one."""
     away = np.flatnonzero(~is_input)
     if not away.size:
         return []
@@ -59,8 +59,8 @@ def episodes(is_input: NDArray[np.bool_], grow: int) -> list[Episode]:
 
 
 def displacement(chords: Chords, motion: Motion, written: Motion, some: slice) -> Array | None:
-    """(n, w) [m, rad] what was written in frames `some` less the input: roots in world axes, turns as rotation vectors in the
-    axes of the joint's parent, hinges by difference. None where a joint turned by more than WIDEST."""
+    """Return the displacement (n, w) [m, rad] of the written motion from the input in frames `some`.
+    Roots in world axes, turns as rotation vectors in the parent's axes, hinges by difference. None for a joint beyond WIDEST."""
     free, turning = chords.free_roots, chords.turning
     before, after = motion.rotations[some][:, turning], written.rotations[:, turning]
     turns = rotation.to_rotation_vector(rotation.multiply(after, rotation.conjugate(before)))
@@ -73,7 +73,7 @@ def displacement(chords: Chords, motion: Motion, written: Motion, some: slice) -
 
 
 def displaced(chords: Chords, motion: Motion, some: slice, d: Array) -> Motion:
-    """The motion with a displacement (n, w) added in frames `some`; where that is zero nothing changes, to the bit."""
+    """Return the motion with a displacement (n, w) added in frames `some`; where that is zero nothing changes, to the bit."""
     free, turning = chords.free_roots, chords.turning
     positions, rotations, angles = motion.positions.copy(), motion.rotations.copy(), motion.angles.copy()
     where = np.arange(some.start, some.stop)[np.any(d != 0.0, axis=1)]
@@ -88,8 +88,8 @@ def displaced(chords: Chords, motion: Motion, some: slice, d: Array) -> Motion:
 
 
 def smoothed(d: Array, half: int) -> Array:
-    """A displacement (n, w) raised to its largest size within `half` frames and averaged by a Hann window of as many on each
-    side; where there is none the nearest one's direction is taken."""
+    """Return a displacement (n, w) raised to its largest size within `half` frames and averaged by a Hann window.
+    The window has as many frames on each side; where there is no displacement the nearest one's direction is used."""
     size = np.linalg.norm(d, axis=1)
     moving = np.flatnonzero(size > 0.0)
     if not moving.size:
@@ -107,8 +107,8 @@ def smoothed(d: Array, half: int) -> Array:
 
 
 def faded(first: Array, smooth: Array, is_input: NDArray[np.bool_], half: int) -> Array:
-    """A smoothed displacement (n, w) that goes over into the first one within `half` frames of those that kept the input, by a
-    raised cosine."""
+    """Return a smoothed displacement (n, w) that is blended into the first one near frames that kept the input.
+    The blend is a raised cosine over `half` frames."""
     frames, far = np.arange(len(first)), len(first) + half
     since = frames - np.maximum.accumulate(np.where(is_input, frames, -far))
     until = np.minimum.accumulate(np.where(is_input, frames, len(first) + far)[::-1])[::-1] - frames
@@ -117,15 +117,15 @@ def faded(first: Array, smooth: Array, is_input: NDArray[np.bool_], half: int) -
 
 
 def by_jerk(found: Sequence[Episode], jerks: Array, near: int) -> list[Episode]:
-    """Episodes in order of the largest jerk in them and `near` frames before and after, the largest first."""
+    """Return episodes in order of the largest jerk in them and `near` frames before and after, the largest first."""
     largest = np.nan_to_num(jerks).max(axis=1)
     return sorted(found, key=lambda one: -float(largest[max(0, one.first - near) : one.last + near + 1].max()))
 
 
 @dataclass(frozen=True)
 class Smoothing:
-    """Look-ahead over what was tracked of a motion: `written` is changed in place. `is_free` (F,): which frames of the input were
-    free."""
+    """Look-ahead smoothing of a tracked motion.
+    `written` is changed in place; `is_free` (F,): which frames of the input were free."""
 
     chords: Chords
     follower: Follower
@@ -136,7 +136,7 @@ class Smoothing:
     planting: Planting
 
     def improve(self) -> None:
-        """Track each episode again towards a target that gives way in time, where that ends well and is smoother."""
+        """Track each episode again towards a target that gives way early, where the result is valid and smoother."""
         motion, blend = self.motion, self.options.blend
         if blend == 0.0 or len(motion) <= LEAST_FRAMES:
             return
@@ -156,13 +156,13 @@ class Smoothing:
         return any(self._again(episode, half << attempt, is_compact) for attempt in range(TRIES))
 
     def _again(self, episode: Episode, half: int, is_compact: bool) -> bool:
-        """Track an episode again with a window of `half` frames on each side, and take what is written if it is better; if
-        compact, frames that kept the input keep it."""
+        """Track an episode again with a window of `half` frames on each side, and keep the result if it is better.
+        If compact, frames that kept the input keep it."""
         motion, written = self.motion, self.written
         first, last = max(0, episode.first - 2 * half - 1), min(len(motion) - 1, episode.last + 2 * half + 1)
         some, is_input = slice(first, last + 1), written.kind == Kind.INPUT
         if last - first < LEAST_FRAMES or (first > 0 and not is_input[first]) or (last < len(motion) - 1 and not is_input[last]):
-            # a doubled window that reaches into the next episode
+            # a doubled window may overlap the next episode
             return False
         old = part_of(written.motion, some)
         d = displacement(self.chords, motion, old, some)
@@ -175,7 +175,7 @@ class Smoothing:
         kept = is_input[some] if is_compact else is_input[some] & (np.arange(len(old)) == len(old) - 1)
         if np.any(trial.kind[kept] != Kind.INPUT) or np.any(trial.kind == Kind.CROSSED):
             return False
-        # every way between its frames was proved free as it was written
+        # every motion segment between its frames was proved free when it was written
         if not self._is_smoother(trial.motion, old, some, is_compact):
             return False
         trial.kind[0] = written.kind[first]
@@ -186,7 +186,7 @@ class Smoothing:
         return True
 
     def _tracked(self, aim: Motion, old: Motion, is_input: bool) -> Written:
-        """What comes of following an aim from where the old motion starts, which is a frame of the input or not."""
+        """Track an aim from the first frame of the old motion, which is a frame of the input or not, and return the result."""
         trial, start = Written(aim), old.sample(0)
         self.follower.begin(start, is_input)
         trial.put(0, start, Kind.INPUT if is_input else Kind.TRACKED)
@@ -194,7 +194,7 @@ class Smoothing:
         return trial
 
     def _is_smoother(self, new: Motion, old: Motion, some: slice, is_compact: bool) -> bool:
-        """Return True if the jerk is worth a change; if compact, with no more of it in free frames than there was, or may be."""
+        """Return True if the jerk is worth a change; if compact, with no more of it in free frames than before or allowed."""
         jerks, before, free = jerk(self.chords, new), jerk(self.chords, old), self.is_free[some]
         if not high(jerks) < WORTH * high(before) or self.planting.slides_more(new, old, some):
             return False
@@ -205,6 +205,6 @@ class Smoothing:
 
 
 def part_of(motion: Motion, some: slice) -> Motion:
-    """Some frames of a motion, at their times."""
+    """Return some frames of a motion, at their times."""
     times = motion.times[some]
     return Motion(times, motion.positions[some], motion.rotations[some], motion.angles[some])

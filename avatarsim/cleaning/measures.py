@@ -1,5 +1,4 @@
-"""Measures of a motion: overlap in frames and proof between them, excess beyond limits, jerk, and how far one motion is from
-another.
+"""Measures of a motion: overlap in frames and proof between them, excess beyond limits, jerk, and distance from another motion.
 
 Jerk: third differences of link positions over the time of a frame cubed (Flash and Hogan 1985 judge the smoothness of human
 motion by it).
@@ -26,28 +25,28 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 HIGH = 95.0
-"""[percent] which of the sorted values is given."""
+"""Percentile of the sorted values that is reported."""
 
 NAMED = 8
-"""Excluded pairs that a sentence names, the deepest; all are in the audit."""
+"""Most excluded pairs in a sentence, the deepest; all are in the audit."""
 
 
 def jerk(chords: Chords, motion: Motion) -> Array:
-    """(F, links) [m/s^3] size of the third difference of positions of the avatar's links about each frame; nan where there are
-    too few frames."""
+    """Return the size (F, links) [m/s^3] of the third difference of positions of the avatar's links about each frame.
+    It is nan where there are too few frames."""
     avatar = chords.scene.avatars[0]
     own = of_avatar(motion, avatar)
     positions, _ = poses_of_links((avatar,), own.positions, own.rotations, own.angles)
     found = np.full(positions.shape[:2], np.nan)
     if len(motion) >= 4:
         third = np.linalg.norm(np.diff(positions, 3, axis=0), axis=2) * motion.rate**3
-        # of the two frames in the middle of four
+        # of the middle two of four frames
         found[1:-2] = third
     return found
 
 
 def high(values: Array) -> float:
-    """The 95th percentile of what is a number among the values; nan of none."""
+    """Return the 95th percentile of the finite values; nan of none."""
     known = values[np.isfinite(values)]
     return float(np.percentile(known, HIGH)) if known.size else float("nan")
 
@@ -56,8 +55,8 @@ def audited(
     chords: Chords, motion: Motion, judged: Judged, was_free: Flags, planted: Flags, with_opinion: bool,
     notes: tuple[str, ...] = (),
 ) -> Audit:
-    """Measures of a motion whose frames were judged; `was_free` (F,): which frames of the input were free, `planted` (F-1, feet):
-    on which ways between frames its feet were planted."""
+    """Return the measures of a motion whose frames were judged.
+    `was_free` (F,): which frames of the input were free; `planted` (F-1, feet): between which frames its feet were planted."""
     jerks = jerk(chords, motion)
     deepest = int(np.argmin(judged.gap))
     depths = np.maximum(0.0, -judged.gap)
@@ -79,7 +78,7 @@ def audited(
 
 
 def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
-    """The pairs that avatar and model exclude, besides each link and its parent, and how deep they get into each other."""
+    """Return the pairs that avatar and model exclude, except each link and its parent, and their depths of overlap."""
     scene, avatar, names = chords.scene, chords.scene.avatars[0], chords.scene.names
     at = {link.name: len(scene.bodies) + k for k, link in enumerate(avatar.links)}
     found = [(at[a], at[b]) for a, b in avatar.ignore] + [(names.index(a), names.index(b)) for a, b in scene.exclude]
@@ -89,7 +88,7 @@ def excluded_pairs(chords: Chords, motion: Motion) -> tuple[Excluded, ...]:
 
 
 def at_rest_pairs(chords: Chords, motion: Motion) -> tuple[AtRest, ...]:
-    """The pairs that overlap at home and must not overlap deeper, and how deep they get into each other."""
+    """Return the pairs that overlap at home and must not overlap deeper, and their depths of overlap."""
     scene = chords.scene
     known = [(a, b, allowed) for a, b, allowed in scene.resting if scene.pair_filter[a, b]]
     found = deepest_of(chords, motion, [(a, b) for a, b, _ in known])
@@ -99,7 +98,7 @@ def at_rest_pairs(chords: Chords, motion: Motion) -> tuple[AtRest, ...]:
 
 
 def deepest_of(chords: Chords, motion: Motion, pairs: Sequence[tuple[int, int]]) -> list[float]:
-    """Deepest overlap [m] of pairs of bodies, by their numbers, in any frame; 0 for none."""
+    """Return the deepest overlap [m] of pairs of bodies, by their numbers, in any frame; 0 for none."""
     numbers, depths = np.array(pairs, dtype=np.int64).reshape(-1, 2), np.zeros(len(pairs))
     for frame in range(len(motion) if pairs else 0):
         depths = np.maximum(depths, -chords.gaps(motion.sample(frame), numbers))
@@ -107,7 +106,7 @@ def deepest_of(chords: Chords, motion: Motion, pairs: Sequence[tuple[int, int]])
 
 
 def link_moves(chords: Chords, motion: Motion, written: Motion) -> Array:
-    """Return how far (F, links) [m] the middles of the avatar's links in a written motion are from those of the input."""
+    """Return the distances (F, links) [m] of the middles of the avatar's links in a written motion from those of the input."""
     avatar = chords.scene.avatars[0]
     motion, written = of_avatar(motion, avatar), of_avatar(written, avatar)
     before, after = (poses_of_links((avatar,), one.positions, one.rotations, one.angles) for one in (motion, written))
@@ -119,7 +118,7 @@ def link_moves(chords: Chords, motion: Motion, written: Motion) -> Array:
 
 
 def farthest(chords: Chords, motion: Motion, written: Motion) -> float:
-    """Return the largest way [m] of any link from the input to a written motion."""
+    """Return the largest distance [m] of any link between the input and a written motion."""
     return float(link_moves(chords, motion, written).max())
 
 

@@ -1,4 +1,4 @@
-"""Planted feet kept where the recording has them: a motion to follow whose root is lifted with them, and weights of their links.
+"""Planted feet kept where the recording has them: a target motion whose root is lifted with them, and weights of their links.
 
 A foot in the floor is pushed up by the posture solver, which bends the leg and lets the foot slide. Footskate cleanup (Kovar,
 Schreiner and Gleicher 2002) states where planted feet are to be and moves the root smoothly to reach that. Here the root goes up
@@ -45,7 +45,7 @@ MOST_JERK = 1.1
 
 @dataclass(frozen=True, eq=False)
 class Planting:
-    """Planted feet of a motion: on which ways between frames (F-1, feet), and which frames (F,) are free."""
+    """Planted feet of a motion: between which frames (F-1, feet), and which frames (F,) are free."""
 
     chords: Chords
     motion: Motion
@@ -60,7 +60,7 @@ class Planting:
 
     @property
     def frames(self) -> Flags:
-        """In which frames (F, feet) each foot is planted on the way there or from there."""
+        """Return in which frames (F, feet) each foot is planted in the step before or after."""
         found = np.zeros((len(self.motion), self.planted.shape[1]), dtype=bool)
         found[:-1] |= self.planted
         found[1:] |= self.planted
@@ -91,18 +91,18 @@ class Planting:
             yield self.motion if response is None else self._lifted(needed, known, response)
 
     def _lifted(self, needed: Array, known: Flags, response: float) -> Motion:
-        """Return the motion with its root higher by what is needed (F,) [m] in frames where that is known, smoothed."""
+        """Return the motion with its root raised by `needed` (F,) [m] in frames where that is known, smoothed."""
         return raised(self.motion, self.chords, smooth_lift(needed, known, self.is_free, response * self.motion.rate))
 
     def slides_more(self, new: Motion, old: Motion, some: slice) -> bool:
-        """Return whether planted feet slide farther in some frames than they did in these and than they may."""
+        """Return True if planted feet slide farther in some frames than before and than they may."""
         planted, whole = self.planted[some][: len(new) - 1], self.motion
         own = Motion(whole.times[some], whole.positions[some], whole.rotations[some], whole.angles[some])
         slides = [foot_slide(self.chords, one, planted) for one in (new, old, own)]
         return slides[0] > max(slides[1], most_slide(slides[2]))
 
     def excess(self, motion: Motion) -> float:
-        """Return how far a result is from what it may be: at most 1 where foot slide and jerk are within bounds."""
+        """Return the larger ratio of a result's foot slide and jerk to their bounds: at most 1 where both are within them."""
         before, after = (foot_slide(self.chords, one, self.planted) for one in (self.motion, motion))
         rough, smooth = (high(jerk(self.chords, one)) for one in (motion, self.motion))
         found = [after / most_slide(before), rough / (MOST_JERK * smooth) if smooth > 0.0 else np.nan]
@@ -110,12 +110,12 @@ class Planting:
 
 
 def most_slide(before: float) -> float:
-    """Return the foot slide [m/s] that a result may have, of an input's."""
+    """Return the largest foot slide [m/s] allowed for a result, given an input's."""
     return max(MOST_SLIDE * before, before + SLIDE_FLOOR)
 
 
 def smooth_lift(needed: Array, known: Flags, is_free: Flags, response: float) -> Array:
-    """Return the lift (F,) that is near what is needed where that is known, near 0 elsewhere, and 0 in free frames.
+    """Return the lift (F,) that is near `needed` where that is known, near 0 elsewhere, and 0 in free frames.
 
     Minimises the sum of squared errors plus response^6 times that of squared third differences; `response` in frames."""
     frames = len(needed)

@@ -14,15 +14,15 @@ from avatarsim.scene.tracker import poses_of_links
 Array = NDArray[np.float64]
 
 LEAP_SPEED = 10.0
-"""Mean speed [m/s] of links on the way from frame 0 to frame 1 above which frame 0 may be a reference: twice that of a sprint.
+"""Mean speed [m/s] of links from frame 0 to frame 1 above which frame 0 may be a reference: twice that of a sprint.
 Larger: a T-pose near the first posture is tracked, and limbs are thrown; smaller: fast clips lose their first frame."""
 
 LEAP_RATIO = 3.0
-"""Factor of the mean speed on the next way above which it is a leap: in recorded motion it is at most twice as much."""
+"""Factor of the mean speed to the next frame above which it is a leap: in recorded motion it is at most twice as much."""
 
 
 def reference_frames(chords: Chords, motion: Motion) -> int:
-    """Return 1 where frame 0 is a reference posture, else 0; the first three frames alone decide."""
+    """Return 1 where frame 0 is a reference posture, else 0; only the first three frames decide."""
     if len(motion) < 3:
         return 0
     first, second = _steps(chords, motion).mean(axis=1) / np.diff(motion.times[:3])
@@ -30,7 +30,7 @@ def reference_frames(chords: Chords, motion: Motion) -> int:
 
 
 def _steps(chords: Chords, motion: Motion) -> Array:
-    """Return how far (2, links) [m] links go on the first two ways."""
+    """Return how far (2, links) [m] links move in the first two steps."""
     avatar = chords.scene.avatars[0]
     own = of_avatar(motion, avatar)
     places, _ = poses_of_links((avatar,), own.positions[:3], own.rotations[:3], own.angles[:3])

@@ -1,4 +1,4 @@
-"""What cleaning and auditing a motion give: measures of overlap, limits, smoothness and displacement, and flagged frames."""
+"""Results of cleaning and auditing a motion: measures of overlap, limits, smoothness and displacement, and flagged frames."""
 
 import math
 from dataclasses import dataclass
@@ -14,19 +14,19 @@ Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 OVERLAP = 1e-6
-"""Depth above which shapes overlap [m]: what rounding and the query's own tolerance leave is below."""
+"""Depth above which shapes overlap [m]: rounding errors and the query's own tolerance are below."""
 
 
 @dataclass(frozen=True)
 class Options:
-    """How a motion is cleaned.
+    """Options of cleaning a motion.
 
     margin    gap that is kept between shapes where the input comes nearer [m], above 0
     blend     how long limbs take to give way at either end of a contact [s], 0: none; at least 4 frames are taken
-    loose     whether the bodies that the files call loose are left out; else they are fixed where they are
+    loose     whether the bodies that the files mark as loose are left out; else they are fixed where they are
     seed      of the engine's random directions
     ground    whether a clip that is in the room in every frame is cleaned higher by a constant lift
-    opinion   whether an independent library is asked as well, where it is installed: as long again as all else
+    opinion   whether an independent library checks as well, where it is installed: as long again as all else
 
     Raises InvalidInput for numbers outside these ranges."""
 
@@ -47,13 +47,13 @@ class Options:
 
 
 DEFAULTS = Options()
-"""What holds unless told otherwise."""
+"""Default options."""
 
 
 @dataclass(frozen=True)
 class Excluded:
-    """A pair that is excluded from contact by the word of the file or of the avatar: `depth` is its deepest overlap in any frame
-    [m], 0 for none."""
+    """A pair that the file or the avatar excludes from contact.
+    `depth` is its deepest overlap in any frame [m], 0 for none."""
 
     a: str
     b: str
@@ -72,8 +72,8 @@ class AtRest:
 
 @dataclass(frozen=True)
 class Opinion:
-    """What another library (`by`) finds: the deepest overlap [m] and how many postures are deeper than OVERLAP, of `frames`
-    written postures and of `between` postures at ten equal steps from each frame to the next."""
+    """Result of another library (`by`): the deepest overlap [m] and how many postures are deeper than OVERLAP.
+    Counted over `frames` written postures and `between` postures at ten equal steps from each frame to the next."""
 
     by: str
     frames: int
@@ -91,18 +91,18 @@ class Audit:
     depths        (F,) deepest overlap of each frame [m], 0 for none, by this project's signed distance; of pairs that overlap at
                   home beyond the depth that they may have
     deepest_pair  the pair of the deepest overlap, None without any
-    proven        (F-1,) share of the way from each frame to the next, from its start, that is proved free of overlap: 1 is all
+    proven        (F-1,) share of the motion from each frame to the next, from its start, that is proved free of overlap: 1 is all
     limit_excess  largest angle by which a joint is outside its limits [rad]
-    slide_excess  largest way by which a slide is outside its limits [m]
+    slide_excess  largest distance by which a slide is outside its limits [m]
     jerk_free     95th percentile of the jerk of link positions over the frames where the input was free [m/s^3]; nan without any
-    jerk_held     the same over the other frames
-    excluded      the pairs that no measure and no proof looks at, since they are excluded
-    opinion       of an independent library; None where it is not installed or was not asked
+    jerk_held     that over the other frames
+    excluded      the pairs that no measure and no proof includes, since they are excluded
+    opinion       of an independent library; None where it is not installed or not used
     said          sentences for the user
     at_rest       the pairs that overlap at home
     foot_slide    mean speed at which soles slide where a foot of the input is planted [m/s]; nan without such a foot
     notes         sentences on the recording: frames that are all in the room, a reference posture in frame 0
-    pairs         the deepest pair of each frame, None where nothing overlaps; empty where that is not known"""
+    pairs         the deepest pair of each frame, None where nothing overlaps; empty where it is unknown"""
 
     depths: Array
     deepest_pair: tuple[str, str] | None
@@ -121,7 +121,7 @@ class Audit:
 
     @property
     def frames(self) -> int:
-        """How many frames the motion has."""
+        """Number of frames of the motion."""
         return len(self.depths)
 
     @property
@@ -136,17 +136,17 @@ class Audit:
 
     @property
     def overlapping(self) -> int:
-        """In how many frames shapes overlap by more than OVERLAP."""
+        """Number of frames in which shapes overlap by more than OVERLAP."""
         return int(np.sum(~(self.depths <= OVERLAP)))
 
     @property
     def unproven(self) -> int:
-        """How many of the F-1 ways from frame to frame are not proved free of overlap to their end."""
+        """Number of the F-1 motion segments between frames that are not proved free of overlap to their end."""
         return int(np.sum(~(self.proven >= 1.0)))
 
     @property
     def is_clean(self) -> bool:
-        """Return True if no frame overlaps, every way between frames is proved free, and joints are within limits."""
+        """Return True if no frame overlaps, every motion segment is proved free, and joints are within limits."""
         return self.overlapping == 0 and self.unproven == 0 and max(self.limit_excess, self.slide_excess) <= 1e-9
 
 
@@ -156,7 +156,7 @@ class Moved:
 
     links      names; link_rms, link_p95, link_most (links,) of the distance of their middles [m]
     joints     names; joint_rms, joint_p95 (joints,) of the angle between the rotations, or of the hinge angle [rad]
-    slides     names; slide_rms, slide_p95 (slides,) of their ways [m]"""
+    slides     names; slide_rms, slide_p95 (slides,) of the slides' displacements [m]"""
 
     links: tuple[str, ...]
     link_rms: Array
@@ -172,11 +172,11 @@ class Moved:
 
 @dataclass(frozen=True)
 class Flagged:
-    """A run of frames, `first` to `last`, both included, that differ from the input, and `why`: "overlap" (the input overlaps or
-    comes nearer than the margin), "blend" (giving way before or after contact), "limits" (outside joint limits), "held back" (the
-    way from the frame before was not free), "pushed" (a carried body came into the frame before, and no way out was proved),
-    "catching up" (on the way back to the input), "unreachable" (held off for longer than a second). `pair` is the nearest pair of
-    the input in that run, where one caused it."""
+    """A run of frames, `first` to `last`, both included, that differ from the input, and the reason.
+    `why`: "overlap" (the input overlaps or comes nearer than the margin), "blend" (giving way before or after contact), "limits"
+    (outside joint limits), "held back" (the motion from the frame before was not free), "pushed" (a carried body came into the
+    frame before, and no way out was proved), "catching up" (on the way back to the input), "unreachable" (held off for longer
+    than a second). `pair` is the nearest pair of the input in that run, where one caused it."""
 
     first: int
     last: int
@@ -186,9 +186,9 @@ class Flagged:
 
 @dataclass(frozen=True, eq=False)
 class Cleaned:
-    """The cleaned motion at the input's times, measures before and after, how far it is from the input, which frames differ from
-    it (changed, (F,)), which frames of the input were not free (held, (F,): they overlap, come nearer than the margin, or are
-    beyond limits), and the runs of frames that changed."""
+    """The cleaned motion at the input's times, measures before and after, its distance from the input, and changed frames.
+    changed (F,): which frames differ from the input; held (F,): which frames of the input were not free (they overlap, come
+    nearer than the margin, or are beyond limits); and the runs of frames that changed."""
 
     motion: Motion
     before: Audit

@@ -1,8 +1,8 @@
-"""A second opinion on overlap by the library coal (Pan et al., https://github.com/coal-library/coal), which shares no code with
-us.
+"""Independent check of overlap by the library coal (Pan et al., https://github.com/coal-library/coal), which shares no code with
+avatarsim.
 
-It sees the shapes and the poses of links as `poses_of_links` has them, in every frame and at ten equal steps between. Where the
-package is missing that is said, and nothing else changes.
+It is given the shapes and the poses of links as `poses_of_links` has them, in every frame and at ten equal steps between. Where
+the package is missing a note reports it, and nothing else changes.
 """
 
 from typing import Any
@@ -21,17 +21,17 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 BETWEEN = 10
-"""Equal steps from one frame to the next that are looked at."""
+"""Equal steps from one frame to the next that are checked."""
 
 AT_ONCE = 256
-"""States that are placed in one go; more: memory for all boxes of all of them."""
+"""States that are placed in one batch; more: memory for the boxes of all of them."""
 
 TOLERANCE, FACES = 1e-9, 512
-"""[m] what coal's iterations may leave, and most faces that it may open: at its defaults curved shapes are off by micrometres."""
+"""Tolerance [m] of coal's iterations, and most faces that it may open: at its defaults curved shapes are off by micrometres."""
 
 
 def opinion_of(scene: Scene, motion: Motion) -> tuple[Opinion | None, str]:
-    """What coal finds in a motion of the scene's avatar; or None, and why."""
+    """Return coal's result for a motion of the scene's avatar; or None, and the reason."""
     try:
         import coal  # noqa: F401
     except ImportError:
@@ -46,7 +46,7 @@ def opinion_of(scene: Scene, motion: Motion) -> tuple[Opinion | None, str]:
 
 
 def between_frames(motion: Motion) -> Motion:
-    """The postures at the inner ones of BETWEEN equal steps from each frame to the next."""
+    """Return the postures at the inner ones of BETWEEN equal steps from each frame to the next."""
     steps = len(motion) - 1
     share = np.tile(np.arange(1, BETWEEN) / BETWEEN, steps)
 
@@ -63,7 +63,7 @@ def between_frames(motion: Motion) -> Motion:
 
 
 class Asked:
-    """The pieces of a scene as coal knows them."""
+    """The pieces of a scene as coal objects."""
 
     def __init__(self, scene: Scene) -> None:
         import coal
@@ -79,7 +79,7 @@ class Asked:
         self.placed = [coal.Transform3s() for _ in owned]
         first = len(scene.bodies)
         wanted = np.triu(scene.pair_filter[self.owner[:, None], self.owner[None, :]], 1)
-        # every wanted pair has a link in it, and links come last
+        # every checked pair has a link in it, and links come last
         one, other = np.nonzero(wanted)
         self.pairs = np.stack([one, other], axis=1)[self.owner[other] >= first]
         allowed = np.zeros(scene.pair_filter.shape)
@@ -92,7 +92,7 @@ class Asked:
         self.request.epa_max_iterations = FACES
 
     def depths(self, motion: Motion) -> Array:
-        """(F,) deepest overlap [m] of each posture, of pairs that overlap at home beyond that; 0 for none."""
+        """Return the deepest overlap (F,) [m] of each posture, for pairs that overlap at home beyond that; 0 for none."""
         found = np.zeros(len(motion))
         for start in range(0, len(motion), AT_ONCE):
             some = slice(start, start + AT_ONCE)
@@ -120,7 +120,7 @@ class Asked:
         return depths
 
     def _pieces(self, links: Array, link_turns: Array) -> tuple[Array, Array]:
-        """Positions (F, p, 3) and rotation matrices (F, p, 3, 3) of all pieces."""
+        """Return positions (F, p, 3) and rotation matrices (F, p, 3, 3) of all pieces."""
         frames, bodies = len(links), self.scene.bodies
         stand = np.array([body.position for body in bodies]).reshape(-1, 3)
         lie = np.array([body.orientation for body in bodies]).reshape(-1, 4)
@@ -131,7 +131,7 @@ class Asked:
 
 
 def half_box(shape: Shape) -> tuple[float, float, float, float, float, float]:
-    """Half lengths of the box around a shape's core in its own frame, and what is added in all directions [m]."""
+    """Return half lengths of the box around a shape's core in its own frame, and the margin in all directions [m]."""
     if isinstance(shape, Sphere):
         return (0.0, 0.0, 0.0, *(shape.radius,) * 3)
     if isinstance(shape, Capsule):
@@ -146,7 +146,7 @@ def half_box(shape: Shape) -> tuple[float, float, float, float, float, float]:
 
 
 def coal_shape(shape: Shape) -> Any:
-    """A shape in coal's own kind of it, boxes as hulls: coal's own boxes, nearly parallel, came out too shallow now and then."""
+    """Convert a shape to coal's type, boxes as hulls: coal's own boxes, nearly parallel, came out too shallow now and then."""
     import coal
     from scipy.spatial import ConvexHull as QuickHull
 

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from avatarsim.cleaning.track import Follower
 
 PACE, LED, LOOKS, STILL = 1.0 / 60.0, 60, 120, 1e-6
-"""[s] of one look at the approach to the first posture; looks in which the user is led there from the free posture; looks at
-most; and [rad, m] of what then moves no more."""
+"""Duration [s] of one step of the approach to the first posture; steps in which the user is led there from the free posture; most
+steps; and motion [rad, m] below which everything is at rest."""
 
 
 def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> TrackerSample:
-    """The posture nearest to `sample` that keeps all pairs at least `margin` [m] apart, else one that keeps them apart at all;
-    raises StartOverlaps where none is found."""
+    """Return the posture nearest to `sample` with all pairs at least `margin` [m] apart, else one with them apart at all.
+    Raises StartOverlaps where none is found."""
     clipped, _ = chords.clipped(sample)
     world = chords.world
     target, search = posture_of(world.skeleton, world.hinges, clipped), Postures(world)
@@ -34,7 +34,7 @@ def free_posture(chords: Chords, sample: TrackerSample, margin: float) -> Tracke
 
 
 def approach(follower: "Follower", sample: TrackerSample) -> TrackerSample:
-    """Lead the user from where the avatar is to `sample`, and wait until nothing moves any more; where the avatar is then."""
+    """Lead the user from the avatar's posture to `sample`, wait until nothing moves any more, and return the avatar's posture."""
     start = follower.shown
     follower.is_input = False
     for look in range(LOOKS):

@@ -1,5 +1,4 @@
-"""A filter for streams of generalized coordinates: each posture that comes out is reached from the last one on a proved free
-way."""
+"""A filter for streams of generalized coordinates: each output posture is reached from the last one by a motion proved free."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,24 +23,24 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 FASTEST, SLOWEST = 2000.0, 1.0
-"""[1/s] rates of a stream."""
+"""Largest and smallest rates of a stream [1/s]."""
 
 
 class Shield:
     """Generalized coordinates in the file's own order in, certified ones out: for teleoperation.
 
     `model` gives the avatar, its coordinates and bodies, `room` more bodies; `rate` [1/s] is how often the shield is called.
-    What comes out is free of overlap and within limits, and so is the way from the last one that came out, as slerp in joints and
-    straight lines for the rest show it. What is free itself, and reached on a free way, comes out as it went in, but for
-    quaternions: they are of length 1, and their sign is that nearer to the last ones that came out. After contact the avatar
-    catches up with what comes in.
+    Each output is free of overlap and within limits, and so is the motion from the last output, as slerp in joints and straight
+    lines for the rest show it. An input that is free itself, and reached by a free motion, is returned unchanged, but for
+    quaternions: they are of length 1, and their sign is that nearer to the last output. After contact the avatar catches up with
+    the input.
 
-    `speed_limits` and `acceleration_limits` hold in every call, from one row that comes out to the next: a number for all joints,
+    `speed_limits` and `acceleration_limits` apply in every call, from one output row to the next: a number for all joints,
     numbers by their names or in their order, [rad/s, rad/s^2; of slides and of a root's translation m/s, m/s^2]; of a free joint
-    a pair, for its translation and its rotation; None: no limit. Balls and roots are limited in their norm. "file" is what a
-    URDF file states as `velocity`; files that state none limit nothing. With limits the way to rest from each row that comes
-    out, all joints braking by one factor, is proved free as well, so that the avatar can always stop: `stop` gives it, and a
-    call with None goes on along it. The first row is shown at rest.
+    a pair, for its translation and its rotation; None: no limit. Balls and roots are limited in their norm. "file" is the
+    `velocity` of a URDF file; files that state none limit nothing. With limits the motion to rest from each output row, all
+    joints braking by one factor, is proved free as well, so that the avatar can always stop: `stop` gives it, and a call with
+    None continues along it. The first row is shown at rest.
 
     Raises InvalidInput for a model without avatar, for another rate and for limits that do not fit, UnknownName for names that
     are no joints.
@@ -73,12 +72,12 @@ class Shield:
         self.is_free = True
 
     def __call__(self, q: Array | None) -> Array:
-        """The nearest free posture to `q` (width,) that is reached on a free way from the last one; `is_free` says whether that
-        is `q` itself. The first one is the nearest that is found free. None: the next posture of the way to rest.
+        """Return the nearest free posture to `q` (width,) that is reached by a free motion from the last one.
 
-        Raises InvalidInput for another width, numbers that are not finite, roots farther away than 1e8 m, quaternions without
-        length, and None before any posture; and StartOverlaps where no free posture is found near the first one; what came before
-        then still counts."""
+        `is_free` is True if it is `q` itself. The first one is the nearest that is found free. None: the next posture of the
+        motion to rest. Raises InvalidInput for another width, numbers that are not finite, roots farther away than 1e8 m,
+        quaternions without length, and None before any posture; and StartOverlaps where no free posture is found near the first
+        one; earlier inputs then still count."""
         if q is None:
             return self._without_target()
         row = finite_array("generalized coordinates", q, (self.coordinates.width,), InvalidInput)
@@ -95,13 +94,13 @@ class Shield:
         return self._shown(self._limited or self._follower)
 
     def stop(self) -> Array:
-        """The postures (n, width) of the proved way to rest from the last one that came out, one a call: what calls with None
-        give; none at rest, and without limits."""
+        """Return the postures (n, width) of the proved motion to rest from the last output, one a call.
+        Calls with None return them; none at rest, and without limits."""
         found = [self._row(sample) for sample in self._limited.stops()] if self._limited is not None else []
         return np.array(found).reshape(len(found), self.coordinates.width)
 
     def _without_target(self) -> Array:
-        """The row of a call without a posture."""
+        """Return the row of a call without a posture."""
         if self._follower is None:
             raise InvalidInput("generalized coordinates of the first call", None, "an array: where the avatar is")
         self._time += self._step
@@ -117,7 +116,7 @@ class Shield:
         return gap >= self.options.margin and self._chords.clipped(sample)[1] == (0.0, 0.0)
 
     def _begun(self, sample: TrackerSample) -> Follower:
-        """The follower at the first posture."""
+        """Return the follower at the first posture."""
         is_free = self._keeps_margin(sample)
         start = sample if is_free else free_posture(self._chords, sample, self.options.margin)
         follower = Follower(self._chords, self.options, start, is_free)
@@ -130,7 +129,7 @@ class Shield:
         return follower
 
     def _shown(self, follower: Follower | LimitedFollower) -> Array:
-        """The row of what is shown."""
+        """Return the row of the shown posture."""
         self.is_free = follower.is_input
         last = follower.shown.rotations if self._rotations is None else self._rotations
         self._rotations = rotation.continuous(np.stack([last, follower.shown.rotations]))[1]

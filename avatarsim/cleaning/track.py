@@ -1,13 +1,12 @@
-"""Tracking with hold-back: the engine follows a motion in sub-steps, and only postures are written to which the way is proved
-free.
+"""Tracking with hold-back: the engine follows a motion in sub-steps, and only postures reached by a proved motion are written.
 
-The engine certifies its own steps along straight lines of vertices; a player shows slerp in joints. So each posture that is
-written is reached from the one before by a way that `Chords` has proved (adaptive step size control: the largest of the sub-steps
-that holds, else a part of the first). A frame of the input that is free itself, and to which the way is free, is written as it
-is.
+The engine certifies its own steps along straight lines of vertices; a player shows slerp in joints. So each written posture is
+reached from the one before by a motion segment that `Chords` has proved (adaptive step size control: the largest of the sub-steps
+that holds, else a part of the first). A frame of the input that is free itself, and to which the motion is free, is written
+unchanged.
 
-Bodies that are carried are fixed ones to the engine, put on in steps so small that no gap is used up in one; what they push gives
-way between. The way from frame to frame is proved with both in motion.
+Carried bodies are fixed ones to the engine, advanced in steps so small that no gap is used up in one; the bodies that they push
+give way between. The motion from frame to frame is proved with both in motion.
 """
 
 from dataclasses import dataclass, replace
@@ -35,51 +34,52 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 SUB_STEPS = 120.0
-"""[1/s] sub-steps of the engine at least. Fewer: longer steps, which more often come too near what a limb turns around."""
+"""[1/s] least rate of sub-steps of the engine. Fewer: longer steps, which more often come too near the centre that a limb turns
+around."""
 
 ARRIVED = 1e-9
 """[m, rad] an engine's posture so near the input's is the input's, but for rounding."""
 
 SPARED = 0.9
-"""Share that is gone of a way that ends at something: at its very end the next way could not begin."""
+"""Share taken of a motion segment that ends at an obstacle: at its very end the next one could not begin."""
 
 GROWTH, LEVELS = 3.0, 4
-"""Factor from one gap to the next that is tried where a way is not free, and how many are tried, the margin among them: a fast
+"""Factor from one gap to the next that is tried where a motion is not free, and how many are tried, including the margin: a fast
 foot dips between two frames by up to some centimetres, and has to pass higher. Fewer: it waits instead, and jumps once it is
 released."""
 
 PUSHED, FINEST = 0.2, 256
-"""Way that a carried body goes between two sub-steps at most, in gaps that are kept, and sub-steps of a frame at most. The engine
-accepts a quarter of the gap (tolerances.LEAST_SHARE): more than that in one go could pass it. More sub-steps: faster bodies push
-what they meet, and frames take longer; fewer: they leave no proved way, and the frame is flagged."""
+"""Largest motion of a carried body between two sub-steps, in gaps that are kept, and most sub-steps of a frame. The engine
+accepts a quarter of the gap (tolerances.LEAST_SHARE): more than that in one step could pass it. More sub-steps: faster bodies
+push others, and frames take longer; fewer: they leave no proved motion, and the frame is flagged."""
 
 PARTS = (0.5, 0.25, 0.0)
-"""Shares of the first sub-step that are tried where a carried body has moved on and the whole of it is not reached."""
+"""Shares of the first sub-step that are tried where a carried body has moved on and its whole is not reached."""
 
 CATCH_UP = {"catch_up_turn": 6.25, "catch_up_move": 2.5, "natural_frequency": 1000.0}
-"""[rad/s, m/s, rad/s] how fast what was held off comes back: at half of the engine's speeds live, where a user waits for it, as
-a clip is looked at, and a limb that snaps back is seen. Hardly any inertia, since blends do what it does live: with 100 rad/s
-jerk is the same, and three times as many free frames are not the input's."""
+"""[rad/s, m/s, rad/s] speeds at which a limb held off returns: half of the engine's live speeds, where a user waits for it, since
+a limb that snaps back is visible in a clip. Hardly any inertia, since blends replace it: with 100 rad/s jerk is equal, and three
+times as many free frames differ from the input."""
 
 
 class Kind(IntEnum):
-    """What a written frame is."""
+    """Origin of a written frame."""
 
     INPUT = 0
     """The input's, bit for bit."""
     TRACKED = 1
-    """The engine's posture for it."""
+    """The engine's posture for the frame."""
     HELD = 2
-    """An earlier posture on the way to that, since the rest of the way was not proved free."""
+    """An earlier posture on the way to the tracked one, since the rest of the motion was not proved free."""
     BLENDED = 3
-    """That of a target which gives way before or after contact."""
+    """The posture for a target that gives way before or after contact."""
     CROSSED = 4
-    """A free posture to which no way was proved, since a carried body came into the last one."""
+    """A free posture to which no motion was proved, since a carried body came into the last one."""
 
 
 class Judged:
-    """What postures of a motion are by themselves: gap (F,) smallest signed distance [m], above `margin` where nothing is as
-    near; pair of each; beyond (F, 2) how far outside limits joints [rad] and slides [m] are; is_free (F,)."""
+    """Properties of single postures of a motion: gap (F,) smallest signed distance [m], above `margin` where nothing is as near;
+    pair of each; beyond (F, 2) excess over limits of joints [rad] and slides [m]; is_free (F,)."""
 
     def __init__(self, chords: Chords, motion: Motion, margin: float) -> None:
         frames, self.margin = len(motion), margin
@@ -105,8 +105,8 @@ class LinkWeights:
 
 
 class Follower:
-    """The avatar as it follows postures: `shown` is what was written last, `is_input` whether that is the input itself.
-    `weights` are those of links in the objective, by time; None: all count as much."""
+    """The avatar as it follows postures: `shown` is the last written posture, `is_input` whether it equals the input.
+    `weights` are those of links in the objective, by time; None: all are equal."""
 
     def __init__(
         self, chords: Chords, options: Options, start: TrackerSample, is_input: bool, weights: LinkWeights | None = None
@@ -119,18 +119,18 @@ class Follower:
         self._level, self._since, self._at = 0, 0.0, -1
 
     def load_all(self) -> None:
-        """Load the engines of all levels now: else each is when it is first needed, which takes milliseconds."""
+        """Load the engines of all levels now; otherwise each is loaded at its first use, which takes milliseconds."""
         for level in range(LEVELS):
             self._engine(level, self.shown)
 
     def begin(self, start: TrackerSample, is_input: bool) -> None:
-        """Begin again elsewhere."""
+        """Restart at another posture."""
         self.shown, self.is_input = start, is_input
         self._level, self._at = 0, -1
 
     def follow(self, before: TrackerSample, after: TrackerSample, is_free: bool) -> Kind:
-        """Go on to `after`, coming from `before`, which the input shows at the times of these; `is_free`: whether the input is
-        free there. What is written is in `shown`."""
+        """Advance to `after`, coming from `before`, which the input shows at their times, and store the result in `shown`.
+        `is_free`: whether the input is free there."""
         if self.is_input and is_free and self._reaches(after):
             self.shown, self._at = after, -1
             return Kind.INPUT
@@ -155,7 +155,7 @@ class Follower:
         return self._hold_back(tried, after)
 
     def _engine(self, level: int, user: TrackerSample) -> AvatarsimEngine:
-        """The engine that keeps the gap of a level, with the avatar where it is shown and the user at `user`."""
+        """Return the engine that keeps the gap of a level, with the avatar at its shown posture and the user at `user`."""
         if level not in self._engines:
             self._engines[level] = AvatarsimEngine()
             options = {"stand_off": self.options.margin * GROWTH**level, "around": 0, **CATCH_UP}
@@ -167,7 +167,7 @@ class Follower:
         return self._engines[level]
 
     def _scene(self) -> Scene:
-        """The scene as an engine has it: what is carried is fixed where it is shown."""
+        """Return the scene for an engine: carried bodies are fixed where they are shown."""
         scene = self.chords.scene
         if not self._carried:
             return replace(scene, start=self.shown)
@@ -176,14 +176,14 @@ class Follower:
         return replace(scene, bodies=(*scene.bodies, *bodies), avatars=(self._avatar,), start=self._own(self.shown))
 
     def _own(self, sample: TrackerSample) -> TrackerSample:
-        """The avatar's part of a posture."""
+        """Return the avatar's part of a posture."""
         if not self._carried:
             return sample
         links, hinges = len(self._avatar.links), self._avatar.hinge_count
         return TrackerSample(sample.time, sample.positions[:links], sample.rotations[:links], sample.angles[:hinges])
 
     def _whole(self, own: TrackerSample, other: TrackerSample) -> TrackerSample:
-        """A posture of the avatar, with what is carried where `other` has it."""
+        """Return a posture of the avatar, with carried bodies at their poses in `other`."""
         if not self._carried:
             return own
         links = len(self._avatar.links)
@@ -191,16 +191,16 @@ class Follower:
         return TrackerSample(own.time, positions, np.concatenate([own.rotations, other.rotations[links:]]), own.angles)
 
     def _poses(self, sample: TrackerSample) -> dict[str, tuple[Vector, Quaternion]]:
-        """Poses of what is carried, by name."""
+        """Return poses of carried bodies, by name."""
         links = enumerate(self._carried, len(self._avatar.links))
         return {one.name: (tuple(sample.positions[k].tolist()), tuple(sample.rotations[k].tolist())) for k, one in links}
 
     def _put(self, engine: AvatarsimEngine, sample: TrackerSample, user: TrackerSample) -> None:
-        """Put the avatar and what is carried at `sample`, and the user at `user`."""
+        """Put the avatar and carried bodies at `sample`, and the user at `user`."""
         engine.put(self._own(sample), self._own(user), self._poses(sample))
 
     def _count(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> int:
-        """Sub-steps on the way between two postures."""
+        """Return the number of sub-steps between two postures."""
         count = max(1, ceil(duration * SUB_STEPS - 1e-6))
         for k, reach in enumerate(self._reach, len(self._avatar.links)):
             turn = rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(before.rotations[k]), after.rotations[k]))
@@ -209,7 +209,7 @@ class Follower:
         return count
 
     def _steps(self, level: int, before: TrackerSample, after: TrackerSample, duration: float) -> list[TrackerSample]:
-        """The engine's sub-states on the way; none where a carried body cannot go on without an overlap."""
+        """Return the engine's sub-states on the way; none where a carried body cannot advance without an overlap."""
         tried: list[TrackerSample] = []
         try:
             engine, count = self._engine(level, before), self._count(level, before, after, duration)
@@ -230,7 +230,7 @@ class Follower:
         return self.chords.free_until(self.shown, sample)[0] >= 1.0
 
     def _hold_back(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
-        """Write the last of the engine's sub-states that is reached on a free way, or a part of the way to the first."""
+        """Write the last of the engine's sub-states that is reached by a free motion, or a part of the motion to the first."""
         if self._carried:
             return self._give_way(tried, user)
         engine = self._engines[self._at]
@@ -253,8 +253,8 @@ class Follower:
         return Kind.HELD
 
     def _give_way(self, tried: list[TrackerSample], user: TrackerSample) -> Kind:
-        """The same where carried bodies have moved on, so that the last posture may be free no more: then one is written that is
-        free, without a proved way to it."""
+        """Hold back where carried bodies have moved on, so that the last posture may no longer be free.
+        In that case a free posture is written without a proved motion to it."""
         self._at, shown = -1, self._whole(self._own(self.shown), user)
         parts = [self.chords.clipped(between(shown, one, share))[0] for one in (tried[0] if tried else shown,) for share in PARTS]
         for sample in (*tried[-2::-1], *parts):
@@ -274,7 +274,7 @@ def norm_of(piece: Piece) -> float:
 
 
 class Written:
-    """A motion as it is written: arrays as in Motion, and of each frame a Kind."""
+    """A written motion: arrays as in Motion, and a Kind per frame."""
 
     def __init__(self, motion: Motion) -> None:
         self.times = motion.times
@@ -282,13 +282,13 @@ class Written:
         self.kind = np.zeros(len(motion), dtype=np.int64)
 
     def put(self, frame: int, sample: TrackerSample, kind: Kind) -> None:
-        """Write a frame; one that is the input's is there already."""
+        """Write a frame; an input frame is there already."""
         self.kind[frame] = kind
         if kind is not Kind.INPUT:
             self.positions[frame], self.rotations[frame], self.angles[frame] = sample.positions, sample.rotations, sample.angles
 
     def take(self, other: "Written", first: int, last: int) -> None:
-        """Frames first .. last of another one."""
+        """Copy frames first .. last from another one."""
         some = slice(first, last + 1)
         for mine, theirs in (
             (self.positions, other.positions), (self.rotations, other.rotations), (self.angles, other.angles),
@@ -298,7 +298,7 @@ class Written:
 
     @property
     def motion(self) -> Motion:
-        """What is written, as a motion."""
+        """Return the written frames as a motion."""
         return Motion(self.times, self.positions, self.rotations, self.angles)
 
 

@@ -1,4 +1,4 @@
-"""Cleaning of a recorded motion: tracked with hold-back from where it is free, smoothed by looking ahead, measured as written."""
+"""Cleaning of a recorded motion: tracked with hold-back from a free frame, smoothed by look-ahead, measured as written."""
 
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -29,13 +29,13 @@ from avatarsim.scene.tracker import checked
 from avatarsim.spatial import rotation
 
 UNREACHED = 1.0
-"""[s] after which a free input that was not reached again counts as unreachable: catching up takes less."""
+"""[s] after which a free input not reached again counts as unreachable: catching up takes less."""
 
 
 def chords_of(
     motion: Motion, model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried]
 ) -> tuple[Chords, Motion]:
-    """Queries in the scene of a model, a room and what is carried, and the motion of avatar and carried bodies, which fits."""
+    """Return queries in the scene of a model, a room and carried bodies, and the fitting motion of avatar and carried bodies."""
     scene = scene_of(model, room, options, carried)
     instance("motion to clean", motion, Motion, "a Motion, as a motion file gives", InvalidInput)
     whole = joined(motion, carried)
@@ -44,7 +44,7 @@ def chords_of(
 
 
 def require_fit(scene: Scene, motion: Motion) -> None:
-    """Raise InvalidInput for a motion of another avatar, with rotations that are none, or off the world; it names the frame."""
+    """Raise InvalidInput for a motion of another avatar, with invalid rotations, or off the world; it names the frame."""
     away = np.abs(motion.positions).reshape(len(motion), -1).max(axis=1, initial=0.0)
     if not (away <= FARTHEST).all():
         frame = int(np.argmax(away))
@@ -57,7 +57,7 @@ def require_fit(scene: Scene, motion: Motion) -> None:
 
 
 def audit_motion(motion: Motion, model: Model, room: Sequence[Body], options: Options, carried: Sequence[Carried]) -> Audit:
-    """See `avatarsim.cleaning.audit`."""
+    """Audit a motion; see `avatarsim.cleaning.audit`."""
     chords, whole = chords_of(motion, model, room, options, carried)
     first = reference_frames(chords, whole)
     found = part_of(whole, slice(first, None))
@@ -72,7 +72,7 @@ def clean_motion(
     motion: Motion, model: Model, room: Sequence[Body], options: Options, progress: Callable[[float], None] | None,
     carried: Sequence[Carried],
 ) -> Cleaned:
-    """See `avatarsim.cleaning.clean`."""
+    """Clean a motion; see `avatarsim.cleaning.clean`."""
     chords, whole = chords_of(motion, model, room, options, carried)
     first = reference_frames(chords, whole)
     cleaned = clean_recorded(chords, part_of(whole, slice(first, None)), options, progress or (lambda share: None), carried)
@@ -112,12 +112,12 @@ def clean_recorded(
 
 
 def _part_of_way(tell: Callable[[float], None], n: int, parts: int, share: float) -> None:
-    """Tell the share of the whole that is done, of a share of part n of the search for a result."""
+    """Report the finished share of the whole, given that of part n of the search for a result."""
     tell(0.1 + 0.8 * (n + share) / parts)
 
 
 def constant_lift(chords: Chords, motion: Motion, ground: Ground, margin: float) -> Written | None:
-    """The motion as it is, higher by the constant lift that takes it out of the room; None where it is not free then."""
+    """Return the motion raised by the constant lift that takes it out of the room; None where it is not free then."""
     lifted = raised(motion, chords, ground.free)
     if not Judged(chords, lifted, margin - OVERLAP).is_free.all() or not (certified(chords, lifted).until >= 1.0).all():
         return None
@@ -127,14 +127,14 @@ def constant_lift(chords: Chords, motion: Motion, ground: Ground, margin: float)
 
 
 class Followed(NamedTuple):
-    """A result, and how far planted feet and jerk are from what they may be: at most 1 where they are within bounds."""
+    """A result, and its excess over the bounds of foot slide and jerk: at most 1 within them."""
 
     written: Written
     excess: float
 
 
 def best_written(planting: Planting, judged: Judged, tell: Callable[[float], None]) -> Followed:
-    """Follow one aim after the other until planted feet and jerk are within bounds; the result that is nearest to them."""
+    """Follow each aim in turn until planted feet and jerk are within bounds, and return the result nearest to them."""
     chords, motion, options = planting.chords, planting.motion, planting.options
     best = Followed(Written(motion), inf)
     for n, aim in enumerate(planting.aims()):
@@ -151,7 +151,7 @@ def best_written(planting: Planting, judged: Judged, tell: Callable[[float], Non
 def tracked(
     chords: Chords, motion: Motion, judged: Judged, options: Options, weights: LinkWeights | None, written: Written
 ) -> Follower:
-    """The first pass: from the first free frame forwards, and backwards to frame 0; without a free one from near frame 0."""
+    """Run the first pass: from the first free frame forwards, and backwards to frame 0; without one from near frame 0."""
     free = np.flatnonzero(judged.is_free)
     if free.size:
         first = int(free[0])
@@ -172,7 +172,7 @@ def tracked(
 
 
 def flags(motion: Motion, judged: Judged, kind: NDArray[np.int64]) -> tuple[Flagged, ...]:
-    """Runs of frames that differ from the input, and why."""
+    """Return runs of frames that differ from the input, and the reasons."""
     why = np.full(len(kind), "", dtype=object)
     why[kind == Kind.TRACKED] = "catching up"
     why[kind == Kind.HELD] = "held back"
