@@ -1,1 +1,1 @@
-"""What comes from files: meshes, avatars, rooms and motions, as the types of `scene` and nothing else."""
+"""Readers of files: meshes, avatars, rooms and motions, as the types of `scene` and nothing else."""

@@ -1,7 +1,7 @@
-"""Limits on untrusted files: what a reader takes before it has to trust what a file says of itself.
+"""Limits on untrusted files: the most that a reader accepts before it allocates by sizes that the file states.
 
-A file states how much it holds, and a reader that makes room for it before it looks gives a few bytes the machine's memory or its
-day. So each quantity is compared with a limit first. Together the limits keep a reader below 1 GB and 5 s."""
+A reader that allocates by stated sizes alone lets a file of a few bytes take the machine's memory or a day. So each quantity is
+compared with a limit first. Together the limits keep a reader below 1 GB and 5 s."""
 
 from pathlib import Path
 
@@ -9,12 +9,12 @@ from avatarsim.errors import InvalidFile
 from avatarsim.files import read_bytes
 
 BYTES = 2**28
-"""Bytes of a file, and of all arrays that an archive unpacks to (268 MB). A retargeted hour of a robot with its body poses has
-200 MB. More: beside the file lie its arrays and the motion, several times as large, and 1 GB is passed."""
+"""Bytes of a file, and of all unpacked arrays of an archive (268 MB). A retargeted hour of a robot with its body poses has
+200 MB. More: file, arrays and motion, several times as large, are in memory together, and 1 GB is passed."""
 
 TEXT_BYTES = 2**26
-"""Bytes of a table of numbers as text (67 MB): an hour and a half of a robot with 29 joints at 30 Hz. More: to parse it takes
-more than 5 s."""
+"""Bytes of a table of numbers as text (67 MB): an hour and a half of a robot with 29 joints at 30 Hz. More: parsing takes more
+than 5 s."""
 
 JSON_BYTES = 2**24
 """Bytes of a motion in JSON (16.8 MB): ten minutes of 44 columns at 30 Hz. A list takes 60 bytes of memory and 3 of a file, so
@@ -25,24 +25,24 @@ LINKS = 512
 matrices grow with the square, and a frame takes a second."""
 
 BODIES = 4_096
-"""Bodies of a scene in a file. The largest scene known here has a twentieth of it. More: to load 10,000 takes 5 s and 1 GB."""
+"""Bodies of a scene in a file. The largest scene known here has a twentieth of it. More: loading 10,000 takes 5 s and 1 GB."""
 
 FRAMES = 1_000_000
-"""Frames of a motion: two hours at 120 Hz. More: a frame counts for as much work whatever it holds, and a run would take days."""
+"""Frames of a motion: two hours at 120 Hz. More: each frame takes some work even if small, and a run would take days."""
 
 LINK_FRAMES = 5_000_000
 """Frames times links of a motion: 25 minutes of a robot with 30 links at 100 Hz. A link of a frame is 7 numbers, so this is
-280 MB; while it is read and resampled there are two of them. More: 1 GB is passed."""
+280 MB, and twice that while the motion is read and resampled. More: 1 GB is passed."""
 
 VERTICES = 2_000_000
-"""Vertices of the meshes of a model. The largest scan known here has a fifteenth of it. More: to check and cut them takes
+"""Vertices of the meshes of a model. The largest scan known here has a fifteenth of it. More: checking and cutting them takes
 minutes."""
 
 MATERIALS = 200
 """Different frictions of a model's geoms. The most known here are 10. More: the table of their pairs grows with the square."""
 
 KEYFRAMES = 1_000
-"""Keyframes of a model. The most known here are 30. More: each holds all coordinates."""
+"""Keyframes of a model. The most known here are 30. More: each has all coordinates."""
 
 NAME = 200
 """Characters of a name: of a joint, a body, an entry of an archive. The longest known here has 60. More: a message that names
@@ -58,19 +58,19 @@ LINE = 2**18
 """Characters of a line of a skeleton's motion: six numbers of 80 characters for each of LINKS joints. More: one line is all."""
 
 NUMBER = 1e9
-"""Largest magnitude of a number in any unit of a file: angles of more turns, and places farther away, have lost their digits."""
+"""Largest magnitude of a number in any unit of a file: larger angles and distances have lost their digits."""
 
 COLUMNS = 10_000
-"""Numbers of a frame in a table: 512 links with their poses need 3,600. More: one line of text fills the memory with words."""
+"""Numbers of a frame in a table: 512 links with their poses need 3,600. More: splitting one line of text fills the memory."""
 
 
 def content(path: Path, thing: str, valid: str, most: int = BYTES) -> bytes:
-    """All bytes of a regular file within `most`. Raises InvalidFile, which calls the file `thing`."""
+    """Return all bytes of a regular file within `most`. Raises InvalidFile, which calls the file `thing`."""
     return read_bytes(path, thing, valid, most)
 
 
 def require_frames(name: str, frames: int, links: int = 1) -> None:
-    """Raise InvalidFile unless a motion of so many frames of an avatar of so many links can be held; `name` is the file's."""
+    """Raise InvalidFile unless a motion of so many frames and links is within the limits; `name` is the file's."""
     if frames > FRAMES:
         raise InvalidFile(f"frames of {name}", frames, f"up to {FRAMES}; cut it into shorter files")
     if frames * links > LINK_FRAMES:
@@ -79,7 +79,7 @@ def require_frames(name: str, frames: int, links: int = 1) -> None:
 
 
 def require_name(thing: str, name: str) -> str:
-    """`name`, unless it is empty, longer than NAME or holds what cannot be printed: InvalidFile."""
+    """Return `name`, unless it is empty, longer than NAME or contains unprintable characters: InvalidFile."""
     if not name or len(name) > NAME or not name.isprintable():
         raise InvalidFile(thing, name, f"1 to {NAME} printable characters")
     return name

@@ -1,7 +1,6 @@
-"""Cache of decompositions in the user's cache folder, by content hash of mesh and options; damaged entries are made anew.
+"""Cache of decompositions in the user's cache folder, by content hash of mesh and options; damaged entries are recomputed.
 
-The folder is chosen and trusted as for compiled kernels (`avatarsim/files.py`), and entries are written and checked as
-theirs are (`avatarsim/files.py`).
+The folder is chosen and trusted as for compiled kernels, and entries are written and checked as for them (`avatarsim/files.py`).
 """
 
 import hashlib
@@ -21,14 +20,14 @@ from avatarsim.errors import InvalidFile
 from avatarsim.files import Damaged, bases, is_readable, is_writable, parsed_json, read_entry, write_entry
 
 NAME = "avatarsim-pieces"
-"""What the folder of answers is called wherever it lies."""
+"""Name of the folder of answers wherever it lies."""
 
 FORMAT = 3
-"""Version of the entries: raise it when the same mesh and options give other pieces than before, or the layout changes."""
+"""Version of the entries: raise it when equal mesh and options give other pieces than before, or the layout changes."""
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """Pieces in the mesh's unit and frame, as they are kept: `hulls` of (n, 3) vertices each."""
+    """Pieces in the mesh's unit and frame, as they are cached: `hulls` of (n, 3) vertices each."""
 
     hulls: tuple[Array, ...]
     source: str
@@ -37,7 +36,7 @@ class Answer:
 
 
 def key_of(mesh: Mesh, wishes: Wishes) -> str:
-    """Content hash that names the entry: of the mesh's numbers, the options, and the versions that shape the answer."""
+    """Return the content hash that names the entry: of the mesh's numbers, the options, and the versions that affect it."""
     try:
         by = version("coacd")
     except PackageNotFoundError:
@@ -50,7 +49,7 @@ def key_of(mesh: Mesh, wishes: Wishes) -> str:
 
 
 def load(key: str) -> tuple[Answer | None, str]:
-    """The kept answer, if there is one, and a sentence about it."""
+    """Return the cached answer, if there is one, and a sentence about it."""
     for folder in filter(is_readable, _folders()):
         path = folder / f"{key}.npz"
         try:
@@ -58,7 +57,7 @@ def load(key: str) -> tuple[Answer | None, str]:
         except Damaged:
             return None, f"the entry {path} was damaged and was computed anew"
         except OSError:
-            # not there, not readable, or in another user's hands
+            # missing, unreadable, or owned by another user
             continue
         if answer is not None:
             return answer, f"read from {path}"
@@ -67,14 +66,14 @@ def load(key: str) -> tuple[Answer | None, str]:
 
 
 def store(key: str, answer: Answer) -> str:
-    """Keep an answer where it can be kept; a sentence that says where, or that it could not be."""
+    """Store an answer where possible, and return a sentence with its place, or that it could not be stored."""
     data = _packed(answer)
     for folder in filter(is_writable, _folders()):
         path = folder / f"{key}.npz"
         try:
             write_entry(path, data)
         except OSError:
-            # a full disk, for one
+            # such as a full disk
             continue
         return f"kept in {path}"
     return "not kept: no cache folder can be written to"
@@ -89,7 +88,7 @@ def _packed(answer: Answer) -> bytes:
 
 
 def _unpacked(data: bytes) -> Answer | None:
-    """The answer in an entry; None if its layout is another."""
+    """Return the answer in an entry; None if its layout is another."""
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as entry:
             about = parsed_json(str(entry["about"]), "entry", "what this cache wrote")
@@ -100,5 +99,5 @@ def _unpacked(data: bytes) -> Answer | None:
 
 
 def _folders() -> list[Path]:
-    """Places for the cache, best first."""
+    """Return folders for the cache, best first."""
     return bases(NAME)

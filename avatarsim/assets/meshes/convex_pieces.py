@@ -28,17 +28,17 @@ class Pieces:
     """Convex pieces of one mesh, for `Body(..., pieces=found.pieces, ...)`.
 
     pieces      hulls in the mesh's own frame [m], scaled and turned as asked
-    source      "convex groups" or "convex mesh" (vertices as authored), "hull" (one hull was asked for), "decomposed"
+    source      "convex groups" or "convex mesh" (vertices as authored), "hull" (one requested hull), "decomposed"
     uncovered   [m] no point of the mesh's surface is farther than this from the nearest piece
     added       [m] no point of a piece is farther than this from the mesh, its inside included
     size        [m] diagonal of the box around the mesh, in its own axes
-    reached     [m] some point is this far: at most `hausdorff`, and how sharp that bound is
+    reached     [m] some point is this far: at most `hausdorff`, and a measure of how sharp that bound is
     repairs     one sentence for everything that was changed before pieces were made
     from_cache  True when nothing had to be computed
-    cache_note  where the answer was kept, or why it was not
-    seconds     [s] that the call took
+    cache_note  where the answer was stored, or the reason why it was not
+    seconds     [s] duration of the call
 
-    Bounds hold up to rounding. A mesh with holes has its inside where it fills more than half of the view.
+    Bounds are valid up to rounding. A mesh with holes has its inside where it fills more than half of the view.
     """
 
     pieces: tuple[Piece, ...]
@@ -54,7 +54,7 @@ class Pieces:
 
     @property
     def hausdorff(self) -> float:
-        """[m] bound of the Hausdorff distance: nothing of the surface or of the pieces is farther from the other."""
+        """Bound [m] of the Hausdorff distance: no point of the surface or of the pieces is farther from the other."""
         return max(self.uncovered, self.added)
 
     @property
@@ -67,10 +67,10 @@ CONVEX = 1e-4
 """Share of its size by which a surface may lie below its hull and still count as convex: the digits of a text file."""
 
 SMALLEST, LARGEST = 1e-4, 500.0
-"""Sizes of a mesh [m] that are believed. Beyond, the file's unit is not the metre: a human in millimetres is 1.7 km tall."""
+"""Valid sizes of a mesh [m]. Beyond, the file's unit is not the metre: a human in millimetres is 1.7 km tall."""
 
 HALF = 0.5
-"""A closed surface whose volume is below this share of its hull's is no convex one, however thin the layer between."""
+"""A closed surface whose volume is below this share of its hull's is not convex, however thin the layer between."""
 
 
 def pieces_of_mesh(
@@ -78,15 +78,15 @@ def pieces_of_mesh(
     seed: int = 0, most_vertices: int = 128, most_pieces: int | None = None, hull: bool = False, repair: str = "auto",
     fit: float | None = None, kept: bool = True, quiet: bool = False,
 ) -> Pieces:
-    """Convex pieces of a file (.obj .stl .ply .off .glb .gltf .dae) or of (vertices (n, 3), triangles (t, 3)).
+    """Return convex pieces of a file (.obj .stl .ply .off .glb .gltf .dae) or of (vertices (n, 3), triangles (t, 3)).
 
     Groups of an OBJ that are all convex are taken as they are, every vertex as authored; a convex mesh is one piece.
-    Everything else is decomposed by CoACD, and the answer is kept in the user's cache folder.
+    All other meshes are decomposed by CoACD, and the answer is kept in the user's cache folder.
 
     scale          metres per unit of the file; with `y_up`, the file's y axis becomes z
     threshold      concavity that a piece may keep, relative to the mesh's size (CoACD's measure), 0.01 to 1
     seed           of CoACD's search; the same seed gives the same bits
-    most_vertices  of a piece; a hull with more is enclosed in one with so many, and what that adds is in the bound. Convex
+    most_vertices  of a piece; a hull with more is enclosed in one with so many, and the bound includes the added distance. Convex
                    groups stay as authored
     fit            metres that enclosing a hull may add; where `most_vertices` add more, a piece has more vertices
     most_pieces    at most so many, if CoACD can
@@ -95,10 +95,10 @@ def pieces_of_mesh(
                    surface that goes through itself in a closed one; refuse open surfaces, whose inside is a guess.
                    "remesh": wrap open surfaces too. "refuse": never wrap
     kept           False leaves the cache folder alone
-    quiet          True says nothing on the error stream, which otherwise shows what takes longer than a second
+    quiet          True prints nothing on the error stream, which otherwise shows the progress of steps longer than a second
 
     Raises InvalidFile (missing, unknown or broken file), InvalidShape (empty, not finite, flat, open, crossing itself, a
-    size that no body has), InvalidInput (a wish out of range), MissingPackage (trimesh or coacd).
+    size that no body has), InvalidInput (an option out of range), MissingPackage (trimesh or coacd).
     """
     begun = time.monotonic()
     scale = positive("scale of a mesh", scale)
@@ -121,11 +121,11 @@ def pieces_of_mesh(
 
 
 def answered(mesh: Mesh, wishes: Wishes, quiet: bool) -> cache.Answer:
-    """The pieces of a mesh with finite vertices, in its own unit."""
+    """Return the pieces of a mesh with finite vertices, in its own unit."""
     groups = () if wishes.hull else _convex_groups(mesh)
     if len(groups) > 1:
         depth = max(depth_below(hull, group.corners) for hull, group in groups)
-        # qhull's own vertices leave out some in the middle of a face; as authored means all
+        # qhull drops some vertices in the middle of a face; "as authored" means all
         return cache.Answer(tuple(hull.points for hull, _ in groups), "convex groups", Deviation(0.0, depth, 0.0), ())
     sound = mended(mesh)
     used = sound.mesh.part(np.ones(len(sound.mesh.triangles), dtype=bool))
@@ -177,7 +177,7 @@ def _believable(mesh: Mesh, scale: float) -> None:
 
 
 def _convex_groups(mesh: Mesh) -> tuple[tuple[Hull, Mesh], ...]:
-    """Hull and mesh of every group, if there are several and each is closed and convex; none otherwise."""
+    """Return hull and mesh of every group, if there are several and each is closed and convex; none otherwise."""
     groups = groups_of(mesh)
     found = []
     for group in groups if len(groups) > 1 else ():
@@ -196,21 +196,21 @@ def _is_convex(hull: Hull, mesh: Mesh) -> bool:
 
 
 def _outward(hull: Hull) -> Array:
-    """The hull's facets (m, 3, 3), all facing outwards."""
+    """Return the hull's facets (m, 3, 3), all facing outwards."""
     about = hull.facets - hull.points[hull.used].mean(axis=0)
     inward = np.linalg.det(about) < 0.0
     return np.where(inward[:, None, None], hull.facets[:, ::-1], hull.facets)
 
 
 def _parts(sound: Sound) -> list[Mesh]:
-    """What is decomposed at once: the whole mesh, or each of its parts when they go through one another."""
+    """Return the meshes to decompose: the whole mesh, or each of its parts when they go through one another."""
     if not sound.separate:
         return [sound.mesh]
     return [sound.mesh.part(sound.parts == k) for k in np.unique(sound.parts)]
 
 
 def _solid(points: Array, name: str) -> Hull | None:
-    """Hull of points, or None when they are flat: such a piece stands for nothing."""
+    """Return the hull of points, or None when they are flat: such a piece has no volume."""
     try:
         return hull_of(points, name)
     except InvalidShape:

@@ -21,12 +21,12 @@ from avatarsim.errors import InvalidInput, InvalidShape, MissingPackage, Unknown
 from avatarsim.scene.checks import positive, within
 
 REPAIRS = ("auto", "remesh", "refuse")
-"""What may be done about surfaces that cannot be mended as they are; `pieces_of_mesh` says what each means."""
+"""Repairs allowed for surfaces that cannot be mended as they are; `pieces_of_mesh` explains each."""
 
 
 @dataclass(frozen=True)
 class Wishes:
-    """Everything but the mesh that shapes the pieces, free of units, so that one cached answer serves every scale."""
+    """Options that shape the pieces in addition to the mesh, free of units, so that one cached answer serves every scale."""
 
     threshold: float = 0.05
     seed: int = 0
@@ -51,7 +51,7 @@ class Wishes:
 
 
 def whole(thing: str, value: object, low: int, high: int) -> int:
-    """`value`, if it is a whole number from low to high."""
+    """Return `value` if it is a whole number from low to high."""
     if isinstance(value, bool) or not isinstance(value, int) or not low <= value <= high:
         raise InvalidInput(thing, value, f"a whole number from {low} to {high}")
     return value
@@ -61,14 +61,14 @@ ROOT = Path(__file__).resolve().parents[3]
 """The folder that the package lies in, from which the process can import it."""
 
 REMESH_RESOLUTION = 50
-"""CoACD's measure of how fine a remeshed surface is: its cells are about a fiftieth of the mesh. Finer: minutes."""
+"""CoACD's resolution of a remeshed surface: its cells are about a fiftieth of the mesh. Finer: minutes."""
 
 _POOL = re.compile(r"iter (\d+) ---- waiting pool: (\d+)")
 _SHARE = re.compile(r"Processing \[([\d.]+)%\]")
 
 
 def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO | None) -> list[Array]:
-    """Vertices (n, 3) of convex hulls that approximate the meshes, in their unit. The same options give the same bits.
+    """Return vertices (n, 3) of convex hulls that approximate the meshes, in their unit. Equal options give equal bits.
 
     `remesh` first wraps each surface in a closed one. Raises MissingPackage without coacd, InvalidShape if CoACD fails.
     """
@@ -103,7 +103,7 @@ def decomposed(meshes: list[Mesh], wishes: Wishes, remesh: bool, stream: TextIO 
 
 
 def _run(command: list[str], meshes: int, progress: Progress) -> tuple[list[str], int]:
-    """Run the worker process to its end: its last lines and its exit code. It ends with this process, also by Ctrl-C."""
+    """Run the worker process to its end, and return its last lines and exit code; Ctrl-C ends it along with this process."""
     # threads that wait without spinning: on a busy machine CoACD otherwise spends most of its time waiting
     calm = {"OMP_WAIT_POLICY": "PASSIVE", **os.environ}
     process = subprocess.Popen(
@@ -121,7 +121,7 @@ def _run(command: list[str], meshes: int, progress: Progress) -> tuple[list[str]
                 settled, waiting, share = settled + waiting, int(found[2]), 0.0
             elif found := _SHARE.search(line):
                 share = max(share, float(found[1]) / 100.0)
-            # parts looked at, of those known so far: cutting a part makes new ones, so the share may step back
+            # finished parts, of those known so far: cutting a part makes new ones, so the share may step back
             part = (settled + share * waiting) / max(settled + waiting, 1)
             progress.step((max(mesh, 0) + part) / meshes, f"{waiting} parts in this round")
         return said, process.wait()

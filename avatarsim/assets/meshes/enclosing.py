@@ -1,4 +1,4 @@
-"""Polytopes of few vertices around a convex hull: what does not touch them does not touch the hull."""
+"""Polytopes of few vertices around a convex hull: a body that does not touch them does not touch the hull."""
 
 from typing import Any
 
@@ -8,24 +8,24 @@ from avatarsim.assets.meshes.hulls import PLANES_AT_ONCE, Hull, highest, hull_of
 from avatarsim.assets.meshes.mesh import Array, Indices
 
 ROUNDS = 30
-"""Rounds in which facets are pushed out. Fewer: more is left to scaling, which adds all around; more: time, for nothing."""
+"""Rounds in which facets are pushed out. Fewer: more is left to scaling, which adds all around; more: time without benefit."""
 
 FLUSH = 1e-6
-"""Share of the size beyond a facet that counts as none: scaling makes up for it."""
+"""Share of the size up to which a point beyond a facet is ignored: scaling makes up for it."""
 
 BATCH = 8
 """A round adds at most this part of the vertices that are still free. Larger: more hulls to make, hardly a better choice."""
 
 SLIMMEST = 0.01
 """Least extent along a principal axis, as a share of the largest, that a hull is stretched to while facets are pushed out. Less:
-what is left to scaling widens thin hulls all around; more: facets lie nearer across than along, and round hulls are no better."""
+the remaining scaling widens thin hulls all around; more: facets lie nearer across than along, and round hulls are no better."""
 
 SEARCHED = 60_000_000
 """Planes times facets of a hull up to which `fit` is searched for: 20 s. More: a larger hull takes minutes; fewer: it stays
 whole, with more vertices to query."""
 
 ROUNDING = 1e-12
-"""Relative scaling beyond what was computed, so that rounding leaves no vertex outside."""
+"""Relative scaling beyond the computed one, so that rounding leaves no vertex outside."""
 
 
 def enclosing(hull: Hull, most: int, name: str, fit: float | None = None) -> tuple[Hull, float]:
@@ -51,13 +51,13 @@ def enclosing(hull: Hull, most: int, name: str, fit: float | None = None) -> tup
         if len(corners) >= len(points):
             return hull, 0.0
         around, added = _measured(hull, corners, name)
-        # at a sharp edge a corner is farther away than it is high over the facets
+        # at a sharp edge a corner's distance exceeds its height over the facets
         height *= 0.8 * min(1.0, fit / max(added, fit))
     return around, added
 
 
 def _measured(hull: Hull, corners: Array, name: str) -> tuple[Hull, float]:
-    """Return the hull of corners that are scaled until it holds `hull`, and the largest distance that it adds."""
+    """Return the hull of corners that are scaled until it contains `hull`, and the largest distance that it adds."""
     around = hull_of(_around(hull.points[hull.used], corners), name)
     around = Hull(around.points[around.used], np.arange(len(around.used)), around.planes, around.facets)
     return around, float(hull.distances(around.points).max())
@@ -118,7 +118,7 @@ def _inscribed(points: Array, most: int) -> Array:
 
 
 def _pushed_out(points: Array, corners: Array) -> Array:
-    """Return corners of about the same hull, whose facets have next to nothing of `points` beyond them."""
+    """Return corners of about the same hull, whose facets have hardly any of `points` beyond them."""
     for _ in range(ROUNDS):
         found = _qhull(corners)
         if len(found.vertices) < len(corners):
@@ -141,13 +141,13 @@ def _pushes(points: Array, corners: Array, hull: Any, facets: Indices, heights: 
     steps = heights[farthest, None] * shares / (shares * shares).sum(axis=1, keepdims=True)
     moved = np.zeros_like(corners)
     for normal, of, step in zip(hull.equations[pushed, :3], hull.simplices[pushed], steps, strict=True):
-        # two facets that push a corner the same way push it once
+        # two facets that push a corner in one direction push it once
         moved[of] += np.maximum(0.0, step - moved[of] @ normal)[:, None] * normal
     return moved
 
 
 def _around(points: Array, corners: Array) -> Array:
-    """Return the corners scaled about their middle until their hull holds all points."""
+    """Return the corners scaled about their middle until their hull contains all points."""
     middle = corners.mean(axis=0)
     planes = _qhull(corners).equations
     reach = -(planes[:, 3] + planes[:, :3] @ middle)
@@ -158,7 +158,7 @@ def _around(points: Array, corners: Array) -> Array:
 
 
 def _spread(points: Array) -> Indices:
-    """Four or more points that span a volume: the farthest along each axis of the cloud, both ways."""
+    """Return four or more points that span a volume: the farthest along each axis of the cloud, in both directions."""
     centred = points - points.mean(axis=0)
     along = centred @ np.linalg.svd(centred, full_matrices=False)[2].T
     return np.unique(np.concatenate([along.argmin(axis=0), along.argmax(axis=0)])).astype(np.int64)

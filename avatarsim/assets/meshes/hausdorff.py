@@ -29,10 +29,10 @@ Inside = Callable[[Array], NDArray[np.bool_]]
 
 
 def added(hulls: list[Hull], surface: Surface, inside: Inside, tolerance: float) -> tuple[float, float]:
-    """(above, below): no point of the hulls is farther than `above` from the mesh, and one is at least `below` away.
+    """Return (above, below): all points of the hulls are within `above` of the mesh, and one is at least `below` away.
 
-    Each hull is cut into boxes. With the middle of a box at distance d from the surface and its corners r away, nothing in
-    it is farther than d + r from the mesh, and than r - d if the middle lies inside: that much of the way is left when it
+    Each hull is cut into boxes. With the middle of a box at distance d from the surface and its corners r away, no point in
+    it is farther than d + r from the mesh, and than r - d if the middle lies inside: that much of the path is left when it
     comes out. A box is settled when it lies outside the hull, or when nothing in it can be farther than the farthest
     point found, but for `tolerance` or a share SHARP of it.
     """
@@ -64,7 +64,7 @@ def added(hulls: list[Hull], surface: Surface, inside: Inside, tolerance: float)
 
 
 def _on_hulls(hulls: list[Hull], surface: Surface, inside: Inside) -> Array | None:
-    """A point (3,) on a hull far outside the mesh, if any: a start that settles most boxes at once."""
+    """Return a point (3,) on a hull far outside the mesh, if any: a start that settles most boxes at once."""
     points = np.concatenate([finer(hull.facets, SEED_SPACING * surface.radius).mean(axis=1) for hull in hulls])
     candidates = points[np.argsort(-surface.distances(points)[0])]
     for first in range(0, len(candidates), 1000):
@@ -101,14 +101,14 @@ class _Boxes:
         self.owner, self.free = np.tile(self.owner, 2), np.tile(self.free, 2)
 
     def touch_hull(self) -> NDArray[np.bool_]:
-        """Boxes that no face of their hull cuts off."""
+        """Return the boxes that no face of their hull cuts off."""
         return self._heights(self.half) <= 0.0
 
     def middle_in_hull(self) -> NDArray[np.bool_]:
         return self._heights(0.0 * self.half) <= 0.0
 
     def _heights(self, half: Array) -> Array:
-        """Largest signed height over the hull's planes of the lowest corner of each box."""
+        """Return the largest signed height over the hull's planes of the lowest corner of each box."""
         found = np.zeros(len(self.owner))
         for k in np.unique(self.owner):
             own = np.flatnonzero(self.owner == k)
@@ -123,11 +123,11 @@ MOST_TRIANGLES = 200_000
 
 
 def uncovered(hulls: list[Hull], corners: Array, tolerance: float) -> tuple[float, float]:
-    """(above, below): no point of the surface (t, 3, 3) is farther than `above` from every hull, and one is `below` away.
+    """Return (above, below): all points of the surface (t, 3, 3) are within `above` of a hull, and one is `below` away.
 
     The distance from one convex hull, over a triangle, is largest at a corner. So a triangle is settled by the hull
-    whose worst corner is nearest. What exceeds the farthest corner found by more than `tolerance`, or a share SHARP of
-    it, is halved.
+    whose worst corner is nearest. A triangle that exceeds the farthest corner found by more than `tolerance`, or a share SHARP
+    of it, is halved.
     """
     above = below = 0.0
     while len(corners):
@@ -143,7 +143,7 @@ def uncovered(hulls: list[Hull], corners: Array, tolerance: float) -> tuple[floa
 
 
 def _by_corners(hulls: list[Hull], corners: Array, enough: float) -> tuple[Array, float]:
-    """Bound (t,) of each triangle's distance from the hulls, and the distance of some corner that lies outside all."""
+    """Return a bound (t,) of each triangle's distance from the hulls, and the distance of some corner that lies outside all."""
     points = corners.reshape(-1, 3)
     heights = np.stack([hull.heights(points) for hull in hulls])
     nearest = _corner_distances(hulls, points, heights)
@@ -158,13 +158,13 @@ def _by_corners(hulls: list[Hull], corners: Array, enough: float) -> tuple[Array
         if len(rest):
             far = hull.distances(corners[rest].reshape(-1, 3)).reshape(-1, 3).max(axis=1)
             worst[rest] = np.minimum(worst[rest], far)
-    # for the few that refinement leaves over: no point is farther from a corner than the longest edge
+    # for the few left over by refinement: no point is farther from a corner than the longest edge
     edge = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
     return np.minimum(worst, nearest.reshape(-1, 3).min(axis=1) + edge), float(nearest.max())
 
 
 def _corner_distances(hulls: list[Hull], points: Array, heights: Array) -> Array:
-    """Distance (n,) of points (n, 3) from the nearest hull; `heights` (hulls, n) bound it from below."""
+    """Return the distance (n,) of points (n, 3) from the nearest hull; `heights` (hulls, n) bound it from below."""
     lowest = heights.min(axis=0)
     found = np.where(lowest <= 0.0, 0.0, np.inf)
     outside = np.flatnonzero(lowest > 0.0)
@@ -186,7 +186,7 @@ times the boxes."""
 
 @dataclass(frozen=True)
 class Deviation:
-    """How far pieces and mesh are apart, in the mesh's unit.
+    """Distances between pieces and mesh, in the mesh's unit.
 
     uncovered  no point of the mesh's surface is farther than this from the nearest piece
     added      no point of a piece is farther than this from the mesh, its inside included

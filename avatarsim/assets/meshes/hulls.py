@@ -13,7 +13,7 @@ PAIRS_AT_ONCE = 400_000
 """Pairs of point and facet measured in one go, for the memory."""
 
 PLANES_AT_ONCE = 1_000_000
-"""Pairs of point and plane measured in one go: what the processor's caches hold."""
+"""Pairs of point and plane measured in one go, to fit into the processor's caches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,11 +26,11 @@ class Hull:
     facets: Array
 
     def heights(self, points: Array) -> Array:
-        """Signed height (n,) over the highest plane: negative inside; outside never more than the distance."""
+        """Return the signed height (n,) over the highest plane: negative inside; outside never more than the distance."""
         return highest(points, self.planes)[1]
 
     def distances(self, points: Array) -> Array:
-        """Distance (n,) of points (n, 3) from the solid hull; 0 inside."""
+        """Return the distance (n,) of points (n, 3) from the solid hull; 0 inside."""
         from scipy.spatial import KDTree
 
         found = np.zeros(len(points))
@@ -67,7 +67,7 @@ def highest(points: Array, planes: Array) -> tuple[Indices, Array]:
 
 
 def hull_of(points: Array, name: str) -> Hull:
-    """Hull of points (n, 3); InvalidShape, which names `name`, when they have no volume."""
+    """Return the hull of points (n, 3); InvalidShape, which names `name`, when they have no volume."""
     from scipy.spatial import ConvexHull, QhullError
 
     centred = points - points.mean(axis=0)
@@ -85,7 +85,7 @@ def hull_of(points: Array, name: str) -> Hull:
 
 
 def depth_below(hull: Hull, corners: Array) -> float:
-    """A depth that no point of the surface (t, 3, 3), which lies in the hull, exceeds beneath the hull's faces.
+    """Return an upper bound of the depth of the surface (t, 3, 3), which lies in the hull, beneath the hull's faces.
 
     The depth below one plane is linear, so over a triangle it is largest at a corner; the depth below the hull is that
     below the nearest plane. A surface whose every triangle lies in a face has depth 0: it is convex.

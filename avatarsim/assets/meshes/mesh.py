@@ -1,6 +1,6 @@
-"""Triangle meshes from files. OBJ is read here, the other formats by trimesh: this is the one file that imports it.
+"""Triangle meshes from files. OBJ is read here, the other formats by trimesh, which only this file imports.
 
-Of OBJ files vertices, groups and faces are read, nothing else. Groups are how authors hand over convex pieces.
+Of OBJ files only vertices, groups and faces are read. Groups are the usual form of convex pieces made by authors.
 """
 
 import io
@@ -24,7 +24,7 @@ Indices = NDArray[np.int64]
 class Mesh:
     """`vertices` (n, 3) in the file's unit, `triangles` (t, 3) of vertex numbers, `groups` (t,) of group numbers.
 
-    `name` is what errors call it; `welded` says whether its format shares vertices between triangles at all.
+    `name` is used in errors; `welded` is True if its format shares vertices between triangles at all.
     """
 
     name: str
@@ -35,7 +35,7 @@ class Mesh:
 
     @property
     def corners(self) -> Array:
-        """Corners (t, 3, 3) of every triangle."""
+        """Return corners (t, 3, 3) of every triangle."""
         return self.vertices[self.triangles]
 
     @property
@@ -45,20 +45,20 @@ class Mesh:
         return float(np.linalg.norm(np.ptp(used, axis=0))) if len(used) else 0.0
 
     def part(self, chosen: NDArray[np.bool_]) -> "Mesh":
-        """The chosen (t,) triangles, with the vertices that they use, in the order of the file."""
+        """Return the chosen (t,) triangles, with the vertices that they use, in the order of the file."""
         used, local = np.unique(self.triangles[chosen], return_inverse=True)
         triangles = local.reshape(-1, 3).astype(np.int64)
         return Mesh(self.name, self.vertices[used], triangles, self.groups[chosen], self.welded)
 
 
 def areas(corners: Array) -> Array:
-    """Area (t,) of triangles with corners (t, 3, 3)."""
+    """Return the area (t,) of triangles with corners (t, 3, 3)."""
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return 0.5 * np.asarray(np.linalg.norm(across, axis=1))
 
 
 def signed_volume(corners: Array) -> float:
-    """Volume inside a closed surface with corners (t, 3, 3); negative when its triangles face inwards."""
+    """Return the volume inside a closed surface with corners (t, 3, 3); negative when its triangles face inwards."""
     if not len(corners):
         return 0.0
     about = corners - corners.mean(axis=(0, 1))
@@ -66,9 +66,9 @@ def signed_volume(corners: Array) -> float:
 
 
 def read_obj(path: Path) -> Mesh:
-    """The mesh of an OBJ file; polygons are cut into fans, every line that starts with o or g opens a group.
+    """Read the mesh of an OBJ file; polygons are cut into fans, every line that starts with o or g opens a group.
 
-    Raises InvalidFile for an unreadable file, words that are no numbers, and faces without vertices.
+    Raises InvalidFile for an unreadable file, words that are not numbers, and faces without vertices.
     """
     vertices: list[list[float]] = []
     triangles: list[tuple[int, int, int]] = []
@@ -95,12 +95,12 @@ def read_obj(path: Path) -> Mesh:
 
 
 def groups_of(mesh: Mesh) -> tuple[Mesh, ...]:
-    """One mesh per group, with the vertices that it uses, all in the order of the file."""
+    """Return one mesh per group, with the vertices that it uses, all in the order of the file."""
     return tuple(mesh.part(mesh.groups == group) for group in np.unique(mesh.groups))
 
 
 def groups(path: Path) -> tuple[tuple[Array, Indices], ...]:
-    """Per group of an OBJ file its vertices (n, 3) in the file's unit and its triangles (t, 3), counted within the group."""
+    """Return vertices (n, 3) and triangles (t, 3) of each group of an OBJ file, in its unit and counted within the group."""
     return tuple((part.vertices, part.triangles) for part in groups_of(read_obj(path)))
 
 
@@ -109,7 +109,7 @@ def _lines(path: Path) -> Iterable[str]:
 
 
 def _index(word: str, count: int) -> int:
-    """Place of the vertex that `word` (such as 7//3 or -1) names, among the `count` seen so far."""
+    """Return the index of the vertex that `word` (such as 7//3 or -1) names, among the `count` read so far."""
     index = int(word.split("/")[0])
     place = index - 1 if index > 0 else count + index
     if not 0 <= place < count:
@@ -121,17 +121,17 @@ BY_TRIMESH = (".glb", ".gltf", ".off", ".ply", ".stl", ".dae")
 """Formats read by trimesh, COLLADA with pycollada. A scene of several meshes becomes one mesh."""
 
 MOST_INSTANCES = 8
-"""Nodes of a COLLADA file that stand for other nodes: nested ones multiply, eight make 18 copies at most. More: a small file
+"""Nodes of a COLLADA file that instantiate other nodes: nested ones multiply, eight make 18 copies at most. More: a small file
 fills the memory; the robots known here have none in shapes that collide."""
 
 
 def read_mesh(path: str | Path) -> Mesh:
-    """The mesh of a file, its format told by the ending of its name.
+    """Read the mesh of a file, in the format of its suffix.
 
     Raises InvalidFile (missing, unknown format, broken, without a triangle); MissingPackage without trimesh.
     """
     path = Path(path)
-    # by os.path, which takes names that are too long for the system as names of nothing
+    # by os.path, which treats names that are too long for the system as missing files
     if not exists(path):
         raise InvalidFile("mesh file", str(path), "the path of an existing file")
     ending = path.suffix.lower()
@@ -147,14 +147,14 @@ STL_HEADER, STL_TRIANGLE = 84, 50
 
 
 def whole_stl(name: str, content: bytes) -> bytes:
-    """The content of an STL file; text, in which a name may be of any encoding, as UTF-8. Raises InvalidFile where it is cut off:
-    trimesh takes a binary file of a wrong length for text, and of a text without end the solids before."""
+    """Return the content of an STL file; text, in which a name may be of any encoding, as UTF-8.
+    Raises InvalidFile for a cut file: trimesh takes a binary of wrong length for text, and of cut text the solids before."""
     size, count = len(content), int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
     if size >= STL_HEADER and size == STL_HEADER + STL_TRIANGLE * count:
         return content
     words = content.lower().split()
     if words[:1] == [b"solid"] and b"facet" in words:
-        # a name may follow the last word
+        # a name may follow the last keyword
         if b"endsolid" not in words or b"facet" in words[len(words) - words[::-1].index(b"endsolid") :]:
             raise InvalidFile(f"end of {name}", "cut off within a solid", "endsolid, as the end of STL text")
         return content.decode("utf-8", "replace").encode()
@@ -165,9 +165,9 @@ def whole_stl(name: str, content: bytes) -> bytes:
 
 
 def collada_unit(name: str, content: bytes) -> float:
-    """Return the metres a unit of length of a COLLADA file.
+    """Return the unit of length of a COLLADA file in metres.
 
-    Raises InvalidFile for what is no XML, for entities, for a unit that is no length, and for more than MOST_INSTANCES."""
+    Raises InvalidFile for invalid XML, entities, an invalid unit of length, and more than MOST_INSTANCES."""
     found, parser = {"unit": 1.0, "instances": 0}, expat.ParserCreate()
 
     def start(tag: str, attributes: dict[str, str]) -> None:
@@ -210,18 +210,18 @@ def _by_trimesh(path: Path, ending: str) -> Mesh:
         source, unit = io.BytesIO(content), collada_unit(path.name, content)
 
     class Beside(trimesh.resolvers.FilePathResolver):
-        """The files beside a .gltf that it names: regular ones too."""
+        """Resolver of the files that a .gltf names, relative to its folder; they must be regular too."""
 
         def get(self, name: str) -> bytes:
             return read_bytes(self.absolute(name), f"file {name} of {path.name}", valid)
 
     try:
-        # what a COLLADA file names are pictures, which are not opened
+        # a COLLADA file names pictures, which are not opened
         beside = None if ending == ".dae" else Beside(str(path))
         loaded = trimesh.load_mesh(source, file_type=ending[1:], process=False, resolver=beside)
         vertices = unit * np.array(loaded.vertices, dtype=np.float64).reshape(-1, 3)
         triangles = np.array(loaded.faces, dtype=np.int64).reshape(-1, 3)
-    except Exception as error:  # what a reader of foreign files raises on a broken one is not listed anywhere
+    except Exception as error:  # exceptions of a reader of foreign files are not listed anywhere
         raise InvalidFile(thing, f"{type(error).__name__}: {error}", valid) from error
     if not len(triangles) or not ((triangles >= 0) & (triangles < len(vertices))).all():
         raise InvalidFile(f"triangles of {path.name}", len(triangles), valid)

@@ -21,7 +21,7 @@ PAIRS_AT_ONCE = 400_000
 
 
 def point_triangle(points: Array, corners: Array) -> Array:
-    """Distances (n,) of points (n, 3) from triangles (n, 3, 3), one by one; flat triangles are segments or points."""
+    """Return distances (n,) of points (n, 3) from triangles (n, 3, 3), one by one; flat triangles are segments or points."""
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
     normal = np.cross(b - a, c - a)
     squared = np.einsum("ni,ni->n", normal, normal)
@@ -39,7 +39,7 @@ def point_triangle(points: Array, corners: Array) -> Array:
 
 
 def finer(corners: Array, radius: float) -> Array:
-    """The same surface in triangles (k, 3, 3), none of which reaches further than `radius` from its middle."""
+    """Return the surface in triangles (k, 3, 3), none of which reaches further than `radius` from its middle."""
     done = []
     while len(corners):
         reach = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max(axis=1)
@@ -50,7 +50,7 @@ def finer(corners: Array, radius: float) -> Array:
 
 
 def halves(corners: Array) -> Array:
-    """Each triangle (n, 3, 3) cut in two across its longest edge: (2 n, 3, 3)."""
+    """Return each triangle (n, 3, 3) cut in two across its longest edge: (2 n, 3, 3)."""
     lengths = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
     # rotate the corners so that the longest edge comes first
     turn = (lengths.argmax(axis=1)[:, None] + np.arange(3)) % 3
@@ -60,7 +60,7 @@ def halves(corners: Array) -> Array:
 
 
 class Surface:
-    """A surface of triangles `corners` (t, 3, 3), made ready for many questions of distance."""
+    """A surface of triangles `corners` (t, 3, 3), prepared for many distance queries."""
 
     def __init__(self, corners: Array) -> None:
         from scipy.spatial import cKDTree
@@ -71,7 +71,7 @@ class Surface:
         self._tree = cKDTree(self.corners.mean(axis=1))
 
     def distances(self, points: Array, threshold: Array | float = np.inf) -> tuple[Array, Array]:
-        """Bounds (n,) from above and from below of the distances of points (n, 3) from the surface.
+        """Return bounds (n,) from above and from below of the distances of points (n, 3) from the surface.
 
         The bound from below is only refined for points that may be nearer than their `threshold` or not.
         """
@@ -88,22 +88,22 @@ class Surface:
         return above, below
 
     def exact(self, point: Array) -> float:
-        """Distance of one point (3,) from the surface, every triangle measured."""
+        """Return the distance of one point (3,) from the surface, every triangle measured."""
         return float(point_triangle(np.broadcast_to(point, (len(self.corners), 3)), self.corners).min())
 
     def _measured(self, points: Array, count: int) -> tuple[Array, Array]:
-        """The bounds from the `count` triangles with the nearest middles."""
+        """Return the bounds from the `count` triangles with the nearest middles."""
         middles, chosen = self._tree.query(points, k=[*range(1, count + 1)])
         pairs = np.asarray(chosen, dtype=np.int64)
         measured = point_triangle(np.repeat(points, count, axis=0), self.corners[pairs.ravel()])
         above = measured.reshape(-1, count).min(axis=1)
-        # a triangle that was not measured has its middle beyond the last one that was
+        # an unmeasured triangle has its middle beyond the last measured one
         unseen = np.inf if count == len(self.corners) else middles[:, -1] - self.radius
         return above, np.clip(np.minimum(above, unseen), 0.0, None)
 
 
 SKEW = rotation.to_matrix(rotation.normalised(np.array([1.0, 2.0**0.5, 3.0**0.5, 5.0**0.5])))
-"""A turn after which the rays run along (2 (10^0.5 - 3^0.5), 2 (15^0.5 + 2^0.5), 1): no fractions relate these numbers,
+"""Rotation after which the rays run along (2 (10^0.5 - 3^0.5), 2 (15^0.5 + 2^0.5), 1): no fractions relate these numbers,
 so a ray from a point of a grid never meets an edge between points of a grid, where a crossing would be up to rounding."""
 
 BUCKETS = 128
@@ -156,13 +156,13 @@ def inside_open(points: Array, corners: Array) -> NDArray[np.bool_]:
 
 
 def ragged(counts: Indices) -> tuple[Indices, Indices]:
-    """For counts (n,): the owner of each of their sum, and its number within its owner."""
+    """Return for counts (n,) the owner of each of their sum, and its number within its owner."""
     owner = np.repeat(np.arange(len(counts)), counts)
     return owner, np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts)
 
 
 def _crossings(points: Array, corners: Array) -> Array:
-    """+1 where the ray up from a point leaves through its triangle, -1 where it enters, 0 where it misses."""
+    """Return +1 where the ray up from a point leaves through its triangle, -1 where it enters, 0 where it misses."""
     x, y = points[:, 0], points[:, 1]
     sides = []
     for k in range(3):

@@ -17,10 +17,10 @@ from avatarsim.errors import InvalidShape
 
 @dataclass(frozen=True, eq=False)
 class Edges:
-    """How often each undirected edge occurs, and the pairs of triangles that share an edge of exactly two.
+    """Number of triangles at each undirected edge, and the pairs of triangles that share an edge of exactly two.
 
-    counts  (e,) triangles at each edge; balance (e,) how many more run along it one way than the other
-    pairs   (p, 2) triangles at the edges of two; alike (p,) whether both run along it the same way, so face apart
+    counts  (e,) triangles at each edge; balance (e,) the excess of triangles along it in one direction
+    pairs   (p, 2) triangles at the edges of two; alike (p,) whether both run along it in one direction, so face apart
     """
 
     counts: Indices
@@ -40,7 +40,7 @@ class Edges:
 
 
 def edges_of(triangles: Indices) -> Edges:
-    """Edges of triangles (t, 3)."""
+    """Return the edges of triangles (t, 3)."""
     start, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     owner = np.repeat(np.arange(len(triangles)), 3)
     forward = start < end
@@ -55,7 +55,7 @@ def edges_of(triangles: Indices) -> Edges:
 
 
 def parts(count: int, edges: Edges) -> Indices:
-    """Number (t,) of the connected part of each of `count` triangles."""
+    """Return the number (t,) of the connected part of each of `count` triangles."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
@@ -65,7 +65,7 @@ def parts(count: int, edges: Edges) -> Indices:
 
 
 def to_flip(count: int, edges: Edges) -> NDArray[np.bool_] | None:
-    """Which of `count` triangles to turn over so that neighbours face the same side; None if no choice does that.
+    """Return which of `count` triangles to turn over so that neighbours face the same side; None if no choice does that.
 
     Every triangle has two sheets, as it is and turned over. Sheets of neighbours that agree are joined; a surface
     with two sides falls into two halves, a Moebius band does not.
@@ -93,10 +93,10 @@ PAIRS_AT_ONCE = 2_000_000
 
 
 def crossing_pairs(vertices: Array, triangles: Indices) -> Indices:
-    """Pairs (k, 2) of triangles without a common vertex, of which an edge of one goes through the other.
+    """Return pairs (k, 2) of triangles without a common vertex, of which an edge of one goes through the other.
 
-    Vertices must be merged, else neighbours have no common vertex. Not found: triangles that overlap within one plane,
-    and neighbours folded onto each other.
+    Vertices must be merged, else neighbours have no common vertex. Triangles that overlap within one plane, and neighbours
+    folded onto each other, are not found.
     """
     corners = vertices[triangles]
     low, high = corners.min(axis=1), corners.max(axis=1)
@@ -122,8 +122,8 @@ def crossing_pairs(vertices: Array, triangles: Indices) -> Indices:
 
 
 def _pierced(one: Array, other: Array) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
-    """Return True if an edge of triangle `one` (n, 3, 3) goes through the inside of `other` (n, 3, 3), by volumes of
-    tetrahedra."""
+    """Return True if an edge of triangle `one` (n, 3, 3) goes through the inside of `other` (n, 3, 3).
+    Computed by volumes of tetrahedra."""
     a, b, c = other[:, 0], other[:, 1], other[:, 2]
     normal = np.cross(b - a, c - a)
     scale = np.einsum("ni,ni->n", normal, normal)
@@ -145,12 +145,12 @@ WELD = 1e-9
 """Vertices nearer than about this share of the mesh's size are one. Larger, and thin walls collapse."""
 
 ADVICE = "repair='remesh' to wrap it in a closed surface, or hull=True for its convex hull"
-"""What helps when a surface cannot be mended as it is."""
+"""Advice for surfaces that cannot be mended as they are."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """What could not be mended: the number `value` of `thing`; `open` ones have no inside, `crossing` ones have it twice."""
+    """An unmended fault: the number `value` of `thing`; `open` ones have no inside, `crossing` ones have it twice."""
 
     thing: str
     value: int
@@ -161,9 +161,9 @@ class Fault:
 
 @dataclass(frozen=True, eq=False)
 class Sound:
-    """A mended mesh, sentences that say what was mended, and the faults that could not be.
+    """A mended mesh, sentences on the repairs, and the faults that could not be mended.
 
-    `parts` (t,) numbers the connected parts; `separate` says that parts go through one another, each sound by itself.
+    `parts` (t,) numbers the connected parts; `separate` is True if parts go through one another, each sound by itself.
     """
 
     mesh: Mesh
@@ -179,7 +179,7 @@ class Sound:
 
 
 def finite(mesh: Mesh) -> Mesh:
-    """The mesh, if it has triangles and all coordinates are finite; InvalidShape otherwise."""
+    """Return the mesh if it has triangles and all coordinates are finite; InvalidShape otherwise."""
     if not len(mesh.triangles):
         raise InvalidShape(f"number of triangles of {mesh.name}", 0, "at least 4, around a volume")
     broken = ~np.isfinite(mesh.vertices).all(axis=1)
@@ -221,7 +221,7 @@ def mended(mesh: Mesh, crossings: bool = True) -> Sound:
 
 
 def _merged(mesh: Mesh, said: list[str]) -> Mesh:
-    """Equal vertices become one: the first of them, its coordinates untouched."""
+    """Merge equal vertices into the first of them, its coordinates untouched."""
     used = np.unique(mesh.triangles)
     grid = np.round((mesh.vertices[used] - mesh.vertices[used].min(axis=0)) / max(WELD * mesh.size, 1e-300))
     _, first, place = np.unique(grid, axis=0, return_index=True, return_inverse=True)
@@ -256,7 +256,7 @@ def _without_degenerates(mesh: Mesh, said: list[str]) -> Mesh:
 
 
 def _one_way(mesh: Mesh, edges: Edges, said: list[str]) -> Mesh | None:
-    """The mesh with every two neighbours facing the same side; None when there is no such choice."""
+    """Return the mesh with every two neighbours facing the same side; None when there is no such choice."""
     if not edges.unbalanced:
         return mesh
     flips = to_flip(len(mesh.triangles), edges)
@@ -285,7 +285,7 @@ def _outwards(mesh: Mesh, part: Indices, said: list[str]) -> Mesh:
 
 
 def _within(point: Array, corners: Array, part: Indices, own: "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]") -> bool:
-    """Return True if a point lies in any other part, whichever way that one faces."""
+    """Return True if a point lies in any other part, regardless of the side that one faces."""
     for k in np.unique(part[~own]):
         other = corners[part == k]
         outward = other if signed_volume(other) > 0.0 else other[:, ::-1]

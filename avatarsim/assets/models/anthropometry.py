@@ -1,4 +1,4 @@
-"""Anthropometry of a recorded human: what a joint's name says of it, segment masses (de Leva 1996), radii that follow from them.
+"""Anthropometry of a recorded human: body parts by joint names, segment masses (de Leva 1996), radii that follow from them.
 
 Names of CMU (ASF and BVH), LAFAN1, Mixamo, Daz, SOMA, 3ds Max and the hip-knee-ankle convention, in one table of synonyms.
 """
@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from avatarsim.assets.models.skeleton import Skeleton
 
 STATURE, BODY_MASS = 1.741, 75.0
-"""Stature [m] and mass [kg] of the body whose segments the table has: de Leva's male subjects, rounded."""
+"""Stature [m] and mass [kg] of the table's body: de Leva's male subjects, rounded."""
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class Segment:
     wider: float = 1.0
 
     def radius(self, mass: float, stature: float) -> float:
-        """Radius [m] of the cylinder that has the segment's volume and length, in a body of `mass` [kg] and STATURE; of a segment
-        that is wider than deep half its depth. Bodies of another `stature` [m] are similar to it."""
+        """Return the radius [m] of the cylinder of the segment's volume and length in a body of `mass` [kg] and STATURE.
+        Of a segment that is wider than deep it is half its depth. Bodies of another `stature` [m] are similar to it."""
         area = self.share * mass / (self.density * self.length)
         return math.sqrt(area / (math.pi * self.wider)) * stature / STATURE
 
@@ -54,24 +54,24 @@ SEGMENT_OF = {
 """The segment that a part of the body belongs to."""
 
 SEGMENT_OF_KIND = {kind: SEGMENTS[name] for kind, name in SEGMENT_OF.items()}
-"""The same, with its figures."""
+"""Segment figures by kind of part."""
 
 RADII = {"neck": 0.055, "clavicle": 0.045, "hip bone": 0.07, "thumb": 0.010, "finger": 0.008, "toe": 0.025}
-"""Radii [m] at STATURE of parts that are thinner than their segment: half of what a caliper finds across them, rounded."""
+"""Radii [m] at STATURE of parts that are thinner than their segment: half of their caliper width, rounded."""
 
 KNEE, ABOVE_KNEE = 0.052, 0.6
 """Radius [m] at STATURE of a thigh at its lower end, half of a knee's breadth, and the share of its length, from the hip, over
 which it has that of the segment: with one radius all along, knees that pass each other in a walk would overlap by centimetres."""
 
 SHOULDERS = 0.61
-"""Radius of the trunk at most, as a share of half the distance of the shoulder joints: what it is in the table's body, whose
+"""Radius of the trunk at most, as a share of half the distance of the shoulder joints: its value in the table's body, whose
 joints are 0.36 m apart. More: arms of skeletons with narrow shoulders hang inside the trunk."""
 
 UNKNOWN_SHARE = 0.15
 """Radius of a bone of unknown name, as a share of its length: about that of the forearm, whose table has 0.13."""
 
 THINNEST, THICKEST = 0.005, 0.15
-"""Radii [m] of bones of unknown name at least and at most: a finger's and a trunk's."""
+"""Least and largest radii [m] of bones of unknown name: a finger's and a trunk's."""
 
 SYNONYMS = {
     "pelvis": "hips hip pelvis root lowerbody hipscontrol",
@@ -96,13 +96,13 @@ SYNONYMS = {
     "foot": "foot ankle heel metatarsals",
     "toe": "toe toes toebase ball bigtoe smalltoe forefoot",
 }
-"""Words that names of joints are made of, once side, numbers and separators are off. `shoulder` and `leg` hang on neighbours."""
+"""Words in names of joints, without side, numbers and separators. `shoulder` and `leg` depend on neighbours."""
 
 PREFIXES = re.compile(r"(?i)^((mixamorig\d*|bip0*\d*|character\d+|skel|jnt|cc_base|j|b)[ _-]+)*(mixamorig\d*|bip0*1)?")
-"""What tools put before names."""
+"""Prefixes that tools add to names."""
 
 SUFFIXES = re.compile(r"([ _-](?i:end|nub|tip|site)|End|Nub|Tip)$")
-"""What tools put behind the name of a joint that only says where the one before ends."""
+"""Suffixes that tools add to the name of a joint that only marks the end of the one before."""
 
 WORDS = {word: part for part, words in SYNONYMS.items() for word in words.split()}
 SIDED = frozenset({
@@ -113,14 +113,14 @@ SIDED = frozenset({
 
 @dataclass(frozen=True)
 class Part:
-    """What a joint's name says: the `kind` of part, "" where the name is unknown, and its `side`: "left", "right" or ""."""
+    """Part of the body by a joint's name: its `kind`, "" where unknown, and its `side`: "left", "right" or ""."""
 
     kind: str
     side: str
 
 
 def parts(skeleton: Skeleton) -> tuple[Part, ...]:
-    """The part of the body that each bone is, by its name and, where that is ambiguous, by its neighbours' names."""
+    """Return the body part of each bone, by its name and, where that is ambiguous, by its neighbours' names."""
     read = [_read(bone.name) for bone in skeleton.bones]
     found: list[Part] = []
     for k, bone in enumerate(skeleton.bones):
@@ -138,13 +138,13 @@ def parts(skeleton: Skeleton) -> tuple[Part, ...]:
 
 
 def _subtree(skeleton: Skeleton, k: int) -> Sequence[int]:
-    """The bones that hang on bone k, two levels deep."""
+    """Return the bones below bone k, two levels deep."""
     first = skeleton.children[k]
     return [*first, *(below for child in first for below in skeleton.children[child])]
 
 
 def _read(name: str) -> tuple[str, str]:
-    """(kind, side) that a name says by itself; ("", "") where it says nothing."""
+    """Return (kind, side) of a name by itself; ("", "") where it is unknown."""
     bare = re.split(r"[:|]", name)[-1]
     bare = SUFFIXES.sub("", PREFIXES.sub("", bare.strip()))
     for side, word in _sides(bare):
@@ -155,7 +155,7 @@ def _read(name: str) -> tuple[str, str]:
 
 
 def _sides(bare: str) -> list[tuple[str, str]]:
-    """The (side, word) that a name may be read as, the likeliest first: `LeftArm`, `lShldr`, `L_Thigh`, `thumb.R`, `Hips`."""
+    """Return the possible (side, word) of a name, the likeliest first: `LeftArm`, `lShldr`, `L_Thigh`, `thumb.R`, `Hips`."""
     words = re.findall(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", bare)
     letters = "".join(words).lower()
     found: list[tuple[str, str]] = []
@@ -169,6 +169,6 @@ def _sides(bare: str) -> list[tuple[str, str]]:
         elif words and words[-1].lower() == side[0]:
             found.append((side, letters[:-1]))
     found.append(("", letters))
-    # what is written without capitals, as CMU's lfemur: only if the rest is a word by itself
+    # lower-case names such as CMU's lfemur: only if the rest is a word by itself
     found += [(side, letters[1:]) for side in ("left", "right") if letters.startswith(side[0]) and len(letters) > 3]
     return found

@@ -1,6 +1,6 @@
-"""How far postures are beyond the limits of their joints: hinges, swing and twist of balls, and reach cones, in plain numpy.
+"""Excess of postures beyond joint limits: hinges, swing and twist of balls, and reach cones, in plain numpy.
 
-The same definitions as the kernels of `avatarsim/model/joint_limits.py`, for whole clips at once.
+The definitions are those of the kernels of `avatarsim/model/joint_limits.py`, for whole clips at once.
 """
 
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 NOTICED = 1e-6
-"""Angle [rad] from which a joint counts as beyond its limits: less than any figure of a file says."""
+"""Angle [rad] from which a joint counts as beyond its limits: below the precision of any file."""
 
 
 @dataclass(frozen=True)
 class Beyond:
-    """A joint that a clip takes beyond its limits: in how many `frames`, and by how much at `most` [`unit`: rad or m]."""
+    """A joint that a clip takes beyond its limits: in `frames` frames, by at `most` so much [`unit`: rad or m]."""
 
     joint: str
     frames: int
@@ -30,12 +30,12 @@ class Beyond:
 
     @property
     def said(self) -> str:
-        """The excess with its unit, for a sentence."""
+        """Excess with its unit, for a sentence."""
         return f"{1e3 * self.most:.1f} mm" if self.unit == "m" else f"{np.degrees(self.most):.1f} degrees"
 
 
 def beyond_limits(avatar: Avatar, motion: Motion) -> tuple[Beyond, ...]:
-    """The joints that a motion of this avatar takes beyond their limits, worst first."""
+    """Return the joints that a motion of this avatar takes beyond their limits, worst first."""
     found, hinge = [], 0
     for k, link in enumerate(avatar.links):
         excess, unit = np.zeros(len(motion)), "rad"
@@ -52,7 +52,7 @@ def beyond_limits(avatar: Avatar, motion: Motion) -> tuple[Beyond, ...]:
 
 
 def ball_excess(joint: Ball, turned: Array) -> Array:
-    """Angles (F,) [rad] by which turns (F, 4), from the link's frame to the parent's, are beyond a ball's limits; 0 inside."""
+    """Return the excess (F,) [rad] of turns (F, 4), from the link's frame to the parent's, over a ball's limits; 0 inside."""
     excess = np.zeros(len(turned))
     if joint.limits is not None:
         swing, twist = swing_and_twist(turned, joint.limits.axis, joint.limits.centre)
@@ -65,8 +65,8 @@ def ball_excess(joint: Ball, turned: Array) -> Array:
 
 
 def swing_and_twist(turned: ArrayLike, axis: ArrayLike, centre: ArrayLike) -> tuple[Array, Array]:
-    """Swing and twist (...,) [rad] of turns (..., 4): the angle of the limb, `axis` turned, to `centre`, and what is left about
-    `centre` once the limb has swung back, counted from the shortest turn of `axis` onto `centre`."""
+    """Return swing (...,) [rad] of turns (..., 4), the angle of the limb, `axis` turned, to `centre`, and twist (...,) [rad].
+    Twist is the rest about `centre` with the limb swung back, counted from the shortest turn of `axis` onto `centre`."""
     start, middle = np.asarray(axis, dtype=np.float64), np.asarray(centre, dtype=np.float64)
     limb = rotation.rotate(turned, start)
     across = rotation.cross(middle, limb)
@@ -78,7 +78,7 @@ def swing_and_twist(turned: ArrayLike, axis: ArrayLike, centre: ArrayLike) -> tu
 
 
 def _along(across: Array, angle: Array) -> Array:
-    """Vectors (..., 3) of these lengths along others; zero along one without length."""
+    """Return vectors (..., 3) of these lengths along others; zero along one without length."""
     length = np.linalg.norm(across, axis=-1, keepdims=True)
     return np.asarray(across / np.where(length > 1e-12, length, 1.0) * angle[..., None])
 
@@ -88,7 +88,7 @@ def _wrapped(angle: Array) -> Array:
 
 
 def reach_excess(cone: ReachCone, limbs: Array) -> Array:
-    """Angles (F,) [rad] by which unit directions (F, 3) are outside a polygon: triangles of its edges and visible point."""
+    """Return the angles (F,) [rad] of unit directions (F, 3) outside a polygon: triangles of its edges and visible point."""
     seen, starts = np.array(cone.visible_point), cone.vertices
     inside, cosine = np.zeros(len(limbs), dtype=np.bool_), np.full(len(limbs), -1.0)
     for start, end in zip(starts, np.roll(starts, -1, axis=0), strict=True):
@@ -98,7 +98,7 @@ def reach_excess(cone: ReachCone, limbs: Array) -> Array:
         inside |= (limbs @ rotation.cross(seen, start) >= 0.0) & (limbs @ rotation.cross(seen, end) <= 0.0) & (height >= 0.0)
         feet = limbs - height[:, None] * inward
         on_arc = (feet @ rotation.cross(inward, start) >= 0.0) & (feet @ rotation.cross(end, inward) >= 0.0)
-        # the foot of the perpendicular is as far from the limb as the limb is high above the edge's plane
+        # the distance of the perpendicular's foot from the limb is the limb's height above the edge's plane
         nearest = np.maximum(limbs @ start, np.where(on_arc, np.linalg.norm(feet, axis=1), -1.0))
         cosine = np.maximum(cosine, nearest)
     sine = np.sqrt(np.clip(1.0 - cosine * cosine, 0.0, None))

@@ -1,8 +1,8 @@
 """Worker process of MuJoCo's compiler, the only module that imports it: `python -m avatarsim.assets.models.compile_process FILE`.
 
 Reads MJCF and URDF by MjSpec (Todorov, Erez and Tassa 2012) and writes numbers of the compiled model to the standard output, as
-the bytes of an npz file. A process of its own, with limits on memory and time: the compiler is made for files of its user, and a
-file from elsewhere may crash it or keep it forever. It is given memory only, no path that it could open.
+the bytes of an npz file. It is a separate process, with limits on memory and time: the compiler is made for files of its user,
+and a file from elsewhere may crash it or block it. It gets file contents in memory only, no path that it could open.
 """
 
 import io
@@ -34,22 +34,22 @@ SECONDS, SECONDS_PER_MEGABYTE = 4, 0.25
 
 WALL = 10
 """Real time for each second of CPU time, on a machine with other work. Less: sound models are refused on one with ten jobs a
-core; more: a process that waits for something is ended later."""
+core; more: a blocked process is ended later."""
 
 COPLANAR = re.compile("mesh '(.*)' has coplanar vertices")
-"""MuJoCo's word for a mesh without thickness."""
+"""MuJoCo's message for a mesh without thickness."""
 
 NOWHERE = "/avatarsim-model/"
-"""Where the texts of a model lie for the compiler: a folder that no machine has, in memory only."""
+"""Virtual folder of a model's texts for the compiler, in memory only: no machine has it."""
 
 
 def seconds_for(count: int) -> float:
-    """CPU time [s] for a model of so many bytes."""
+    """Return the CPU time [s] for a model of so many bytes."""
     return SECONDS + SECONDS_PER_MEGABYTE * count / 2**20
 
 
 def limit(seconds: float) -> None:
-    """End this process when it takes more memory, or more time from its start on."""
+    """Limit memory and time, counted from the process's start; the process ends beyond them."""
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     # the soft limit ends the process as well, and may be raised once the sizes of the files are known
     resource.setrlimit(resource.RLIMIT_CPU, (int(np.ceil(seconds)), resource.getrlimit(resource.RLIMIT_CPU)[1]))
@@ -58,8 +58,8 @@ def limit(seconds: float) -> None:
 
 
 def compiled(path: Path, folder: Path, scale: float = 1.0, collide: str = "collision") -> dict[str, Any]:
-    """Arrays of the model of a file, all of whose files lie in `folder`, with `scale` metres a unit of length and the shapes that
-    `collide`. Raises InvalidFile."""
+    """Return arrays of the model of a file, all of whose files lie in `folder`; `scale` is metres a unit of length.
+    `collide` selects the shapes that collide. Raises InvalidFile."""
     import mujoco
 
     model, texts, mended, plates = compiled_by_mujoco(path, folder, scale, collide)
@@ -77,8 +77,8 @@ def compiled(path: Path, folder: Path, scale: float = 1.0, collide: str = "colli
 def compiled_by_mujoco(
     path: Path, folder: Path, scale: float = 1.0, collide: str = "collision", limited: bool = True
 ) -> tuple[Any, doors.Texts, list[str], list[str]]:
-    """Return MuJoCo's model of a file, its texts, bodies whose moments were raised, meshes that were thickened; `limited` as the
-    files' sizes allow.
+    """Return MuJoCo's model of a file, its texts, bodies whose moments were raised, meshes that were thickened.
+    If `limited`, this process is limited by the files' sizes.
 
     Raises InvalidFile."""
     texts = doors.texts_of(path, folder, collide)
@@ -110,7 +110,7 @@ def compiled_by_mujoco(
 
 
 def _swap_shapes(spec: Any) -> None:
-    """Let shapes collide that are to be looked at, in place of those that collide of their body.
+    """Let visual shapes collide, in place of the collision shapes of their body.
 
     A body without any keeps its own; the world's, such as a floor, are both, and stay."""
     spec.compiler.discardvisual = False
@@ -129,7 +129,7 @@ def _swap_shapes(spec: Any) -> None:
 
 
 def _compiled(spec: Any, files: MeshFiles, mujoco: Any) -> Any:
-    """The compiled model; masses of open meshes are those of their hulls, or of their surfaces; flat ones are plates."""
+    """Return the compiled model; masses of open meshes are those of their hulls, or of their surfaces; flat ones are plates."""
     kinds = iter((mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX, mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL))
     while True:
         try:
@@ -147,7 +147,7 @@ def _compiled(spec: Any, files: MeshFiles, mujoco: Any) -> Any:
 
 
 def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
-    """What is read of a compiled model, under MuJoCo's names."""
+    """Return the arrays that are read from a compiled model, under MuJoCo's names."""
     kinds = {"body": (mujoco.mjtObj.mjOBJ_BODY, model.nbody), "jnt": (mujoco.mjtObj.mjOBJ_JOINT, model.njnt),
              "geom": (mujoco.mjtObj.mjOBJ_GEOM, model.ngeom), "eq": (mujoco.mjtObj.mjOBJ_EQUALITY, model.neq),
              "mesh": (mujoco.mjtObj.mjOBJ_MESH, model.nmesh), "key": (mujoco.mjtObj.mjOBJ_KEY, model.nkey)}
@@ -166,7 +166,7 @@ def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
         found[name] = getattr(model, name)
     weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
     found["gravity"] = np.zeros(3) if weightless else model.opt.gravity.copy()
-    # sliding: torsion and rolling have no part in a contact of points
+    # sliding friction: torsional and rolling friction have no part in point contacts
     found["geom_friction"], found["pair_friction"] = model.geom_friction[:, 0].copy(), model.pair_friction[:, 0].copy()
     if model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_OVERRIDE:
         found["geom_friction"][:] = found["pair_friction"][:] = model.opt.o_friction[0]
@@ -179,7 +179,7 @@ def _numbers(model: Any, path: Path, mujoco: Any) -> dict[str, Any]:
 
 
 def _unread(model: Any, mujoco: Any) -> list[str]:
-    """Return what the file states on motion and contacts that has no counterpart here."""
+    """Return the features of motion and contacts in the file that have no counterpart here."""
     option, disabled = model.opt, mujoco.mjtDisableBit
     loose = np.isin(model.body_rootid, model.jnt_bodyid[model.jnt_type == mujoco.mjtJoint.mjJNT_FREE])
     stated = {
@@ -203,8 +203,8 @@ def _keyframes(model: Any, mujoco: Any, scale: float) -> dict[str, Any]:
 
 
 def _meshes(model: Any, mujoco: Any) -> dict[str, Any]:
-    """Return vertices and triangles of the meshes that bodies collide with, one after the other, and of those that viewers show
-    where all together are within the limit of vertices; of the rest none."""
+    """Return vertices and triangles of the meshes that bodies collide with, one after the other, and of visible meshes.
+    The latter only where all together are within the limit of vertices; other meshes are empty."""
     touching = (model.geom_contype != 0) | (model.geom_conaffinity != 0)
     touching[model.pair_geom1] = touching[model.pair_geom2] = True
     of_mesh = model.geom_type == mujoco.mjtGeom.mjGEOM_MESH
@@ -223,7 +223,7 @@ def _meshes(model: Any, mujoco: Any) -> dict[str, Any]:
 def main(arguments: list[str]) -> int:
     """Compile the file; npz bytes go to the standard output: the model, or in `refused` the error as JSON."""
     path = Path(arguments[0])
-    # MuJoCo prints warnings: what is written to the standard output is the answer and nothing else
+    # MuJoCo prints warnings: only the answer is written to the standard output
     answer = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     limit(SECONDS)

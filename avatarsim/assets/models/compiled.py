@@ -33,7 +33,7 @@ BODIES, GEOMS = 20_000, 20_000
 """Bodies and shapes of a model at most: a kitchen has 300. More: loading takes minutes."""
 
 VISIBLE_GROUPS = 3
-"""Groups of geoms that MuJoCo's viewer shows unless asked otherwise: 0, 1 and 2."""
+"""Groups of geoms that MuJoCo's viewer shows by default: 0, 1 and 2."""
 
 
 class JointKind(IntEnum):
@@ -46,7 +46,7 @@ class JointKind(IntEnum):
 
 
 class GeomKind(IntEnum):
-    """MuJoCo's mjtGeom, as far as geoms of a model may be of it."""
+    """MuJoCo's mjtGeom, as far as models may contain it."""
 
     PLANE = 0
     HFIELD = 1
@@ -70,7 +70,7 @@ class EqualityKind(IntEnum):
 
 
 class ObjectKind(IntEnum):
-    """MuJoCo's mjtObj, of what an equality connects."""
+    """MuJoCo's mjtObj, for the objects that an equality connects."""
 
     BODY = 1
     SITE = 6
@@ -83,11 +83,10 @@ class Compiled:
     Lengths [m], masses [kg], angles [rad], quaternions scalar first. Poses of bodies are in their parents' frames at the
     reference coordinates `qpos0`; `geom_size` as MuJoCo has it: radii, half lengths. Vertices and triangles of the meshes
     that bodies collide with or viewers show lie one after the other, `mesh_vertnum` and `mesh_facenum` of each; triangles
-    count within their mesh. `is_urdf` says that the file is one, `free_root` that its root is fixed to nothing, `mended_name`
-    which bodies had moments of inertia that no solid has, `plate_name` which meshes had no thickness, `plugin_name` which
-    plugins were left out, `unread_name` what else the file states that has no counterpart. `jnt_velocity` is the limit of speed
-    of a URDF joint [rad/s], 0 where the file states none. Frictions are those of sliding; keyframes have coordinates and poses
-    of mocap bodies."""
+    count within their mesh. `is_urdf` is True for a URDF file, `free_root` if its root is fixed to nothing, `mended_name` are
+    bodies whose moments of inertia no solid has, `plate_name` meshes without thickness, `plugin_name` plugins that were left out,
+    `unread_name` other features of the file without counterpart. `jnt_velocity` is the limit of speed of a URDF joint [rad/s], 0
+    where the file states none. Frictions are those of sliding; keyframes have coordinates and poses of mocap bodies."""
 
     is_urdf: bool
     free_root: bool
@@ -152,15 +151,15 @@ class Compiled:
     mesh_face: Indices
 
     def mesh(self, k: int) -> tuple[Array, Indices]:
-        """Vertices (n, 3) [m] and triangles (t, 3) of mesh `k`."""
+        """Return vertices (n, 3) [m] and triangles (t, 3) of mesh `k`."""
         vertex, face = int(self.mesh_vertnum[:k].sum()), int(self.mesh_facenum[:k].sum())
         return (self.mesh_vert[vertex : vertex + int(self.mesh_vertnum[k])],
                 self.mesh_face[face : face + int(self.mesh_facenum[k])])
 
 
 def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0, collide: str = "collision") -> Compiled:
-    """The model of an MJCF or URDF file, with `scale` metres a unit of length, compiled by MuJoCo in a process of its own, with
-    limits. `collide` of `doors.COLLIDE` are the shapes that collide.
+    """Return the model of an MJCF or URDF file, compiled by MuJoCo in a separate process with limits.
+    `scale` is metres a unit of length, `collide` of `doors.COLLIDE` the shapes that collide.
 
     All files that it names must lie in `folder`; see `doors.folder_of`. Raises InvalidFile for a file that is refused, with the
     reason; MissingPackage without mujoco; UnsupportedVersion where two versions of it overwrote each other."""
@@ -172,8 +171,8 @@ def compiled(path: Path, folder: str | Path | None = None, scale: float = 1.0, c
 
 
 def received(name: str, content: bytes) -> Compiled:
-    """The model that the process sent as the bytes of an npz file; `name` is what errors call it. Raises InvalidFile for what it
-    refused, for bytes that are no answer, and for numbers that are not finite."""
+    """Return the model that the process sent as the bytes of an npz file; `name` is its name in errors.
+    Raises InvalidFile for a file that it refused, for invalid bytes, and for numbers that are not finite."""
     arrays = _arrays(name, content)
     if "refused" in arrays:
         thing, value, valid = json.loads(str(arrays["refused"]))
@@ -182,13 +181,13 @@ def received(name: str, content: bytes) -> Compiled:
 
 
 def _run(path: Path, folder: Path, scale: float, collide: str) -> bytes:
-    """What the process writes. Raises InvalidFile where it ends otherwise than by itself."""
+    """Return the output of the process. Raises InvalidFile where it does not end by itself."""
     arguments = [str(path.absolute()), str(folder), repr(scale), collide]
     command = [sys.executable, "-m", "avatarsim.assets.models.compile_process", *arguments]
     # threads and their heaps reserve address space, which is limited
     calm = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "MALLOC_ARENA_MAX": "1", "MUJOCO_GL": "disable"}
     calm["PYTHONPATH"] = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
-    # an empty folder: a path that the compiler would try leads nowhere
+    # an empty folder: any path that the compiler tries is missing
     with tempfile.TemporaryDirectory(prefix="avatarsim-model-") as nowhere:
         process = subprocess.Popen(
             command, cwd=nowhere, env=calm, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
@@ -210,7 +209,7 @@ def _run(path: Path, folder: Path, scale: float, collide: str) -> bytes:
 
 
 def _ending(code: int) -> str:
-    """How a process ended, in words."""
+    """Describe how a process ended."""
     return f"code {code}" if code >= 0 else signal.Signals(-code).name
 
 
@@ -223,7 +222,7 @@ def _arrays(name: str, content: bytes) -> Mapping[str, NDArray[Any]]:
 
 
 def _checked(name: str, arrays: Mapping[str, NDArray[Any]]) -> Compiled:
-    """The model, if all of its arrays are there, none is too long, and all numbers are finite."""
+    """Return the model if all of its arrays are there, none is too long, and all numbers are finite."""
     for field in fields(Compiled):
         if field.name not in arrays:
             raise InvalidFile(f"arrays of compiled model {name}", f"none is {field.name}", "all arrays of it")

@@ -15,16 +15,16 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 WIDTHS = {"free": 7, "ball": 4, "hinge": 1, "slide": 1, "fixed": 1}
-"""Numbers of a joint: a free one has its place [m] and quaternion (w first), a ball its quaternion, a hinge its angle [rad], a
-slide its way [m]; each number of a joint that is held at the file's reference is a slot of its own, `fixed`."""
+"""Numbers of a joint: a free one has its position [m] and quaternion (w first), a ball its quaternion, a hinge its angle [rad], a
+slide its displacement [m]; each number of a joint fixed at the file's reference is a slot of its own, `fixed`."""
 
 
 @dataclass(frozen=True)
 class Slot:
-    """One joint: its `name` in the file, its `kind` (of WIDTHS), the `link` that it moves, for a hinge or a slide which of
-    the avatar's angles it is (`hinge`), and the number `rest` that the file adds to that angle (a model's reference), or that is
-    written for what is fixed, which moves no link (-1). `speed` is the largest that the file states [rad/s, m/s], 0 where it
-    states none."""
+    """One joint: its `name` in the file, its `kind` (of WIDTHS), the `link` that it moves, and its angle.
+    For a hinge or a slide, `hinge` is its index among the avatar's angles and `rest` the number that the file adds to that angle
+    (a model's reference); of a fixed slot, which moves no link (-1), `rest` is written. `speed` is the largest that the file
+    states [rad/s, m/s], 0 where it states none."""
 
     name: str
     kind: str
@@ -44,16 +44,16 @@ class Coordinates:
 
     @property
     def width(self) -> int:
-        """How many numbers a posture has."""
+        """Number of coordinates of a posture."""
         return sum(WIDTHS[slot.kind] for slot in self.slots)
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The joint of each slot."""
+        """Joint names of the slots."""
         return tuple(slot.name for slot in self.slots)
 
     def motion(self, q: Array, times: Array) -> Motion:
-        """The motion of rows q (F, width) at `times` (F,) [s]; quaternions are made unit ones, numbers of what is fixed are left.
+        """Return the motion of rows q (F, width) at `times` (F,) [s]; quaternions are normalised, fixed numbers are ignored.
 
         Raises InvalidInput for other shapes, numbers that are not finite and quaternions without length."""
         try:
@@ -83,7 +83,7 @@ class Coordinates:
         return Motion(times, positions, rotations, angles)
 
     def rows(self, motion: Motion) -> Array:
-        """The rows (F, width) of a motion: the inverse of `motion`, but for what is fixed.
+        """Return the rows (F, width) of a motion: the inverse of `motion`, but for fixed numbers.
 
         Raises InvalidInput for a motion of another avatar."""
         shapes = motion.positions.shape[1], motion.angles.shape[1]
@@ -104,7 +104,7 @@ class Coordinates:
 
 
 def _unit(name: str, quaternions: Array) -> Array:
-    """Quaternions (F, 4) made unit ones; InvalidInput for one without length. Those of length 1 stay as they are, to the bit."""
+    """Normalise quaternions (F, 4); InvalidInput for one without length. Those of length 1 stay as they are, to the bit."""
     lengths = np.linalg.norm(quaternions, axis=1)
     if not (lengths > 1e-3).all():
         frame = int(np.argmin(lengths))
@@ -113,8 +113,8 @@ def _unit(name: str, quaternions: Array) -> Array:
 
 
 def coordinates_of(avatar: Avatar) -> Coordinates:
-    """The coordinates of an avatar that comes from no file: its joints link by link, named by the link that they move; of several
-    hinges of a link `link.0`, `link.1` and so on."""
+    """Return the coordinates of an avatar that comes from no file: its joints link by link, named by the link that they move.
+    Several hinges of a link are `link.0`, `link.1` and so on."""
     slots: list[Slot] = []
     hinge = 0
     for index, link in enumerate(avatar.links):

@@ -1,8 +1,8 @@
-"""What a model file may name, checked before MuJoCo sees a word of it: no entity, no plugin, no file outside one folder.
+"""Checks of the names in a model file, before MuJoCo reads it: no entity, no plugin, no file outside one folder.
 
-XML is scanned by expat, which knows nothing of models: the scan looks at elements that name files and at the numbers of `values`,
+XML is scanned by expat, which knows nothing of models: the scan checks elements that name files and the numbers of `values`,
 follows includes, and returns the bytes that it read with unused elements replaced by spaces: plugins that act on
-bodies and joints, and of URDF either visuals or collisions. What is compiled is what was looked at (CWE-367, CWE-611, CWE-22).
+bodies and joints, and of URDF either visuals or collisions. Only checked bytes are compiled (CWE-367, CWE-611, CWE-22).
 """
 
 import os
@@ -20,13 +20,13 @@ XML_BYTES = 2**24
 """Bytes of all XML of a model together (16.8 MB). The largest known here has 2 MB. More: the compiler passes 1 GB."""
 
 XML_FILES = 256
-"""Files of XML that a model may be made of. The most known here is 40. More: a file that includes itself twice has no end."""
+"""Most XML files of a model. The most known here is 40. More: a file that includes itself twice has no end."""
 
 ELEMENTS = 200_000
-"""Elements of XML. A kitchen with its furniture has 3,000. More: the compiler takes minutes."""
+"""Most XML elements of a model. A kitchen with its furniture has 3,000. More: the compiler takes minutes."""
 
 DEEPEST_XML = 200
-"""Elements within elements: twice the longest chain of bodies known here. More: MuJoCo's parser recurses as deep as the file."""
+"""Deepest nesting of elements: twice the longest chain of bodies known here. More: MuJoCo's parser recurses as deep."""
 
 CONVERSION = {
     ".pkl": "a pickle runs code of its author when it is opened: open it where you trust it, save an .xml, .urdf or mesh file",
@@ -37,25 +37,25 @@ CONVERSION = {
     ".fbx": "export a .glb file for a room, and BVH for a skeleton with its motion",
     ".mjb": "save the model as .xml: mj_saveLastXML",
 }
-"""Endings of files that are often at hand and are not read, with what to do."""
+"""Suffixes of common formats that are not read, with advice."""
 
 MODELS = (".xml", ".mjcf", ".urdf")
-"""Endings of files that hold a model."""
+"""Suffixes of model files."""
 
 PARSED_WITH_FILES = {"include", "model"}
 """Elements whose file is XML and belongs to the model itself."""
 
 FOREIGN = ("gazebo", "transmission", "ros2_control")
-"""Elements below a URDF robot that speak to other programs. MuJoCo does not read them, so their plugins are nothing to it."""
+"""Elements below a URDF robot for other programs. MuJoCo does not read them, so it ignores their plugins."""
 
 MOVED_BY_PLUGIN = ("actuator", "sensor", "body", "composite", "flexcomp")
-"""Elements whose plugins act, measure or bend: without them bodies and joints are where they are. Others make shapes."""
+"""Elements whose plugins act, measure or bend: without them bodies and joints are unchanged. Others make shapes."""
 
 FILLERS = {"mujoco": b"<custom/>", **dict.fromkeys(("worldbody", "body", "frame", "replicate"), b"<frame/>")}
 """Content of an included file of which nothing is left, by the enclosing element. MuJoCo refuses empty files."""
 
 COLLIDE = ("collision", "visual")
-"""Shapes that bodies collide with: those that the file means for it, or those that it means to be looked at."""
+"""Shapes that bodies collide with: the file's collision shapes or its visual shapes."""
 
 _COMMENT = re.compile(rb"<!--.*?-->|<\?xml\s[^>]*\?>", re.DOTALL)
 _VISUAL = re.compile(rb"<(/?)visual(?=[\s/>])")
@@ -65,10 +65,10 @@ _DRIVE = re.compile(r"^[A-Za-z]:[\\/]")
 
 @dataclass(frozen=True)
 class Texts:
-    """The XML of a model: `main` is the path of the file that was asked for, `texts` the bytes of all, by path below `folder`;
-    `plugins` are the names of those that were left out, `velocities` the limits of speed of URDF joints by name, `meshes` the
-    files of MJCF meshes by name, as they are written; `is_robot` says whether it is URDF, `free_root` whether it is so with no
-    link named world, to which MuJoCo would fix it."""
+    """The XML of a model: `main` is the path of the requested file, `texts` the bytes of all files, by path below `folder`.
+    `plugins` are the names of removed plugins, `velocities` the limits of speed of URDF joints by name, `meshes` the files of
+    MJCF meshes by name, as they are written; `is_robot` is True for URDF, `free_root` for URDF without a link named world, to
+    which MuJoCo would fix it."""
 
     folder: Path
     main: str
@@ -81,13 +81,13 @@ class Texts:
 
     @property
     def bytes(self) -> int:
-        """Bytes of all XML."""
+        """Number of bytes of all XML."""
         return sum(map(len, self.texts.values()))
 
 
 def folder_of(path: Path, folder: str | Path | None = None) -> Path:
-    """The folder in which all files of a model must lie: `folder`, if one is asked for, which must hold the file; else the
-    file's own, or for a URDF file that of its package: the nearest one above with a package.xml."""
+    """Return the folder in which all files of a model must lie: `folder`, which must contain the file, or a default.
+    This is the file's own folder, or for a URDF file that of its package: the nearest one above with a package.xml."""
     path = _real(path)
     if folder is not None:
         found = _real(Path(folder))
@@ -102,7 +102,7 @@ def folder_of(path: Path, folder: str | Path | None = None) -> Path:
 
 
 def require_model(path: Path) -> None:
-    """Raise InvalidFile for a file whose ending says that it is no model, with what to do about it."""
+    """Raise InvalidFile for a file whose suffix is not that of a model, with advice."""
     ending = path.suffix.lower()
     if ending in CONVERSION:
         raise InvalidFile(f"format of {path.name}", ending, f"one of {' '.join(MODELS)}; {CONVERSION[ending]}")
@@ -111,9 +111,9 @@ def require_model(path: Path) -> None:
 
 
 def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
-    """The XML of a model and of all files that it includes, all of them in `folder`. Raises InvalidFile.
+    """Return the XML of a model and of all files that it includes, all of them in `folder`. Raises InvalidFile.
 
-    Of URDF the shapes are read that `collide`, one of COLLIDE."""
+    Of URDF, `collide` selects the shapes, one of COLLIDE."""
     require_model(path)
     path = _real(path)
     if folder not in path.parents:
@@ -146,17 +146,17 @@ def texts_of(path: Path, folder: Path, collide: str = "collision") -> Texts:
 
 
 def _plain(content: bytes) -> bytes:
-    """The text without comments, in which authors write what XML does not allow, declarations, which may not follow a comment,
-    and the zero byte that some programs end a text with; all of it is UTF-8."""
+    """Return the text in UTF-8 without parts that expat rejects.
+    These are comments, in which authors write invalid XML, declarations, which may not follow a comment, and final zero bytes."""
     return _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content.rstrip(b"\0"))
 
 
 class _Scan:
-    """One file of XML, element by element, whose root stands for the elements `around` where another file includes it.
+    """One file of XML, element by element, whose root is replaced by the elements `around` where another file includes it.
 
-    `found` are the files of XML that it names: (path below the folder, path, elements around), `is_robot` says whether it is URDF
-    and `has_world` whether that has a link named world; `plugins` are the names of those left out, `velocities` the limits of
-    speed of its joints, and `meshes` files of MJCF meshes by name."""
+    `found` are the files of XML that it names: (path below the folder, path, elements around), `is_robot` is True for URDF and
+    `has_world` if that has a link named world; `plugins` are the names of removed ones, `velocities` the limits of speed of its
+    joints, and `meshes` files of MJCF meshes by name."""
 
     def __init__(
         self, name: str, main: PurePosixPath, folder: Path, collide: str, around: tuple[values.Element, ...] = ()
@@ -174,11 +174,11 @@ class _Scan:
         self.velocities: dict[str, float] = {}
         self.meshes: dict[str, str] = {}
         self.is_robot = self.has_world = False
-        # UTF-8 whatever the file says of itself, as MuJoCo's parser takes it
+        # UTF-8 whatever the file declares, as MuJoCo's parser takes it
         self._parser = expat.ParserCreate("utf-8")
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
-        # whatever comes next ends a blanked element: text, and also what the compiler would read as text
+        # any next token ends a blanked element: text, and also what the compiler would read as text
         self._parser.CharacterDataHandler = self._next
         self._parser.StartCdataSectionHandler = self._next
         self._parser.ProcessingInstructionHandler = self._next
@@ -186,7 +186,7 @@ class _Scan:
         self._parser.EntityDeclHandler = self._doctype
 
     def read(self, content: bytes) -> None:
-        """Scan the whole text; InvalidFile where it is no XML, or names what it may not."""
+        """Scan the whole text; InvalidFile for invalid XML or a forbidden name."""
         try:
             if self._collide == "visual":
                 self._seen = _links_with_visuals(content, self._doctype)
@@ -207,7 +207,7 @@ class _Scan:
         return bytes(whole)
 
     def _settle(self) -> None:
-        """Close a blanked element, whose last byte is the one before what comes next."""
+        """Close a blanked element, whose last byte precedes the next token."""
         if self._ended:
             self._blank.append((self._blank_from, self._parser.CurrentByteIndex))
             self._blank_from, self._ended = -1, False
@@ -278,7 +278,7 @@ class _Scan:
         thing = self._place(f"{key} of <{tag}>")
         require_relative(thing, value)
         if tag in PARSED_WITH_FILES and key == "file":
-            # as MuJoCo: beside the model that was asked for, and else beside the file that names it
+            # as MuJoCo: relative to the requested model, else relative to the file that names it
             bases = dict.fromkeys([self._main, PurePosixPath(self._name).parent])
             name, place = existing(thing, [base / value for base in bases], self._folder)
             around = self._above()[:-1] if tag == "include" else ()
@@ -314,7 +314,7 @@ def require_relative(thing: str, value: str) -> None:
 
 
 def inside(thing: str, path: PurePosixPath, folder: Path) -> tuple[str, Path]:
-    """Where a path below `folder` leads, links followed: its plain form and the place. Raises InvalidFile where it leads out."""
+    """Resolve a path below `folder`, links followed: its plain form and the place. Raises InvalidFile where it leads out."""
     plain: list[str] = []
     for part in path.parts:
         if part == "..":
@@ -331,7 +331,7 @@ def inside(thing: str, path: PurePosixPath, folder: Path) -> tuple[str, Path]:
 
 
 def existing(thing: str, paths: list[PurePosixPath], folder: Path) -> tuple[str, Path]:
-    """The first of `paths` that is a file in `folder`. Raises InvalidFile where one leads out, or none is there."""
+    """Return the first of `paths` that is a file in `folder`. Raises InvalidFile where one leads out, or none is there."""
     refused: InvalidFile | None = None
     for path in paths:
         try:
@@ -345,13 +345,13 @@ def existing(thing: str, paths: list[PurePosixPath], folder: Path) -> tuple[str,
 
 
 def _wider(folder: Path, place: Path) -> str:
-    """What is valid instead of a path that leads to `place`, and how to allow it all the same."""
+    """Return the valid alternative to a path that leads to `place`, and how to allow it all the same."""
     wider = os.path.commonpath([folder, os.path.normpath(place)])
     return f'a path that stays in {folder}; folder="{wider}" allows it, if you trust what lies there'
 
 
 def _real(path: Path) -> Path:
-    """The path with all links followed. Raises InvalidFile for links without end and names that no system takes."""
+    """Return the path with all links followed. Raises InvalidFile for endless links and names that the system rejects."""
     try:
         return path.resolve()
     except (OSError, RuntimeError, ValueError) as error:

@@ -1,6 +1,6 @@
-"""A compiled model as avatar, room, moving and loose bodies: one link a body, pieces of what collides, which pairs never touch.
+"""A compiled model as avatar, room, moving and loose bodies: one link a body, pieces of colliding geoms, pairs that never touch.
 
-Pairs are left out as MuJoCo does (geoms of one weld, of a weld and its parent, excluded pairs, masks), and besides those that
+Pairs are left out as MuJoCo does (geoms of one weld, of a weld and its parent, excluded pairs, masks), and also those that
 overlap at the reference already (`overlaps`): an avatar with them could not be shown at all.
 """
 
@@ -46,7 +46,7 @@ LIMIT_ROUNDING = 1e-3
 """[rad, m] Excess over a limit at the start that is not reported: files round both."""
 
 WORLD = "world"
-"""What a part of the world is called whose geom has no name."""
+"""Name of a part of the world whose geom has no name."""
 
 
 _SHAPES = {
@@ -59,8 +59,8 @@ _SHAPES = {
 
 @dataclass(frozen=True)
 class Options:
-    """What a user asks of a model file; see `load.load_avatar`. `driven`: there must be an avatar, there is none, or, for None, a
-    tree with joints is one where there is any."""
+    """User options for a model file; see `load.load_avatar`.
+    `driven`: an avatar is required, or excluded, or, for None, a tree with joints becomes one where there is any."""
 
     avatar: str | tuple[str, ...] | None = None
     driven: bool | None = True
@@ -78,19 +78,19 @@ class Options:
 
 
 def model_of_file(path: Path, options: Options) -> Model:
-    """Avatar, room and loose bodies of an MJCF or URDF file. Raises InvalidFile for what cannot be said, by name."""
+    """Return avatar, room and loose bodies of an MJCF or URDF file. Raises InvalidFile for unsupported features, by name."""
     if options.collide not in COLLIDE:
         raise UnknownName("collide", str(options.collide), COLLIDE)
     scale = within(f"metres a unit of length of {path.name}", options.scale, SMALLEST, LARGEST, InvalidInput)
     try:
         return _Reading(compiled(path, options.folder, scale, options.collide), path, options).model()
     except (InvalidScene, InvalidShape) as error:
-        # a number of the file that no scene takes
+        # a number of the file that a scene rejects
         raise InvalidFile(f"{error.thing} in {path.name}", error.value, error.valid) from error
 
 
 class _Reading:
-    """One model on its way from numbers to bodies."""
+    """Conversion of one model from numbers to bodies."""
 
     def __init__(self, model: Compiled, path: Path, options: Options) -> None:
         self._m, self._path, self._file, self._options = model, path, path.name, options
@@ -108,7 +108,7 @@ class _Reading:
         self._frames: dict[str, Frames] = {}
 
     def model(self) -> Model:
-        """The whole model."""
+        """Return the whole model."""
         forest = trees(self._m)
         chosen = self._avatar_tree(forest) if self._options.driven is not False else None
         tree = skeleton = avatar = start = None
@@ -146,14 +146,14 @@ class _Reading:
             found = without_pairs(found, self._options.exclude)
         said: tuple[str, ...] = ()
         if avatar is not None or any(body.role is Role.SIMULATED for body in bodies):
-            # the engine's compiler, which a room alone does without
+            # the engine's compiler, which is not needed for a room alone
             from avatarsim.assets.models.overlaps import freed
 
             found, said = freed(found, tree is not None and tree.is_free)
         return replace(found, said=(*self._said, *said))
 
     def _drawn(self) -> Mapping[str, tuple[Visual, ...]]:
-        """Return parts that pages draw in place of pieces; visuals of URDF when a page asks for them."""
+        """Return parts that pages draw in place of pieces; visuals of URDF are read when a page needs them."""
         drawn = self._visuals | {name: self._geoms.visuals(frames) for name, frames in self._frames.items()}
         own = {name: parts for name, parts in drawn.items() if parts}
         if not self._m.is_urdf or self._options.collide == "visual":
@@ -188,12 +188,12 @@ class _Reading:
                 'lets a body without joints go where its user goes'
             )
             raise InvalidFile(f"joints of {self._file}", 0, valid)
-        # of as many joints the tree that is free to go
+        # of trees with equally many joints the one with a free root
         everything = [int(np.isin(self._m.jnt_bodyid, bodies).sum()) for bodies in forest]
         return forest[max(range(len(forest)), key=lambda k: (counts[k], everything[k]))]
 
     def _tree_with(self, name: str, forest: list[tuple[int, ...]]) -> tuple[int, ...]:
-        """The tree that has a body of this name."""
+        """Return the tree that has a body of this name."""
         for bodies in forest:
             if name in {self._names[b] for b in bodies}:
                 return bodies
@@ -201,8 +201,8 @@ class _Reading:
         raise UnknownName(f"body of {self._file} to be the avatar", name, known)
 
     def _free_root(self) -> bool:
-        """Return True if a root without a joint is free: in URDF, which has no word for it, unless the file or the user fixes
-        it."""
+        """Return True if a root without a joint is free.
+        It is in URDF, which cannot state it, unless the file or the user fixes it."""
         root = self._options.joints.root
         return root == "free" or (root == "file" and self._m.free_root)
 
@@ -238,7 +238,7 @@ class _Reading:
         return self._laws.material(self._names[body], self._geoms.of(body) if body else (), self._options.materials[0])
 
     def _world(self) -> list[Body]:
-        """A fixed body for each geom of the world."""
+        """Return a fixed body for each geom of the world."""
         found = []
         for geom in self._geoms.of(0):
             name = self._own_name(self._m.geom_name[geom] or f"{WORLD} {geom}")
@@ -249,7 +249,7 @@ class _Reading:
         return found
 
     def _body(self, bodies: tuple[int, ...]) -> list[Body]:
-        """A tree that no user drives, rigid in its reference posture: loose if its root is free, else fixed.
+        """Return a tree that no user drives, rigid in its reference posture: loose if its root is free, else fixed.
 
         A mocap body becomes a moving one."""
         geoms = [g for b in bodies for g in self._geoms.of(b)]
@@ -294,14 +294,14 @@ class _Reading:
         return f"; avatar=({listed}) drives all of them"
 
     def _own_name(self, name: str) -> str:
-        """A name that no other part of the room has."""
+        """Return a name that no other part of the room has."""
         found, k = name, 2
         while found in self._parts or found == self._title:
             found, k = f"{name} {k}", k + 1
         return found
 
     def _ignored(self, tree: Tree, skeleton: Skeleton) -> tuple[tuple[str, str], ...]:
-        """Pairs of links that never touch, besides parent and child: by welds, by the file's word, by masks."""
+        """Return pairs of links that never touch, besides parent and child: by welds, by exclusions of the file, by masks."""
         parent = {link.name: link.parent for link in skeleton.links}
         parts = self._link_parts(tree, self._names)
         found, masked, neighbours = [], 0, 0
@@ -320,20 +320,20 @@ class _Reading:
         return tuple(found)
 
     def _link_parts(self, tree: Tree, names: dict[int, str]) -> list[Part]:
-        """The links that collide, as parts."""
+        """Return the links that collide, as parts."""
         return [
             Part(names[b], (b,), tuple(self._geoms.of(b)), tree.weld[b], self._above(tree, tree.weld[b]))
             for b in tree.bodies if self._geoms.of(b)
         ]
 
     def _above(self, tree: Tree, weld: int) -> int:
-        """The weld that a weld of the tree is jointed to; a free one to none."""
+        """Return the weld that a weld of the tree is jointed to; for a free one none."""
         if weld == 0 or (weld == tree.root and tree.is_free):
             return -1
         return tree.weld[int(self._m.body_parentid[weld])]
 
     def _excluded(self, tree: Tree | None, avatar: Avatar | None) -> tuple[tuple[str, str], ...]:
-        """Pairs of parts that never touch, but for two links: a link that is fixed and the room, and by the file's word."""
+        """Return pairs of parts, not two links, that never touch: a fixed link and the room, and exclusions of the file."""
         room = list(self._parts.values())
         names = {} if tree is None or avatar is None else self._scene_names(tree, avatar)
         links = [] if tree is None else self._link_parts(tree, names)
@@ -345,16 +345,16 @@ class _Reading:
         return (*found, *masked)
 
     def _scene_names(self, tree: Tree, avatar: Avatar) -> dict[int, str]:
-        """What a scene calls the link that carries a body."""
+        """Return the scene names of the links that carry bodies."""
         alone = len(avatar.links) == 1
         return {b: avatar.name if alone else f"{avatar.name}/{self._names[b]}" for b in tree.bodies}
 
     def _welds(
         self, tree: Tree | None, avatar: Avatar | None, start: TrackerSample | None, bodies: list[Body]
     ) -> dict[int, tuple[str, str]]:
-        """Loose bodies and the links or moving bodies that welds attach them to, by the number of the equality.
+        """Return loose bodies and the links or moving bodies that welds attach them to, by the number of the equality.
 
-        None at a keyframe that is not the reference, where what hangs together is apart."""
+        None at a keyframe that is not the reference, where welded bodies are apart."""
         if self._pose.key >= 0 and not np.allclose(self._pose.qpos, self._m.qpos0, rtol=0.0, atol=1e-6):
             return {}
         loose = {body.name for body in bodies if body.role is Role.SIMULATED}
@@ -365,7 +365,7 @@ class _Reading:
         return attaching_welds(self._m, carried, carrying)
 
     def _say_equalities(self, welds: Container[int]) -> None:
-        """What holds bodies together besides joints, and is left out."""
+        """Report equalities other than joint couplings and deformable bodies, which are left out, and planes."""
         left = [
             self._m.eq_name[k] or f"{EqualityKind(int(kind)).name.lower()} {k}"
             for k, kind in enumerate(self._m.eq_type)
@@ -381,7 +381,7 @@ class _Reading:
 
 
 def _distinct(names: list[str]) -> dict[int, str]:
-    """Names by number, each once."""
+    """Make names unique, by number."""
     found: dict[int, str] = {}
     seen: set[str] = set()
     for k, name in enumerate(names):

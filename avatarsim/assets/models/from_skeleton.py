@@ -1,7 +1,7 @@
 """A human avatar from a recorded skeleton: capsules along its bones, masses and radii by anthropometry, ranges of motion by name.
 
-The bones' lengths and joints are the recording's; shapes, masses and limits are a construction, not a measurement of the recorded
-human, and the model says so.
+The bones' lengths and joints are the recording's; shapes, masses and limits are constructed, not measured on the recorded human,
+and the model's notes state it.
 """
 
 from collections.abc import Sequence
@@ -54,21 +54,21 @@ TOUCHING = 1e-4
 FLESH = 0.25
 """Share of the thinner link's radius by which a pair that overlaps when standing may be deeper in motion. The shapes are a guess,
 and thighs and shoulders press into a trunk: in a recorded dance by 14 mm, a sixth of a thigh. Larger: an arm goes through a chest
-unseen; smaller: people who sit or shrug count as overlapping."""
+unnoticed; smaller: people who sit or shrug count as overlapping."""
 
 LEAST_MASS = 0.01
-"""Mass [kg] of a link without pieces: a hundred times less than a hand, so that it weighs nothing in what is added up."""
+"""Mass [kg] of a link without pieces: a hundred times less than a hand, negligible in sums."""
 
 
 def human(
     skeleton: Skeleton, stature: float, clip: Motion, mass: float = BODY_MASS, limits: bool = True, at_rest: bool = True
 ) -> Model:
-    """The avatar of a skeleton that stands `stature` [m] tall, of `mass` [kg].
+    """Return the avatar of a skeleton of `stature` [m] when standing, and of `mass` [kg].
 
-    `clip` are postures of it, among which a standing one is looked for where the skeleton does not stand at rest, or is not to be
-    looked at `at_rest`. Links that overlap in a standing posture may do so as deep as there (`FLESH`). `limits` gives joints of
-    known name their range of motion, other joints none. Raises InvalidInput for sizes that no avatar has, and for a mass that is
-    none."""
+    `clip` are postures of it, among which a standing one is searched where the skeleton is not upright at rest, or its rest pose
+    is excluded by `at_rest`. Links that overlap in a standing posture may do so as deep as there (`FLESH`). `limits` gives joints
+    of known name their range of motion, other joints none. Raises InvalidInput for sizes that no avatar has, and for an invalid
+    mass."""
     positive(f"mass of the avatar of {skeleton.name} [kg]", mass, InvalidInput)
     positive(f"height of the skeleton of {skeleton.name} [m]", stature, InvalidInput)
     named = parts(skeleton)
@@ -106,7 +106,7 @@ def human(
 
 
 def coordinates(avatar: Avatar, skeleton: Skeleton) -> Coordinates:
-    """The generalized coordinates in the file's order: root, then every joint that turns, hinges by what the file calls them."""
+    """Return the generalized coordinates in the file's order: root, then every joint that turns, hinges by the file's names."""
     slots, hinge = [], 0
     for k, (link, bone) in enumerate(zip(avatar.links, skeleton.bones, strict=True)):
         if isinstance(link.joint, Hinges):
@@ -131,14 +131,14 @@ def _joint(skeleton: Skeleton, k: int, named: Sequence[Part], standing: Stance |
 
 @dataclass(frozen=True)
 class Build:
-    """How a body is built: its `mass` [kg], its `stature` [m], and the largest radius of its `trunk` [m]."""
+    """Build of a body: its `mass` [kg], its `stature` [m], and the largest radius of its `trunk` [m]."""
 
     mass: float
     stature: float
     trunk: float
 
     def radius(self, part: Part, length: float) -> float:
-        """Radius [m] of a bone of `length` [m]."""
+        """Return the radius [m] of a bone of `length` [m]."""
         if part.kind in RADII:
             return RADII[part.kind] * self.stature / STATURE
         if part.kind in SEGMENT_OF:
@@ -148,7 +148,7 @@ class Build:
 
 
 def _build(skeleton: Skeleton, named: Sequence[Part], standing: Stance | None, mass: float, stature: float) -> Build:
-    """The build of a skeleton: its trunk no deeper than goes with the distance of its shoulder joints."""
+    """Return the build of a skeleton: its trunk no deeper than the distance of its shoulder joints allows."""
     arms = [next((k for k, part in enumerate(named) if part == Part("upper arm", side)), -1) for side in ("left", "right")]
     if standing is None or min(arms) < 0:
         return Build(mass, stature, THICKEST)
@@ -157,7 +157,7 @@ def _build(skeleton: Skeleton, named: Sequence[Part], standing: Stance | None, m
 
 
 def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> tuple[Piece, ...]:
-    """A capsule to each joint that hangs on bone k and to each tip that ends there, and a ball where neither is."""
+    """Return a capsule to each joint below bone k and to each tip that ends there, and a ball where it has neither."""
     bone, part, children = skeleton.bones[k], named[k], skeleton.children[k]
     if part.kind == "face" or _is_bearer(skeleton, k, named):
         return ()
@@ -170,7 +170,7 @@ def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> 
         if length < SHORTEST_BONE:
             continue
         if place in ending or (not children and place in bone.tips):
-            # what ends at its tip ends there, not a radius beyond it
+            # a capsule to a tip ends there, not a radius beyond it
             end *= max(length - radius, 0.5 * length) / length
         if part.kind == "thigh":
             found.append(capsule_between(np.zeros(3), end, min(radius, KNEE * build.stature / STATURE)))
@@ -182,20 +182,20 @@ def _pieces(skeleton: Skeleton, k: int, named: Sequence[Part], build: Build) -> 
 
 
 def _is_bearer(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
-    """Return True if bone k is a root that only carries the hips about: no body reaches from the floor to them."""
+    """Return True if bone k is a root that only carries the hips: no body reaches from the floor to them."""
     children = skeleton.children[k]
     return skeleton.bones[k].parent < 0 and len(children) == 1 and named[children[0]].kind == "pelvis"
 
 
 def _is_end(skeleton: Skeleton, k: int, named: Sequence[Part]) -> bool:
-    """Return True if bone k has no extent and only says where the one that it hangs on, of the same part, ends."""
+    """Return True if bone k has no extent and only marks the end of its parent, which is the same part of the body."""
     bone = skeleton.bones[k]
     longest = max((float(np.linalg.norm(end)) for end in skeleton.ends(k)), default=0.0)
     return bone.parent >= 0 and longest < SHORTEST_BONE and named[k] == named[bone.parent]
 
 
 def _masses(named: Sequence[Part], pieces: Sequence[tuple[Piece, ...]], mass: float) -> list[Mass]:
-    """Masses of the links: a segment's share of the body by the volumes of its links; all by volume where a name is unknown.
+    """Return masses of the links: a segment's share by the volumes of its links; all by volume where a name is unknown.
 
     Where segments are missing the others take their place, so that the body weighs `mass` [kg]."""
     volumes = [sum(volume(piece.shape) for piece in of_link) for of_link in pieces]
@@ -217,7 +217,7 @@ def _masses(named: Sequence[Part], pieces: Sequence[tuple[Piece, ...]], mass: fl
 
 
 def _segment(part: Part, known: bool) -> tuple[str, str]:
-    """What shares a mass: a segment, of one side if there are two; all links together where names are unknown."""
+    """Return the unit that shares a mass: a segment, of one side if there are two; all links together for unknown names."""
     if not (known and part.kind):
         return "", ""
     segment = SEGMENT_OF[part.kind]
@@ -225,11 +225,11 @@ def _segment(part: Part, known: bool) -> tuple[str, str]:
 
 
 def _overlapping(avatar: Avatar, standing: Stance | None) -> tuple[tuple[str, str, float], ...]:
-    """Pairs of links, not a link and its parent, that overlap in a standing posture, and how deep [m] they may be: as there, and
-    as far as flesh gives way.
+    """Return pairs of links, not a link and its parent, that overlap in a standing posture, and the depth [m] allowed.
+    It is the depth there plus the flesh's compression.
 
-    Where no standing one is known, at rest, and then those of one parent and of a parent's alone: the rest may be folded up."""
-    # the engine's compiler, which reading a skeleton file does without
+    Without a standing one, at rest, and then only siblings and a link with its parent's parent: others may be folded up."""
+    # the engine's compiler, which reading a skeleton file does not need
     from avatarsim.model.world import build
     from avatarsim.pose_queries import deepest_overlaps
 
@@ -248,5 +248,5 @@ def _overlapping(avatar: Avatar, standing: Stance | None) -> tuple[tuple[str, st
 
 
 def shapes_of(link: Link) -> list[Capsule | Sphere]:
-    """The shapes of a link of a recorded skeleton."""
+    """Return the shapes of a link of a recorded skeleton."""
     return [piece.shape for piece in link.pieces if isinstance(piece.shape, Capsule | Sphere)]

@@ -1,8 +1,8 @@
 """Joints that a file couples, as `Coupling`s: q_b = c_0 + c_1 q_a, each joint counted from its reference.
 
 MuJoCo's equality of joints is a polynomial of degree four; an avatar has straight lines only, which all of URDF's `mimic` are.
-Joints that are coupled in a row or a ring follow the first of them; one that follows nothing, or a joint that is fixed, stands
-still."""
+Joints that are coupled in a row or a ring follow the first of them; one that follows nothing, or a fixed joint, does not
+move."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ AGREE = 1e-9
 
 @dataclass(frozen=True)
 class Line:
-    """A joint's angle [rad] or way [m] from the reference as `ratio` times that of joint `leader`, -1 for none, plus `offset`."""
+    """A joint's angle [rad] or distance [m] from the reference: `ratio` times that of `leader`, -1 for none, plus `offset`."""
 
     leader: int
     ratio: float
@@ -45,14 +45,14 @@ def curved(model: Compiled, joints: Sequence[int]) -> dict[int, str]:
 
 
 def _of_joints(model: Compiled, joints: Sequence[int]) -> list[int]:
-    """The equalities in force whose follower is one of some joints."""
+    """Return the active equalities whose follower is one of some joints."""
     active = (model.eq_type == EqualityKind.JOINT) & (model.eq_active0 != 0)
     return [int(k) for k in np.flatnonzero(active) if int(model.eq_obj1id[k]) in joints]
 
 
 def lines(model: Compiled, joints: Sequence[int], fixed: Sequence[int], file: str) -> dict[int, Line]:
-    """Return the line of each joint that does not move by itself, among `joints` of which some are `fixed` at their reference:
-    these follow no more, and what follows them stands.
+    """Return the line of each dependent joint among `joints`, of which some are `fixed` at their reference.
+    The latter no longer follow others, and their followers do not move.
 
     Raises InvalidFile for couplings that contradict one another, and for those with a joint of another tree."""
     equalities = [
@@ -83,12 +83,12 @@ def lines(model: Compiled, joints: Sequence[int], fixed: Sequence[int], file: st
 
 
 def _through(one: _Equality, leader: Line) -> Line:
-    """The line of a follower, from that of its leader."""
+    """Return the line of a follower, from that of its leader."""
     return Line(leader.leader, one.ratio * leader.ratio, one.offset + one.ratio * leader.offset)
 
 
 def _spread(known: dict[int, Line], linked: Sequence[_Equality]) -> None:
-    """Add the lines that follow from those that are known."""
+    """Add the lines that follow from the known ones."""
     grows = True
     while grows:
         grows = False
@@ -105,7 +105,7 @@ def _spread(known: dict[int, Line], linked: Sequence[_Equality]) -> None:
 def narrowed(
     found: Mapping[int, Line], limits: Mapping[int, tuple[float, float]], names: Mapping[int, str], file: str
 ) -> dict[int, tuple[float, float]]:
-    """Return the limits of all joints, of leaders those that all their followers can keep, of followers what follows from these.
+    """Return the limits of all joints: of leaders those that all their followers can keep, of followers the resulting ones.
 
     Raises InvalidFile where none are left."""
     kept = dict(limits)

@@ -25,7 +25,7 @@ class Stated:
 
 @dataclass(frozen=True)
 class Frictions:
-    """Materials of a file by name, and the friction of pairs of them that the file states itself."""
+    """Materials of a file by name, and the friction of pairs of them that the file states explicitly."""
 
     materials: Mapping[str, Stated] = field(default_factory=dict)
     pairs: Mapping[tuple[str, str], float] = field(default_factory=dict)
@@ -36,7 +36,7 @@ class Frictions:
     def table(self) -> PairTable:
         """Return the table of all pairs: of two materials the larger friction, or that of the higher priority.
 
-        A material of the table of pairs beside one of the file counts with its own friction against the file's base.
+        A material of the table, in a pair with one of the file, counts with its own friction against the file's base.
         """
         if not self.materials:
             return TABLE_1
@@ -88,7 +88,7 @@ class Laws:
         return bool(types[g] & affinities[h] or types[h] & affinities[g])
 
     def material(self, name: str, geoms: Sequence[int], base: str) -> str:
-        """Return the material of the part of that name: of its geoms' frictions the largest of the highest priority."""
+        """Return the material of the part of this name: of its geoms' frictions the largest of the highest priority."""
         if self._m.is_urdf or not geoms:
             return base
         every = {self._geom(g, base) for g in geoms}
@@ -99,7 +99,7 @@ class Laws:
         stated = Stated(base, max(one.friction for one in found), priority, all(one.is_smooth for one in found))
         material = f"{base} {stated.friction}" + (f" over {priority}" if priority else "") + " smooth" * stated.is_smooth
         if self._paired & set(geoms):
-            # its own, since the file states another friction of a pair with it
+            # a separate one, since the file states another friction of a pair with it
             material = f"{material} of {name}"
             self._of_geom |= {g: material for g in geoms}
         self._stated[material] = stated

@@ -42,16 +42,16 @@ TOGETHER = 1e-12
 """[m] Centres of joints nearer than this are one: a file writes both with the same digits."""
 
 UNTURNED = np.array(rotation.IDENTITY)
-"""The turn that changes nothing."""
+"""The identity rotation."""
 
 MOST_HINGES = 3
-"""Hinges that one link may turn about."""
+"""Most hinges of one link."""
 
 CENTRED = (JointKind.HINGE, JointKind.BALL)
-"""Kinds of joints that have a centre; a slide's place in the file means nothing."""
+"""Kinds of joints that have a centre; a slide's position in the file means nothing."""
 
 ROOTS = ("file", "free", "fixed")
-"""How an avatar's root moves: as the file says, freely, or not at all."""
+"""Motion of an avatar's root: as the file states, free, or fixed."""
 
 
 @dataclass(frozen=True)
@@ -75,8 +75,8 @@ class Tree:
     """Bodies below one body of the world, or several, `bodies` from the root on, parents first, and the joints that move them.
 
     `joints` [body] are the numbers of its joints that move, in the order in which they act; `fixed` those of the tree that are
-    held at their reference; `lines` how joints follow others, `limits` of hinges and slides [rad, m]. `is_free` says whether the
-    root goes anywhere, `weld` [body] is the first of the bodies that it is rigid with (0: the world)."""
+    fixed at their reference; `lines` how joints follow others, `limits` of hinges and slides [rad, m]. `is_free` is True if the
+    root moves freely, `weld` [body] is the first of the bodies that it is rigid with (0: the world)."""
 
     model: Compiled
     bodies: tuple[int, ...]
@@ -95,7 +95,7 @@ class Tree:
 
 
 def trees(model: Compiled) -> list[tuple[int, ...]]:
-    """The bodies below each body of the world, parents first."""
+    """Return the bodies below each body of the world, parents first."""
     top = np.arange(len(model.body_name))
     for body in range(1, len(top)):
         parent = int(model.body_parentid[body])
@@ -104,13 +104,13 @@ def trees(model: Compiled) -> list[tuple[int, ...]]:
 
 
 def joint_name(model: Compiled, joint: int) -> str:
-    """What errors, sentences and coordinates call a joint."""
+    """Return the name of a joint in errors, sentences and coordinates."""
     body = int(model.jnt_bodyid[joint])
     return model.jnt_name[joint] or f"joint {joint} of {model.body_name[body] or f'body {body}'}"
 
 
 def tree_of(model: Compiled, bodies: tuple[int, ...], wanted: JointWishes, file: str) -> Tree:
-    """The tree with what is fixed, or InvalidFile with the joints that an avatar cannot have and what to do about them."""
+    """Return the tree with fixed joints, or raise InvalidFile with the joints that an avatar cannot have, and advice."""
     own = [int(j) for j in np.flatnonzero(np.isin(model.jnt_bodyid, bodies))]
     names = {joint_name(model, j): j for j in own}
     said: list[str] = []
@@ -151,7 +151,7 @@ def _list(model: Compiled, joints: Sequence[int]) -> str:
 
 
 def _groups(model: Compiled, tree: Tree, body: int) -> list[tuple[int, ...]]:
-    """A body's joints in the groups that one link can have: free, ball, slide, or up to three hinges about a centre."""
+    """Return a body's joints in the groups that one link can have: free, ball, slide, or up to three hinges about a centre."""
     groups: list[tuple[int, ...]] = []
     for j in tree.joints[body]:
         last = groups[-1] if groups else ()
@@ -165,8 +165,8 @@ def _groups(model: Compiled, tree: Tree, body: int) -> list[tuple[int, ...]]:
 
 @dataclass(frozen=True, eq=False)
 class Skeleton:
-    """Links of a tree, coordinates of its joints and couplings of their angles, and where the frame of the link that carries a
-    body is in that of the body (3,) [m]."""
+    """Links of a tree, coordinates of its joints, couplings of their angles, and offsets of frames.
+    These are the positions (3,) [m], in a body's frame, of the frame of the link that carries it."""
 
     links: tuple[Link, ...]
     coordinates: Coordinates
@@ -177,15 +177,15 @@ class Skeleton:
 def skeleton_of(
     tree: Tree, names: dict[int, str], geoms: Geoms, masses: Masses, material: Callable[[int], str]
 ) -> Skeleton:
-    """The links of a tree, of the `material` of a body; body b is carried by the link of its name. Raises InvalidFile where a
-    shape cannot be said."""
+    """Return the links of a tree, of the `material` of a body; body b is carried by the link of its name.
+    Raises InvalidFile for an unsupported shape."""
     links: list[Link] = []
     moved: dict[int, int] = {}
     offsets: dict[int, Array] = {0: np.zeros(3)}
     first_hinge: dict[int, int] = {}
     hinges = 0
     if sum(tree.model.body_parentid[b] == 0 for b in tree.bodies) > 1:
-        # one link that is the world, to which all of the trees are jointed
+        # one link for the world, to which all of the trees are jointed
         links.append(Link(names[0], None, Rigid(), (), masses.nothing(), material(0)))
     for body in tree.bodies:
         for place in _places(tree, body, names, offsets, geoms, masses):
@@ -208,7 +208,7 @@ def skeleton_of(
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """One link to be: its parent, its joint's centre and rest orientation in the parent's frame, and what it carries."""
+    """One future link: its parent, its joint's centre and rest orientation in the parent's frame, and the pieces it carries."""
 
     name: str
     parent: str
@@ -223,7 +223,7 @@ class _Place:
 def _places(
     tree: Tree, body: int, names: dict[int, str], offsets: dict[int, Array], geoms: Geoms, masses: Masses
 ) -> Iterator[_Place]:
-    """The links of one body, the last of which carries it. `offsets` are from bodies to the frames of their links."""
+    """Return the links of one body, the last of which carries it. `offsets` are from bodies to the frames of their links."""
     model = tree.model
     above = int(model.body_parentid[body])
     origin, turn = model.body_pos[body] - offsets[above], model.body_quat[body]
@@ -246,7 +246,7 @@ def _places(
 
 
 def _joint(tree: Tree, body: int, group: tuple[int, ...], turn: Array) -> Joint:
-    """The joint that a group of MuJoCo's joints is, of a link that is turned by `turn` in its parent at rest."""
+    """Return the joint for a group of MuJoCo's joints, of a link that is turned by `turn` in its parent at rest."""
     model = tree.model
     if not group:
         return Free() if body == tree.root and tree.is_free else Rigid()
@@ -261,7 +261,7 @@ def _joint(tree: Tree, body: int, group: tuple[int, ...], turn: Array) -> Joint:
 
 
 def _limits(model: Compiled, j: int) -> tuple[float, float]:
-    """Limits of a hinge [rad] or a slide [m] from the reference, the widest without."""
+    """Return the limits of a hinge [rad] or a slide [m] from the reference, the widest if it has none."""
     farthest = LONGEST_SLIDE if model.jnt_type[j] == JointKind.SLIDE else MANY_TURNS
     if not model.jnt_limited[j]:
         return -farthest, farthest
@@ -270,9 +270,9 @@ def _limits(model: Compiled, j: int) -> tuple[float, float]:
 
 
 def _ball(model: Compiled, body: int, j: int, turn: Array) -> Ball:
-    """MuJoCo limits the angle of the whole turn. The half turn that swing s and twist t about one axis make together has the
-    cosine cos(s/2) cos(t/2), so equal limits of both that make it at their corner lie within; the axis is that from the joint to
-    the centre of mass."""
+    """Return a ball for a MuJoCo joint, which limits the angle of the whole turn.
+    The half turn that swing s and twist t about one axis make together has the cosine cos(s/2) cos(t/2), so equal limits of both
+    that make it at their corner lie within; the axis is that from the joint to the centre of mass."""
     whole = float(model.jnt_range[j, 1])
     if not model.jnt_limited[j] or whole >= np.pi:
         return Ball()
@@ -288,7 +288,7 @@ def _ball(model: Compiled, body: int, j: int, turn: Array) -> Ball:
 
 
 def _slots(tree: Tree, moved: dict[int, int], first_hinge: dict[int, int]) -> Iterator[Slot]:
-    """The coordinates in the file's order; what is fixed keeps its columns."""
+    """Yield the coordinates in the file's order; fixed joints keep their columns."""
     model = tree.model
     own = [int(j) for j in np.flatnonzero(np.isin(model.jnt_bodyid, tree.bodies))]
     if tree.is_free and not any(model.jnt_type[j] == JointKind.FREE for j in own):

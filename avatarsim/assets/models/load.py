@@ -1,4 +1,4 @@
-"""The doors `load_avatar` and `load_room`: a path and a few wishes in, a Model out."""
+"""Entry points `load_avatar` and `load_room`: from a path and options to a Model."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -22,10 +22,10 @@ from avatarsim.scene.shape import Box, Piece
 from avatarsim.spatial import rotation
 
 FLOOR = "floor"
-"""The word that stands for level ground without a file."""
+"""Value for level ground without a file."""
 
 MESHES = (".obj", *BY_TRIMESH)
-"""Endings of mesh files that are rooms."""
+"""Suffixes of mesh files that are rooms."""
 
 
 def load_avatar(
@@ -35,33 +35,33 @@ def load_avatar(
     size_range: tuple[float, float] = PLAUSIBLE_SIZE, scale: float = 1.0, keyframe: str | int | None = None,
     collide: str = "collision", needed: bool = True, exclude: tuple[tuple[str, str], ...] = (),
 ) -> Model:
-    """Avatar, room and loose bodies of an MJCF or URDF file, compiled by MuJoCo (Todorov et al. 2012) in a process with limits.
+    """Load an avatar, room and loose bodies of MJCF or URDF, compiled by MuJoCo (Todorov et al. 2012) in a limited process.
 
     avatar      name of a body of the tree that becomes the avatar, or several, whose trees are one avatar then (two arms on a
                 table); by default the tree with the most joints
-    root        "file": free where the file has a free joint, and in URDF, which has no word for it, unless its root is named
+    root        "file": free where the file has a free joint, and in URDF, which cannot state it, unless its root is named
                 "world"; "free"; "fixed"
-    fix         names of joints to hold at the file's reference, or "all" for those that an avatar cannot have: that an equality
+    fix         names of joints to fix at the file's reference, or "all" for those that an avatar cannot have: that an equality
                 makes follow another along a curve; otherwise these are refused by name
-    meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` says,
+    meshes      "hull": the convex hull of each mesh; "decompose": convex pieces by CoACD, open surfaces mended as `repair` sets,
                 which takes seconds for a mesh and is kept; or the names of those meshes to decompose
-    most_vertices   of a piece of a mesh, which encloses the mesh's hull; what that adds is in `said`
+    most_vertices   of a piece of a mesh, which encloses the mesh's hull; the added distance is in `said`
     fit         [m] that enclosing a hull may add; where `most_vertices` add more, a piece has more vertices
     leave       names of geoms to leave out
-    masks       False: links touch whatever contype and conaffinity say
+    masks       False: links touch regardless of contype and conaffinity
     folder      the folder in which all files of the model must lie; by default the file's own, of URDF the one with package.xml
-    size_range  [m] what the avatar's span must be in
+    size_range  [m] valid range of the avatar's span
     scale       metres a unit of length of the file: all of it, room and loose bodies too; stated masses stay as they are
-    collide     "collision": shapes that the file means to collide; "visual": in their place those that are to be looked at
+    collide     "collision": the file's collision shapes; "visual": its visual shapes in their place
     keyframe    name or number of the keyframe to start at, "qpos0" for the reference; by default the one named home, else the
                 first one, else the reference
     needed      False: a file in which nothing has joints is a room and loose bodies, and no error
     exclude     pairs of names of links or bodies that never touch, besides those of the file
 
-    Trees with a free joint beside the avatar are loose bodies, those without joints the fixed room. At the start loose bodies
-    that overlap are moved apart, a free avatar is raised out of the room, and links that overlap then may be no deeper; `said`
-    lists them with their depths, and all else that is not as in the file.
-    Raises InvalidFile for what is refused, with file, place and what to do; StartOverlaps for overlaps that can be neither moved
+    Other trees with a free joint are loose bodies, those without joints the fixed room. At the start loose bodies that overlap
+    are moved apart, a free avatar is raised out of the room, and links that overlap then may be no deeper; `said` lists them with
+    their depths, and all other differences from the file.
+    Raises InvalidFile for a rejected file, with file, place and advice; StartOverlaps for overlaps that can be neither moved
     apart nor guarded; UnknownName and InvalidInput for options that do not fit; MissingPackage without mujoco."""
     return model_of_file(
         Path(path),
@@ -83,8 +83,8 @@ def load_object(poses: ObjectPoses, path: str | Path | None = None, *, scale: fl
         scale: metres a unit of length of the file; by default as the motion file states it, else 1.
 
     Raises:
-        InvalidFile: for a file without shapes, and for a motion file that states no size where no file is given. What `load_room`
-            raises.
+        InvalidFile: for a file without shapes, and for a motion file that states no size where no file is given. Errors of
+            `load_room`.
     """
     if path is None:
         if poses.size is None:
@@ -119,11 +119,11 @@ def load_room(
     fit: float | None = None, leave: tuple[str, ...] = (), folder: str | Path | None = None, scale: float = 1.0,
     y_up: bool = False, threshold: float = 0.05, keyframe: str | int | None = None, collide: str = "collision",
 ) -> Model:
-    """A room from MJCF or URDF, a mesh (.obj .stl .ply .off .glb .gltf .dae), or the word "floor": level ground, its top at 0.
+    """Load a room from MJCF or URDF, a mesh (.obj .stl .ply .off .glb .gltf .dae), or "floor": level ground, its top at 0.
 
     Of a model all bodies are taken, jointed ones as they are at the reference: with a free joint loose, else fixed. The options
     are those of `load_avatar`, `scale` is metres a unit of length of any file. A mesh is one fixed body of convex pieces: `y_up`
-    where y points up in it, `threshold` and `repair` as in `pieces_of_mesh`. Raises what `load_avatar` raises."""
+    where y points up in it, `threshold` and `repair` as in `pieces_of_mesh`. Raises the errors of `load_avatar`."""
     if str(path) == FLOOR:
         top = Piece(Box(PLANE), (0.0, 0.0, -0.5 * PLANE[2]))
         return Model(None, None, (fixed(FLOOR, (top,), "wood"),), ())
@@ -144,7 +144,7 @@ def load_room(
             mesh, scale, y_up=y_up, threshold=threshold, most_vertices=most_vertices, repair=repair, fit=fit
         )
     except InvalidShape as error:
-        # of a room there are pieces only, no single hull
+        # a room has pieces only, no single hull
         valid = error.valid.replace(ADVICE, 'repair="remesh" wraps it in a closed one')
         raise InvalidFile(error.thing, error.value, valid) from error
     said = (f"{len(found.pieces)} convex pieces ({found.source}), at most {1e3 * found.hausdorff:.3g} mm off", *found.repairs)

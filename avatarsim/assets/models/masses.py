@@ -1,4 +1,4 @@
-"""Masses of compiled bodies: inertia in body axes from principal moments, bodies put together by the parallel axis theorem.
+"""Masses of compiled bodies: inertia in body axes from principal moments, bodies combined by the parallel axis theorem.
 
 A file may leave out masses, or round moments so that no solid has them; a link needs both (Featherstone 2008, 2.13).
 """
@@ -24,12 +24,12 @@ DENSITY = 1000.0
 """Density [kg/m^3] of a body that has pieces and no mass: that of water, and MuJoCo's own default."""
 
 GRAM, CENTIMETRE = 1e-3, 1e-2
-"""Mass [kg] and radius [m] of the ball that stands for a link without pieces and without mass."""
+"""Mass [kg] and radius [m] of the ball used for a link without pieces and without mass."""
 
 
 @dataclass(eq=False)
 class Masses:
-    """Masses of a model's bodies; `without` and `rounded` collect the names of those that were given what they lacked."""
+    """Masses of a model's bodies; `without` and `rounded` collect the names of those whose missing values were added."""
 
     model: Compiled
     names: Mapping[int, str]
@@ -37,11 +37,11 @@ class Masses:
     rounded: list[str] = field(default_factory=list)
 
     def nothing(self) -> Mass:
-        """The mass of a link between two joints of one body."""
+        """Return the mass of a link between two joints of one body."""
         return _ball()
 
     def of(self, bodies: Sequence[int], poses: Mapping[int, tuple[Array, Array]], pieces: tuple[Piece, ...]) -> Mass:
-        """The mass of rigid `bodies` together, at `poses` (position (3,), turn (4,)) in one frame, with their `pieces` there."""
+        """Return the mass of rigid `bodies` together, at `poses` (position (3,), turn (4,)) and with `pieces` in one frame."""
         heavy = [b for b in bodies if self.model.body_mass[b] > LIGHTEST]
         if not heavy:
             self.without.append(self.names[bodies[0]])
@@ -59,14 +59,14 @@ class Masses:
         return Mass(total, (x, y, z), self._solid(inertia, total, self.names[bodies[0]]))
 
     def _solid(self, inertia: Array, mass: float, name: str) -> Array:
-        """The nearest inertia that a solid can have: no moment above the sum of the others, none zero."""
+        """Return the nearest inertia that a solid can have: no moment above the sum of the others, none zero."""
         found, is_changed = solid_inertia(0.5 * (inertia + inertia.T), mass)
         if is_changed:
             self.rounded.append(name)
         return found
 
     def said(self) -> tuple[str, ...]:
-        """What links and bodies were given that the file does not say."""
+        """Return sentences on values of links and bodies that the file does not state."""
         found = []
         if self.without:
             found.append(f"without mass in the file, given that of water or of a gram: {', '.join(self.without)}")

@@ -1,4 +1,4 @@
-"""Mesh files of a model: found in its folder, read once, and handed to MuJoCo from memory.
+"""Mesh files of a model: found in its folder, read once, and passed to MuJoCo from memory.
 
 What MuJoCo does not read itself (STL files of text or of more than 200,000 triangles, .ply, .off, .glb, .dae) is read by trimesh.
 """
@@ -23,7 +23,7 @@ CONVERTED = tuple(ending for ending in BY_TRIMESH if ending not in (*BY_MUJOCO, 
 """Formats that are read by trimesh for MuJoCo. A .gltf file would name further files."""
 
 PLATE = 1e-3
-"""Thickness of a mesh without any, as a share of its size. Less: its hull's planes are lost in rounding; more: it is felt."""
+"""Thickness given to flat meshes, as a share of their size. Less: the hull's planes are lost in rounding; more: it shows."""
 
 MOST_TRIANGLES = 200_000
 """Triangles of an STL file beyond which MuJoCo refuses it."""
@@ -48,16 +48,16 @@ class MeshFiles:
     _bytes: int = 0
 
     def hand_over(self, spec: Any) -> None:
-        """Give every mesh of the model its content. Raises InvalidFile for a mesh that is not there, leads out, or is none."""
+        """Give every mesh of the model its content. Raises InvalidFile for a missing or invalid mesh, or a path leading out."""
         main = PurePosixPath(self.texts.main).parent
-        # the folders of the texts that this model is made of, its own first
+        # the folders of the texts of this model, its own first
         bases = list(dict.fromkeys([main, *(PurePosixPath(name).parent for name in self.texts.texts)]))
         # the settings of the compiler are shared between meshes: read before the first one is changed
         for mesh, meshdir in [(mesh, mesh.compiler.meshdir) for mesh in spec.meshes if mesh.file]:
             mesh.name = mesh.name or PurePosixPath(mesh.file).stem
             thing, file = f"mesh {mesh.name} of {self.texts.main}", mesh.file.removeprefix(self.nowhere)
             doors.require_relative(thing, file)
-            # MuJoCo puts the folder of an included text before a name and shortens both: as it is written it is tried too
+            # MuJoCo puts the folder of an included text before a name and shortens both: the name as written is tried too
             names = [file, self.texts.meshes.get(mesh.name, file)]
             tried = [path for name in names for path in candidates(name, meshdir, bool(spec.strippath), bases)]
             self._give(mesh, thing, self._place(thing, file, tried))
@@ -65,7 +65,7 @@ class MeshFiles:
         spec.meshdir, spec.strippath, spec.assets = "", False, self.assets
 
     def _place(self, thing: str, file: str, tried: list[PurePosixPath]) -> Path:
-        """Where the file lies; of one in a format that is not read, a copy in another that lies beside it."""
+        """Return the path of the file; of one in a format that is not read, a copy in another format next to it."""
         ending = PurePosixPath(file).suffix.lower()
         if ending in (*BY_MUJOCO, *CONVERTED):
             return doors.existing(thing, tried, self.texts.folder)[1]
@@ -118,9 +118,9 @@ def is_read_by_mujoco(content: bytes) -> bool:
 
 
 def candidates(file: str, meshdir: str, stripped: bool, bases: list[PurePosixPath]) -> list[PurePosixPath]:
-    """Paths below the folder at which a mesh may lie, in the order in which they are tried: as MuJoCo would find it, as it is
-    written, and for package://name/rest the rest below each folder above, with and without the name. `bases` are the folders of
-    the model's texts; MuJoCo puts that of an included one before a name that it does not find, so names are tried without."""
+    """Return paths below the folder at which a mesh may lie, in the order in which they are tried.
+    As MuJoCo would find it, as it is written, and for package://name/rest the rest below each folder above, with and without the
+    name. `bases` are the folders of the texts; MuJoCo adds that of an included one to an unknown name, so it is tried without."""
     scheme, mark, rest = file.partition("://")
     path = PurePosixPath((rest if mark else scheme).lstrip("/"))
     found: list[PurePosixPath] = []

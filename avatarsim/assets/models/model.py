@@ -1,4 +1,4 @@
-"""What one file of a robot, a hand or a room gives."""
+"""Content of one file of a robot, a hand or a room."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 
 
 class Visuals(Mapping[str, "tuple[Visual, ...]"]):
-    """Parts that pages draw, by names, which `read` returns when the first of them is asked for."""
+    """Parts that pages draw, by names, which `read` returns at the first access."""
 
     def __init__(self, read: Callable[[], Mapping[str, "tuple[Visual, ...]"]]) -> None:
         self._read = read
@@ -48,19 +48,19 @@ class Visuals(Mapping[str, "tuple[Visual, ...]"]):
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """An avatar, the bodies about it, or both.
+    """An avatar, the bodies around it, or both.
 
     avatar       the driven tree of links; None for a file that is only a room
     coordinates  the avatar's generalized coordinates in the file's own order; None without an avatar
     bodies       the fixed room and loose bodies
-    moving       bodies that go where their poses are given: MJCF's mocap bodies; they belong into `Scene.avatars`
+    moving       bodies with given poses: MJCF's mocap bodies; they belong into `Scene.avatars`
     attached     loose bodies and the link or moving body that each is welded to, by their names in a scene
     said         sentences for the user: what was excluded, fixed, guessed
-    exclude      pairs of names that never touch, besides those of the avatar itself, as in `Scene.exclude`
+    exclude      pairs of names that never touch, in addition to those of the avatar itself, as in `Scene.exclude`
     start        the avatar's posture at the file's reference, within limits, where it is free; None without an avatar
     gravity      [m/s^2]
     frictions    of the file's geoms, whose materials bodies and links have
-    at_rest      pairs that overlap at `start` and may be no deeper, besides those of the avatar itself, as in `Scene.at_rest`
+    at_rest      pairs that overlap at `start` and may be no deeper, in addition to those of the avatar, as in `Scene.at_rest`
     visuals      parts that pages draw in place of the pieces, by the names that links and bodies have in a scene; no scene has
                  them, and no engine reads them"""
 
@@ -91,7 +91,7 @@ class Model:
         )
 
     def pose(self, q: Array) -> dict[str, tuple[Array, Array]]:
-        """Return where each link's joint is (3,) [m] and how the link is turned (4,) in the world at coordinates q (width,).
+        """Return the position (3,) [m] of each link's joint and the link's orientation (4,) in the world at q (width,).
 
         Raises InvalidInput for a model without avatar, for another width and for numbers that are not finite."""
         avatar, coordinates = self._driven()
@@ -100,13 +100,13 @@ class Model:
         return {link.name: (places[k], turns[k]) for k, link in enumerate(avatar.links)}
 
     def at(self, joints: Mapping[str, ArrayLike], start: Array | None = None) -> Array:
-        """Return coordinates (width,) in which the named joints have the given values, and all others those of `start`.
+        """Return coordinates (width,) with the given values of the named joints, and those of `start` for all others.
 
-        Names are those of `coordinates.names`. A hinge has its angle [rad], a slide its way [m], a ball a quaternion
+        Names are those of `coordinates.names`. A hinge has its angle [rad], a slide its displacement [m], a ball a quaternion
         (w, x, y, z), a free joint a position [m] and a quaternion as seven numbers. Without `start` from the model's own.
 
-        Raises InvalidInput for what `pose` refuses and for values that do not fit, UnknownName for names of no joint that moves
-        by itself, as for held and following ones. It lists the names most like it."""
+        Raises InvalidInput as `pose` does and for values that do not fit, UnknownName for names of no joint that moves
+        by itself, such as fixed and following ones. It lists similar names."""
         avatar, coordinates = self._driven()
         following = {one.follower for one in avatar.couplings}
         q, places, first = self._row(self._begin(start)), dict[str, slice](), 0
@@ -123,10 +123,10 @@ class Model:
         return self._row(replace(sample, angles=avatar.with_followers(sample.angles)))
 
     def reach(self, goals: Mapping[str, ArrayLike], start: Array | None = None) -> Array:
-        """Return coordinates (width,) within limits, near `start`, that bring links' joints to `goals`, places (3,) [m] by the
-        links' names, or as near as is found. A free root stays; obstacles are not looked at: the Shield does that.
+        """Return coordinates (width,) within limits, near `start`, that bring links' joints to `goals`, or as near as is found.
+        `goals` are places (3,) [m] by the links' names. A free root stays; obstacles are ignored: the Shield avoids them.
 
-        Without `start` from the model's own. Raises InvalidInput for what `pose` refuses and for goals that are no places,
+        Without `start` from the model's own. Raises InvalidInput as `pose` does and for goals that are no places,
         UnknownName for names that are no links."""
         from avatarsim.assets.models.reach import Limb
 
@@ -160,7 +160,7 @@ class Model:
 
     @property
     def room(self) -> tuple[Body, ...]:
-        """Bodies of the room: fixed and loose ones, and moving ones as fixed at their first poses."""
+        """Return the bodies of the room: fixed and loose ones, and moving ones fixed at their first poses."""
         return (*self.bodies, *(standing(one) for one in self.moving))
 
 
@@ -222,7 +222,7 @@ def _both_visuals(
 
 
 def with_carried(model: Model, carried: Sequence[Carried]) -> Model:
-    """Return a model with bodies that are carried as the first of its moving ones, at their first poses."""
+    """Return a model with carried bodies as the first of its moving ones, at their first poses."""
     taken = {body.name for body in model.room}
     for one in carried:
         if one.body.name in taken:

@@ -1,7 +1,7 @@
-"""Overlaps of a model at home, its start: moved apart where something is loose, else guarded at the depth that they have.
+"""Overlaps of a model at home, its start: moved apart where something is loose, else guarded at their present depth.
 
-Depths are those of EPA (van den Bergh 2001). An avatar with a free root that stands in something fixed is raised, and a loose
-body goes out of what it is in. A pair of links that overlaps then may be no deeper than it is, and a stand-off (`Scene.at_rest`).
+Depths are those of EPA (van den Bergh 2001). An avatar with a free root that overlaps something fixed is raised, and a loose
+body is moved out of overlaps. A pair of links that overlaps then may be no deeper than it is, and a stand-off (`Scene.at_rest`).
 """
 
 from collections.abc import Iterable
@@ -34,22 +34,22 @@ ROUNDS = 8
 
 HIGHEST = 0.5
 """[m] Longest move of a body; of an avatar at least its span, since many files have its root in the plane of the ground. Larger:
-bodies leave walls at places that nobody meant."""
+bodies leave walls at unintended places."""
 
 SWALLOWED = 1.5
 """Depth, as a share of the least width of the smaller piece, from which a pair is refused: that piece lies half a width below the
-surface of the other, and may go that far anywhere inside it unseen. Smaller: robots are refused whose neighbours overlap by
+surface of the other, and may move that far inside it undetected. Smaller: robots are refused whose neighbours overlap by
 design (in 92 public ones up to 1.14, of an upper arm and a forearm that rolls in it); larger: fingers that are in a thigh at
 zero angles (2.2 to 2.5) pass for guarded."""
 
 ALLOWED = POSTURE_GAP
-"""[m] How much deeper than at home a pair may be: the stand-off of the engine. At 0 standing at home is a contact."""
+"""[m] Additional depth allowed beyond that at home: the stand-off of the engine. At 0 standing at home is a contact."""
 
 
 def freed(model: Model, root_moves: bool) -> tuple[Model, tuple[str, ...]]:
     """Return the model with loose bodies moved apart, its avatar raised and all other overlaps guarded, and sentences on that.
 
-    `root_moves` says whether the avatar's root is free. Raises StartOverlaps for what can be neither moved nor guarded.
+    `root_moves` is True if the avatar's root is free. Raises StartOverlaps for pairs that can be neither moved nor guarded.
     """
     shifts, stuck = dict[str, Array](), set[str]()
     world = build(model.scene())
@@ -86,7 +86,7 @@ def _farthest(model: Model, name: str) -> float:
 
 
 def _roles(model: Model) -> tuple[set[str], set[str], set[str]]:
-    """Names of loose bodies, of fixed ones, and of loose ones that are attached to the avatar."""
+    """Return names of loose bodies, of fixed ones, and of loose ones that are attached to the avatar."""
     loose = {body.name for body in model.bodies if body.role is Role.SIMULATED}
     own = model.avatar.name if model.avatar is not None else None
     held = {body for body, link in model.attached if own is not None and (link == own or link.startswith(f"{own}/"))}
@@ -116,7 +116,7 @@ def _moves(model: Model, world: World, found: Iterable[Overlap], root_moves: boo
         way = one.depth + MARGIN + float(n @ (moves.get(stays, nothing) - before))
         moves[goes] = before + max(way, 0.0) * n
     if own is not None and lift > 0.0:
-        # what is attached to the avatar is raised with it
+        # bodies attached to the avatar are raised with it
         moves |= dict.fromkeys((own, *sorted(held)), np.array([0.0, 0.0, lift]))
     return moves
 
@@ -140,10 +140,10 @@ def _moved(model: Model, moves: dict[str, Array]) -> Model:
 def _guarded(
     model: Model, world: World, found: Iterable[Overlap], root_moves: bool, said: list[str]
 ) -> tuple[Model, tuple[str, ...]]:
-    """The model whose pairs that overlap are no deeper than now, or StartOverlaps; a welded body passes through its avatar."""
+    """Return the model with the depths of overlapping pairs bounded, or raise StartOverlaps; welded bodies pass their avatar."""
     loose, fixed, held = _roles(model)
     own = model.avatar.name if model.avatar is not None else ""
-    # welded bodies and the links of an avatar are one, a body that is welded to something moving and that are another
+    # welded bodies and the links of an avatar are one group; a moving body and the bodies welded to it are another
     owner = dict(model.attached) | dict.fromkeys(held | (set(world.scene.names) - loose - fixed), own)
     welded, guarded, refused = list[Overlap](), list[Overlap](), dict[str, list[Overlap]]()
     for one in sorted(found, key=lambda one: -one.depth):

@@ -1,7 +1,7 @@
-"""Which parts of a model may touch: contype and conaffinity, excluded and stated pairs, bodies that are rigid with one another.
+"""Contact filter of a model's parts: contype and conaffinity, excluded and stated pairs, bodies that are rigid with one another.
 
-The rules are those of MuJoCo's collision filter (its documentation, "Collision detection: selection"), of whole bodies instead of
-single geoms: two bodies may touch if any two of their geoms may. Parent and child never touch, also where the parent is fixed.
+The rules are those of MuJoCo's collision filter (its documentation, "Collision detection: selection"), for whole bodies instead
+of single geoms: two bodies may touch if any two of their geoms may. Parent and child never touch, also if the parent is fixed.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,13 +13,13 @@ import numpy as np
 from avatarsim.assets.models.compiled import Compiled
 
 BITS = 16
-"""By how many bits MuJoCo shifts the first body of an excluded pair."""
+"""Number of bits by which MuJoCo shifts the first body of an excluded pair."""
 
 
 @dataclass(frozen=True)
 class Part:
-    """What has one name in the scene: its `bodies` and those `geoms` that collide. `weld` is the body with whose frame it is
-    rigid, 0 the world; `above` the weld that this one is jointed to, -1 for none."""
+    """Bodies with one name in the scene: `bodies` and their colliding `geoms`. `weld` is the body with whose frame it is rigid,
+    0 the world; `above` the weld that this one is jointed to, -1 for none."""
 
     name: str
     bodies: tuple[int, ...]
@@ -30,14 +30,14 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Filter:
-    """The file's word on pairs; without `masks` contype and conaffinity say nothing."""
+    """The file's rules on pairs; without `masks` contype and conaffinity are ignored."""
 
     model: Compiled
     masks: bool = True
 
     @cached_property
     def _stated(self) -> frozenset[tuple[int, int]]:
-        """Pairs of geoms that the file states, which touch whatever else it says."""
+        """Return pairs of geoms that the file states, which touch regardless of its other rules."""
         pairs = zip(self.model.pair_geom1.tolist(), self.model.pair_geom2.tolist(), strict=True)
         return frozenset((min(pair), max(pair)) for pair in pairs)
 
@@ -46,20 +46,20 @@ class Filter:
         return frozenset(self.model.exclude_signature.tolist())
 
     def kept_apart(self, parts: Sequence[Part]) -> Iterator[tuple[int, int]]:
-        """Pairs i < j of parts, not both fixed, that the file keeps apart."""
+        """Yield pairs i < j of parts, not both fixed, that the file keeps apart."""
         bits = np.array([self._bits(part.geoms) for part in parts], dtype=np.int64).reshape(-1, 2)
         named = self._named(parts)
         moves = [part.weld != 0 for part in parts]
         for i in [i for i, is_moving in enumerate(moves) if is_moving]:
             passing = (bits[i, 0] & bits[:, 1]) | (bits[i, 1] & bits[:, 0])
             asked = named.get(i, set()) | ({int(j) for j in np.flatnonzero(passing == 0)} if self.masks else set())
-            # of two that move, the pair is found from the first one
+            # of two moving ones, the pair is found from the first one
             for j in sorted(j for j in asked if j != i and (j > i or not moves[j])):
                 if not self.meet(parts[i], parts[j]):
                     yield min(i, j), max(i, j)
 
     def _named(self, parts: Sequence[Part]) -> dict[int, set[int]]:
-        """For each part those with which it has bodies in an excluded pair."""
+        """Return for each part those with which it has bodies in an excluded pair."""
         carrying: dict[int, list[int]] = {}
         for i, part in enumerate(parts):
             for body in part.bodies:
@@ -78,7 +78,7 @@ class Filter:
         return one.weld == other.weld or one.above == other.weld or other.above == one.weld
 
     def states(self, one: Part, other: Part) -> bool:
-        """Return whether the file states a pair of geoms of two parts."""
+        """Return True if the file states a pair of geoms of two parts."""
         return bool(self._stated) and any((min(g, h), max(g, h)) in self._stated for g in one.geoms for h in other.geoms)
 
     def meet(self, one: Part, other: Part) -> bool:
@@ -91,7 +91,7 @@ class Filter:
             return False
         if not self.masks:
             return True
-        # any pair of geoms passes where the bits of all of them together do
+        # any pair of geoms passes where their combined bits do
         types, others = self._bits(one.geoms), self._bits(other.geoms)
         return bool(types[0] & others[1] or types[1] & others[0])
 

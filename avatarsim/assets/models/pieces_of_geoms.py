@@ -1,7 +1,7 @@
 """Convex pieces of a compiled model's geoms: primitives as they are, cylinders as prisms, meshes by hull or decomposition.
 
-A prism encloses its cylinder, and a hull of fewer vertices the hull of its mesh, so that a posture which is free of them is free
-of the file's own shapes. What either adds is measured, and said.
+A prism encloses its cylinder, and a hull of fewer vertices the hull of its mesh, so that a posture that is free of them is free
+of the file's own shapes. The distance that either adds is measured and reported.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,25 +30,25 @@ SIDES = 32
 PRIMITIVES = {
     GeomKind.SPHERE: 1, GeomKind.CAPSULE: 1, GeomKind.CYLINDER: 2, GeomKind.ELLIPSOID: 3, GeomKind.BOX: 3,
 }
-"""Kinds of geoms that are drawn besides meshes, and how many of their sizes must be lengths."""
+"""Kinds of drawn geoms other than meshes, and how many of their sizes must be lengths."""
 
 PLANE = (200.0, 200.0, 10.0)
-"""Full size [m] of the box below a plane, which has no end: farther than an avatar walks in minutes, deeper than one falls in a
+"""Full size [m] of the box for an infinite plane, below it: farther than an avatar walks in minutes, deeper than one falls in a
 frame."""
 
 Visual = Piece | tuple[Array, Indices]
-"""A part of a picture of a body: a primitive, or vertices (n, 3) [m] and triangles (t, 3) of a mesh."""
+"""A drawn part of a body: a primitive, or vertices (n, 3) [m] and triangles (t, 3) of a mesh."""
 
 Frames = Mapping[int, tuple[Array, Array]]
-"""Bodies by their numbers, and where their frames are (3,) [m] and how they are turned (4,) in the frame of one body or link."""
+"""Position (3,) [m] and orientation (4,) of bodies by their numbers, in the frame of one body or link."""
 
 WAYS = ("hull", "decompose")
-"""What a mesh becomes: one convex piece, or several by approximate convex decomposition."""
+"""Conversions of a mesh: one convex piece, or several by approximate convex decomposition."""
 
 
 @dataclass(frozen=True)
 class MeshWishes:
-    """Options of meshes: `meshes` of WAYS, or the names of those to decompose, with at most so many vertices each unless
+    """Options of meshes: `meshes` of WAYS, or the names of those to decompose, and the most vertices of each unless
     that adds more than `fit` [m]; `repair` of open surfaces, as in `pieces_of_mesh`."""
 
     meshes: str | tuple[str, ...] = "hull"
@@ -59,7 +59,7 @@ class MeshWishes:
     def __post_init__(self) -> None:
         if not isinstance(self.meshes, tuple) and self.meshes not in WAYS:
             raise UnknownName("meshes", str(self.meshes), WAYS)
-        # refused also where no mesh needs them
+        # checked also where no mesh needs them
         Wishes(most_vertices=self.most_vertices, repair=self.repair, fit=self.fit)
 
     def decomposes(self, mesh: str) -> bool:
@@ -89,23 +89,23 @@ class Geoms:
 
     @cached_property
     def touching(self) -> NDArray[np.bool_]:
-        """(g,) whether a geom collides with anything; the others are to be looked at only."""
+        """Return (g,) whether a geom collides with anything; the others are visual only."""
         found = (self.model.geom_contype != 0) | (self.model.geom_conaffinity != 0)
         found[self.model.pair_geom1] = found[self.model.pair_geom2] = True
         left = [self.label(k) in self.leave for k in range(len(found))]
         return np.asarray(found & ~np.array(left, dtype=np.bool_))
 
     def of(self, body: int) -> list[int]:
-        """Numbers of a body's geoms that collide."""
+        """Return the numbers of a body's geoms that collide."""
         return [int(k) for k in np.flatnonzero(self.touching & (self.model.geom_bodyid == body))]
 
     def label(self, geom: int) -> str:
-        """What errors and sentences call a geom."""
+        """Return the name of a geom in errors and sentences."""
         body = self.model.body_name[self.model.geom_bodyid[geom]] or f"body {self.model.geom_bodyid[geom]}"
         return self.model.geom_name[geom] or f"geom {geom} of {body}"
 
     def pieces(self, geom: int, offset: Array, turn: Array) -> tuple[Piece, ...]:
-        """Pieces of a geom in a frame in which its body's is at `offset` (3,) [m], turned by `turn` (4,). Raises InvalidFile."""
+        """Return pieces of a geom whose body's frame is at `offset` (3,) [m], turned by `turn` (4,). Raises InvalidFile."""
         at, about = self._placed(geom, offset, turn)
         kind = int(self.model.geom_type[geom])
         try:
@@ -117,9 +117,9 @@ class Geoms:
             raise InvalidFile(f"shape of {self.label(geom)}: {error.thing}", error.value, error.valid) from error
 
     def visuals(self, frames: Frames, geoms: Sequence[int] | None = None) -> tuple[Visual, ...]:
-        """Return what is drawn of bodies.
+        """Return the drawn parts of bodies.
 
-        Of each body, or of `geoms`, that is what viewers show, else what collides; nothing where just pieces are drawn."""
+        They are the visible geoms of each body, or of `geoms`, else the colliding ones; none where just pieces are drawn."""
         of_bodies = [g for body in frames for g in self.of(body)]
         drawn = [g for body in frames for g in self._visible(body) or self.of(body)] if geoms is None else list(geoms)
         if drawn == of_bodies and not any(self.model.geom_type[g] == GeomKind.MESH for g in drawn):
@@ -140,7 +140,7 @@ class Geoms:
         return tuple(found)
 
     def _visible(self, body: int) -> list[int]:
-        """Numbers of a body's geoms that a viewer shows and that are sound."""
+        """Return the numbers of a body's geoms that a viewer shows and that are sound."""
         found = []
         for geom in np.flatnonzero((self.model.geom_bodyid == body) & (self.model.geom_group < VISIBLE_GROUPS)):
             kind = self.model.geom_type[geom]
@@ -151,7 +151,7 @@ class Geoms:
         return found
 
     def _placed(self, geom: int, offset: Array, turn: Array) -> tuple[Array, Array]:
-        """Place and turn of a geom in a frame in which its body's is at `offset`, turned by `turn`."""
+        """Return position and orientation of a geom in a frame in which its body's is at `offset`, turned by `turn`."""
         at = offset + rotation.rotate(turn, self.model.geom_pos[geom])
         return at, rotation.multiply(turn, self.model.geom_quat[geom])
 
@@ -199,7 +199,7 @@ class Geoms:
         return tuple(piece.shape for piece in found.pieces if isinstance(piece.shape, ConvexHull))
 
     def said(self) -> tuple[str, ...]:
-        """What the pieces made so far differ by from the file's geoms."""
+        """Return sentences on differences between the pieces made so far and the file's geoms."""
         found = []
         if len(cylinders := np.flatnonzero(self.touching & (self.model.geom_type == GeomKind.CYLINDER))):
             more, name = max((_wider(float(self.model.geom_size[k][0])), self.label(int(k))) for k in cylinders)
@@ -230,12 +230,12 @@ def _prism(radius: float, half: float) -> ConvexHull:
 
 
 def vector_of(array: Array) -> Vector:
-    """A 3-vector as the tuple that the types of a scene hold."""
+    """Return a 3-vector as the tuple that the types of a scene contain."""
     x, y, z = (float(value) for value in array)
     return x, y, z
 
 
 def quaternion_of(array: Array) -> Quaternion:
-    """A unit quaternion (4,) as the tuple that the types of a scene hold."""
+    """Return a unit quaternion (4,) as the tuple that the types of a scene contain."""
     w, x, y, z = (float(value) for value in rotation.normalised(array))
     return w, x, y, z

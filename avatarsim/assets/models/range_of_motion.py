@@ -1,7 +1,7 @@
 """Limits of joints by the part of the body that they move: mean ranges of motion (AAOS; Boone and Azen 1979; Kurz; ASSH).
 
-A ball gets a circular cone that holds the ends of its range, and an interval of twist; knees also a spherical polygon (Wilhelms
-and Van Gelder 2001), as they do not bend sideways. A hinge gets the range of the movement that its axis makes. All are
+A ball gets a circular cone that contains the ends of its range, and an interval of twist; knees also a spherical polygon
+(Wilhelms and Van Gelder 2001), as they do not bend sideways. A hinge gets the range of the movement that its axis makes. All are
 counted from the anatomical position, which is a standing posture of the skeleton (`stance`).
 """
 
@@ -50,24 +50,24 @@ RANGES = {
     "shank": Range(140.0, 0.0, 0.0, 0.0, 30.0, 30.0),
     "foot": Range(20.0, 50.0, 30.0, 30.0, 35.0, 25.0),
 }
-"""By kind of part. The hand's twist is the forearm's, which recordings put into either joint; the twist of knee and finger and
-the foot's turn to the sides have no entry in the tables and are our estimates. A spine of several joints has the range of the
+"""Ranges by kind of part. The hand's twist is the forearm's, which recordings put into either joint; the twist of knee and finger
+and the foot's turn to the sides are not in the tables and are estimated here. A spine of several joints has the range of the
 whole spine in each: some recordings bend it in one of them. Thumbs have none: formats agree on no frame of their base."""
 
 BENT_ONE_WAY = ("shank",)
-"""Parts whose joint bends in one plane. Elbows do as well, but recordings share the twist of the arm out among shoulder and elbow
-as they please, so that the plane is not known."""
+"""Parts whose joint bends in one plane. Elbows do as well, but recordings divide the twist of the arm between shoulder and elbow
+arbitrarily, so that the plane is not known."""
 
 SHOULDER = (
     (0.0, 0.0, 1.0), (-0.87, 0.0, -0.5), (0.77, -0.64, 0.0), (-0.71, 0.71, 0.0), (0.0, -0.71, -0.71), (0.0, 1.0, 0.0),
     (1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.71, 0.71, 0.0),
 )
 """Directions (forward, left, up) of a left arm at the ends of its range: flexion 180 degrees, extension 60, horizontal flexion
-130 and extension 45 at shoulder height, adduction 45; and within it, to say on which side of these ends it lies: abduction and
-flexion 90, between the two, and hanging."""
+130 and extension 45 at shoulder height, adduction 45; and within it, to mark the inside: abduction and flexion 90, between
+the two, and hanging."""
 
 ANY_TWIST = (-float(np.pi), float(np.pi))
-"""Limits of a twist that may be any [rad]: of joints whose interval would cross half a turn, which no limits can say."""
+"""Limits of an unlimited twist [rad]: for joints whose interval would cross half a turn, which limits cannot represent."""
 
 CORNERS = 45.0
 """Degrees between corners of a polygon along its sides: these are arcs of great circles, which bulge by a degree between them."""
@@ -75,8 +75,8 @@ CORNERS = 45.0
 
 @dataclass(frozen=True, eq=False)
 class Movement:
-    """How a joint moves its part, in the world in the stance: unit vectors `neutral` (where the part points in the anatomical
-    position), `flexed` (where flexion takes it), `outward` (abduction), and `own`, where it points in the stance."""
+    """Movement of a part by its joint, in the world in the stance, as unit vectors: `neutral` (direction of the part in the
+    anatomical position), `flexed` (by flexion), `outward` (by abduction), and `own`, its direction in the stance."""
 
     neutral: Array
     flexed: Array
@@ -84,14 +84,14 @@ class Movement:
     own: Array
 
     def direction(self, flexion: float, outward: float) -> Array:
-        """Where the part points after flexion and then a turn outward [degrees]."""
+        """Return the direction of the part after flexion and then a turn outward [degrees]."""
         a, b = np.radians(flexion), np.radians(outward)
         return np.asarray(np.cos(b) * (np.cos(a) * self.neutral + np.sin(a) * self.flexed) + np.sin(b) * self.outward)
 
 
 def limited(skeleton: Skeleton, k: int, named: Sequence[Part], stance: Stance | None) -> Ball | Hinges:
-    """The joint of bone k with its range of motion. What the file itself says of a hinge counts first; a part of unknown name,
-    and one without an entry in the table, has none."""
+    """Return the joint of bone k with its range of motion.
+    The file's own limits of a hinge take precedence; an unknown part, and one without an entry in the table, has none."""
     bone, part = skeleton.bones[k], named[k]
     moved = _movement(skeleton, k, part, stance) if stance is not None and part.kind in RANGES else None
     if len(bone.axes) == 3:
@@ -108,7 +108,7 @@ def limited(skeleton: Skeleton, k: int, named: Sequence[Part], stance: Stance | 
 
 
 def _movement(skeleton: Skeleton, k: int, part: Part, stance: Stance) -> Movement:
-    """The movement of bone k, which is of a kind in the table."""
+    """Return the movement of bone k, whose kind is in the table."""
     bone = skeleton.bones[k]
     ends = skeleton.ends(k)
     along = _unit(rotation.rotate(stance.turned[bone.parent], bone.offset), -stance.up)
@@ -134,13 +134,13 @@ def _movement(skeleton: Skeleton, k: int, part: Part, stance: Stance) -> Movemen
 
 
 def _unit(vector: Array, otherwise: Array) -> Array:
-    """The direction of a vector; of one without length another."""
+    """Return the direction of a vector; another one for a vector without length."""
     length = float(np.linalg.norm(vector))
     return np.asarray(vector / length if length > 1e-9 else otherwise)
 
 
 def _across(vector: Array, along: Array, otherwise: Array) -> Array:
-    """The direction of a vector's part at right angles to the unit vector `along`; of another where there is hardly any."""
+    """Return the direction of a vector's part at right angles to the unit vector `along`; of another if there is hardly any."""
     for chosen in (vector, otherwise):
         part = chosen - along * (along @ chosen)
         if np.linalg.norm(part) > 0.1:
@@ -149,7 +149,7 @@ def _across(vector: Array, along: Array, otherwise: Array) -> Array:
 
 
 def _ball(skeleton: Skeleton, k: int, part: Part, moved: Movement, stance: Stance) -> Ball:
-    """The limits of a ball, in the frame of the parent."""
+    """Return the limits of a ball, in the frame of the parent."""
     bone, reach = skeleton.bones[k], RANGES[part.kind]
     to_parent = rotation.conjugate(stance.turned[bone.parent])
     cone = None
@@ -176,7 +176,7 @@ def _ball(skeleton: Skeleton, k: int, part: Part, moved: Movement, stance: Stanc
 
 
 def _outline(moved: Movement, reach: Range, corners: bool) -> list[Array]:
-    """Directions at the ends of a range, with the slack: the four ends, or the corners of a polygon around all of it."""
+    """Return directions at the ends of a range, with the slack: the four ends, or corners of a polygon around all of it."""
     low, high = -reach.extension - SLACK, reach.flexion + SLACK
     inward, outward = -reach.inward - SLACK, reach.outward + SLACK
     if not corners:
@@ -187,14 +187,14 @@ def _outline(moved: Movement, reach: Range, corners: bool) -> list[Array]:
 
 
 def _polygon(corners: Array, seen: Array) -> ReachCone:
-    """A reach cone of corners in either order around the point that sees all edges."""
+    """Return a reach cone of corners in either order around the point that sees all edges."""
     turned = float(sum(np.cross(a, b) @ seen for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)))
     return ReachCone(corners if turned > 0.0 else corners[::-1], tuple(seen))
 
 
 @cache
 def _shoulder() -> tuple[Array, float]:
-    """Centre (forward, left, up) and half angle [rad] of the smallest cone, to a degree, that holds a left arm's directions."""
+    """Return centre (forward, left, up) and half angle [rad] of the smallest cone, to a degree, of a left arm's directions."""
     ends = np.array(SHOULDER) / np.linalg.norm(SHOULDER, axis=1)[:, None]
     k = np.arange(20_000) + 0.5
     height, turn = 1.0 - 2.0 * k / len(k), np.pi * (1.0 + np.sqrt(5.0)) * k
@@ -205,7 +205,7 @@ def _shoulder() -> tuple[Array, float]:
 
 
 def _hinge(axis: tuple[float, float, float], part: Part, moved: Movement, stance: Stance, parent: int, angle: float) -> Hinge:
-    """A hinge with the range of the movement that it makes: flexion, a turn outward or twist, whichever it makes most of."""
+    """Return a hinge with the range of its movement: flexion, a turn outward or twist, whichever it makes most of."""
     reach = RANGES[part.kind]
     about = rotation.rotate(stance.turned[parent], axis)
     way = rotation.cross(about, moved.own)
@@ -225,5 +225,5 @@ def _hinge(axis: tuple[float, float, float], part: Part, moved: Movement, stance
 
 
 def _angle(moved: Movement, towards: Array) -> float:
-    """Angle [degrees] by which the part is moved from its neutral direction towards another, in the stance."""
+    """Return the angle [degrees] by which the part is moved from its neutral direction towards another, in the stance."""
     return float(np.degrees(np.arctan2(moved.own @ towards, moved.own @ moved.neutral)))

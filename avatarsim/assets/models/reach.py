@@ -1,6 +1,6 @@
 """Inverse kinematics of an avatar for goals of its links, from several postures.
 
-No obstacles are known here: the Shield and the engine keep the avatar out of them. A free root stays where it is.
+No obstacles are known here: the Shield and the engine keep the avatar out of them. A free root does not move.
 """
 
 from collections.abc import Mapping
@@ -23,25 +23,25 @@ CALLS, ROUNDS = 60, 6
 end farther from the nearest posture."""
 
 REACHED = 1e-9
-"""[m] a link this near to its goal is there."""
+"""[m] Distance from its goal within which a link has reached it."""
 
 LEVER = 0.3
-"""[m] that a turn of a radian counts as. More: slower near goals; less: slower on the way to goals that are out of reach."""
+"""[m] Length equivalent of a turn of a radian. More: slower near goals; less: slower towards goals that are out of reach."""
 
 STARTS = 12
-"""Postures that are started from, the given one first; then limbs that miss their goals begin anywhere: a joint may be stopped by
-its limit on the way to a goal that is in reach from elsewhere. Fewer: such goals are missed; more: those out of reach take
+"""Most start postures, the given one first; then limbs that miss their goals begin anywhere: a joint may be stopped by its
+limit on the way to a goal that is in reach from elsewhere. Fewer: such goals are missed; more: those out of reach take
 longer."""
 
 LONGEST = 0.5
-"""[rad, levers] of any joint in a call. More: the arm comes out folded another way; less: more calls."""
+"""[rad, levers] Longest step of any joint in a call. More: the arm comes out folded another way; less: more calls."""
 
 
 class Limb:
     """The links of an avatar, alone in the world."""
 
     def __init__(self, avatar: Avatar, goals: Mapping[int, Array]) -> None:
-        """`goals`: places (3,) [m] by the numbers of links."""
+        """Create a limb with `goals`: places (3,) [m] by the numbers of links."""
         self._alone = BareAvatars((avatar,))
         self._skel = self._alone.skeleton
         self._joint_of = np.repeat(np.arange(len(avatar.links)), np.diff(self._skel.first_dof))
@@ -66,7 +66,7 @@ class Limb:
         return self._alone.sample(best, start.time)
 
     def _started_again(self, posture: Posture, links: Index, rng: np.random.Generator) -> Posture:
-        """The posture with the hinges that carry these links anywhere within limits, at most half a turn away."""
+        """Return the posture with the hinges that carry these links anywhere within limits, at most half a turn away."""
         found = Posture(*(one.copy() for one in posture))
         carrying = np.asarray(self._skel.related[links].any(axis=0))[self._joint_of]
         low, high = np.maximum(self._low, posture.angle - np.pi), np.minimum(self._high, posture.angle + np.pi)
@@ -74,7 +74,7 @@ class Limb:
         return found
 
     def _followed(self, posture: Posture) -> tuple[Posture, Array]:
-        """Return the posture that is found from one, and the ways (n, 3) to the goals that are left [m]."""
+        """Return the posture found from one, and the remaining vectors (n, 3) to the goals [m]."""
         found, s = Posture(*(one.copy() for one in posture)), self._scratch
         for _ in range(CALLS):
             s.mobility[:] = self._mobility
@@ -85,6 +85,6 @@ class Limb:
         return found, missing
 
     def _missing(self, posture: Posture) -> Array:
-        """(n, 3) ways from the links to their goals [m]."""
+        """Return the vectors (n, 3) from the links to their goals [m]."""
         carry(self._skel, posture, self._scratch.still, self._scratch.poses, self._scratch.axes)
         return np.asarray(self._goals.place - self._scratch.poses.position[self._goals.link])

@@ -15,12 +15,12 @@ Limits = tuple[float, float]
 
 @dataclass(frozen=True)
 class Bone:
-    """One joint and what it carries. With every joint at zero the frames of all bones are parallel.
+    """One joint and its bone. With every joint at zero the frames of all bones are parallel.
 
-    parent   number of the bone that it hangs on, an earlier one; -1 for the root
+    parent   number of the bone it is attached to, an earlier one; -1 for the root
     offset   the joint's centre in the parent's frame [m]
     axes     axes of its turns in the bone's frame, the first one nearest the parent; none for a joint that does not turn
-    turns    what the file calls each of them
+    turns    the file's names of these turns
     tips     points in the bone's frame [m] where it ends without another joint
     limits   the file's own limits of each turn [rad]; none where it states none"""
 
@@ -42,7 +42,7 @@ class Skeleton:
 
     @cached_property
     def children(self) -> tuple[tuple[int, ...], ...]:
-        """The bones that hang on each one."""
+        """Return the bones attached to each one."""
         found: list[list[int]] = [[] for _ in self.bones]
         for k, bone in enumerate(self.bones):
             if bone.parent >= 0:
@@ -50,7 +50,7 @@ class Skeleton:
         return tuple(tuple(each) for each in found)
 
     def poses(self, positions: Array, rotations: Array, angles: Array) -> tuple[Array, Array]:
-        """Joints (..., bones, 3) [m] and orientations (..., bones, 4) in the world, of postures as in TrackerSample."""
+        """Return joints (..., bones, 3) [m] and orientations (..., bones, 4) in the world, of postures as in TrackerSample."""
         shape = np.shape(positions)
         places, turned = np.zeros(shape), np.zeros((*shape[:-1], 4))
         hinge = 0
@@ -70,7 +70,7 @@ class Skeleton:
         return places, turned
 
     def points(self, positions: Array, rotations: Array, angles: Array) -> Array:
-        """Joints and tips (..., points, 3) [m] of postures as in TrackerSample: all joints, then the tips bone by bone."""
+        """Return joints and tips (..., points, 3) [m] of postures as in TrackerSample: all joints, then the tips bone by bone."""
         places, turned = self.poses(positions, rotations, angles)
         carried = [(k, tip) for k, bone in enumerate(self.bones) for tip in bone.tips]
         tips = [places[..., k, :] + rotation.rotate(turned[..., k, :], tip) for k, tip in carried]
@@ -78,7 +78,7 @@ class Skeleton:
 
     @cached_property
     def still(self) -> tuple[Array, Array, Array]:
-        """The posture with every joint at zero and the root at the origin, as in TrackerSample."""
+        """Return the posture with every joint at zero and the root at the origin, as in TrackerSample."""
         hinges = sum(len(bone.axes) for bone in self.bones[1:] if len(bone.axes) < 3)
         unturned = np.tile(np.array(rotation.IDENTITY), (len(self.bones), 1))
         return np.zeros((len(self.bones), 3)), unturned, np.zeros(hinges)
@@ -94,5 +94,5 @@ class Skeleton:
         return (*range(len(self.bones)), *(k for k, bone in enumerate(self.bones) for _ in bone.tips))
 
     def ends(self, k: int) -> tuple[Vector, ...]:
-        """Where bone k ends, in its own frame [m]: the joints that hang on it, then its tips."""
+        """Return the ends of bone k, in its own frame [m]: the joints attached to it, then its tips."""
         return tuple(dict.fromkeys([*(self.bones[child].offset for child in self.children[k]), *self.bones[k].tips]))

@@ -1,10 +1,10 @@
-"""Kinematic trees of the SMPL family (Loper et al. 2015; SMPL-H, SMPL-X), and an approximate rest skeleton of our own.
+"""Kinematic trees of the SMPL family (Loper et al. 2015; SMPL-H, SMPL-X), and an approximate rest skeleton.
 
-Joints and parents are facts of the format. Where the joints of a body stand comes from the model's own files, which need a
-licence of their user: with `J` from one of them a skeleton is exact. Without, it is a construction from segment lengths as shares
-of stature (Drillis and Contini, in Winter 2009) in the family's pose of rest, arms sideways, and says so.
+Joints and parents are facts of the format. The joint positions of a body come from the model's own files, which need a
+licence of their user: with `J` from one of them a skeleton is exact. Otherwise it is constructed from segment lengths as shares
+of stature (Drillis and Contini, in Winter 2009) in the family's rest pose, arms sideways, and notes state that.
 
-The family's frames have x left, y up, z forward; ours x forward, y left, z up: (x, y, z) becomes (z, x, y), a turn.
+The family's frames have x left, y up, z forward; here x is forward, y left, z up: (x, y, z) becomes (z, x, y), a rotation.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ FINGERS = ("index", "middle", "pinky", "ring", "thumb")
 
 
 def _hands(first: int) -> tuple[tuple[str, int], ...]:
-    """Three joints a finger, left hand first; `first` is the number of the first of them."""
+    """Return three joints a finger, left hand first; `first` is the number of the first of them."""
     found: list[tuple[str, int]] = []
     for side, wrist in (("left", 20), ("right", 21)):
         for finger in FINGERS:
@@ -67,35 +67,35 @@ LEFT = {
        for k, length in ((2, 0.022 if finger != "pinky" else 0.017), (3, 0.014 if finger != "pinky" else 0.011))},
     "thumb2": (0.012, 0.014, -0.003), "thumb3": (0.010, 0.015, 0.0),
 }
-"""Those of the left side; the right one mirrors them."""
+"""Offsets of the left side; the right one mirrors them."""
 
 TIPS = {
     "head": ((0.0, 0.0, 0.10),), "foot": ((0.045, 0.0, -0.01),), "hand": ((0.0, 0.063, 0.0),),
     **{f"{finger}3": ((0.0, 0.012, 0.0),) for finger in ("index", "middle", "ring", "pinky")}, "thumb3": ((0.010, 0.015, 0.0),),
 }
-"""Where bones end without another joint."""
+"""Ends of bones without another joint."""
 
 PELVIS = (0.03, 0.0, -0.22)
 """Place [m] of the pelvis's joint against the family's origin, at rest, forward, left, up: about that of a mean body."""
 
 
 def ours(vector: Array) -> Array:
-    """(x, y, z) of the family, shape (..., 3), in our axes."""
+    """Convert (x, y, z) of the family, shape (..., 3), to the axes used here."""
     return np.asarray(vector[..., [2, 0, 1]])
 
 
 def theirs(vector: Array) -> Array:
-    """The inverse of `ours`."""
+    """Convert (x, y, z) from the axes used here to the family's: the inverse of `ours`."""
     return np.asarray(vector[..., [1, 2, 0]])
 
 
 def tree_of(joints: int) -> str | None:
-    """The member of the family with so many joints; None where it has none."""
+    """Return the member of the family with so many joints; None where it has none."""
     return next((name for name, tree in TREES.items() if len(tree) == joints), None)
 
 
 def approximate(member: str, stature: float = STATURE) -> tuple[Skeleton, Array]:
-    """A skeleton of our own, and the pelvis's place (3,) [m] in the family's axes."""
+    """Return the approximate skeleton, and the pelvis's place (3,) [m] in the family's axes."""
     within("stature [m]", stature, LEAST_STATURE, MOST_STATURE, InvalidInput)
     bones = []
     for name, parent in TREES[member]:
@@ -104,10 +104,10 @@ def approximate(member: str, stature: float = STATURE) -> tuple[Skeleton, Array]
 
 
 def measured(member: str, joints: Array) -> tuple[Skeleton, Array]:
-    """The skeleton of rest joints (n, 3) [m] in the family's axes, and the pelvis's place among them."""
+    """Return the skeleton of rest joints (n, 3) [m] in the family's axes, and the pelvis's place among them."""
     tree = TREES[member]
     places = ours(joints[: len(tree)])
-    # tips are no joints: those of the approximate skeleton, for a body whose joints are as far apart
+    # tips are not joints: those of the approximate skeleton, scaled to the distances of the body's joints
     whole = approximate(member)[0].rest[: len(tree)]
     stature = STATURE * float(np.ptp(places[:, 2]) / np.ptp(whole[:, 2]))
     bones = []
@@ -124,7 +124,7 @@ def _bone(name: str, parent: int, offset: Vector, stature: float) -> Bone:
 
 
 def _part(name: str) -> tuple[str, float]:
-    """The name without its side, and the sign of left."""
+    """Return the name without its side, and the sign of left."""
     for side, sign in (("left_", 1.0), ("right_", -1.0)):
         if name.startswith(side):
             return name.removeprefix(side), sign

@@ -1,4 +1,4 @@
-"""What is changed in a model before MuJoCo compiles it: masses for which it would refuse the model, pictures that it would open.
+"""Changes of a model before MuJoCo compiles it: masses for which it would refuse the model, pictures that it would open.
 
 Moments of inertia that no solid has (zero, negative ones about the principal axes, one above the sum of the others; Featherstone
 2008, 2.13) become the nearest that one can have. Works on an MjSpec without importing MuJoCo.
@@ -15,7 +15,7 @@ from avatarsim.errors import InvalidFile
 Array = NDArray[np.float64]
 
 LEAST = 1e-12
-"""Mass [kg] and moments of inertia [kg m^2] of what has none in the file: MuJoCo refuses moving bodies without."""
+"""Mass [kg] and moments of inertia [kg m^2] of bodies without any in the file: MuJoCo refuses moving bodies without."""
 
 SMALLEST_SHARE = 1e-6
 """Smallest moment of inertia, as a share of the largest one: thinner is no solid."""
@@ -24,12 +24,12 @@ SMALL_BALL = 0.4 * 1e-2**2
 """Moment of inertia [m^2] for each kilogram of a body that has mass and no moments: that of a ball of 1 cm."""
 
 FLAT = 2
-"""Width [pixels] of what stands in for a texture, and rows of what stands in for a height field."""
+"""Width [pixels] of the replacement of a texture, and rows of the replacement of a height field."""
 
 
 def bare(spec: Any, mujoco: Any) -> None:
-    """Plain colours for textures and flat ground for height fields, so that no picture is opened; no skin, actuator
-    and sensor, no tuple that may name them, and no memory for a simulation. Raises InvalidFile for too many keyframes."""
+    """Replace textures and height fields by plain ones, so that no picture is opened, and remove unused parts.
+    These are skins, actuators, sensors, tuples and simulation memory. Raises InvalidFile for too many keyframes."""
     if len(spec.keys) > caps.KEYFRAMES:
         raise InvalidFile("number of keyframes", len(spec.keys), f"up to {caps.KEYFRAMES}")
     for texture in spec.textures:
@@ -42,15 +42,15 @@ def bare(spec: Any, mujoco: Any) -> None:
     for unread in (*spec.skins, *spec.tuples, *spec.actuators, *spec.sensors):
         spec.delete(unread)
     for key in spec.keys:
-        # of actuators that are gone
+        # of removed actuators
         key.ctrl, key.act = [], []
-    # and no room for a simulation, of which a file may ask for any amount
+    # no memory for a simulation, since a file may request any amount
     spec.memory = spec.nconmax = spec.njmax = spec.nstack = -1
 
 
 def with_solid_moments(spec: Any) -> list[str]:
-    """Give every body moments of inertia that a solid can have; names of those whose were changed."""
-    # what has neither mass nor moments gets these, by which it is told afterwards
+    """Give every body moments of inertia that a solid can have; return names of changed bodies."""
+    # bodies with neither mass nor moments get these values, which identify them afterwards
     spec.compiler.boundmass = spec.compiler.boundinertia = LEAST
     changed = []
     for body in spec.bodies:
@@ -74,7 +74,7 @@ def with_solid_moments(spec: Any) -> list[str]:
 
 
 def solid(inertia: Array, mass: float) -> tuple[Array, bool]:
-    """The nearest inertia (3, 3) that a solid can have, and whether it is another one."""
+    """Return the nearest inertia (3, 3) that a solid can have, and whether it differs."""
     moments, axes = np.linalg.eigh(inertia)
     largest = float(moments[2])
     if not largest > LEAST * SMALL_BALL:

@@ -1,7 +1,7 @@
 """Another unit of length for a model, before MuJoCo compiles it: similarity (geometric scaling) of places, shapes and moments.
 
-A file in centimetres, or drawn four times too large, states true masses and wrong lengths: masses that it states stay, moments of
-inertia go with the square of lengths, and what MuJoCo makes of a density follows by itself. Works on an MjSpec without importing
+A file in centimetres, or drawn four times too large, states true masses and wrong lengths: stated masses stay, moments of
+inertia scale with the square of lengths, and MuJoCo derives the rest from densities. Works on an MjSpec without importing
 MuJoCo.
 """
 
@@ -12,7 +12,7 @@ import numpy as np
 from avatarsim.scene.scene import EARTH
 
 SMALLEST, LARGEST = 1e-4, 1e4
-"""Metres a unit of length of a model: a tenth of a millimetre to ten kilometres. Beyond, it is no unit of any file."""
+"""Metres a unit of length of a model: a tenth of a millimetre to ten kilometres. Beyond, no file uses such a unit."""
 
 
 def in_metres(spec: Any, scale: float, slide: Any) -> None:
@@ -22,7 +22,7 @@ def in_metres(spec: Any, scale: float, slide: Any) -> None:
     """
     if scale == 1.0:
         return
-    # that of a file without gravity of its own is in metres
+    # the default gravity of a file without its own is in metres
     if tuple(spec.option.gravity) != EARTH:
         spec.option.gravity = scale * np.asarray(spec.option.gravity)
     for kind in (spec.bodies, spec.frames, spec.geoms, spec.joints, spec.sites):
@@ -32,7 +32,7 @@ def in_metres(spec: Any, scale: float, slide: Any) -> None:
         if body.explicitinertial:
             body.ipos = scale * np.asarray(body.ipos)
             body.inertia = scale**2 * np.asarray(body.inertia)
-            # not a number where the file has none
+            # nan where the file has none
             body.fullinertia = scale**2 * np.asarray(body.fullinertia)
     for geom in spec.geoms:
         geom.size = scale * np.asarray(geom.size)

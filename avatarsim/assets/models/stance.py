@@ -1,7 +1,7 @@
 """A posture of a recorded skeleton in which the body's own directions are known: forward, left and up of an upright stance.
 
-The anatomical position is what ranges of motion are counted from. Many skeletons stand at rest, with every joint at zero; those
-of some tools are folded along one axis then, and the frame of the clip in which they stand most upright takes its place.
+Ranges of motion are counted from the anatomical position. Many skeletons are upright at rest, with every joint at zero; those
+of some tools are folded along one axis at rest, and the most upright frame of the clip takes its place.
 """
 
 from collections.abc import Sequence
@@ -41,7 +41,7 @@ class Stance:
 def stance(
     skeleton: Skeleton, named: Sequence[Part], clip: Motion, at_rest: bool = True
 ) -> tuple[Stance | None, int | None]:
-    """A standing posture, `at_rest` or else the most upright one of a clip, and its frame; no frame for rest and for none."""
+    """Return a standing posture, `at_rest` or else the most upright one of a clip, and its frame; None for rest and for none."""
     rest, _ = _upright(skeleton, named, *skeleton.poses(*skeleton.still), *skeleton.still[1:])
     if rest is not None and at_rest:
         return rest, None
@@ -57,7 +57,7 @@ def stance(
 def _upright(
     skeleton: Skeleton, named: Sequence[Part], places: Array, turned: Array, rotations: Array, angles: Array
 ) -> tuple[Stance | None, float]:
-    """The posture as a stance, if it is one, and the cosine between trunk and legs."""
+    """Return the posture as a stance, if it is one, and the cosine between trunk and legs."""
     at = {kind: _of_kind(named, kind) for kind in ("head", "neck", "foot", "toe")}
     hips = [[k for k in _of_kind(named, "thigh") if named[k].side == side] for side in ("left", "right")]
     head, feet = at["head"] or at["neck"], at["foot"] or at["toe"]

@@ -25,7 +25,7 @@ class StartPose:
 
     @property
     def qpos(self) -> Array:
-        """(n,) in the order of MuJoCo."""
+        """Coordinates (n,) in the order of MuJoCo."""
         return self.model.qpos0 if self.key < 0 else self.model.key_qpos[self.key]
 
     def root(self, body: int) -> tuple[Array, Array]:

@@ -1,7 +1,7 @@
 """Parts that pages draw of URDF files: their `<visual>` shapes, read when a page is drawn.
 
-The loader blanks visuals, so that a mesh that is only to be looked at neither refuses a model nor takes time. A page compiles the
-file once more, with visuals in place of collisions, and draws what collides where that fails.
+The loader blanks visuals, so that a visual mesh neither refuses a model nor takes time. A page compiles the file once
+more, with visuals in place of collisions, and draws the colliding shapes where that fails.
 """
 
 from collections.abc import Mapping
@@ -16,14 +16,14 @@ def visuals_of_urdf(
     path: Path, folder: str | Path | None, scale: float, names: tuple[str, ...], frames: Mapping[str, Frames],
     own: Mapping[str, tuple[Visual, ...]],
 ) -> Mapping[str, tuple[Visual, ...]]:
-    """Return what is drawn of the links of a URDF file; `own` for links without visuals, and where visuals do not compile.
+    """Return the drawn parts of the links of a URDF file; `own` for links without visuals, and where visuals do not compile.
 
     Args:
         path: the file.
         folder: the folder of all of its files, as in `load_avatar`.
         scale: metres a unit of length.
         names: the names of the file's bodies.
-        frames: of each name in a scene its bodies and where their frames are in it.
+        frames: the bodies of each scene name, and their frames relative to it.
         own: parts that are drawn without visuals.
     """
     try:

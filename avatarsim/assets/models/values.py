@@ -1,7 +1,7 @@
-"""Numbers of MJCF and URDF files, checked as they stand in the file: MuJoCo's compiler clips some wrong ones and drops others.
+"""Numbers of MJCF and URDF files, checked as written: MuJoCo's compiler clips some wrong ones and drops others.
 
-A value that is left out has the default of the format. One that is there and wrong is refused by the place of its element, with
-the value and what is valid. Masses may be 0: links fixed to the world often have none.
+A missing value has the default of the format. A wrong one is refused with the place of its element, the value and the valid
+range. Masses may be 0: links fixed to the world often have none.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -12,7 +12,7 @@ from avatarsim.errors import InvalidFile
 
 
 class Rule(NamedTuple):
-    """How many numbers an attribute holds (None: any number of them), a test of all of them, and the valid range in words."""
+    """Count of numbers of an attribute (None: any), a test of all of them, and the valid range in words."""
 
     numbers: int | None
     is_valid: Callable[[Sequence[float]], bool]
@@ -78,16 +78,16 @@ MJCF: Mapping[str, Mapping[str, Rule]] = {
     "key": {"qpos": _finite(None), "mpos": _finite(None), "mquat": _finite(None)},
     "compiler": {"boundmass": AMOUNT, "boundinertia": AMOUNT},
 }
-"""Rules of MJCF by element and attribute, of what is read and of what a simulation would need."""
+"""Rules of MJCF by element and attribute, for the attributes that are read or that a simulation would need."""
 
 BALL_RANGE = Rule(2, lambda v: v[0] == 0.0 and v[1] >= 0.0, ", 0 and the largest angle; or 0 0 for no limits")
 """Rule of the range of an MJCF ball joint."""
 
 SIZES = {"sphere": 1, "capsule": 2, "cylinder": 2, "ellipsoid": 3, "box": 3}
-"""Numbers that the size of an MJCF geom has, all above 0; one less, but one, of those between two places (`fromto`)."""
+"""Count of numbers in the size of an MJCF geom, all above 0; one less, but at least one, between two places (`fromto`)."""
 
 TURNLESS = ("fixed", "floating", "ball", "free")
-"""Types of joints that have no axis: whatever stands there is not read."""
+"""Types of joints that have no axis: their axis attribute is ignored."""
 
 LIMITED = ("revolute", "prismatic")
 """Types of URDF joints that have limits."""
@@ -123,7 +123,7 @@ def require(place: Callable[[str], str], above: Sequence[Element], own: Element)
 
 
 def _called(above: Sequence[Element], own: Element) -> str:
-    """What an error calls an element: by its own name, or that of the nearest one around it that has a name."""
+    """Return the name of an element in errors: its own, or that of the nearest enclosing element that has a name."""
     if "name" in own.attributes:
         return f"{own.tag} {own.attributes['name']}"
     named = next((one for one in reversed(above) if "name" in one.attributes), None)
@@ -131,19 +131,19 @@ def _called(above: Sequence[Element], own: Element) -> str:
 
 
 def _size(attributes: Mapping[str, str]) -> Rule:
-    """The rule of a geom's size, which is the stricter where the geom itself states its type."""
+    """Return the rule of a geom's size, which is the stricter where the geom itself states its type."""
     count = SIZES.get(attributes.get("type", ""))
     if count is None:
         return MJCF["geom"]["size"]
     if "fromto" in attributes:
         count = max(1, count - 1)
     valid = f", the first {count} of them above 0" if count > 1 else ", the first of them above 0"
-    # those that are left out may stand in a class of defaults
+    # missing ones may be in a class of defaults
     return Rule(None, lambda v: min(v[:count]) > 0.0, valid)
 
 
 def _numbers(thing: str, text: str, rule: Rule) -> None:
-    """Raise InvalidFile unless a text holds the numbers that a rule asks for."""
+    """Raise InvalidFile unless a text contains the numbers that a rule requires."""
     values = [_number(word) for word in text.split()]
     counted = bool(values) and rule.numbers in (None, len(values))
     if not (counted and all(map(isfinite, values)) and rule.is_valid(values)):
@@ -152,7 +152,7 @@ def _numbers(thing: str, text: str, rule: Rule) -> None:
 
 
 def _number(word: str) -> float:
-    """The number that a word says; infinite for none."""
+    """Return the number in a word; infinite for none."""
     try:
         return float(word) if "_" not in word else inf
     except ValueError:

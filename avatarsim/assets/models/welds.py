@@ -18,12 +18,12 @@ a few digits. Larger: the body jumps at the start; smaller: welds of such files 
 def attaching_welds(
     model: Compiled, carried: Mapping[int, str], carrying: Mapping[int, str]
 ) -> dict[int, tuple[str, str]]:
-    """Return names of loose bodies and of what carries them, by the number of the weld.
+    """Return names of loose bodies and of their carriers, by the number of the weld.
 
     carried   names of loose bodies, by their number
     carrying  names of links and moving bodies, by the number of their body
 
-    The first weld of a body counts, and only one that holds the pose of the reference: others are left to the caller.
+    The first weld of a body counts, and only one with the pose of the reference: others are left to the caller.
     """
     found: dict[int, tuple[str, str]] = {}
     welds = (model.eq_type == EqualityKind.WELD) & (model.eq_objtype == ObjectKind.BODY) & (model.eq_active0 != 0)
@@ -37,7 +37,7 @@ def attaching_welds(
 
 
 def _holds_reference(model: Compiled, k: int) -> bool:
-    """Return whether the pose that weld `k` asks for is that of the reference."""
+    """Return True if the pose of weld `k` is that of the reference."""
     if not model.eq_data[k, 10] > 0.0:
         # turns are free
         return False
@@ -49,7 +49,7 @@ def _holds_reference(model: Compiled, k: int) -> bool:
 
 
 def _pose(model: Compiled, body: int) -> tuple[Array, Array]:
-    """Position [m] and orientation of a body in the world, at the reference."""
+    """Return position [m] and orientation of a body in the world, at the reference."""
     place, turn = np.zeros(3), np.array(rotation.IDENTITY)
     while body > 0:
         frame = rotation.normalised(model.body_quat[body])

@@ -1,6 +1,6 @@
 """NumPy archives (.npz: a zip of .npy arrays, NEP 1), untrusted, read with limits; equal arrays are written as equal bytes.
 
-What an entry unpacks to, its shape and its type are compared with the limits before a byte of it is unpacked; nothing is ever
+The unpacked size, shape and type of an entry are compared with the limits before a byte of it is unpacked; nothing is ever
 unpickled. An entry of Python objects (a pickle) is left out and named.
 """
 
@@ -26,7 +26,7 @@ from avatarsim.spatial.rotation import Array
 AnyArray = NDArray[Any]
 
 KINDS = "biufUS"
-"""Kinds of numbers and text that an entry may hold: truth, integers, floats, text."""
+"""Kinds of numbers and text allowed in entries: bool, integers, floats, text."""
 
 PICKLED = "made of Python objects (a pickle, which could run any program)"
 
@@ -34,10 +34,10 @@ DAMAGED = (
     zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, OSError, ValueError, KeyError, OverflowError,
     struct.error,
 )
-"""What the standard library raises of an archive that is not what it says."""
+"""Exceptions of the standard library for damaged archives."""
 
 BAD_HEADERS = (ValueError, SyntaxError, TypeError, MemoryError, RecursionError, OverflowError, tokenize.TokenError)
-"""What numpy raises of a header that is none: it is a literal of Python, which it parses as one."""
+"""Exceptions of numpy for an invalid header: it is a literal of Python, which it parses as one."""
 
 VALID = "an .npz archive of arrays of numbers, as numpy.savez writes it"
 
@@ -52,11 +52,11 @@ class Archive:
     left_out: tuple[str, ...]
 
     def first(self, keys: tuple[str, ...]) -> str | None:
-        """The first of these keys that the file has."""
+        """Return the first of these keys that the file has."""
         return next((key for key in keys if key in self.arrays or key in self.left_out), None)
 
     def table(self, key: str, width: int | None = None) -> Array:
-        """An entry as finite float64 numbers (F, width), F at least 1. Raises InvalidFile that names entry, frame and column."""
+        """Return an entry as finite float64 (F, width), F at least 1. Raises InvalidFile that names entry, frame and column."""
         found = self._numbers(key)
         if found.ndim != 2 or len(found) == 0 or (width is not None and found.shape[1] != width):
             raise InvalidFile(f"shape of {key} in {self.name}", found.shape, f"(frames, {width or 'columns'})")
@@ -66,21 +66,21 @@ class Archive:
         return finite_rows(f"{key} in {self.name}", found)
 
     def numbers(self, key: str) -> Array:
-        """An entry as finite float64 numbers of its own shape. Raises InvalidFile."""
+        """Return an entry as finite float64 numbers of its own shape. Raises InvalidFile."""
         found = self._numbers(key).astype(np.float64)
         if not np.isfinite(found).all():
             raise InvalidFile(f"{key} in {self.name}", "not finite", "finite numbers")
         return found
 
     def scalar(self, key: str) -> float:
-        """An entry of one finite number. Raises InvalidFile."""
+        """Return an entry of one finite number. Raises InvalidFile."""
         found = self._numbers(key)
         if found.size != 1:
             raise InvalidFile(f"shape of {key} in {self.name}", found.shape, "one number")
         return float(self.numbers(key).ravel()[0])
 
     def words(self, key: str) -> tuple[str, ...]:
-        """An entry of names (n,). Raises InvalidFile for numbers, and for names that cannot be printed."""
+        """Return an entry of names (n,). Raises InvalidFile for numbers, and for names that cannot be printed."""
         found = self._entry(key)
         if found.dtype.kind not in "US" or found.ndim != 1 or len(found) > caps.COLUMNS:
             raise InvalidFile(f"{key} in {self.name}", f"{found.dtype} {found.shape}", "a row of names")
@@ -90,8 +90,8 @@ class Archive:
     def rewritten(
         self, now: Mapping[str, Array], anew: Mapping[str, AnyArray], derived: Collection[str], frames: int | None
     ) -> dict[str, AnyArray]:
-        """Return the arrays with those of `now`, in the file's types where these suffice, and of `anew`; the rest as they are but
-        for `derived` ones and, where there are other `frames`, those with a row for each of the old."""
+        """Return the arrays with those of `now`, in the file's types where these suffice, and of `anew`.
+        The rest is unchanged, without `derived` ones and, if the old number of `frames` is given, those with as many rows."""
         found: dict[str, AnyArray] = {}
         for key, recorded in self.arrays.items():
             if key in now:
@@ -117,7 +117,7 @@ class Archive:
 
 
 def finite_rows(thing: str, rows: AnyArray) -> Array:
-    """Numbers (F, n) as float64. Raises InvalidFile that names frame and column of what is not finite."""
+    """Return numbers (F, n) as float64. Raises InvalidFile that names frame and column of numbers that are not finite."""
     values = rows.astype(np.float64)
     bad = ~np.isfinite(values)
     if bad.any():
@@ -127,7 +127,7 @@ def finite_rows(thing: str, rows: AnyArray) -> Array:
 
 
 def opened(path: Path) -> Archive:
-    """The arrays of an .npz file. Raises InvalidFile for what is none, is damaged, or is beyond the limits of `assets.caps`."""
+    """Return the arrays of an .npz file. Raises InvalidFile for invalid files, and for those beyond limits of `assets.caps`."""
     name = path.name
     raw = caps.content(path, f"archive {name}", VALID)
     arrays: dict[str, AnyArray] = {}
@@ -148,7 +148,7 @@ def opened(path: Path) -> Archive:
 
 
 def _members(name: str, file: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
-    """What is in an archive, by the names of its arrays, if all of it can be unpacked at once."""
+    """Return the members of an archive, by the names of its arrays, if all of it can be unpacked at once."""
     listed = file.infolist()
     if len(listed) > caps.ENTRIES:
         raise InvalidFile(f"entries of {name}", len(listed), f"up to {caps.ENTRIES}")
@@ -168,7 +168,7 @@ def _members(name: str, file: zipfile.ZipFile) -> dict[str, zipfile.ZipInfo]:
 
 
 def _array(thing: str, file: zipfile.ZipFile, member: zipfile.ZipInfo) -> AnyArray | None:
-    """One array; None for one of Python objects, of which nothing is read but the header."""
+    """Return one array; None for one of Python objects, of which only the header is read."""
     with file.open(member) as stream:
         try:
             version = npy.read_magic(stream)
@@ -196,11 +196,11 @@ def _no_array(thing: str, value: str, error: Exception | None = None) -> NoRetur
 
 
 def packed(arrays: Mapping[str, AnyArray], compressed: bool) -> bytes:
-    """An .npz file of these arrays, the same bytes whenever it is written."""
+    """Return an .npz file of these arrays, as equal bytes at any time."""
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED if compressed else zipfile.ZIP_STORED) as file:
         for key, values in arrays.items():
-            # a ZipInfo of its own carries no time of day
+            # a separate ZipInfo carries no time of day
             member = zipfile.ZipInfo(f"{key}.npy")
             member.compress_type = file.compression
             with file.open(member, "w", force_zip64=True) as entry:
@@ -209,7 +209,7 @@ def packed(arrays: Mapping[str, AnyArray], compressed: bool) -> bytes:
 
 
 def narrowed(values: Array, like: AnyArray) -> AnyArray:
-    """Numbers in the type of the file's own, where it can say them: float64, and float32 up to FLOAT32_MOST."""
+    """Return numbers in the file's type, where it can represent them: float64, and float32 up to FLOAT32_MOST."""
     if like.dtype == np.dtype(np.float32).newbyteorder(like.dtype.byteorder) and np.abs(values).max(initial=0.0) <= FLOAT32_MOST:
         return values.astype(like.dtype)
     return values
@@ -218,4 +218,4 @@ def narrowed(values: Array, like: AnyArray) -> AnyArray:
 FLOAT32_MOST = 8.0
 """Largest coordinate [m] or angle [rad] that is written as float32: its steps there are 4.8e-7, so a body is written within
 2.4e-7 m. Farther out the file's float32 becomes float64, and so does any narrower type: else bodies that were free to 1e-6 m
-overlap in what is read back."""
+overlap when read back."""

@@ -24,10 +24,10 @@ Array = NDArray[np.float64]
 
 DEGREE = float(np.pi / 180.0)
 INCH = 0.0254
-"""Metres of an inch, in which ASF files measure once their numbers are divided by the `length` that they state."""
+"""Metres of an inch, the unit of ASF files once their numbers are divided by the `length` that they state."""
 
 USUAL_LENGTH = 0.45
-"""What nearly every file states as `length`, and what is taken where none does."""
+"""The `length` of nearly every file, and the default."""
 
 ROOT = "root"
 
@@ -35,16 +35,16 @@ DOFS = {
     "rx": ("turn", 0), "ry": ("turn", 1), "rz": ("turn", 2),
     "tx": ("way", 0), "ty": ("way", 1), "tz": ("way", 2), "l": ("way", 3),
 }
-"""What numbers of a bone in AMC are, in small letters: turns about an axis, ways along one, and along the bone."""
+"""Kinds of a bone's numbers in AMC, in small letters: turns about an axis, translations along one, and along the bone."""
 
 
 @dataclass
 class AsfBone:
-    """A bone as it stands in the file, in its units; of the root `length` is 0 and `position` where it begins.
+    """A bone as written in the file, in its units; of the root `length` is 0 and `position` where it begins.
 
     axis    angles of its frame, and `order` in which letters these and its turns are applied
-    dof     what AMC has numbers for, in that order, of DOFS
-    limits  of each of them"""
+    dof     its numbers in AMC, in that order, of DOFS
+    limits  of each number"""
 
     name: str
     line: int
@@ -57,12 +57,12 @@ class AsfBone:
     position: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def turns(self) -> list[tuple[int, int]]:
-        """(place among its numbers, axis) of each turn, the outermost first: the last letter of the order."""
+        """Return (index among its numbers, axis) of each turn, the outermost first: the last letter of the order."""
         found = [(k, DOFS[dof][1]) for k, dof in enumerate(self.dof) if DOFS[dof][0] == "turn"]
         return sorted(found, key=lambda turn: -self.order.index("xyz"[turn[1]]))
 
     def frame(self, angle: float) -> Array:
-        """C, the bone's frame at rest, in the file's axes; `angle` is its unit of angle [rad]."""
+        """Return C, the bone's frame at rest, in the file's axes; `angle` is its unit of angle [rad]."""
         axes = tuple("xyz".index(letter) for letter in reversed(self.order))
         return euler.quaternion(axes, np.array([self.axis["xyz".index(letter)] for letter in reversed(self.order)]) * angle)
 
@@ -83,7 +83,7 @@ class Asf:
         return INCH / (self.length or USUAL_LENGTH)
 
     def skeleton(self, axes: Axes) -> Skeleton:
-        """The tree of bones in metres and with z up."""
+        """Return the tree of bones in metres and with z up."""
         leaves = set(range(len(self.bones))) - set(self.parents)
         ends = [vector(axes.scale * axes.vectors(bone.length * np.array(bone.direction))) for bone in self.bones]
         found = []
@@ -98,14 +98,14 @@ class Asf:
         return Skeleton(Path(self.name).stem, tuple(found))
 
     def _limits(self, bone: AsfBone, turns: list[tuple[int, int]]) -> tuple[tuple[float, float], ...]:
-        """The file's limits [rad] of each turn; none where it states none."""
+        """Return the file's limits [rad] of each turn; none where it states none."""
         if not bone.limits:
             return ()
         return tuple((bone.limits[place][0] * self.angle, bone.limits[place][1] * self.angle) for place, _ in turns)
 
 
 def read_asf(path: str | Path) -> Asf:
-    """The ASF file at `path`. Raises InvalidFile, by file and line."""
+    """Read the ASF file at `path`. Raises InvalidFile, by file and line."""
     path = Path(path)
     name = path.name
     sections = dict[str, list[tuple[int, str]]]()
@@ -130,13 +130,13 @@ def read_asf(path: str | Path) -> Asf:
 
 
 def _lines(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
-    """(line, text) without comments and what is empty; lines count from 1."""
+    """Yield (line, text) without comments and blank lines; lines count from 1."""
     said = ((line, text.partition("#")[0].strip()) for line, text in numbered(name, lines))
     return ((line, text) for line, text in said if text)
 
 
 def _units(name: str, lines: list[tuple[int, str]]) -> tuple[float | None, float]:
-    """The `length` that the section states, None if it states none, and the unit of angle [rad]."""
+    """Return the `length` that the section states, None if it states none, and the unit of angle [rad]."""
     length, angle = None, DEGREE
     for line, said in lines:
         at = f"line {line} of {name}"
@@ -153,7 +153,7 @@ def _units(name: str, lines: list[tuple[int, str]]) -> tuple[float | None, float
 
 
 def angle_unit(at: str, word: str) -> float:
-    """The unit of angle [rad] that a word says."""
+    """Return the unit of angle [rad] that a word names."""
     if word.startswith("deg"):
         return DEGREE
     if word.startswith("rad"):
@@ -197,7 +197,7 @@ def _root(name: str, lines: list[tuple[int, str]]) -> AsfBone:
 
 
 def _bones(name: str, lines: list[tuple[int, str]]) -> list[AsfBone]:
-    """The bones between `begin` and `end`, in the file's order."""
+    """Return the bones between `begin` and `end`, in the file's order."""
     found: list[AsfBone] = []
     bone: AsfBone | None = None
     for line, said in lines:
@@ -220,7 +220,7 @@ def _bones(name: str, lines: list[tuple[int, str]]) -> list[AsfBone]:
 
 
 def _say(at: str, said: str, word: str, words: list[str], bone: AsfBone) -> None:
-    """One line of a bone."""
+    """Parse one line of a bone."""
     if word == "name":
         bone.name = said[len(word) :].strip()
         if not bone.name or len(bone.name) > caps.NAME or bone.name.lower() == ROOT:
@@ -253,7 +253,7 @@ def _limit(at: str, word: str) -> float:
 
 
 def _whole(name: str, bone: AsfBone, before: list[AsfBone]) -> AsfBone:
-    """The bone, if it has what a bone must have."""
+    """Return the bone if it has all required values."""
     at = f"the bone of line {bone.line} of {name}"
     if not bone.name:
         raise InvalidFile(f"name of {at}", None, "a line name within it")
@@ -272,7 +272,7 @@ def _whole(name: str, bone: AsfBone, before: list[AsfBone]) -> AsfBone:
 
 
 def _tree(name: str, bones: list[AsfBone], lines: list[tuple[int, str]]) -> tuple[list[AsfBone], list[int]]:
-    """The bones with parents before children, and their parents' places; every bone hangs on the root, once."""
+    """Return the bones with parents before children, and their parents' places; every bone has a path to the root, once."""
     by_name = {bone.name: bone for bone in bones}
     children = dict[str, list[str]]()
     carried: set[str] = set()

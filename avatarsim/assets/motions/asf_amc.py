@@ -1,4 +1,4 @@
-"""Acclaim motion files (AMC): frame by frame the numbers of every bone of a skeleton file (ASF), which stands beside them."""
+"""Acclaim motion files (AMC): frame by frame the numbers of every bone of a skeleton file (ASF) in the folder."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,10 +22,10 @@ from avatarsim.scene.motion import Motion
 Array = NDArray[np.float64]
 
 USUAL_RATE = 120.0
-"""Frames a second of CMU's recordings, and of most others in this format, which has no place to say them."""
+"""Frames a second of CMU's recordings, and of most others in this format, which cannot state them."""
 
 FASTEST_RATE = 10_000.0
-"""Frames a second at most: no camera that sees a whole human takes more."""
+"""Most frames a second: no camera that sees a whole human takes more."""
 
 NOTICED = 1e-4
 """Degrees beyond a limit from which they count: files state six digits."""
@@ -33,11 +33,11 @@ NOTICED = 1e-4
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class AmcFile(RecordedFile):
-    """An AMC file that was read whole, on its skeleton.
+    """An AMC file read whole, on its skeleton.
 
     head   its lines before the first frame
     first  the number of that frame
-    order  the bones, as each frame lists them, and which columns are theirs"""
+    order  the bones, as each frame lists them, and their columns"""
 
     head: str
     first: int
@@ -46,10 +46,10 @@ class AmcFile(RecordedFile):
     format: str = "amc"
 
     def written(self, motion: Motion, model: Model) -> bytes:
-        """The file with this motion: header and order of bones as they were, numbers with all their digits.
+        """Return the file with this motion: header and order of bones as they were, numbers with all their digits.
 
-        Bones that the motion leaves as they were keep their numbers. The format has no place for a rate: of a resampled motion
-        the reader must know it. Raises InvalidFile unless `model` has the file's joints, and InvalidInput for steps that
+        Bones that the motion does not change keep their numbers. The format cannot state a rate, which the reader of a
+        resampled motion must know. Raises InvalidFile unless `model` has the file's joints, and InvalidInput for steps that
         differ."""
         self.require_own(model)
         values, _ = self.recording.rows(motion)
@@ -64,9 +64,9 @@ def read_amc(
     path: str | Path, *, skeleton: str | Path | None = None, rate: float | None = None, scale: float | None = None,
     up: str | None = None, mass: float = BODY_MASS, limits: bool = True, home: int | str | Path | None = None,
 ) -> AmcFile:
-    """The AMC file at `path` on its skeleton.
+    """Read the AMC file at `path` on its skeleton.
 
-    skeleton  the ASF file; by default the one of the same name, or of what stands before the first underscore, beside it
+    skeleton  the ASF file; by default the one next to it of that name, or of the name up to the first underscore
     rate      frames a second; by default 120
     scale     metres of a unit of length; by default as the ASF file states it, if a human of that size exists, else guessed
     up        "y" or "z"; by default guessed of the postures
@@ -74,7 +74,7 @@ def read_amc(
     limits    whether its joints have their range of motion
     home      the frame, from 0, or another clip of the same skeleton ("walk.amc:12") that it is measured from, as of BVH files
 
-    Raises InvalidFile for what is no such file, or does not fit the skeleton, and names its line."""
+    Raises InvalidFile for a file that is invalid or does not fit the skeleton, and names its line."""
     path = Path(path)
     asf_path = skeleton_beside(path) if skeleton is None else Path(skeleton)
     if asf_path is None:
@@ -111,7 +111,7 @@ def read_amc(
 
 
 def skeleton_beside(path: Path) -> Path | None:
-    """Return the skeleton file that belongs to a motion file by their names: 02_01.asf or 02.asf beside 02_01.amc."""
+    """Return the skeleton file that belongs to a motion file by their names: 02_01.asf or 02.asf next to 02_01.amc."""
     places = (path.with_name(stem + suffix) for stem in _stems(path) for suffix in (".asf", ".ASF"))
     return next((place for place in places if place.is_file()), None)
 
@@ -121,7 +121,7 @@ def _stems(path: Path) -> list[str]:
 
 
 def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:
-    """How many lines stand before the first frame, and the unit of angle [rad]: the file's own, else its skeleton's."""
+    """Return the count of lines before the first frame, and the unit of angle [rad]: the file's own, else its skeleton's."""
     angle = asf.angle
     for line, text in numbered(name, lines):
         said = quoted(text.strip()).lower()
@@ -133,7 +133,7 @@ def _header(name: str, lines: list[str], asf: Asf) -> tuple[int, float]:
 
 
 def _frames(name: str, lines: list[str], head: int, asf: Asf) -> tuple[int, list[tuple[str, slice]], Array]:
-    """The first frame's number, which columns are whose, and the numbers (F, columns). Raises InvalidFile."""
+    """Return the first frame's number, the columns of each bone, and the numbers (F, columns). Raises InvalidFile."""
     bones = {bone.name: bone for bone in asf.bones}
     order = dict[str, slice]()
     rows: list[Array] = []
@@ -179,7 +179,7 @@ def _require_whole(name: str, order: dict[str, slice], seen: set[str], frames: i
 
 
 def _frame_number(at: str, word: str, frames: int, first: int) -> int:
-    """The number of the first frame; InvalidFile unless this frame follows the one before, and for too many."""
+    """Return the number of the first frame; InvalidFile unless this frame follows the one before, and for too many."""
     if len(word) > 12 or frames >= caps.FRAMES:
         raise InvalidFile(f"number of a frame in {at}", quoted(word), f"at most {caps.FRAMES} frames")
     if frames and int(word) != first + frames:
@@ -188,7 +188,7 @@ def _frame_number(at: str, word: str, frames: int, first: int) -> int:
 
 
 def _tracks(asf: Asf, order: dict[str, slice]) -> tuple[Track, ...]:
-    """The columns of every bone."""
+    """Return the columns of every bone."""
     found = []
     for k, bone in enumerate(asf.bones):
         first = order[bone.name].start if bone.dof else 0
@@ -206,7 +206,7 @@ def _tracks(asf: Asf, order: dict[str, slice]) -> tuple[Track, ...]:
 def _axes(
     name: str, asf: Asf, made: Callable[[Axes], Recording], angle: float, scale: float | None, up: str | None
 ) -> tuple[Axes, list[str]]:
-    """The axes of the clip: the unit of length as the skeleton states it, if a human of that size exists."""
+    """Return the axes of the clip: the unit of length as the skeleton states it, if a human of that size exists."""
     axes, said = guessed(name, made, angle, asf.unit if scale is None else scale, up)
     if scale is not None:
         return axes, said
@@ -232,7 +232,7 @@ def _require_fixed(name: str, asf: Asf, order: dict[str, slice], values: Array, 
 
 
 def _beyond_stated(name: str, asf: Asf, order: dict[str, slice], values: Array, angle: float) -> list[str]:
-    """A sentence on the turns that a clip takes beyond the limits that its own skeleton states; recordings often do."""
+    """Return a sentence on turns beyond the limits that the clip's own skeleton states, which is frequent in recordings."""
     found = []
     for bone in asf.bones:
         for place, (dof, (low, high)) in enumerate(zip(bone.dof, bone.limits, strict=False)):

@@ -1,7 +1,7 @@
 """Biovision hierarchies (BVH): a tree of joints with offsets and channels, then a line of numbers a frame.
 
 As in Meredith and Maddock, *Motion Capture File Formats Explained* (2001): turns of a joint are multiplied in the order of its
-channels. A position channel stands for the offset along its axis, as in Blender and MotionBuilder, unless it is zero throughout.
+channels. A position channel replaces the offset along its axis, as in Blender and MotionBuilder, unless it is zero throughout.
 """
 
 import re
@@ -29,21 +29,21 @@ Array = NDArray[np.float64]
 DEGREE = float(np.pi / 180.0)
 
 CHANNELS = {f"{axis}{kind}".lower(): (kind, k) for kind in ("position", "rotation") for k, axis in enumerate("XYZ")}
-"""What a channel is called, in small letters: its kind and axis."""
+"""Names of channels, in small letters: their kind and axis."""
 
 LONGEST_STEP = 10.0
-"""Seconds of a frame at most: what is slower is no motion, but pictures."""
+"""Most seconds of a frame: slower ones are pictures, not a motion."""
 
 END = -1
-"""Stands for an end site where others have the number of a joint."""
+"""Marks an end site in place of a joint's number."""
 
 BEARERS = ("root", "reference", "armature", "world", "origin", "skeleton", "scene")
-"""What joints are called that only carry the hips about."""
+"""Names of joints that only carry the hips."""
 
 
 @dataclass
 class _Joint:
-    """A joint as it stands in the file: `channels` (kind, axis), the `first` of whose columns is known."""
+    """A joint as written in the file: `channels` (kind, axis), and the index of its `first` column."""
 
     name: str
     parent: int
@@ -55,17 +55,17 @@ class _Joint:
     children: int = 0
 
     def columns(self, kind: str) -> list[tuple[int, int]]:
-        """(column, axis) of the channels of a kind, in their order."""
+        """Return (column, axis) of the channels of a kind, in their order."""
         return [(self.first + k, axis) for k, (of, axis) in enumerate(self.channels or ()) if of == kind]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class BvhFile(RecordedFile):
-    """A BVH file that was read whole.
+    """A BVH file read whole.
 
     head       its text down to the line MOTION
-    newline    how its lines end
-    step_text  its frame time as it says it"""
+    newline    its line ending
+    step_text  its frame time as written"""
 
     head: str
     newline: str
@@ -73,9 +73,9 @@ class BvhFile(RecordedFile):
     format: str = "bvh"
 
     def written(self, motion: Motion, model: Model) -> bytes:
-        """The file with this motion: hierarchy and channels as they were, numbers with all their digits.
+        """Return the file with this motion: hierarchy and channels as they were, numbers with all their digits.
 
-        Joints that the motion leaves as they were keep their numbers. Raises InvalidFile unless `model` has the file's joints,
+        Joints that the motion does not change keep their numbers. Raises InvalidFile unless `model` has the file's joints,
         and InvalidInput for steps that differ from each other."""
         self.require_own(model)
         values, step = self.recording.rows(motion)
@@ -89,17 +89,17 @@ def read_bvh(
     path: str | Path, *, scale: float | None = None, up: str | None = None, offsets: str = "refuse", mass: float = BODY_MASS,
     limits: bool = True, home: int | str | Path | None = None,
 ) -> BvhFile:
-    """The BVH file at `path`.
+    """Read the BVH file at `path`.
 
-    scale    metres of a unit of length; by default guessed of the height of the skeleton
-    up       "y" or "z"; by default guessed of the postures
+    scale    metres of a unit of length; by default guessed from the height of the skeleton
+    up       "y" or "z"; by default guessed from the postures
     offsets  "mean" takes the mean of places of joints on their parents that vary; by default they are refused
     mass     of the avatar [kg]
     limits   whether its joints of known name get their range of motion
     home     the frame, from 0, or a clip of the same skeleton ("walk.bvh", "walk.bvh:12"), that stature, ranges of motion and
              pairs at rest are measured from; by default the skeleton at rest, or the most upright frame where it is folded
 
-    Raises InvalidFile for what is no BVH file, names its line, and for a unit that cannot be guessed."""
+    Raises InvalidFile for an invalid BVH file, by line, and for a unit that cannot be guessed."""
     path = Path(path)
     name = path.name
     lines, newline = lines_of(path, "a BVH file")
@@ -112,7 +112,7 @@ def read_bvh(
     if stated.file is not None:
         other = read_bvh(stated.file, scale=scale, up=up, offsets=offsets, home=stated.frame)
         scale, up = other.recording.axes.scale, other.recording.axes.up
-    # a short cut does not show what the root does
+    # a short excerpt does not show how the root moves
     root = min(len(other.recording.above), len(joints) - 1) if other else _carried(joints, values)
 
     def made(axes: Axes) -> Recording:
@@ -131,7 +131,7 @@ def read_bvh(
 
 
 def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
-    """(line, statement) of a hierarchy, braces by themselves; lines count from 1."""
+    """Yield (line, statement) of a hierarchy, braces by themselves; lines count from 1."""
     for line, text in numbered(name, lines):
         for piece in re.split(r"([{}])", text):
             if piece.strip():
@@ -139,7 +139,7 @@ def _statements(name: str, lines: list[str]) -> Iterator[tuple[int, str]]:
 
 
 def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
-    """The joints, parents first, and how many lines stand before the frames. Raises InvalidFile."""
+    """Return the joints, parents first, and the count of lines before the frames. Raises InvalidFile."""
     joints: list[_Joint] = []
     stack: list[int] = []
     awaited: int | None = None
@@ -180,7 +180,7 @@ def _hierarchy(name: str, lines: list[str]) -> tuple[list[_Joint], int]:
 
 
 def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack: list[int], line: int) -> int:
-    """A joint begins: its number."""
+    """Begin a joint and return its number."""
     called = readable(said[len(word) :].strip())
     if not called or len(called) > caps.NAME:
         raise InvalidFile(f"name of a joint in {at}", quoted(called), f"1 to {caps.NAME} characters")
@@ -200,7 +200,7 @@ def _open(at: str, name: str, said: str, word: str, joints: list[_Joint], stack:
 
 
 def _offset(at: str, words: list[str], joints: list[_Joint], stack: list[int]) -> None:
-    """An OFFSET line: of a joint, or of the end site within one."""
+    """Parse an OFFSET line: of a joint, or of the end site within one."""
     top = stack[-1]
     place = vector(numbers_in(at, words[1:], 3, "3", "numbers after OFFSET"))
     if top == END:
@@ -212,7 +212,7 @@ def _offset(at: str, words: list[str], joints: list[_Joint], stack: list[int]) -
 
 
 def _channels(at: str, said: str, joints: list[_Joint], joint: _Joint) -> None:
-    """A CHANNELS line."""
+    """Parse a CHANNELS line."""
     words = said.split(None, 9)
     count = words[1] if len(words) > 1 else ""
     if not re.fullmatch(r"[0-6]", count):
@@ -230,7 +230,7 @@ def _channels(at: str, said: str, joints: list[_Joint], joint: _Joint) -> None:
 
 
 def _complete(name: str, joints: list[_Joint]) -> list[_Joint]:
-    """The joints with their columns counted; InvalidFile for none, and for one that lacks a line."""
+    """Return the joints with their columns counted; InvalidFile for none, and for one that lacks a line."""
     if not joints:
         raise InvalidFile(f"joints of {name}", 0, "a ROOT at least")
     first = 0
@@ -245,7 +245,7 @@ def _complete(name: str, joints: list[_Joint]) -> list[_Joint]:
 
 
 def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tuple[Array, str]:
-    """The numbers (F, columns) and the frame time as it is written. Raises InvalidFile."""
+    """Return the numbers (F, columns) and the frame time as written. Raises InvalidFile."""
     rest = list(numbered(name, lines, first))
     count, at_count = _said(name, rest, 0, r"frames\s*:?\s*(\S+)", "Frames: and how many there are")
     step, at_step = _said(name, rest, 1, r"frame\s*time\s*:?\s*(\S+)", "Frame Time: and the seconds of a frame")
@@ -265,7 +265,7 @@ def _frames(name: str, lines: list[str], first: int, joints: list[_Joint]) -> tu
 
 
 def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: str) -> tuple[str, str]:
-    """What line k after MOTION says, by a pattern, and which line it is."""
+    """Match line k after MOTION with a pattern; return the value, and the line's name in errors."""
     if k >= len(rest):
         raise InvalidFile(f"end of {name}", "after MOTION", valid)
     line, text = rest[k]
@@ -276,7 +276,7 @@ def _said(name: str, rest: list[tuple[int, str]], k: int, pattern: str, valid: s
 
 
 def _carried(joints: list[_Joint], values: Array) -> int:
-    """The joint that is the avatar's root: the file's, or one below it that is carried about by joints that do nothing else."""
+    """Return the joint that is the avatar's root: the file's, or one below it that is carried by joints of no other use."""
     root = k = 0
     while joints[k].children == 1 and not joints[k].tips:
         k = next(child for child, joint in enumerate(joints) if joint.parent == k)
@@ -290,7 +290,7 @@ def _carried(joints: list[_Joint], values: Array) -> int:
 
 
 def _place(joint: _Joint, values: Array, root: bool) -> tuple[tuple[int, int, int], tuple[float, float, float]]:
-    """Columns of a joint's place, -1 where there is none, and what is added to them or stands for them."""
+    """Return columns of a joint's place, -1 where there is none, and the offsets added to them or used instead."""
     assert joint.offset is not None
     columns, start = [-1, -1, -1], list(joint.offset)
     channels = joint.columns("position")
@@ -302,7 +302,7 @@ def _place(joint: _Joint, values: Array, root: bool) -> tuple[tuple[int, int, in
 
 
 def _recording(name: str, joints: list[_Joint], root: int, values: Array, step: float, axes: Axes) -> Recording:
-    """The clip on its skeleton, in metres and with z up by `axes`; places of joints below the root are their means."""
+    """Return the clip on its skeleton, in metres and with z up by `axes`; places of joints below the root are their means."""
     bones, tracks = [], []
     for k, joint in enumerate(joints[root:], root):
         columns, start = _place(joint, values, k == root)
@@ -325,7 +325,7 @@ def _metres(axes: Axes, array: Array) -> tuple[float, float, float]:
 
 
 def _on_parents(name: str, joints: list[_Joint], root: int, values: Array, scale: float, offsets: str) -> list[str]:
-    """Sentences on the places of joints below the root; InvalidFile for one that varies, unless its mean is asked for."""
+    """Return sentences on the places of joints below the root; InvalidFile for one that varies, unless its mean is requested."""
     said, added, meant = [], [], []
     for joint in joints[root + 1 :]:
         channels = joint.columns("position")

@@ -1,6 +1,6 @@
 """DeepMimic clips (Peng et al. 2018): JSON with 44 numbers a frame, for a humanoid of 13 links that move.
 
-A clip is {"Loop": "wrap" or "none", "Frames": [[44 numbers], ...]}: how long the frame stands [s], the root's place [m] and
+A clip is {"Loop": "wrap" or "none", "Frames": [[44 numbers], ...]}: the duration of the frame [s], the root's place [m] and
 quaternion (w first), then a quaternion a ball joint and an angle [rad] a hinge, in the order of LAYOUT. Its world has y up and x
 forward; here z is up, so a vector (x, y, z) becomes (x, -z, y) and a quaternion (w, x, y, z) becomes (w, x, -z, y). Hinge angles
 keep their sign, because the hinge axes of the humanoid turn along.
@@ -35,23 +35,23 @@ LAYOUT = (
     ("right_hip", 4), ("right_knee", 1), ("right_ankle", 4), ("right_shoulder", 4), ("right_elbow", 1),
     ("left_hip", 4), ("left_knee", 1), ("left_ankle", 4), ("left_shoulder", 4), ("left_elbow", 1),
 )
-"""Link and width of what follows the step [s] and the root's position [m]: a quaternion or a hinge angle [rad]."""
+"""Link and width of the values after the step [s] and the root's position [m]: a quaternion or a hinge angle [rad]."""
 
 COLUMNS = 1 + 3 + sum(width for _, width in LAYOUT)
 """Numbers per frame: 44."""
 
 SHORTEST, LONGEST = 0.5, 1.25
-"""Lengths between which a stored quaternion is taken as a rotation. Eight of pybullet's clips hold some that are off 1, as a
+"""Lengths between which a stored quaternion is taken as a rotation. Eight of pybullet's clips have some that are off 1, as a
 blend of quaternions leaves them: from 0.58 (kick) to 1.12 (backflip). Further out is a shifted column."""
 
 LEGS = 0.83
-"""Length [m] of thigh and shank of the body that the clips are of. The model that pybullet ships is four times as large."""
+"""Length [m] of thigh and shank of the body of the clips. The model that pybullet ships is four times as large."""
 
 Y_UP = Axes(1.0, 1.0, "y")
 """Axes of the files' numbers."""
 
 UPRIGHT = (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)
-"""Turns the file's axes (y up) into ours (z up): a quarter turn about x."""
+"""Rotation of the file's axes (y up) to those used here (z up): a quarter turn about x."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +71,12 @@ class Clip:
 
 
 def read_clip(path: Path) -> Clip:
-    """Read one clip file; InvalidFile names the file, what is wrong with it and what is valid."""
+    """Read one clip file; InvalidFile names the file, its error and the valid values."""
     return read_deepmimic(path).clip
 
 
 def read_deepmimic(path: str | Path) -> "DeepMimic":
-    """The clip file whole. Raises InvalidFile."""
+    """Read the whole clip file. Raises InvalidFile."""
     path = Path(path)
     frames, content = _frames(path)
     rows = {}
@@ -87,7 +87,7 @@ def read_deepmimic(path: str | Path) -> "DeepMimic":
     rotations = {}
     for link, width in LAYOUT:
         if width == 4:
-            # what is far too long stays so, and its square a number
+            # values that are far too long stay so, and their squares are finite
             lengths = np.linalg.norm(np.clip(rows[link], -1e100, 1e100), axis=1)
             for k in np.flatnonzero(~((lengths >= SHORTEST) & (lengths <= LONGEST))):
                 thing = f"length of the {link} quaternion in frame {k} of {path.name}"
@@ -97,7 +97,7 @@ def read_deepmimic(path: str | Path) -> "DeepMimic":
     clip = Clip(
         name=path.stem.removeprefix("humanoid3d_"),
         wraps=content.get("Loop") == "wrap",
-        # a frame's step says how long it stands until the next one
+        # a frame's step is its duration until the next one
         times=np.concatenate([[0.0], np.cumsum(frames[:-1, 0])]),
         root_positions=Y_UP.vectors(frames[:, 1:4]),
         rotations=rotations,
@@ -116,7 +116,7 @@ def _require_plausible(name: str, frames: Array, rows: Mapping[str, Array]) -> N
 
 
 def _frames(path: Path) -> tuple[Array, dict[str, Any]]:
-    """The (F, 44) numbers of a clip file and all that it holds, everything checked but the quaternions."""
+    """Return the (F, 44) numbers of a clip file and its whole content, all checked but the quaternions."""
     valid = f"JSON with Loop and at least 2 Frames of {COLUMNS} finite numbers each, steps above 0"
     content: Any = read_json(path, f"clip {path.name}", valid, caps.JSON_BYTES)
     rows = content.get("Frames") if isinstance(content, dict) else None
@@ -133,7 +133,7 @@ def _frames(path: Path) -> tuple[Array, dict[str, Any]]:
     except (TypeError, ValueError, OverflowError) as error:
         raise InvalidFile(f"numbers of clip {path.name}", str(error), valid) from error
     bad = ~np.isfinite(frames).all(axis=1) | ~(frames[:, 0] > 0.0)
-    # the last step leads nowhere, and some writers put 0 there
+    # the last step is unused, and some writers put 0 there
     bad[-1] = not np.isfinite(frames[-1]).all()
     if bad.any():
         k = int(np.argmax(bad))
@@ -143,7 +143,7 @@ def _frames(path: Path) -> tuple[Array, dict[str, Any]]:
 
 @dataclass(frozen=True, eq=False)
 class DeepMimic(Notes):
-    """A clip file: a MotionFile. `frames` (F, 44) and `content` are what the file holds, `clip` the same as rotations, z up."""
+    """A clip file: a MotionFile. `frames` (F, 44) and `content` are the file's, `clip` its frames as rotations, z up."""
 
     name: str
     clip: Clip
@@ -152,8 +152,8 @@ class DeepMimic(Notes):
     format: str = "deepmimic"
 
     def motion(self, model: Model) -> Motion:
-        """The motion for an avatar whose joints, or links, are called as in LAYOUT, drawn z up or y up. Its other joints stay at
-        zero. Raises InvalidFile for an avatar that lacks one, or has it of another kind."""
+        """Return the motion for an avatar with joints or links named as in LAYOUT, drawn z up or y up.
+        Its other joints stay at zero. Raises InvalidFile for an avatar that lacks one, or has it of another kind."""
         coordinates = matching.coordinates_of_model(self.name, model)
         assert model.avatar is not None
         caps.require_frames(self.name, len(self.clip.times), coordinates.links)
@@ -184,7 +184,7 @@ class DeepMimic(Notes):
         return Motion(self.clip.times, positions, rotations, angles)
 
     def written(self, motion: Motion, model: Model) -> bytes:
-        """The clip again with this motion; frames that are as they were keep the file's numbers, the others their steps too."""
+        """Return the clip with this motion; unchanged frames keep the file's numbers, the others their steps too."""
         coordinates = matching.coordinates_of_model(self.name, model)
         assert model.avatar is not None
         slots = _slots(self.name, coordinates, model.avatar)
@@ -214,19 +214,19 @@ class DeepMimic(Notes):
 
 
 def _of_axes(turns: Array, root: bool) -> Array:
-    """Rotations of a clip, z up, for an avatar whose links are drawn with y up."""
+    """Return rotations of a clip, z up, for an avatar whose links are drawn with y up."""
     own = Y_UP.turned_in_file(turns)
     return rotation.multiply(np.array(UPRIGHT), own) if root else own
 
 
 def _to_axes(turns: Array, root: bool) -> Array:
-    """The inverse of `_of_axes`."""
+    """Apply the inverse of `_of_axes`."""
     own = rotation.multiply(rotation.conjugate(np.array(UPRIGHT)), turns) if root else turns
     return Y_UP.turned(own)
 
 
 def _slots(name: str, coordinates: Coordinates, avatar: Avatar) -> dict[str, Slot]:
-    """The avatar's joint of each of the clip's, by its own name or that of the link that it moves."""
+    """Return the avatar's joint for each of the clip's, by its own name or that of the link that it moves."""
     found: dict[str, Slot] = {}
     for slot in coordinates.slots:
         if slot.kind == "free":

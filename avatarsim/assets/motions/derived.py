@@ -1,7 +1,7 @@
 """Numbers of a trajectory file that follow from its pose: poses of bodies by forward kinematics, speeds by central differences.
 
-A file with another motion needs them anew. What a file calls a pose or a speed is a convention that it does not state, so each is
-first computed of the recorded motion: where that gives what was recorded, the same computation gives the new ones; where not, the
+A file with another motion needs new ones. A file does not state its convention for a pose or a speed, so each is
+first computed from the recorded motion: where that equals the recorded numbers, new ones are computed likewise; otherwise the
 entry is left out, since a wrong one is worse than none.
 """
 
@@ -28,24 +28,24 @@ RATES = {
     "joint_vel": "joint_pos", "dof_vel": "dof_pos", "dof_velocities": "dof_positions", "qvel": "qpos", "root_vel": "root_pos",
     "root_lin_vel": "root_pos",
 }
-"""Entries that are the change of another one [1/s]."""
+"""Entries that are time derivatives of others [1/s]."""
 
 OTHERS = ("local_body_pos", "qacc", "joint_acc", "xpos", "xquat", "cvel", "site_xpos", "subtree_com", "root_ang_vel")
-"""Entries that follow from the pose in conventions that differ from tool to tool: left out with another motion."""
+"""Entries that follow from the pose in conventions that differ between tools: left out with another motion."""
 
 ALL = (*PLACES, *TURNS, *SPEEDS, *SPINS, *RATES, *OTHERS)
 
 STRAYS = 0.02
-"""Way [m] by which a recorded body may stray in the frame of the link that it is taken to be fixed to, a turn counted at 0.1 m.
+"""Distance [m] by which a recorded body may stray in the frame of the link that it is fixed to, a turn counted at 0.1 m.
 Robots of one name differ so between versions of their model: the waist of a G1 by 10 mm."""
 
 LIKE = 0.1
-"""Share of its own root mean square by which a recorded speed may differ from ours. One-sided and central differences of a
-recording differ by a few hundredths; another frame of reference, by the whole."""
+"""Share of its own root mean square by which a recorded speed may differ from the computed one. One-sided and central differences
+of a recording differ by a few hundredths; another frame of reference, by the whole."""
 
 EQUAL = 1e-4
-"""Way [m] within which links are equally good carriers of a body: what float32 and rounding leave. In a clip in which an arm
-stays still, all its links are."""
+"""Distance [m] within which links are equally good carriers of a body: the error of float32 and rounding. In a clip in which an
+arm stays still, all its links are."""
 
 SAMPLED = 16
 """Frames in which a body is compared with every link, before the nearest that carry it are compared in all."""
@@ -60,7 +60,7 @@ class Poses:
 
 
 def links_of(model: Model, motion: Motion) -> Poses:
-    """Poses of the avatar's links, and of the world as the last of them."""
+    """Return poses of the avatar's links, and of the world as the last of them."""
     assert model.avatar is not None
     places, turns = poses_of_links((model.avatar,), motion.positions, motion.rotations, motion.angles)
     frames = len(motion)
@@ -69,19 +69,19 @@ def links_of(model: Model, motion: Motion) -> Poses:
 
 
 def relative(links: Poses, link: int, places: Array, turns: Array) -> tuple[Array, Array]:
-    """Poses (F, 3), (F, 4) in the frame of a link."""
+    """Return poses (F, 3), (F, 4) in the frame of a link."""
     back = rotation.conjugate(links.turns[:, link])
     return rotation.rotate(back, places - links.places[:, link]), rotation.multiply(back, turns)
 
 
 def strays(places: Array, turns: Array) -> float:
-    """How far poses (F, 3), (F, 4) go from their first one [m], a turn counted at 0.1 m."""
+    """Return the largest distance of poses (F, 3), (F, 4) from their first one [m], a turn counted at 0.1 m."""
     turned = np.linalg.norm(rotation.to_rotation_vector(rotation.multiply(rotation.conjugate(turns[:1]), turns)), axis=-1)
     return float((np.linalg.norm(places - places[0], axis=1) + 0.1 * turned).max())
 
 
 def carrier(links: Poses, places: Array, turns: Array) -> int | None:
-    """The link, or the world, in whose frame a body strays least, of equal ones the nearest; None where it strays in all."""
+    """Return the link, or the world, in whose frame a body strays least, of equal ones the nearest; None if it strays in all."""
     few = np.unique(np.linspace(0, len(places) - 1, SAMPLED).astype(np.int64))
     sampled = Poses(links.places[few], links.turns[few])
     ways = np.array([strays(*relative(sampled, link, places[few], turns[few])) for link in range(links.places.shape[1])])
@@ -91,7 +91,7 @@ def carrier(links: Poses, places: Array, turns: Array) -> int | None:
 
 
 def bodies(archive: Archive, places: Array, turns: Array, model: Model, before: Motion, after: Motion) -> Poses | None:
-    """The file's bodies as they are in another motion; None where one of them is fixed to no link of the avatar.
+    """Return the file's bodies for another motion; None if one of them is fixed to no link of the avatar.
 
     A body keeps its recorded pose against its link, frame by frame: where the link stays, the body does."""
     assert model.avatar is not None
@@ -113,12 +113,12 @@ def bodies(archive: Archive, places: Array, turns: Array, model: Model, before: 
 
 
 def speeds(values: Array, times: Array) -> Array:
-    """Change (F, ...) a second of values (F, ...), by central differences."""
+    """Return the change (F, ...) a second of values (F, ...), by central differences."""
     return np.asarray(np.gradient(values, times, axis=0)) if len(values) > 1 else np.zeros_like(values)
 
 
 def spins(turns: Array, times: Array) -> Array:
-    """Angular velocities (F, ..., 3) [rad/s] in the world of rotations (F, ..., 4), by central differences."""
+    """Return angular velocities (F, ..., 3) [rad/s] in the world of rotations (F, ..., 4), by central differences."""
     if len(turns) == 1:
         return np.zeros((*turns.shape[:-1], 3))
     after, before = np.minimum(np.arange(len(turns)) + 1, len(turns) - 1), np.maximum(np.arange(len(turns)) - 1, 0)
@@ -127,7 +127,7 @@ def spins(turns: Array, times: Array) -> Array:
 
 
 def is_like(computed: Array, recorded: AnyArray) -> bool:
-    """Return True if a computed speed is what was recorded."""
+    """Return True if a computed speed equals the recorded one."""
     if computed.shape != recorded.shape or recorded.dtype.kind != "f" or not np.isfinite(recorded).all():
         return False
     scale = float(np.sqrt((recorded.astype(np.float64) ** 2).mean()))
@@ -137,9 +137,9 @@ def is_like(computed: Array, recorded: AnyArray) -> bool:
 def written_anew(
     archive: Archive, model: Model, before: Motion, after: Motion, was: Mapping[str, Array], now: Mapping[str, Array]
 ) -> dict[str, AnyArray]:
-    """Those of the file's derived entries that our computation gives, for the motion `after` instead of `before`.
+    """Return the derived entries that can be recomputed, for the motion `after` instead of `before`.
 
-    `was` and `now` are entries of the pose, recorded and new. What the file has and is not among them is to be left out."""
+    `was` and `now` are entries of the pose, recorded and new. Derived entries missing here are to be left out of the file."""
     found: dict[str, AnyArray] = {}
 
     def keep(key: str, recorded: tuple[Array, ...], new: tuple[Array, ...]) -> None:
@@ -177,7 +177,7 @@ def written_anew(
 
 
 def _changes(values: Array, times: Array, like: AnyArray) -> tuple[Array, ...]:
-    """Changes a second of coordinates (F, n), in each convention that the recorded speeds (F, m) may be in.
+    """Return changes a second of coordinates (F, n), in each convention that the recorded speeds (F, m) may have.
 
     m = n - 1: the coordinates begin with a root, whose quaternion has three numbers in the speeds: its angular velocity in the
     world, or in its own frame, as MuJoCo's qvel has it."""

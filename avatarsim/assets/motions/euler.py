@@ -1,8 +1,8 @@
 """Cardan (Tait-Bryan) angles of any order: three turns about three different axes, and back, on the branch nearest a given one.
 
-Closed form of the angles as in Shuster, *A Survey of Attitude Representations* (1993). The last angle is taken of what the first
-two leave over, so that their product is the rotation to rounding, also where the first and the last turn share an axis (gimbal
-lock).
+Closed form of the angles as in Shuster, *A Survey of Attitude Representations* (1993). The last angle is taken from the rest
+after the first two, so that their product is the rotation to rounding, also where the first and the last turn share an axis
+(gimbal lock).
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ than 1e-11 rad about anything but the last axis."""
 
 
 def quaternion(axes: tuple[int, ...], angles: Array) -> Array:
-    """Quaternion (..., 4) of turns by `angles` (..., n) [rad] about coordinate `axes` (0 to 2), the first one outermost."""
+    """Return the quaternion (..., 4) of turns by `angles` (..., n) [rad] about `axes` (0 to 2), the first one outermost."""
     turned = np.zeros((*angles.shape[:-1], 4))
     turned[..., 0] = 1.0
     for k, axis in enumerate(axes):
@@ -27,7 +27,7 @@ def quaternion(axes: tuple[int, ...], angles: Array) -> Array:
 
 
 def cardan(axes: tuple[int, int, int], turned: Array, near: Array) -> Array:
-    """Angles (..., 3) [rad] about `axes`, the first one outermost, whose product is the unit quaternion `turned` (..., 4).
+    """Return angles (..., 3) [rad] about `axes`, the first one outermost, whose product is the unit quaternion `turned` (..., 4).
 
     Of the two branches, and all whole turns added to each angle, those nearest the angles `near` (..., 3)."""
     i, j, k = axes
@@ -49,5 +49,5 @@ def cardan(axes: tuple[int, int, int], turned: Array, near: Array) -> Array:
 
 
 def _wrapped(angle: Array) -> Array:
-    """The angle [rad] less whole turns, from -pi to pi."""
+    """Return the angle [rad] less whole turns, from -pi to pi."""
     return np.asarray(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)))

@@ -1,4 +1,4 @@
-"""When the frames of a motion file were recorded: a rate, a step, or an instant a frame, as the file or the user states it."""
+"""Times of the frames of a motion file: a rate, a step, or an instant a frame, as the file or the user states it."""
 
 import numpy as np
 
@@ -9,13 +9,13 @@ from avatarsim.scene.motion import Motion
 from avatarsim.spatial.rotation import Array
 
 RATES = ("fps", "mocap_framerate", "mocap_frame_rate", "frame_rate", "framerate", "frequency", "rate")
-"""Entries that hold frames a second [1/s]."""
+"""Entries with frames a second [1/s]."""
 
 STEPS = ("dt", "timestep")
-"""Entries that hold the time from frame to frame [s]."""
+"""Entries with the time from frame to frame [s]."""
 
 TIMES = ("times", "time", "timestamps", "t")
-"""Entries that hold an instant a frame [s]."""
+"""Entries with an instant a frame [s]."""
 
 LOWEST, HIGHEST = 1e-3, 1e5
 """Frames a second that a file may state. Outside, another quantity or another unit was meant."""
@@ -25,20 +25,20 @@ EVEN = 1e-6
 
 
 def at_rate(rate: float, frames: int, thing: str) -> Array:
-    """Instants (frames,) [s] of a steady rate. Raises InvalidInput for a rate that no recording has."""
+    """Return instants (frames,) [s] of a steady rate. Raises InvalidInput for a rate that no recording has."""
     rate = within(f"{thing} [1/s]", rate, LOWEST, HIGHEST, InvalidInput)
     return np.arange(frames) / rate
 
 
 def times_of(archive: Archive, frames: int, rate: float | None) -> Array:
-    """Instants (frames,) [s] from 0: as `rate` [1/s] says, else as the file does. Raises InvalidFile where neither does."""
+    """Return instants (frames,) [s] from 0: by `rate` [1/s], else by the file. Raises InvalidFile where neither states them."""
     if rate is not None:
         return at_rate(rate, frames, "rate")
     key = archive.first((*TIMES, *RATES, *STEPS))
     if key is None:
         valid = f"one of {', '.join((*RATES, *STEPS, *TIMES))}; or say it: rate=30"
         raise InvalidFile(f"frames a second of {archive.name}", "not stated", valid)
-    # one that another entry makes needless must be one all the same
+    # a redundant entry must be valid all the same
     stated = {name: _stated(archive, name) for name in (*RATES, *STEPS) if name == key or _is_one_number(archive, name)}
     if key in TIMES:
         return _instants(archive, key, frames)
@@ -50,7 +50,7 @@ def _is_one_number(archive: Archive, key: str) -> bool:
 
 
 def _stated(archive: Archive, key: str) -> float:
-    """Frames a second [1/s] as a rate or a step of the file states them. Raises InvalidFile for what no recording has."""
+    """Return frames a second [1/s] from the file's rate or step. Raises InvalidFile for a rate that no recording has."""
     value = archive.scalar(key)
     if key in STEPS:
         if not (1.0 / HIGHEST <= value <= 1.0 / LOWEST):
@@ -74,7 +74,7 @@ def _instants(archive: Archive, key: str, frames: int) -> Array:
 
 
 def steady_rate(motion: Motion) -> float:
-    """Frames a second of a motion that is to be written at a steady rate. Raises InvalidInput for one with uneven steps."""
+    """Return frames a second of a motion to be written at a steady rate. Raises InvalidInput for uneven steps."""
     if len(motion) == 1:
         return float("nan")
     steps = np.diff(motion.times)
@@ -85,7 +85,7 @@ def steady_rate(motion: Motion) -> float:
 
 
 def restated(archive: Archive, motion: Motion) -> dict[str, AnyArray]:
-    """Those of the file's entries that say when its frames are, for a motion with other instants."""
+    """Return the file's entries on frame times, for a motion with other instants."""
     found: dict[str, AnyArray] = {}
     for key in archive.arrays:
         like = archive.arrays[key]

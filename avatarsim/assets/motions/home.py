@@ -1,7 +1,7 @@
 """Home of a recorded human: the posture that stature, ranges of motion and pairs at rest are measured from.
 
-It is the skeleton at rest where that stands. A skeleton that is folded at rest takes it from a clip: a verdict on a frame depends
-then on where the clip is cut, unless the frame or another clip of the same skeleton is stated.
+It is the skeleton at rest if that is upright. A skeleton that is folded at rest takes it from a clip: then a finding on a frame
+depends on where the clip is cut, unless the frame or another clip of the skeleton is stated.
 """
 
 import re
@@ -40,7 +40,7 @@ class Home:
 
 
 def parsed_home(thing: str, home: object) -> tuple[Path | None, int | None]:
-    """The file and the frame that a home is taken from: the word of a command line, a number or a path. Raises InvalidInput."""
+    """Return the file and the frame of a home, from text of a command line, a number or a path. Raises InvalidInput."""
     if home is None:
         return None, None
     word = str(home) if isinstance(home, (str, Path, int, np.integer)) and not isinstance(home, bool) else ""
@@ -62,20 +62,20 @@ class StatedHome:
 
     @classmethod
     def of(cls, name: str, home: object, frames: int) -> "StatedHome":
-        """The home stated for a clip of so many frames. Raises InvalidInput for a frame that the clip does not have."""
+        """Return the home stated for a clip of so many frames. Raises InvalidInput for a frame that the clip does not have."""
         file, frame = parsed_home(f"home of {name}", home)
         if file is None and frame is not None and frame >= frames:
             raise InvalidInput(f"home of {name}", frame, f"a frame from 0 to {frames - 1}")
         return cls(name, file, frame)
 
     def measured(self, recording: Recording) -> Recording:
-        """The frames by which units and the stature are measured: the one that is stated, else all."""
+        """Return the frames by which units and the stature are measured: the stated one, else all."""
         return recording if self.file is not None or self.frame is None else recording.at([self.frame])
 
     def taken(self, recording: Recording, other: tuple[Recording, Home] | None) -> tuple[Recording, Home, list[str]]:
-        """The recording on the skeleton of its home, the home, and a sentence where it depends on the clip.
+        """Return the recording on the skeleton of its home, the home, and a sentence where it depends on the clip.
 
-        `other` is what was read of another file. Raises InvalidInput for another skeleton and for a frame without a stance."""
+        `other` is the content of another file. Raises InvalidInput for another skeleton and for a frame without a stance."""
         if other is not None:
             _require_same_skeleton(self.name, recording, other[0])
             own = replace(other[0].skeleton, name=recording.skeleton.name)
@@ -95,14 +95,14 @@ class StatedHome:
 
 
 def _require_same_skeleton(name: str, recording: Recording, other: Recording) -> None:
-    """Raise InvalidInput, by the first joint that differs, unless two recordings have one skeleton."""
+    """Raise InvalidInput, by the first joint that differs, unless two recordings have equal skeletons."""
     thing, bones, wanted = f"home of {name}: %s in {other.thing}", recording.skeleton.bones, other.skeleton.bones
     for k, (bone, want) in enumerate(zip(bones, wanted, strict=False)):
         for what in ("name", "parent", "axes"):
             if getattr(bone, what) != getattr(want, what):
                 raise InvalidInput(thing % f"{what} of joint {k}, {want.name},", getattr(want, what), f"{getattr(bone, what)}")
         for what, own, its in (("offset", (bone.offset,)[:k], (want.offset,)[:k]), ("tips", bone.tips, want.tips)):
-            # a mean of places that vary differs from clip to clip, and the root's is where it goes about
+            # means of varying places differ from clip to clip, and the root's is the place of its motion
             near = STILL + (_spread(recording, k) + _spread(other, k) if what == "offset" else 0.0)
             if len(own) != len(its) or not np.allclose(own, its, rtol=0.0, atol=near):
                 raise InvalidInput(thing % f"{what} of {want.name}", its, f"{own} as in {name} [m]")
@@ -111,6 +111,6 @@ def _require_same_skeleton(name: str, recording: Recording, other: Recording) ->
 
 
 def _spread(recording: Recording, k: int) -> float:
-    """Extent [m] of the places of joint k on its parent."""
+    """Return the extent [m] of the places of joint k on its parent."""
     columns = [column for column in recording.tracks[k].places if column >= 0]
     return recording.axes.scale * float(np.ptp(recording.values[:, columns], axis=0).max(initial=0.0))

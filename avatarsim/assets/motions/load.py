@@ -1,4 +1,4 @@
-"""Motion files by the end of their names: which reader takes which, imported when it is first asked for."""
+"""Motion files by their suffix: the reader for each, imported at its first use."""
 
 from importlib import import_module
 from pathlib import Path
@@ -14,23 +14,23 @@ READERS = {
     ".npz": ("npz", "read_npz"),
     ".txt": ("deepmimic", "read_deepmimic"),
 }
-"""The module of this folder, and the function in it, that reads files whose names end so."""
+"""Module of this folder, and its function, for files of a suffix."""
 
 PICKLES = (".pkl", ".pickle", ".joblib", ".pt", ".pth")
-"""Ends of names of pickles, which run what their author wrote into them."""
+"""Suffixes of pickles, which run their author's code."""
 
 NO_HOME = (
     "only recorded skeletons (.amc, .bvh) may be folded at rest and need one; a body of the SMPL family stands at rest in "
     "every clip, and a robot has keyframe= of its model"
 )
-"""Reason for which a reader has no such option."""
+"""Reason for which a reader lacks this option."""
 
 
 def load_motion(path: str | Path, **options: object) -> MotionFile:
-    """The motion in a file, by the end of its name. `options` are those of its reader.
+    """Read the motion in a file, by its suffix. `options` are those of its reader.
 
-    Raises InvalidFile for an ending that no reader takes and for what is wrong with the file, InvalidInput for options that its
-    reader has not."""
+    Raises InvalidFile for a suffix without a reader and for an error in the file, InvalidInput for options that its
+    reader lacks."""
     path = Path(path)
     suffix = path.suffix.lower()
     if suffix in PICKLES:
@@ -51,7 +51,7 @@ def load_motion(path: str | Path, **options: object) -> MotionFile:
 
 
 def options_of(suffix: str) -> tuple[str, ...]:
-    """Return the options of the reader for files whose names end so; none for an ending that no reader takes."""
+    """Return the options of the reader for files of this suffix; none for a suffix without a reader."""
     return tuple(_reader(suffix).__kwdefaults__ or ()) if suffix in READERS else ()
 
 

@@ -1,4 +1,4 @@
-"""Columns of a file to generalized coordinates and back: by the joints' names where a file has them, else by their number."""
+"""Mapping of a file's columns to generalized coordinates and back: by the joints' names if it has them, else by order."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -18,22 +18,22 @@ from avatarsim.spatial.rotation import Array
 Columns = NDArray[np.int64]
 
 ORDERS = {"wxyz": (0, 1, 2, 3), "xyzw": (3, 0, 1, 2)}
-"""Orders in which files hold a quaternion, and where its w, x, y and z are there."""
+"""Orders of a quaternion in files, and the indices of its w, x, y and z."""
 
 FARTHEST = 1e5
-"""Largest coordinate [m] of a root. A recording is made in a hall; farther out another unit was meant or a column shifted."""
+"""Largest coordinate [m] of a root. Recordings are made indoors; larger values mean another unit or a shifted column."""
 
 SHORTEST, LONGEST = 0.5, 1.5
 """Lengths between which a stored quaternion is taken as a rotation: blends of them leave some that are off 1. Further out is a
 shifted column."""
 
 NAMED = 8
-"""Most names that a message lists of those that do not fit."""
+"""Most names in a message on names that do not fit."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What the columns of a file's table are.
+    """Meaning of the columns of a file's table.
 
     joints  names in the file's order; None for a file without names, whose order is the model's
     order   of quaternions, of ORDERS
@@ -45,7 +45,7 @@ class Layout:
 
 
 def listed(joints: str | Iterable[str] | None) -> tuple[str, ...] | None:
-    """Return names of joints that a user lists; of a text those between its commas."""
+    """Return joint names listed by a user; text is split at its commas."""
     if isinstance(joints, str):
         joints = [name.strip() for name in joints.split(",")]
     return None if joints is None else tuple(joints)
@@ -58,27 +58,27 @@ def said_of_pickles(archive: Archive) -> list[str]:
 
 
 def require_order(order: str) -> str:
-    """`order`, if it is one of ORDERS. Raises UnknownName."""
+    """Return `order` if it is one of ORDERS. Raises UnknownName."""
     if order not in ORDERS:
         raise UnknownName("quaternion", order, ORDERS)
     return order
 
 
 def coordinates_of_model(name: str, model: Model) -> Coordinates:
-    """The coordinates of a model with an avatar; InvalidFile, which names the motion's file, for a room."""
+    """Return the coordinates of a model with an avatar; InvalidFile, which names the motion's file, for a room."""
     if model.avatar is None or model.coordinates is None:
         raise InvalidFile(f"avatar for {name}", None, "a model with an avatar: a robot in MJCF or URDF, a skeleton")
     return model.coordinates
 
 
 def columns(name: str, layout: Layout, width: int, coordinates: Coordinates) -> Columns:
-    """For each generalized coordinate its column in a table of `width` columns; -1 for what is fixed, whose column nothing moves.
+    """Return for each generalized coordinate its column in a table of `width` columns; -1 for fixed ones, which never change.
 
-    Raises InvalidFile, with what is missing."""
+    Raises InvalidFile, with the missing columns."""
     free = [slot.name for slot in coordinates.slots if slot.kind == "free"]
     if layout.joints is None:
         if width != coordinates.width:
-            # each joint, with how many numbers it has where that is not one
+            # each joint, with its count of numbers if that is not one
             widths = ((slot.name, WIDTHS[slot.kind]) for slot in coordinates.slots)
             joints = ", ".join(joint if count == 1 else f"{joint} ({count})" for joint, count in widths)
             valid = f"{coordinates.width}: {joints}; joints= says names for another order"
@@ -101,7 +101,7 @@ def columns(name: str, layout: Layout, width: int, coordinates: Coordinates) -> 
 
 
 def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, free: list[str]) -> dict[str, int]:
-    """The first column of each joint, by name."""
+    """Return the first column of each joint, by name."""
     assert layout.joints is not None
     kinds = {slot.name: slot.kind for slot in coordinates.slots}
     starts: dict[str, int] = {}
@@ -126,7 +126,7 @@ def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, fre
         valid = f"all joints of the avatar; missing: {shortened(missing)}; not the avatar's: {shortened(unused) or 'none'}"
         raise InvalidFile(f"joints of {name}", f"{len(layout.joints)} names", valid)
     if layout.joints and not any(joint in kinds for joint in layout.joints):
-        # a root alone fits anything that is free: another body would be driven, and nothing of what was recorded
+        # a root alone fits any free body: another one would be driven, without any of the recorded joints
         valid = f"at least one of the avatar's: {shortened(list(kinds))}"
         raise InvalidFile(f"joints of {name}", shortened(layout.joints), valid)
     if column != width:
@@ -135,35 +135,35 @@ def _starts(name: str, layout: Layout, width: int, coordinates: Coordinates, fre
 
 
 def taken(table: Array, chosen: Columns) -> Array:
-    """Generalized coordinates (F, width) of a table; 0 for what is fixed."""
+    """Return generalized coordinates (F, width) of a table; 0 for fixed ones."""
     found = np.zeros((len(table), len(chosen)))
     found[:, chosen >= 0] = table[:, chosen[chosen >= 0]]
     return found
 
 
 def left_alone(layout: Layout, coordinates: Coordinates) -> tuple[str, ...]:
-    """Joints of the file that the avatar does not have."""
+    """Return joints of the file that the avatar does not have."""
     return tuple(joint for joint in layout.joints or () if joint not in coordinates.names)
 
 
 def by_order(coordinates: Coordinates) -> str:
-    """What is taken for what where a file names no joints: width alone says that it fits."""
-    # what is held at the reference has a slot for each of its numbers
+    """Return a sentence on the assumed order of columns, for a file without joint names, where only the width is checked."""
+    # a joint fixed at the reference has a slot for each of its numbers
     count = len({slot.name for slot in coordinates.slots if slot.kind != "free"})
     root = "a root and " if any(slot.kind == "free" for slot in coordinates.slots) else ""
     return f"columns matched by order: {root}{count} joint{'' if count == 1 else 's'}, no names in the file"
 
 
 def shortened(names: list[str] | tuple[str, ...]) -> str:
-    """Names in a row, of many the first and how many more."""
+    """Join names; of many the first ones and the number of the rest."""
     more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
     return ", ".join(names[:NAMED]) + more
 
 
 def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Motion:
-    """The motion of rows of generalized coordinates, quaternions without changes of sign.
+    """Return the motion of rows of generalized coordinates, with quaternions without changes of sign.
 
-    Raises InvalidFile for what no recording holds, with frame and joint."""
+    Raises InvalidFile for values that no recording has, with frame and joint."""
     first = 0
     for slot in coordinates.slots:
         width = WIDTHS[slot.kind]
@@ -189,7 +189,7 @@ def motion_of(name: str, q: Array, times: Array, coordinates: Coordinates) -> Mo
 
 
 def require_within(name: str, thing: str, values: Array, least: float, most: float, unit: str) -> None:
-    """Raise InvalidFile, with the frame, unless all values (F,) of a thing are in a range."""
+    """Raise InvalidFile, with the frame, unless all values (F,) of a quantity are in a range."""
     bad = ~((values >= least) & (values <= most))
     if bad.any():
         frame = int(np.argmax(bad))
@@ -197,8 +197,8 @@ def require_within(name: str, thing: str, values: Array, least: float, most: flo
 
 
 def rows_near(motion: Motion, coordinates: Coordinates, near: Array | None, stayed: Array | None = None) -> Array:
-    """Generalized coordinates (F, width) of a motion. Quaternions change their sign where those of `near` do, and are of its sign
-    in frames that `stayed` (F,); without `near` they never change it. A reader may draw lines between numbers."""
+    """Return generalized coordinates (F, width) of a motion, with signs of quaternions for readers that interpolate numbers.
+    They change where those of `near` do, and equal them in frames that `stayed` (F,); without `near` they never change."""
     rows = coordinates.rows(motion).copy()
     first = 0
     for slot in coordinates.slots:

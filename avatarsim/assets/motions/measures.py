@@ -1,4 +1,4 @@
-"""Which way is up and how long a unit is in a file that says neither: by the extent of the skeleton at rest and in its clip."""
+"""Up axis and unit of length of a file that states neither: by the extent of the skeleton at rest and in its clip."""
 
 import math
 from collections.abc import Callable
@@ -14,16 +14,16 @@ from avatarsim.errors import InvalidFile
 Array = NDArray[np.float64]
 
 UNITS = {1.0: "metres", 0.01: "centimetres", 0.0254: "inches", 0.0254 / 0.45: "inches / 0.45, as CMU's"}
-"""Units [m] that recordings come in."""
+"""Common units of recordings [m]."""
 
 STANDING, SHORTEST, TALLEST = 1.7, 1.2, 2.2
-"""Standing height [m] of humans: the unit is the one that brings the skeleton's nearest to the first, within the other two."""
+"""Standing height [m] of humans: the chosen unit brings the skeleton's nearest to the first, within the other two."""
 
 POSTURES = 64
-"""Postures, evenly through a clip, among which a standing one is looked for."""
+"""Postures, evenly through a clip, among which a standing one is searched."""
 
 LOOKED_AT = 32
-"""Frames, evenly through a clip, whose extent says which way is up."""
+"""Frames, evenly through a clip, whose extent decides the up axis."""
 
 DECISIVE = 1.3
 """Ratio of the extents along two axes from which one of them counts as up: standing humans have 3, crouching ones 1.5."""
@@ -32,9 +32,9 @@ DECISIVE = 1.3
 def guessed(
     thing: str, made: Callable[[Axes], Recording], angle: float, scale: float | None, up: str | None
 ) -> tuple[Axes, list[str]]:
-    """The axes of a file whose recording `made` gives for any axes, and sentences on what was guessed.
+    """Return the axes of a file whose recording `made` gives for any axes, and sentences on the guesses.
 
-    `angle` is the file's unit of angle [rad]; `scale` [m] and `up` are those asked for, None to guess. Raises InvalidFile."""
+    `angle` is the file's unit of angle [rad]; `scale` [m] and `up` are the user's, None to guess. Raises InvalidFile."""
     if scale is not None and not (isinstance(scale, (int, float)) and math.isfinite(scale) and scale > 0.0):
         raise InvalidFile(f"scale of {thing} [m per unit]", scale, "a finite number above 0")
     if up not in (None, "y", "z"):
@@ -60,13 +60,13 @@ def guessed(
 
 
 def _points(recording: Recording) -> tuple[Array, Array]:
-    """Joints and tips at rest (points, 3) and in some frames (frames, points, 3)."""
+    """Return joints and tips at rest (points, 3) and in some frames (frames, points, 3)."""
     motion = recording.at(recording.evenly(LOOKED_AT)).motion
     return recording.skeleton.rest, recording.skeleton.points(motion.positions, motion.rotations, motion.angles)
 
 
 def _up(rest: Array, clip: Array) -> tuple[str, str]:
-    """"y" or "z", and why."""
+    """Return "y" or "z", and the reason."""
     extents = np.median(np.ptp(clip, axis=1), axis=0)
     resting = np.ptp(rest, axis=0)
     for (_, y, z), reason in ((extents, "the extent of its postures"), (resting, "the extent of its skeleton at rest")):
@@ -83,8 +83,8 @@ def home_frame(recording: Recording) -> tuple[Stance | None, int | None]:
 
 
 def standing(recording: Recording) -> float:
-    """Standing height in the recording's unit: from the lowest foot to the top of the head, if names tell, at rest; in its most
-    upright frame where the skeleton is folded at rest; the most in the clip where nothing stands."""
+    """Return the standing height in the recording's unit: from the lowest foot to the top of the head, if names identify them.
+    It is measured at rest; in the most upright frame if the skeleton is folded at rest; the maximum of the clip without any."""
     named = parts(recording.skeleton)
     kinds = [part.kind for part in named]
     owners = np.array([kinds[bone] for bone in recording.skeleton.owners])

@@ -1,4 +1,4 @@
-"""What every reader of motion files gives: the motion for an avatar, and the same file with another motion."""
+"""Interface of all readers of motion files: the motion for an avatar, and the file with another motion."""
 
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -9,7 +9,7 @@ from avatarsim.scene.motion import Motion
 
 
 class MotionFile(Protocol):
-    """A file that was read whole and checked."""
+    """A file read whole and checked."""
 
     @property
     def format(self) -> str:
@@ -17,25 +17,25 @@ class MotionFile(Protocol):
 
     @property
     def said(self) -> tuple[str, ...]:
-        """Sentences for the user: units guessed, columns left alone."""
+        """Sentences for the user: units guessed, columns ignored."""
 
     @property
     def object(self) -> ObjectPoses | None:
-        """The poses of an object beside the motion; None without any."""
+        """Poses of an object in addition to the motion; None without any."""
 
     def model(self) -> Model | None:
-        """The avatar that the file brings itself (a skeleton); None where it needs a model."""
+        """Return the avatar that the file contains (a skeleton); None where it needs a model."""
 
     def motion(self, model: Model) -> Motion:
-        """The motion for this model's avatar; InvalidFile where its joints do not fit, by name."""
+        """Return the motion for this model's avatar; InvalidFile where its joints do not fit, by name."""
 
     def written(self, motion: Motion, model: Model) -> bytes:
-        """The file again with this motion instead of its own, in the same format, to the last digit that float64 has."""
+        """Return the file with this motion instead of its own, in its format, to the last digit that float64 has."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Notes:
-    """Notes of a reader for the user. More are added once the joints of the avatar are known."""
+    """Notes of a reader for the user. More are added once the avatar's joints are known."""
 
     notes: list[str] = field(default_factory=list)
     object: ObjectPoses | None = None
@@ -46,7 +46,7 @@ class Notes:
         return tuple(self.notes)
 
     def model(self) -> Model | None:
-        """None: the file brings no avatar."""
+        """Return None: the file has no avatar."""
         return None
 
     def note(self, sentence: str) -> None:

@@ -1,4 +1,4 @@
-"""NumPy archives of motion, told apart by their entries: robot trajectories, and bodies of the SMPL family."""
+"""NumPy archives of motion, distinguished by their entries: robot trajectories, and bodies of the SMPL family."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,16 +13,16 @@ def read_npz(
     offsets: str | Path | None = None, up: str | None = None, stature: float | None = None, mass: float | None = None,
     limits: bool | None = None,
 ) -> MotionFile:
-    """The motion in an archive. Raises InvalidFile for what is none, and InvalidInput for an option of the other kind.
+    """Read the motion in an archive. Raises InvalidFile for an invalid one, and InvalidInput for an option of the other kind.
 
-    rate        frames a second [1/s], where the file states none or another is meant
+    rate        frames a second [1/s], where the file states none or a wrong one
 
     Of a trajectory:
     quaternion  "wxyz" or "xyzw"
     joints      names of the joints in the file's order, where it has none; a text of names with commas between
 
     Of a body of the SMPL family:
-    offsets     a file with the rest joints J (n, 3) [m]; else an approximate skeleton of our own
+    offsets     a file with the rest joints J (n, 3) [m]; else the approximate skeleton
     up          "z" (AMASS) or "y": the axis of the world that points up
     stature     [m] of the approximate skeleton
     mass        [kg] of the avatar
@@ -41,7 +41,7 @@ def read_npz(
 
 
 def _refuse(name: str, options: Mapping[str, object], kind: str, valid: tuple[str, ...]) -> None:
-    """Raise InvalidInput for an option that was given and means nothing for this kind of file."""
+    """Raise InvalidInput for a given option that does not apply to this kind of file."""
     for option, value in options.items():
         if value is not None:
             raise InvalidInput(f"option for {name}, {kind},", option, f"one of {', '.join(valid)}")

@@ -1,7 +1,7 @@
-"""Poses of an object beside a recorded motion, such as a box that is carried: entries of archives of holosoma and OMOMO.
+"""Poses of an object in addition to a recorded motion, such as a carried box: entries of archives of holosoma and OMOMO.
 
-A file has places (F, 3) [m] with rotations, quaternions (F, 4) or matrices (F, 3, 3), and may say the object's name, its size and
-the scale of its mesh. Its shape is another file's.
+A file has places (F, 3) [m] with rotations, quaternions (F, 4) or matrices (F, 3, 3), and may state the object's name, its size
+and the scale of its mesh. Its shape is in another file.
 """
 
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ SPEEDS = ("object_lin_vel_w", "object_ang_vel_w", "object_lin_vel", "object_ang_
 """Entries that follow from the poses: left out where these are written at other times."""
 
 EVEN = 1e-3
-"""Share by which a scale may differ from frame to frame, and a matrix from a rotation: what fits of recordings leave."""
+"""Share by which a scale may differ from frame to frame, and a matrix from a rotation: the error of fits of recordings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class ObjectPoses:
     """The object of a file.
 
     Attributes:
-        name: as the file has it, else "object".
+        name: the file's, else "object".
         motion: its poses, as of an avatar of one link.
         size: full lengths [m] of a box, where the file states them.
         scale: metres a unit of length of its mesh, where the file states it.
@@ -52,10 +52,10 @@ def object_of(archive: Archive, times: Array, order: str, upright: ArrayLike = r
         archive: the file.
         times: (F,) [s] of its frames.
         order: of quaternions, "wxyz" or "xyzw".
-        upright: rotation of the file's world onto ours.
+        upright: rotation of the file's world to z up.
 
     Raises:
-        InvalidFile: for places without rotations, another number of frames, and what is no pose of one object.
+        InvalidFile: for places without rotations, another number of frames, and values that are not a pose of one object.
     """
     keys = archive.first(PLACES), archive.first(TURNS)
     if keys == (None, None):
@@ -129,7 +129,7 @@ def at_times(archive: Archive, before: Array, after: Array) -> dict[str, AnyArra
     Args:
         archive: the file.
         before: (F,) [s] its instants.
-        after: (G,) [s] those of what is written.
+        after: (G,) [s] those of the written file.
     """
     found: dict[str, AnyArray] = {}
     later = np.clip(np.searchsorted(before, after, side="right"), 1, max(len(before) - 1, 1))

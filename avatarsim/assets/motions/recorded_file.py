@@ -1,4 +1,4 @@
-"""A file of a recorded clip that brings its own skeleton: its human avatar, its motion, and whether another avatar fits it."""
+"""A file of a recorded clip with its own skeleton: its human avatar, its motion, and whether another avatar fits it."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -17,12 +17,12 @@ from avatarsim.scene.motion import Motion
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RecordedFile:
-    """What the formats of recorded skeletons have in common.
+    """Common part of the formats of recorded skeletons.
 
     name       of the file, for sentences
     recording  its clip on its skeleton
-    home       the posture that its avatar is measured from
-    said       sentences on what was guessed
+    home       the posture for measurements of its avatar
+    said       sentences on guesses
     mass       of the avatar [kg]
     limits     whether its joints of known name have their range of motion"""
 
@@ -42,17 +42,17 @@ class RecordedFile:
         return replace(built, said=(*built.said, *said_of_limits(self.name, built.avatar, recording.motion_within(built.avatar))))
 
     def model(self) -> Model:
-        """The human avatar of the file's skeleton. What it says lists the joints that the recording takes beyond their limits."""
+        """Return the human avatar of the file's skeleton; its notes list the joints that the recording takes beyond limits."""
         return self._model
 
     def motion(self, model: Model) -> Motion:
-        """The clip as it was recorded, whatever the limits of joints; InvalidFile unless `model` has the file's joints."""
+        """Return the clip as recorded, regardless of joint limits; InvalidFile unless `model` has the file's joints."""
         self.require_own(model)
         assert model.avatar is not None
         return self.recording.motion_within(model.avatar)
 
     def beyond_limits(self, model: Model) -> tuple[Beyond, ...]:
-        """The joints that the clip takes beyond the limits of this avatar, worst first, in how many frames and by how much."""
+        """Return the joints that the clip takes beyond this avatar's limits, worst first, with number of frames and excess."""
         motion = self.motion(model)
         assert model.avatar is not None
         return beyond_limits(model.avatar, motion)
@@ -75,7 +75,7 @@ class RecordedFile:
 
 
 def said_of_limits(name: str, avatar: Avatar, motion: Motion) -> tuple[str, ...]:
-    """A sentence on the joints that a recording takes beyond the limits of its avatar; none where it takes none."""
+    """Return a sentence on the joints that a recording takes beyond its avatar's limits; none where it takes none."""
     beyond = beyond_limits(avatar, motion)
     if not beyond:
         return ()

@@ -1,6 +1,6 @@
 """A recorded clip on its own skeleton: columns of Cardan angles and places to a motion, and a motion back to those columns.
 
-A column that the motion leaves as it was keeps its number bit for bit; others get the angle nearest the one that stood there.
+A column that the motion does not change keeps its number bit for bit; others get the angle nearest the previous one.
 """
 
 from collections.abc import Sequence
@@ -21,40 +21,40 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 SAME = 1e-12
-"""Angle [rad] and length [m] by which a joint may differ and still be where it was: what its quaternion is rounded by, and ten
+"""Angle [rad] and length [m] within which a joint is unchanged: the rounding of its quaternion, and ten
 thousand times less than a millionth of a degree."""
 
 EVEN = 1e-6
 """Share of a step by which steps of a motion may differ: files of this kind have one step for all frames, to six digits."""
 
 UNSAID = 1e-9
-"""Length [m] and angle [rad] by which the root may leave what the file has columns for before that is refused."""
+"""Length [m] and angle [rad] by which the root may differ from its columns' possible values before that is refused."""
 
 
 @dataclass(frozen=True)
 class Axes:
-    """How a file's numbers are measured: `scale` [m] of its unit of length, `angle` [rad] of its unit of angle, `up` "y" or "z".
+    """Units of a file's numbers: `scale` [m] of its unit of length, `angle` [rad] of its unit of angle, `up` "y" or "z".
 
-    Vectors of a file with y up become ours by (x, y, z) -> (x, -z, y), a turn that rounds nothing."""
+    Vectors of a file with y up are converted by (x, y, z) -> (x, -z, y), a turn that rounds nothing."""
 
     scale: float
     angle: float
     up: str
 
     def vectors(self, of_file: Array) -> Array:
-        """Directions and axes (..., 3) with z up; no scale."""
+        """Return directions and axes (..., 3) with z up; no scale."""
         return of_file if self.up == "z" else np.stack([of_file[..., 0], -of_file[..., 2], of_file[..., 1]], axis=-1)
 
     def in_file(self, vectors: Array) -> Array:
-        """The inverse of `vectors`."""
+        """Apply the inverse of `vectors`."""
         return vectors if self.up == "z" else np.stack([vectors[..., 0], vectors[..., 2], -vectors[..., 1]], axis=-1)
 
     def turned(self, of_file: Array) -> Array:
-        """Quaternions (..., 4) with z up."""
+        """Return quaternions (..., 4) with z up."""
         return np.concatenate([of_file[..., :1], self.vectors(of_file[..., 1:])], axis=-1)
 
     def turned_in_file(self, quaternions: Array) -> Array:
-        """The inverse of `turned`."""
+        """Apply the inverse of `turned`."""
         return np.concatenate([quaternions[..., :1], self.in_file(quaternions[..., 1:])], axis=-1)
 
 
@@ -63,9 +63,9 @@ class Track:
     """The columns of one bone. Numbers of columns are -1 where there is none.
 
     places  columns of x, y, z, in the file's axes
-    start   (3,) what is added to them, and stands for those that have no column, in the file's unit
+    start   (3,) offsets added to them, and values of those that have no column, in the file's unit
     turns   (column, axis 0 to 2) of each turn, the outermost first
-    frame   the quaternion of the frame, in the file's axes, whose axes these are"""
+    frame   the quaternion of the frame, in the file's axes, to which these axes belong"""
 
     places: tuple[int, int, int]
     start: tuple[float, float, float]
@@ -73,7 +73,7 @@ class Track:
     frame: tuple[float, float, float, float] = rotation.IDENTITY
 
     def place(self, values: Array) -> Array:
-        """Places (F, 3) in the file's unit and axes."""
+        """Return places (F, 3) in the file's unit and axes."""
         found = np.tile(np.array(self.start), (len(values), 1))
         for k, column in enumerate(self.places):
             if column >= 0:
@@ -81,7 +81,7 @@ class Track:
         return found
 
     def angles(self, values: Array, angle: float) -> Array:
-        """Angles (F, turns) [rad]."""
+        """Return angles (F, turns) [rad]."""
         return values[:, [column for column, _ in self.turns]] * angle
 
     @property
@@ -90,14 +90,14 @@ class Track:
         return tuple(axis for _, axis in self.turns)
 
     def turned(self, values: Array, angle: float) -> Array:
-        """Quaternions (F, 4) of all turns together, in the file's axes."""
+        """Return quaternions (F, 4) of all turns together, in the file's axes."""
         own = euler.quaternion(self.axes, self.angles(values, angle))
         if self.frame == rotation.IDENTITY:
             return own
         return rotation.multiply(rotation.multiply(self.frame, own), rotation.conjugate(self.frame))
 
     def in_frame(self, turned: Array) -> Array:
-        """Quaternions (n, 4), in the file's axes, as turns about the frame's."""
+        """Return quaternions (n, 4), in the file's axes, as turns about the frame's."""
         if self.frame == rotation.IDENTITY:
             return turned
         return rotation.multiply(rotation.multiply(rotation.conjugate(self.frame), turned), self.frame)
@@ -107,7 +107,7 @@ class Track:
 class Recording:
     """A clip: its `skeleton`, a track of columns for each bone, `values` (F, columns), one row every `step` [s].
 
-    `above` are the tracks of joints above the skeleton's root that carry it about and are no links themselves."""
+    `above` are the tracks of joints above the skeleton's root that carry it and are not links themselves."""
 
     thing: str
     skeleton: Skeleton
@@ -118,7 +118,7 @@ class Recording:
     above: tuple[Track, ...] = ()
 
     def carrier(self, values: Array) -> tuple[Array, Array]:
-        """Where the joints above the root are: places (F, 3) in the file's unit and turns (F, 4), in the file's axes."""
+        """Return the pose of the joints above the root: places (F, 3) in the file's unit and turns (F, 4), in its axes."""
         place, turned = np.zeros((len(values), 3)), np.tile(rotation.IDENTITY, (len(values), 1))
         for track in self.above:
             place = place + rotation.rotate(turned, track.place(values))
@@ -126,16 +126,16 @@ class Recording:
         return place, turned
 
     def evenly(self, frames: int) -> list[int]:
-        """At most so many frames, evenly from the first to the last."""
+        """Return at most so many frames, evenly from the first to the last."""
         return [int(frame) for frame in np.unique(np.linspace(0, len(self.values) - 1, frames).round())]
 
     def at(self, frames: Sequence[int]) -> "Recording":
-        """These frames alone, a second apart."""
+        """Return these frames alone, a second apart."""
         return replace(self, values=self.values[list(frames)], step=1.0)
 
     @cached_property
     def motion(self) -> Motion:
-        """The clip for the skeleton's own avatar."""
+        """Return the clip for the skeleton's own avatar."""
         bones = self.skeleton.bones
         positions = np.zeros((len(self.values), len(bones), 3))
         rotations = np.tile(np.array(rotation.IDENTITY), (len(self.values), len(bones), 1))
@@ -158,7 +158,7 @@ class Recording:
         return Motion(times, positions, rotations, all_hinges)
 
     def motion_within(self, avatar: Avatar) -> Motion:
-        """The clip, with hinges on the turn nearest their limits: recordings count whole turns as they please."""
+        """Return the clip, with hinges on the turn nearest their limits: recordings count whole turns arbitrarily."""
         angles = self.motion.angles.copy()
         for k, hinge in enumerate(axis for link in avatar.links for axis in axes_of(link.joint)):
             if isinstance(hinge, Hinge) and hinge.upper - hinge.lower < 2.0 * np.pi:
@@ -167,9 +167,9 @@ class Recording:
         return replace(self.motion, angles=angles)
 
     def rows(self, motion: Motion) -> tuple[Array, float]:
-        """The columns (frames, columns) of another motion of the same avatar, and its step [s].
+        """Return the columns (frames, columns) of another motion of this avatar, and its step [s].
 
-        Raises InvalidInput for steps that differ from each other, and where the root goes where no column can say."""
+        Raises InvalidInput for steps that differ from each other, and for a root pose that no column can represent."""
         step = self._step(motion)
         near = np.zeros(len(motion), dtype=np.int64)
         if self.step > 0.0:
@@ -234,13 +234,13 @@ class Recording:
 
 
 def _write_angle(values: Array, column: int, angles: Array, before: Array, unit: float) -> None:
-    """Write hinge angles (n,) [rad] into a column, where they differ from those `before`, on the turn that stood there."""
+    """Write hinge angles (n,) [rad] into a column, where they differ from those `before`, on the turn of the old number."""
     unturned = angles - 2.0 * np.pi * np.round((angles - before) / (2.0 * np.pi))
     moved = np.abs(unturned - before) > SAME
     values[moved, column] = unturned[moved] / unit
 
 
 def away(a: Array, b: Array) -> Array:
-    """Angle [rad] from unit quaternions a to b, (..., 4)."""
+    """Return the angle [rad] from unit quaternions a to b, (..., 4)."""
     left = rotation.multiply(rotation.conjugate(a), b)
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(left[..., 1:], axis=-1), np.abs(left[..., 0])))

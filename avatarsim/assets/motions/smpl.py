@@ -1,7 +1,7 @@
 """Bodies of the SMPL family in NumPy archives: AMASS (Mahmood et al. 2019) and SMPL-X files, a rotation vector a joint and frame.
 
 `poses` (F, 72, 156 or 165) has the rotation vectors [rad] of 24, 52 or 55 joints, `trans` (F, 3) [m] the root's; SMPL-X files may
-hold the same in parts (`root_orient`, `pose_body`, ...), alone or beside `poses`. The pelvis stands at `trans` plus its place in
+have these in parts (`root_orient`, `pose_body`, ...), alone or in addition to `poses`. The pelvis is at `trans` plus its place in
 the body at rest. Shape and soft tissue (`betas`, `dmpls`) are not used.
 """
 
@@ -40,14 +40,14 @@ DERIVED = ("joints", "keypoints", "joints3d", "verts", "vertices")
 """Entries that follow from the pose through the body model: left out with another motion."""
 
 TURNS = {"z": (1.0, 0.0, 0.0, 0.0), "y": (float(np.sqrt(0.5)), float(np.sqrt(0.5)), 0.0, 0.0)}
-"""Rotations of a world with this axis up onto ours."""
+"""Rotations of a world with this up axis to z up."""
 
 AXES = np.array([0.5, -0.5, -0.5, -0.5])
-"""Rotation of our link frames (x forward, z up) to the family's (z forward, y up): our x is along their z."""
+"""Rotation of link frames (x forward, z up) to the family's (z forward, y up): this x is along their z."""
 
 
 def is_one(archive: Archive) -> bool:
-    """Return True if an archive holds a body of the family."""
+    """Return True if an archive contains a body of the family."""
     return archive.first((TRANS,)) is not None and archive.first((POSES, "pose_body")) is not None
 
 
@@ -55,8 +55,8 @@ def of_archive(
     archive: Archive, rate: float | None, offsets: str | Path | None, up: str | None, stature: float | None, mass: float | None,
     limits: bool | None,
 ) -> "SmplFile":
-    """The motion of a body of the family, with options as in `npz.read_npz`. Raises InvalidFile, and UnknownName for an axis that
-    is none."""
+    """Return the motion of a body of the family, with options as in `npz.read_npz`.
+    Raises InvalidFile, and UnknownName for an invalid axis."""
     name = archive.name
     if (up or "z") not in TURNS:
         raise UnknownName("up", str(up), TURNS)
@@ -93,7 +93,7 @@ def of_archive(
 
 
 def _of_parts(archive: Archive) -> Array:
-    """The poses (F, 165) of a file that has them in parts; joints whose part is missing are not turned."""
+    """Return the poses (F, 165) of a file that has them in parts; joints whose part is missing are not turned."""
     found = {key: archive.table(key, 3 * count) for key, count in PARTS.items() if archive.first((key,))}
     frames = {key: len(values) for key, values in found.items()}
     if "root_orient" not in found or len(set(frames.values())) != 1:
@@ -103,7 +103,7 @@ def _of_parts(archive: Archive) -> Array:
 
 
 def _rest_joints(path: Path, member: str) -> Array:
-    """J (n, 3) [m] of a body model's file. Raises InvalidFile."""
+    """Return J (n, 3) [m] of a body model's file. Raises InvalidFile."""
     archive = opened(path)
     joints = archive.numbers("J")
     count = len(smpl_skeleton.TREES[member])
@@ -115,7 +115,7 @@ def _rest_joints(path: Path, member: str) -> Array:
 
 
 def _nearer(vectors: Array, near: Array) -> Array:
-    """Rotation vectors (n, 3) or, of the same rotations, those the long way round, whichever is nearer to `near` (n, 3)."""
+    """Return the rotation vectors (n, 3) or their equivalents the long way round, whichever is nearer to `near` (n, 3)."""
     lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
     others = vectors * (1.0 - 2.0 * np.pi / np.where(lengths > 0.0, lengths, np.inf))
     is_nearer = np.linalg.norm(others - near, axis=1) < np.linalg.norm(vectors - near, axis=1)
@@ -127,7 +127,7 @@ class SmplFile(Notes):
     """A file of a body of the family: a MotionFile.
 
     times (F,) [s]; poses (F, joints, 3) [rad], trans (F, 3) [m], as in the file; `pelvis` (3,) [m] its place at rest; `upright`
-    (4,) turns the file's world onto ours; mass [kg] and limits of the avatar"""
+    (4,) turns the file's world to z up; mass [kg] and limits of the avatar"""
 
     archive: Archive
     times: Array
@@ -142,11 +142,11 @@ class SmplFile(Notes):
 
     @property
     def name(self) -> str:
-        """The file's name."""
+        """Name of the file."""
         return self.archive.name
 
     def model(self) -> Model:
-        """The avatar of the file's skeleton, with flesh and limits of a mean human."""
+        """Return the avatar of the file's skeleton, with flesh and limits of a mean human."""
         return self._model
 
     @cached_property
@@ -160,7 +160,7 @@ class SmplFile(Notes):
 
     @cached_property
     def _recorded(self) -> Motion:
-        """The motion of the skeleton's own avatar, whose links have our frames."""
+        """Return the motion of the skeleton's own avatar, whose links have x forward and z up."""
         turns = rotation.from_rotation_vector(smpl_skeleton.ours(self.poses))
         root = rotation.multiply(rotation.from_rotation_vector(self.poses[:, 0]), AXES)
         turns[:, 0] = rotation.multiply(self.upright, root)
@@ -169,7 +169,7 @@ class SmplFile(Notes):
         return Motion(self.times, places, rotation.continuous(rotation.normalised(turns)), np.zeros((len(turns), 0)))
 
     def motion(self, model: Model) -> Motion:
-        """The motion for an avatar whose joints are called as the family's, its root free and the others balls.
+        """Return the motion for an avatar whose joints have the family's names, its root free and the others balls.
 
         Raises InvalidFile for other joints, by name."""
         slots = self._slots(model)
@@ -184,7 +184,7 @@ class SmplFile(Notes):
         return Motion(self.times, positions, rotations, np.zeros((frames, coordinates.hinges)))
 
     def _slots(self, model: Model) -> dict[int, int]:
-        """The avatar's link of each of the family's joints that it has."""
+        """Return the avatar's link for each of the family's joints that it has."""
         coordinates = matching.coordinates_of_model(self.name, model)
         assert model.avatar is not None
         numbers = {bone.name: k for k, bone in enumerate(self.skeleton.bones)}
@@ -206,7 +206,7 @@ class SmplFile(Notes):
         return found
 
     def written(self, motion: Motion, model: Model) -> bytes:
-        """The file again with this motion; joints of frames that are as they were keep the file's numbers, to the bit."""
+        """Return the file with this motion; joints of unchanged frames keep the file's numbers, to the bit."""
         slots, before = self._slots(model), self.motion(model)
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
         nearest = np.abs(np.searchsorted(self.times, motion.times - 1e-9)).clip(0, len(self.times) - 1)
@@ -230,7 +230,7 @@ class SmplFile(Notes):
                             restated(self.archive, motion) | at_times(self.archive, self.times, motion.times))
 
     def _packed(self, poses: Array, trans: Array, times: Mapping[str, AnyArray]) -> bytes:
-        """The archive with these poses, whole and in parts, as the file has them."""
+        """Return the archive with these poses, whole and in parts, as the file has them."""
         now = {POSES: poses, TRANS: trans}
         first = 0
         for key, count in PARTS.items():

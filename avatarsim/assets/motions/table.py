@@ -3,7 +3,7 @@
 A table with joint names but without root columns drives an avatar with a fixed root.
 
 The convention of the retargeted LAFAN1 clips of the Unitree G1: x, y, z [m], the quaternion as x, y, z, w, then 29 joints [rad]
-in the model's order, 30 rows a second, no names. With names the columns may stand in any order, and others between them.
+in the model's order, 30 rows a second, no names. With names the columns may have any order, with others between them.
 """
 
 import re
@@ -23,12 +23,12 @@ from avatarsim.files import read_text
 from avatarsim.spatial.rotation import Array
 
 USUAL_RATE = 30.0
-"""Rows a second where nothing is stated [1/s]: that of the LAFAN1 recordings, whose retargeted clips are the tables in use."""
+"""Default rows a second [1/s]: that of the LAFAN1 recordings, whose retargeted clips are the tables in use."""
 
 VALID = "a table of numbers: a row of root position, quaternion and joints a frame, under an optional row of names"
 
 DELIMITERS = (",", ";", "\t")
-"""What may stand between numbers; else white space does."""
+"""Separators of numbers; without one of them, white space."""
 
 ROOT = re.compile(
     r"(?:(?:floating_)?(?:root|base|pelvis)_?)?(?:joint_)?(?P<kind>pos|position|trans|translation|t|p|rot|quat|quaternion|ori|orientation|q)?"
@@ -39,16 +39,16 @@ ROOT = re.compile(
 TURNS = ("rot", "quat", "quaternion", "ori", "orientation", "q")
 
 INDICES, INSTANTS = ("frame", "index", "frame_index", "frame_id", ""), ("time", "t", "timestamp", "times", "seconds")
-"""Names of columns that count the rows, and that hold their instants [s]."""
+"""Names of columns that count the rows, and that contain their instants [s]."""
 
 SUFFIXES = ("_dof", "_pos", "_position", "_angle")
-"""What a table may append to a joint's name."""
+"""Suffixes that a table may append to a joint's name."""
 
 
 @dataclass(frozen=True, eq=False)
 class TextStore:
-    """The lines of a table: those `above` the first row, a row each, what is between numbers and at the end of a line; the column
-    of its `instants`, and `columns`: for each column of the trajectory's table that of the file."""
+    """The lines of a table: those `above` the first row, a row each, separator and line ending; the column of its
+    `instants`, and `columns`: for each column of the trajectory's table that of the file."""
 
     above: tuple[str, ...]
     rows: tuple[str, ...]
@@ -60,7 +60,7 @@ class TextStore:
     instants: int | None
 
     def written(self, changed: Changed) -> bytes:
-        """The table again: rows that are as they were keep their text, others have the shortest text of each float64."""
+        """Return the table: unchanged rows keep their text, others have the shortest text of each float64."""
         frames = len(changed.now)
         if changed.stayed is None:
             numbers = self._at(changed)
@@ -78,7 +78,7 @@ class TextStore:
         return (self.end.join([*self.above, *lines]) + self.end).encode("utf-8")
 
     def _at(self, changed: Changed) -> Array:
-        """All columns at other instants: on a line between rows; rows counted from the first one's number."""
+        """Return all columns at other instants, interpolated linearly; rows counted from the first one's number."""
         times = changed.after.times
         numbers = np.stack([np.interp(times, changed.before.times, column) for column in self.numbers.T], axis=1)
         if self.counting is not None:
@@ -93,15 +93,15 @@ class TextStore:
 def read_csv(
     path: str | Path, *, rate: float | None = None, quaternion: str | None = None, joints: str | Iterable[str] | None = None
 ) -> Trajectory:
-    """The trajectory in a table. Raises InvalidFile.
+    """Read the trajectory in a table. Raises InvalidFile.
 
-    rate        rows a second [1/s]; else the column of instants says, else USUAL_RATE
+    rate        rows a second [1/s]; else by the column of instants, else USUAL_RATE
     quaternion  "wxyz" or "xyzw", of a table without names; else "xyzw"
     joints      names of the joints in the file's order, where it has none; a text of names with commas between"""
     path = Path(path)
     name = path.name
     text = read_text(path, f"table {name}", VALID, caps.TEXT_BYTES)
-    # before it is split: a line of three bytes becomes a text of sixty
+    # checked before splitting: a line of three bytes becomes a text of sixty
     caps.require_frames(name, text.count("\n") - 1)
     end = "\r\n" if "\r\n" in text else "\n"
     lines = [line for line in text.replace("\r\n", "\n").split("\n") if line.strip()]
@@ -137,7 +137,7 @@ def _cells(line: str, delimiter: str | None) -> list[str]:
 
 
 def _names(name: str, line: str, delimiter: str | None) -> list[str] | None:
-    """The names in a first line; None where it holds numbers."""
+    """Return the names in a first line; None if it contains numbers."""
     if len(line) > caps.COLUMNS * caps.NAME:
         raise InvalidFile(f"characters of the first line of {name}", len(line), f"up to {caps.COLUMNS * caps.NAME}")
     cells = _cells(line, delimiter)
@@ -155,7 +155,7 @@ def _is_number(word: str) -> bool:
 
 
 def _numbers(name: str, rows: tuple[str, ...], delimiter: str | None) -> Array:
-    """The numbers (F, columns) of the rows."""
+    """Return the numbers (F, columns) of the rows."""
     if not rows:
         raise InvalidFile(f"rows of numbers of table {name}", 0, VALID)
     caps.require_frames(name, len(rows))
@@ -173,7 +173,7 @@ def _numbers(name: str, rows: tuple[str, ...], delimiter: str | None) -> Array:
 
 
 def _uncounted(numbers: Array) -> tuple[int | None, None, tuple[int, ...]]:
-    """Columns of a table without names; a first one that counts the rows is none of the posture's."""
+    """Return the columns of a table without names; a first one that counts the rows is not part of the posture."""
     every = tuple(range(numbers.shape[1]))
     first = numbers[:, 0]
     counts = len(first) > 1 and bool((first == first[0] + np.arange(len(first))).all()) and first[0] in (0.0, 1.0)
@@ -181,7 +181,7 @@ def _uncounted(numbers: Array) -> tuple[int | None, None, tuple[int, ...]]:
 
 
 def _named(name: str, names: list[str]) -> tuple[matching.Layout, int | None, int | None, tuple[int, ...]]:
-    """What the named columns are, the columns that count and time the rows, and the posture's columns, root first."""
+    """Return the layout of named columns, the columns that count and time the rows, and the posture's columns, root first."""
     counting = instants = None
     places: dict[str, int] = {}
     turns: dict[str, int] = {}
@@ -214,12 +214,12 @@ def _put(name: str, found: dict[str, int], key: str, column: int, said: str) -> 
 
 
 def _joint(word: str) -> str:
-    """A joint's name without what tables append."""
+    """Return a joint's name without suffixes of tables."""
     return next((word.removesuffix(suffix) for suffix in SUFFIXES if word.endswith(suffix) and word != suffix), word)
 
 
 def _times(name: str, numbers: Array, rate: float | None, instants: int | None, notes: list[str]) -> Array:
-    """Instants (F,) [s] from 0."""
+    """Return instants (F,) [s] from 0."""
     if rate is not None:
         return at_rate(rate, len(numbers), "rate")
     if instants is None:

@@ -1,4 +1,4 @@
-"""Numbers and texts of untrusted files: what a word says, if it says a number that means anything."""
+"""Numbers and texts of untrusted files: conversion of words to valid numbers."""
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -20,13 +20,13 @@ SHOWN = 80
 
 
 def quoted(text: str) -> str:
-    """The beginning of a text, as far as a sentence quotes it."""
+    """Return the beginning of a text, as far as a sentence quotes it."""
     return text[:SHOWN]
 
 
 def lines_of(path: Path, kind: str) -> tuple[list[str], str]:
-    """The lines of a file, `kind` in words, and how they end. Each character is one byte: whatever the encoding, what is written
-    back by `in_bytes` is the same. Raises InvalidFile for what is no file, and for too many bytes or lines."""
+    """Return the lines of a file, `kind` in words, and their ending.
+    A character is one byte, so that `in_bytes` restores any encoding. Raises InvalidFile for no file, too many bytes or lines."""
     content = read_bytes(path, path.name, kind, caps.BYTES)
     count = content.count(b"\n") + content.count(b"\r")
     if count > caps.LINES:
@@ -36,12 +36,12 @@ def lines_of(path: Path, kind: str) -> tuple[list[str], str]:
 
 
 def in_bytes(text: str) -> bytes:
-    """The bytes that `lines_of` read a text from."""
+    """Return the bytes that `lines_of` read a text from."""
     return text.encode("latin-1")
 
 
 def readable(text: str) -> str:
-    """A name as it is meant: read as UTF-8 where its bytes are."""
+    """Return a name decoded as UTF-8 where its bytes are."""
     try:
         return in_bytes(text).decode("utf-8")
     except UnicodeDecodeError:
@@ -49,8 +49,8 @@ def readable(text: str) -> str:
 
 
 def numbered(name: str, lines: Sequence[str], first: int = 0) -> Iterator[tuple[int, str]]:
-    """(number, text) of lines that are not blank, behind the `first` ones; numbers count from 1. The byte order mark that some
-    editors write is left out. Raises InvalidFile for a line that is too long."""
+    """Yield (number, text) of lines that are not blank, after the `first` ones; numbers count from 1.
+    The byte order mark of some editors is left out. Raises InvalidFile for a line that is too long."""
     for line, text in enumerate(lines[first:], first + 1):
         if len(text) > caps.LINE:
             raise InvalidFile(f"length of line {line} of {name}", len(text), f"up to {caps.LINE} characters")
@@ -60,7 +60,7 @@ def numbered(name: str, lines: Sequence[str], first: int = 0) -> Iterator[tuple[
 
 
 def number(at: str, word: str) -> float:
-    """The number that a word says; InvalidFile if it is none, or too large to mean anything."""
+    """Return the number in a word; InvalidFile if it is none, or too large to mean anything."""
     try:
         found = float(word) if "_" not in word else np.nan
     except ValueError:
@@ -71,7 +71,7 @@ def number(at: str, word: str) -> float:
 
 
 def numbers_in(at: str, words: Sequence[str], count: int, valid: str, of: str = "numbers") -> Array:
-    """The numbers (count,) of a line; InvalidFile for another count of them, and as `number`."""
+    """Return the numbers (count,) of a line; InvalidFile for another count of them, and as `number`."""
     if len(words) != count:
         raise InvalidFile(f"{of} in {at}", len(words), valid)
     try:
@@ -85,6 +85,6 @@ def numbers_in(at: str, words: Sequence[str], count: int, valid: str, of: str = 
 
 
 def vector(array: Array) -> tuple[float, float, float]:
-    """An array (3,) as three numbers."""
+    """Return an array (3,) as three numbers."""
     x, y, z = (float(v) for v in array)
     return x, y, z

@@ -1,8 +1,8 @@
 """Robot trajectories: rows of generalized coordinates (root position, quaternion, joints), in NumPy archives and tables of text.
 
 Archives are recognised by their entries: `qpos` or `joint_pos` whole (MuJoCo, holosoma), root and joints apart (`root_pos`,
-`root_rot`, `dof_pos` of GMR), or joints beside poses of bodies of which the first is the root (Isaac Lab). A file that is written
-again has the same entries, of the same types, in the same order.
+`root_rot`, `dof_pos` of GMR), or joints and poses of bodies, the first of which is the root (Isaac Lab). A written file has the
+original entries, types and order.
 """
 
 from collections.abc import Mapping
@@ -25,28 +25,28 @@ from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 
 WHOLE = ("qpos", "joint_pos")
-"""Entries that may hold root and joints together."""
+"""Entries that may contain root and joints together."""
 
 ROOT_PLACES, ROOT_TURNS = ("root_pos", "root_trans", "root_translation"), ("root_rot", "root_quat", "root_ori")
 JOINTS = ("dof_pos", "dof_positions", "joint_pos", "dof")
-"""Entries that hold root and joints apart."""
+"""Entries that contain root and joints apart."""
 
 JOINT_NAMES = ("joint_names", "dof_names")
 
 KEYS = (*WHOLE, *JOINTS)
-"""Entries by which an archive is known for a trajectory."""
+"""Entries that identify an archive as a trajectory."""
 
 
 class Store(Protocol):
     """The file around the table of a trajectory."""
 
     def written(self, changed: "Changed") -> bytes:
-        """The file with another table."""
+        """Return the file with another table."""
 
 
 @dataclass(frozen=True, eq=False)
 class Changed:
-    """What is to be written: the table (F, width) as it was and is now, both as motions of the model's avatar, and which of the
+    """Changes to write: the table (F, width) before and now, both as motions of the model's avatar, and which of the
     frames `stayed` (F,) as they were; None where the instants are others."""
 
     model: Model
@@ -58,7 +58,7 @@ class Changed:
 
     @property
     def nothing(self) -> bool:
-        """Return True if all is as it was."""
+        """Return True if all is unchanged."""
         return self.stayed is not None and bool(self.stayed.all())
 
 
@@ -74,7 +74,7 @@ class Trajectory(Notes):
     store: Store
 
     def motion(self, model: Model) -> Motion:
-        """The motion for this model's avatar; InvalidFile where its joints do not fit, by name."""
+        """Return the motion for this model's avatar; InvalidFile where its joints do not fit, by name."""
         coordinates = matching.coordinates_of_model(self.name, model)
         caps.require_frames(self.name, len(self.times), coordinates.links)
         found = self._motion(coordinates)
@@ -92,7 +92,7 @@ class Trajectory(Notes):
         return matching.motion_of(self.name, matching.taken(self.table, self._columns(coordinates)), self.times, coordinates)
 
     def written(self, motion: Motion, model: Model) -> bytes:
-        """The file again with this motion. Frames that are as they were keep the file's own numbers, to the bit."""
+        """Return the file with this motion. Unchanged frames keep the file's own numbers, to the bit."""
         coordinates = matching.coordinates_of_model(self.name, model)
         columns, before = self._columns(coordinates), self._motion(coordinates)
         same_times = len(motion) == len(before) and bool((motion.times == before.times).all())
@@ -121,13 +121,13 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class ArrayStore:
-    """An archive, and where in it the columns of its table lie."""
+    """An archive, and the positions of its table's columns in it."""
 
     archive: Archive
     parts: tuple[Part, ...]
 
     def written(self, changed: Changed) -> bytes:
-        """The archive with another table: entries that follow from the pose computed anew, or left out where they cannot be."""
+        """Return the archive with another table: entries that follow from the pose recomputed, or left out if that fails."""
         archive = self.archive
         if changed.nothing:
             return packed(archive.arrays, archive.packed)
@@ -152,7 +152,7 @@ class ArrayStore:
         return {part.key: table[:, part.first : part.end] for part in self.parts if part.body is None}
 
     def _with_root(self, found: dict[str, AnyArray], table: Array) -> dict[str, AnyArray]:
-        """The root's pose put where it lies among those of bodies."""
+        """Return the entries with the root's pose put among those of bodies."""
         for part in self.parts:
             if part.body is None:
                 continue
@@ -166,13 +166,13 @@ class ArrayStore:
 
 
 def _lasting(stayed: Array) -> Array:
-    """Frames that stayed and whose neighbours did: there speeds are as they were too."""
+    """Return frames that stayed and whose neighbours did: speeds there are unchanged too."""
     padded = np.concatenate([stayed[:1], stayed, stayed[-1:]])
     return np.asarray(padded[:-2] & padded[1:-1] & padded[2:])
 
 
 def of_archive(archive: Archive, rate: float | None, quaternion: str | None, names: tuple[str, ...] | None) -> Trajectory:
-    """The trajectory in an archive. Raises InvalidFile for entries that are none, and names what is missing."""
+    """Return the trajectory in an archive. Raises InvalidFile for invalid entries, and names the missing ones."""
     notes: list[str] = []
     if names is None and (key := archive.first(JOINT_NAMES)):
         names = archive.words(key)
@@ -199,7 +199,7 @@ def of_archive(archive: Archive, rate: float | None, quaternion: str | None, nam
 
 
 def _parts(archive: Archive, names: tuple[str, ...] | None) -> tuple[tuple[Part, ...], Mapping[str, Array]]:
-    """Where the table lies, and the entries' numbers."""
+    """Return the columns' positions in the archive, and the entries' numbers."""
     place, turn, joints = archive.first(ROOT_PLACES), archive.first(ROOT_TURNS), archive.first(JOINTS)
     if place and turn and joints:
         tables = {place: archive.table(place, 3), turn: archive.table(turn, 4), joints: archive.table(joints)}
@@ -221,12 +221,12 @@ def _parts(archive: Archive, names: tuple[str, ...] | None) -> tuple[tuple[Part,
 
 
 def _has_no_root(archive: Archive, key: str, names: tuple[str, ...] | None) -> bool:
-    """Return True if the joints of an entry are as many as their names, so that their root is elsewhere."""
+    """Return True if an entry has as many joints as names, so that their root is elsewhere."""
     return names is not None and archive.table(key).shape[1] == len(names)
 
 
 def _one_body(archive: Archive, key: str, width: int, body: int) -> Array:
-    """The poses (F, width) of a body."""
+    """Return the poses (F, width) of a body."""
     found = archive.numbers(key)
     if found.ndim != 3 or found.shape[2] != width or not body < found.shape[1] or len(found) == 0:
         raise InvalidFile(f"shape of {key} in {archive.name}", found.shape, f"(frames, bodies, {width})")
