@@ -1,1 +1,1 @@
-"""What avatarsim is compared with: an independent judge of overlap, exact answers, and other engines."""
+"""The comparison of avatarsim: an independent judge of overlap, exact answers, and other engines."""

@@ -17,22 +17,22 @@ Triple = tuple[float, float, float]
 
 
 def fall_height(height: float, velocity: float, gravity: float, time: float) -> float:
-    """Height [m] after `time` [s] of free fall from `height` [m] with upward `velocity` [m/s]: h + v t - g t^2 / 2."""
+    """Return the height [m] after `time` [s] of free fall from `height` [m] with upward `velocity` [m/s]: h + v t - g t^2 / 2."""
     return height + velocity * time - 0.5 * gravity * time * time
 
 
 def fall_velocity(velocity: float, gravity: float, time: float) -> float:
-    """Upward velocity [m/s] after `time` [s] of free fall: v - g t."""
+    """Return the upward velocity [m/s] after `time` [s] of free fall: v - g t."""
     return velocity - gravity * time
 
 
 def impact_speed(height: float, gravity: float) -> float:
-    """Speed [m/s] at the floor after a drop from rest at `height` [m]: sqrt(2 g h)."""
+    """Return the speed [m/s] at the floor after a drop from rest at `height` [m]: sqrt(2 g h)."""
     return sqrt(2.0 * gravity * height)
 
 
 def bounce_time(height: float, restitution: float, gravity: float, bounce: int) -> float:
-    """Time [s] of impact number `bounce` (1 is the first): t1 (1 + 2 e (1 - e^(n-1)) / (1 - e)), t1 = sqrt(2 h / g)."""
+    """Return time [s] of impact number `bounce` (1 is the first): t1 (1 + 2 e (1 - e^(n-1)) / (1 - e)), t1 = sqrt(2 h / g)."""
     first = sqrt(2.0 * height / gravity)
     if restitution == 1.0:
         return first * (2 * bounce - 1)
@@ -40,14 +40,14 @@ def bounce_time(height: float, restitution: float, gravity: float, bounce: int) 
 
 
 def zeno_time(height: float, restitution: float, gravity: float) -> float:
-    """Time [s] at which infinitely many bounces have passed: sqrt(2 h / g) (1 + e) / (1 - e); inf for e = 1."""
+    """Return the time [s] at which infinitely many bounces have passed: sqrt(2 h / g) (1 + e) / (1 - e); inf for e = 1."""
     if restitution == 1.0:
         return inf
     return sqrt(2.0 * height / gravity) * (1.0 + restitution) / (1.0 - restitution)
 
 
 def bounce_state(height: float, restitution: float, gravity: float, time: float) -> tuple[float, float]:
-    """Height [m] and upward velocity [m/s] at `time` [s] of a ball dropped from rest at `height` [m].
+    """Return the height [m] and upward velocity [m/s] at `time` [s] of a ball dropped from rest at `height` [m].
 
     At the very time of an impact the velocity is the one after it; at rest from the Zeno time on.
     """
@@ -68,7 +68,7 @@ def bounce_state(height: float, restitution: float, gravity: float, time: float)
 
 
 def _impacts_until(ratio: float, restitution: float) -> int:
-    """Number of impacts until `ratio` times the first one's time, from bounce_time solved for n, to one."""
+    """Return the number of impacts until `ratio` times the first one's time, from bounce_time solved for n, to one."""
     if restitution == 1.0:
         return max(1, floor((ratio + 1.0) / 2.0))
     left = 1.0 - (ratio - 1.0) * (1.0 - restitution) / (2.0 * restitution) if restitution > 0.0 else 1.0
@@ -76,12 +76,12 @@ def _impacts_until(ratio: float, restitution: float) -> int:
 
 
 def wall_contact_time(distance: float, radius: float, thickness: float, speed: float) -> float:
-    """Time [s] until a ball at `speed` [m/s], its centre `distance` [m] before a wall's middle, touches the wall."""
+    """Return the time [s] until a ball at `speed` [m/s], its centre `distance` [m] before a wall's middle, touches the wall."""
     return (distance - radius - 0.5 * thickness) / speed
 
 
 def two_spheres(mass_a: float, mass_b: float, speed_a: float, speed_b: float, restitution: float) -> tuple[float, float]:
-    """Velocities [m/s] after a central impact: both get the common velocity, less e times what they had against it."""
+    """Return velocities [m/s] after a central impact: the common velocity minus e times each body's own relative to it."""
     common = (mass_a * speed_a + mass_b * speed_b) / (mass_a + mass_b)
     return (
         common - restitution * mass_b * (speed_a - speed_b) / (mass_a + mass_b),
@@ -90,12 +90,12 @@ def two_spheres(mass_a: float, mass_b: float, speed_a: float, speed_b: float, re
 
 
 def superball_speed(light: float, heavy: float, speed: float) -> float:
-    """Speed [m/s] of a light ball on a heavy one, both dropped at `speed`, all impacts elastic: (3 M - m) / (M + m) v."""
+    """Return speed [m/s] of a light ball on a heavy one, both dropped at `speed`, all impacts elastic: (3 M - m) / (M + m) v."""
     return (3.0 * heavy - light) / (heavy + light) * speed
 
 
 def cradle_velocities(balls: int, speed: float) -> tuple[float, ...]:
-    """Velocities [m/s] of equal elastic balls in a row with gaps after the first came in at `speed`: the last takes all."""
+    """Return velocities [m/s] of equal elastic balls in a row with gaps, the first of which came at `speed`: all to the last."""
     return (*(0.0 for _ in range(balls - 1)), speed)
 
 
@@ -111,7 +111,7 @@ class Oblique:
 
 
 def oblique_bounce(approach: float, tangential: float, friction: float, restitution: float, radius: float) -> Oblique:
-    """A solid sphere without spin hits a fixed wall at `approach` > 0 and `tangential` >= 0 [m/s], `radius` [m].
+    """Return the bounce of a solid sphere without spin off a wall at `approach` > 0 and `tangential` >= 0 [m/s], `radius` [m].
 
     Friction stops the slip if mu (1 + e) v_n >= 2/7 v_t, and then v_t' = 5/7 v_t; else v_t' = v_t - mu (1 + e) v_n.
     """
@@ -123,7 +123,7 @@ def oblique_bounce(approach: float, tangential: float, friction: float, restitut
 
 def point_impact(mass: float, inertia: ArrayLike, velocity: ArrayLike, spin: ArrayLike, arm: ArrayLike, normal: ArrayLike,
                  restitution: float) -> tuple[float, Array, Array]:
-    """Eq. 9 against a fixed world: impulse j [N s], velocity [m/s] and angular velocity [rad/s] after.
+    """Apply eq. 9 against a fixed world; return impulse j [N s], velocity [m/s] and angular velocity [rad/s] after.
 
     inertia (3, 3) about the centre of mass, world axes [kg m^2]; `arm` (3,) [m] from that centre to the contact;
     unit `normal` (3,) out of the world into the body. A contact that separates gets no impulse.
@@ -136,37 +136,37 @@ def point_impact(mass: float, inertia: ArrayLike, velocity: ArrayLike, spin: Arr
 
 
 def stop_distance(speed: float, friction: float, gravity: float) -> float:
-    """Way [m] on level ground until a sliding body stops: v^2 / (2 mu g)."""
+    """Return the way [m] on level ground until a sliding body stops: v^2 / (2 mu g)."""
     return speed * speed / (2.0 * friction * gravity)
 
 
 def stop_time(speed: float, friction: float, gravity: float) -> float:
-    """Time [s] on level ground until a sliding body stops: v / (mu g)."""
+    """Return the time [s] on level ground until a sliding body stops: v / (mu g)."""
     return speed / (friction * gravity)
 
 
 def roll_time(speed: float, friction: float, gravity: float) -> float:
-    """Time [s] until a solid sphere that starts to slide without spin rolls: 2 v / (7 mu g)."""
+    """Return the time [s] until a solid sphere that starts to slide without spin rolls: 2 v / (7 mu g)."""
     return 2.0 * speed / (7.0 * friction * gravity)
 
 
 def roll_distance(speed: float, friction: float, gravity: float) -> float:
-    """Way [m] until it rolls: 12 v^2 / (49 mu g)."""
+    """Return the way [m] until it rolls: 12 v^2 / (49 mu g)."""
     return 12.0 * speed * speed / (49.0 * friction * gravity)
 
 
 def roll_speed(speed: float) -> float:
-    """Speed [m/s] at which it then rolls on: 5/7 v, whatever the friction."""
+    """Return the speed [m/s] at which it then rolls on: 5/7 v, whatever the friction."""
     return 5.0 / 7.0 * speed
 
 
 def incline_acceleration(slope: float, friction: float, gravity: float) -> float:
-    """Acceleration [m/s^2] of a block released on a plane of `slope` [rad]: g (sin - mu cos), or 0 where it sticks."""
+    """Return the acceleration [m/s^2] of a block released on a plane of `slope` [rad]: g (sin - mu cos), or 0 where it sticks."""
     return max(0.0, gravity * (sin(slope) - friction * cos(slope)))
 
 
 def rod_angular_velocity(start: float, angle: float, length: float, gravity: float) -> float:
-    """Angular velocity [rad/s] of a thin rod that falls from rest on a frictionless floor, angles from upright [rad].
+    """Return the angular velocity [rad/s] of a thin rod that falls from rest on a frictionless floor, angles from upright [rad].
 
     Its centre falls straight down, so energy alone decides: w^2 = 12 g (cos a0 - cos a) / (L (1 + 3 sin^2 a)).
     """
@@ -174,7 +174,7 @@ def rod_angular_velocity(start: float, angle: float, length: float, gravity: flo
 
 
 def tripod_load(mass: float, gravity: float, rough: float, smooth: float, friction: float, height: float) -> float:
-    """Load [N] on the one rough foot of a body that slides along on it and on two smooth ones, straight on.
+    """Return the load [N] on the one rough foot of a body that slides along on it and on two smooth ones, straight on.
 
     Feet at `rough` and `smooth` [m] along the way from the centre of mass, which is `height` [m] above the ground. Moments about
     the centre of mass: N_1 x_1 + (m g - N_1) x_2 = mu N_1 h, for the braking force turns the body forward.
@@ -183,7 +183,7 @@ def tripod_load(mass: float, gravity: float, rough: float, smooth: float, fricti
 
 
 def flip_times(moments: Triple, spin: Triple, until: float) -> tuple[float, ...]:
-    """Times [s] up to `until` at which the spin about the middle axis of a free body is zero.
+    """Return times [s] up to `until` at which the spin about the middle axis of a free body is zero.
 
     `moments` [kg m^2] are principal and all different, `spin` [rad/s] is the first angular velocity about the body's own axes.
     With the axis K that keeps its sign (the one of largest moment if L^2 > 2 E I_mid, else of the smallest) and C the third,
@@ -195,7 +195,7 @@ def flip_times(moments: Triple, spin: Triple, until: float) -> tuple[float, ...]
     keeps, other = (high, low) if square > energy_twice * moments[mid] else (low, high)
 
     def most(axis: int, without: int) -> float:
-        """Spin about `axis` at which that about `without`'s partner vanishes."""
+        """Return the spin about `axis` at which that about `without`'s partner vanishes."""
         part = square - energy_twice * moments[without]
         return sqrt(part / (moments[axis] * (moments[axis] - moments[without])))
 
@@ -216,7 +216,7 @@ def flip_times(moments: Triple, spin: Triple, until: float) -> tuple[float, ...]
 
 
 def top_precession(across: float, along: float, mass: float, reach: float, spin: float, lean: float, gravity: float) -> float:
-    """Mean rate [rad/s] at which the axis of a top on a smooth plane goes round the vertical.
+    """Return the mean rate [rad/s] at which the axis of a top on a smooth plane goes round the vertical.
 
     The top is let go at `lean` [rad] with `spin` [rad/s] about its own axis and no other turn. `across` and `along` are its
     moments [kg m^2] about its centre of mass, at right angles to the axis and about it; `reach` [m] from the tip to that centre.
@@ -230,7 +230,7 @@ def top_precession(across: float, along: float, mass: float, reach: float, spin:
     middle, half = 0.5 * (first + lowest), 0.5 * (first - lowest)
 
     def per_swing(s: float, rate: bool) -> float:
-        """Time, or angle of precession, by the phase s of the nod, u = middle + half cos s, with both its ends divided out:
+        """Return the time, or angle of precession, by the phase s of the nod, u = middle + half cos s, both ends divided out:
         (u0 - u) (u - lowest) is (half sin s)^2, and so is (du/ds)^2."""
         u = middle + half * cos(s)
         square = 1.0 - u * u
@@ -242,7 +242,7 @@ def top_precession(across: float, along: float, mass: float, reach: float, spin:
 
 
 def spring_state(offset: float, velocity: float, mass: float, spring: float, damping: float, time: float) -> tuple[float, float]:
-    """Offset [m] and velocity [m/s] after `time` [s], from their first values; K [N/m], R [N s/m].
+    """Return the offset [m] and velocity [m/s] after `time` [s], from their first values; K [N/m], R [N s/m].
 
     With a = R / 2m and b^2 = a^2 - K/m: e^(-a t) (x0 C + (v0 + a x0) S), C and S = cosh b t, sinh(b t) / b or their
     circular or linear twins.

@@ -1,4 +1,4 @@
-"""Pairs of bodies that may meet, as memberships and masks of 32 bits, the form that game engines ask for."""
+"""Pairs of bodies that may meet, as memberships and masks of 32 bits, the form that game engines take."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,6 +1,6 @@
-"""How far may the judge be trusted? `python -m reference.judge_trust [--pairs N] [--seed N] [--run FOLDER]`.
+"""Measure how far the judge may be trusted: `python -m reference.judge_trust [--pairs N] [--seed N] [--run FOLDER]`.
 
-Draws pairs of shapes whose signed distance is known exactly, asks the judge and, as a second opinion, python-fcl, and counts
+Draws pairs of shapes whose signed distance is known exactly, queries the judge and, as a second opinion, python-fcl, and counts
 errors, disagreements, and verdicts on the wrong side of the bound of 1 um. Writes judge.json into the run's folder.
 """
 
@@ -32,7 +32,7 @@ from runfiles.files import OUT, last_comparison
 Array = NDArray[np.float64]
 
 FILE, SCHEMA_VERSION = "judge.json", 1
-"""What is left in a run's folder, for the report, and its layout."""
+"""Name of the file left in a run's folder, for the report, and version of its layout."""
 BOUND = 1e-6
 """Depth [m] at which a verdict turns: the bound on residual overlap."""
 SAME = 1e-6
@@ -48,25 +48,25 @@ COMMAND = "python -m reference.judge_trust"
 
 
 def command(pairs: int, seed: int) -> str:
-    """What asks the same again."""
+    """Return the command that repeats the check."""
     return f"{COMMAND} --pairs {pairs} --seed {seed}"
 
 
 
 @dataclass(frozen=True)
 class Examined:
-    """What came of the pairs of one kind.
+    """Results for the pairs of one kind.
 
     overlapping                pairs whose exact depth is above 0
     largest_error              [m] of the judge's signed distance, over all pairs; nan if it passed over one
-    largest_depth_error        [m] the same over those that overlap
-    unanswered                 pairs for which python-fcl had no number, since its process ended or it said nan
+    largest_depth_error        [m] largest error over the pairs that overlap
+    unanswered                 pairs for which python-fcl had no number, since its process ended or it returned nan
     disagreements              pairs on which python-fcl and the judge differ by more than 1 um
     overlapping_disagreements  those of them that overlap
     judge_wrong                those of them on which the exact answer is nearer to python-fcl's
-    false_alarms               the judge says deeper than 1 um, and the exact depth is at most that
+    false_alarms               the judge reports more than 1 um, and the exact depth is at most that
     misses                     the other way round
-    at_the_bound               pairs so near to a depth of 1 um that the promised accuracy cannot tell
+    at_the_bound               pairs so near to a depth of 1 um that the promised accuracy cannot decide
     """
 
     kind: str
@@ -105,7 +105,7 @@ COUNTS = tuple(entry.name for entry in fields(Examined) if entry.name not in ("k
 
 
 def trust(pairs: int = PAIRS, seed: int = SEED, done: Callable[[str], None] = lambda kind: None) -> Trust:
-    """Examine the judge on `pairs` over all kinds, rounded up to whole regimes; `done` hears of each kind that is judged.
+    """Examine the judge on `pairs` over all kinds, rounded up to whole regimes; `done` is called with each kind that is judged.
 
     Raises InvalidInput for fewer than one pair a kind, or a negative seed."""
     if seed < 0:
@@ -132,19 +132,19 @@ def trust(pairs: int = PAIRS, seed: int = SEED, done: Callable[[str], None] = la
 
 @dataclass(frozen=True, eq=False)
 class Draw:
-    """A gallery placed once, as the judge and as python-fcl are asked about it."""
+    """A gallery placed once, as queries to the judge and to python-fcl."""
 
     gallery: Gallery
     placed: Placed
 
     @property
     def questions(self) -> list[Question]:
-        """For python-fcl: pair by pair."""
+        """Return the pairs for python-fcl, one by one."""
         n, at, turns = len(self.gallery.shapes), self.placed.positions, rotation.to_matrix(self.placed.orientations)
         return [(a, turns[k], b, turns[n + k], at[k] - at[n + k]) for k, (a, b) in enumerate(self.gallery.shapes)]
 
     def judged(self) -> Array:
-        """The judge's signed distances (n,) [m]; nan for a pair that it passed over, which so has no small error."""
+        """Return the judge's signed distances (n,) [m]; nan for a pair that it passed over, which so has no small error."""
         first, second, found = Judge(self.gallery.scene).distances(self.placed.positions, self.placed.orientations, REACH)
         answers = np.full(len(self.gallery.shapes), np.nan)
         answers[np.minimum(first, second)] = found
@@ -152,7 +152,7 @@ class Draw:
 
 
 def draws(kind: str, each: int, random: np.random.Generator) -> Iterator[Draw]:
-    """`each` pairs of one kind in every regime, in galleries of at most GALLERY."""
+    """Yield `each` pairs of one kind in every regime, in galleries of at most GALLERY."""
     for begun in range(0, each, GALLERY):
         gallery = Gallery(kind, min(GALLERY, each - begun), random)
         for regime in REGIMES:
@@ -160,7 +160,7 @@ def draws(kind: str, each: int, random: np.random.Generator) -> Iterator[Draw]:
 
 
 def counted(kind: str, exact: Array, judged: Array, other: Array) -> Examined:
-    """The figures of (n,) exact, judged and python-fcl's signed distances [m]."""
+    """Return the figures of (n,) exact, judged and python-fcl's signed distances [m]."""
     errors, deep = np.abs(judged - exact), exact < 0.0
     silent = np.isnan(other)
     differ = ~silent & ~(np.abs(judged - other) <= SAME)
@@ -174,7 +174,7 @@ def counted(kind: str, exact: Array, judged: Array, other: Array) -> Examined:
 
 
 def sources() -> str:
-    """Sixteen hexadecimal digits of this file and of all in `judging`: the judge, and what it is judged by."""
+    """Return sixteen hexadecimal digits of this file and of all in `judging`: the judge and its references."""
     digest = hashlib.blake2b(digest_size=8)
     for path in (Path(__file__), *sorted(Path(__file__).with_name("judging").glob("*.py"))):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
@@ -182,7 +182,7 @@ def sources() -> str:
 
 
 def write(found: Trust, folder: Path, asked_by: str) -> Path:
-    """judge.json in `folder`, whole or not at all; `asked_by` is the command that asks the same again."""
+    """Write judge.json in `folder`, whole or not at all; `asked_by` is the command that repeats the check."""
     said: Mapping[str, object] = {
         "schema_version": SCHEMA_VERSION, "command": asked_by, "ended": datetime.now(UTC).isoformat(timespec="seconds"),
         "sources": sources(), "versions": {name: metadata.version(name) for name in ("coal", "python-fcl")},

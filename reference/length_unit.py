@@ -1,4 +1,4 @@
-"""The unit that an engine counts lengths in, from the size of what moves in a scene."""
+"""The unit that an engine counts lengths in, from the size of the moving bodies of a scene."""
 
 import math
 
@@ -14,7 +14,7 @@ THOUSAND = 1e3
 
 
 def length_unit(scene: Scene) -> float:
-    """Return the power of a thousand nearest to the largest piece of what moves [m]; 1 where nothing does."""
+    """Return the power of a thousand nearest to the largest piece of the moving bodies [m]; 1 where nothing moves."""
     owners: tuple[Body | Link, ...] = (*scene.bodies, *scene.links)
     moving = [owner for owner, role in zip(owners, scene.roles, strict=True) if role is not Role.FIXED]
     sizes = [_size(piece.shape) for owner in moving for piece in owner.pieces]

@@ -17,8 +17,8 @@ CLOSE = 1e-5
 
 
 def least_worst(first: Indices, second: Indices, wanted: Array, weight: Array, guess: Array) -> Array:
-    """Logarithms of factors (n,) for pairs (m,) of the factors `first` and `second`: the largest of weight |product - wanted| is
-    smallest, and they are as near to `guess` (n,) as that allows.
+    """Return logarithms of factors (n,) for pairs (m,) of the factors `first` and `second`: the largest of weight |product -
+    wanted| is smallest, and they are as near to `guess` (n,) as that allows.
 
     `wanted` (m,) and `weight` (m,) are above 0.
     """
@@ -45,8 +45,8 @@ def least_worst(first: Indices, second: Indices, wanted: Array, weight: Array, g
 
 
 def nearest_within(guess: Array, rows: Array, most: Array) -> Array | None:
-    """The point x (n,) nearest to `guess` (n,) with rows (k, n) x <= most (k,); None if there is none (Lawson and Hanson, Solving
-    Least Squares Problems, chapter 23: least distance programming)."""
+    """Return the point x (n,) nearest to `guess` (n,) with rows (k, n) x <= most (k,); None if there is none (Lawson and Hanson,
+    Solving Least Squares Problems, chapter 23: least distance programming)."""
     lacks = rows @ guess - most
     if not (lacks > 0.0).any():
         return guess

@@ -1,4 +1,4 @@
-"""What happens in the other engines when a scene's author leaves an effect out: which has the switch, and which cannot say it.
+"""Effects that a scene's author left out, in the other engines: which engines have the switch, and which do not support it.
 
 Restitution, friction, limits and self-contact are left out by the adapters. No engine here knows reach cones, nor looks for
 impacts within a step, and sleeping is off unless a preset asks for it: a scene without them runs there as it always does.
@@ -12,7 +12,7 @@ from avatarsim.scene.shape import ConvexHull, Ellipsoid, ellipsoid_hull
 from reference.pair_factors import missed
 
 ELLIPSOID_VERTICES = 162
-"""Vertices of the hull that stands for an ellipsoid: it lies inside by at most about 2 % of the largest radius."""
+"""Vertices of the hull that replaces an ellipsoid: it lies inside by at most about 2 % of the largest radius."""
 ALWAYS_THERE: Mapping[str, str] = {
     "overlap_removal": "not switched off apart from contact as a whole",
     "coupling": "a driven link is a body with mass, which gives and takes in every contact",
@@ -35,7 +35,7 @@ def alike_in_both(scene: Scene) -> dict[str, str]:
 
 
 def hull_of(shape: ConvexHull | Ellipsoid, vertices: int = ELLIPSOID_VERTICES) -> ConvexHull:
-    """Return the hull itself, or the one that stands for an ellipsoid."""
+    """Return the hull itself, or the one that replaces an ellipsoid."""
     return ellipsoid_hull(shape.radii, vertices) if isinstance(shape, Ellipsoid) else shape
 
 

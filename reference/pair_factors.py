@@ -22,28 +22,28 @@ from reference.minimax import least_worst
 Array = NDArray[np.float64]
 
 SMALLEST = 1e-6
-"""Stands for a coefficient of 0, whose logarithm does not exist."""
+"""Replaces a coefficient of 0, whose logarithm does not exist."""
 
 NEARBY = 0.3
-"""Sideways gap, as a share of the smaller one's half width, at which a pair counts a sixteenth of one that touches: what falls
-meets what is below it."""
+"""Sideways gap, as a share of the smaller one's half width, at which a pair counts a sixteenth of one that touches: a falling
+body meets those below it."""
 
 POINT = 1e-9
 """Half width [m] of bodies without extent: links, which may be anywhere."""
 
 UNLIKELY = 0.01
-"""Part of what matters most to both bodies of a pair below which the pair is left out of the fit: a hundred pairs that never meet
-would else bend those that do (restitution 0.88 instead of 1 in `two_spheres`)."""
+"""Part of the largest weight of both bodies of a pair below which the pair is left out of the fit: a hundred pairs that never
+meet would else bend those that do (restitution 0.88 instead of 1 in `two_spheres`)."""
 
 MISS = 1e-3
-"""Difference of a coefficient from which on it is said to be another one."""
+"""Difference of a coefficient from which on it counts as another one."""
 
 ALIKE = 0.9
 """Smallest weight over the largest from which on no pair matters more than another. Where some do, the least of the worst
 misses is no better: the course of hand_grasp and ball_off_table changes as much as by any other change of a percent."""
 
 RARE = 1e-3
-"""Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not worth a word."""
+"""Weight, relative to the likeliest pair, below which two bodies hardly ever meet: not reported."""
 
 LISTED = 4
 """Pairs named in full when a rule misses them; the others are counted."""
@@ -55,7 +55,7 @@ as n^3)."""
 
 @dataclass(frozen=True, eq=False)
 class Factors:
-    """Factor of each body in canonical order, and the pairs that it does not reproduce: (a, b, wanted, said)."""
+    """Factor of each body in canonical order, and the pairs that it does not reproduce: (a, b, wanted, obtained)."""
 
     values: Array
     misses: tuple[tuple[int, int, float, float], ...]
@@ -77,8 +77,8 @@ class _Pairs(NamedTuple):
 
 
 def fit(scene: Scene, wanted: Array, matters: Array) -> Factors:
-    """Factors for the symmetric (n, n) coefficients `wanted`, of which an engine takes products; `matters` (n, n) are weights, 0
-    where a pair never meets."""
+    """Return factors for the symmetric (n, n) coefficients `wanted`, of which an engine takes products; `matters` (n, n) are
+    weights, 0 where a pair never meets."""
     if not matters.any():
         return Factors(np.sqrt(np.maximum(np.diag(wanted), 0.0)), ())
     pairs = _pairs(scene, wanted, matters)
@@ -94,7 +94,7 @@ def fit(scene: Scene, wanted: Array, matters: Array) -> Factors:
 
 
 def fit_averages(scene: Scene, wanted: Array, matters: Array) -> Factors:
-    """The same for an engine that takes averages: factors of at least 0, which may be above 1."""
+    """Return the same for an engine that takes averages: factors of at least 0, which may be above 1."""
     if not matters.any():
         return Factors(np.diag(wanted).copy(), ())
     pairs = _pairs(scene, wanted, matters)
@@ -123,8 +123,8 @@ def _pairs(scene: Scene, wanted: Array, matters: Array) -> _Pairs:
 
 
 def _equations(pairs: _Pairs, target: Array, own: Array) -> tuple[Array, Array]:
-    """Rows and right sides: the weighted sum of each pair's two unknowns is its `target`, and a trace of pull towards `own`, that
-    of each body's material, settles what the pairs leave open (two bodies: one equation)."""
+    """Return rows and right sides: the weighted sum of each pair's two unknowns is its `target`, and a trace of pull towards
+    `own`, that of each body's material, settles the freedom that the pairs leave (two bodies: one equation)."""
     m, size = len(pairs.first), len(own)
     rows = np.zeros((m + size, size))
     np.add.at(rows, (np.arange(m), pairs.first), pairs.weight)
@@ -135,7 +135,7 @@ def _equations(pairs: _Pairs, target: Array, own: Array) -> tuple[Array, Array]:
 
 
 def _misses(pairs: _Pairs, wanted: Array, said: Array) -> tuple[tuple[int, int, float, float], ...]:
-    """Pairs (a, b, wanted, said) whose coefficient is another one, the largest difference first."""
+    """Return pairs (a, b, wanted, obtained) whose coefficient is another one, the largest difference first."""
     a, b = pairs.a, pairs.b
     off = np.abs(said - wanted[a, b]) > MISS
     found = [(int(i), int(j), float(wanted[i, j]), float(s)) for i, j, s in zip(a[off], b[off], said[off], strict=True)]
@@ -143,7 +143,7 @@ def _misses(pairs: _Pairs, wanted: Array, said: Array) -> tuple[tuple[int, int, 
 
 
 def coefficients(scene: Scene) -> tuple[Array, Array]:
-    """(n, n) restitution and friction as the scene wants them, less what its author narrowed away."""
+    """Return (n, n) restitution and friction of the scene, without the effects that its author narrowed away."""
     names = scene.material_names
     known = sorted(set(names))
     at = np.array([known.index(name) for name in names])
@@ -158,8 +158,8 @@ def coefficients(scene: Scene) -> tuple[Array, Array]:
 
 
 def missed(scene: Scene, averages: bool = False) -> dict[str, str]:
-    """Return "restitution" and "friction" -> what products, or averages, make of pairs that they miss; without those that they
-    reach."""
+    """Return "restitution" and "friction" -> the values that products, or averages, give to pairs that they miss; without those
+    that they reach."""
     found: dict[str, str] = {}
     rule, fitted = ("average", fit_averages) if averages else ("product", fit)
     for what, wanted, matters in zip(("restitution", "friction"), coefficients(scene), weights(scene), strict=True):
@@ -174,7 +174,7 @@ def missed(scene: Scene, averages: bool = False) -> dict[str, str]:
 
 
 def weights(scene: Scene) -> tuple[Array, Array]:
-    """How much each pair matters (n, n) for restitution and for friction."""
+    """Return the weight of each pair (n, n) for restitution and for friction."""
     centres, radii = _balls(scene)
     moving = np.array([role is Role.SIMULATED for role in scene.roles])
     driven = np.array([role is Role.DRIVEN for role in scene.roles])
@@ -194,7 +194,7 @@ def weights(scene: Scene) -> tuple[Array, Array]:
 
 
 def _balls(scene: Scene) -> tuple[Array, Array]:
-    """Centre of the body frame and, sideways, half the width of each body, as seen at the start."""
+    """Return the centre of the body frame and, sideways, half the width of each body, as seen at the start."""
     centres, radii = np.zeros((len(scene.names), 3)), np.zeros(len(scene.names))
     for k, body in enumerate(scene.bodies):
         centres[k] = body.position

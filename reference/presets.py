@@ -1,4 +1,4 @@
-"""How a reference engine's settings are kept: named values with the reason for each, overridden by name."""
+"""Settings of a reference engine: named values with the reason for each, overridden by name."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,15 +13,15 @@ from avatarsim.scene.scene import Scene
 from runfiles.naming import TUNED
 
 Value = bool | int | float | str | tuple[float, ...] | None
-"""What a setting may be."""
+"""Types of a setting."""
 
 
 ONE_SCENE = "for this scene only: "
-"""How the reason of a setting begins that was chosen for one scene."""
+"""Beginning of the reason of a setting that was chosen for one scene."""
 
 
 class Kind(Enum):
-    """What a scene asks of an engine: bodies that bounce, that slide and rest but never bounce, that are driven, or both."""
+    """Kind of a scene: it has bodies that bounce, that slide and rest but never bounce, that are driven, or both."""
 
     BOUNCING = "bouncing"
     RESTING = "resting"
@@ -77,19 +77,19 @@ class Options(dict[str, Chosen]):
 
 
 def cut_into(count: int) -> str:
-    """Why the step is what it is: a frame is cut into `count` of them."""
+    """Return the reason for the step: a frame is cut into `count` of them."""
     return f"{count} step{'' if count == 1 else 's'} per frame: the nearest whole number"
 
 
 def kind_of(scene: Scene) -> Kind:
-    """Simulated bodies only (of pairs that bounce, or of none), driven ones only, or both."""
+    """Return simulated bodies only (of pairs that bounce, or of none), driven ones only, or both."""
     if not scene.avatars:
         return Kind.BOUNCING if scene.effects.restitution else Kind.RESTING
     return Kind.MIXED if any(role is Role.SIMULATED for role in scene.roles) else Kind.DRIVEN
 
 
 def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> Options:
-    """The preset that `settings` names, with its options in place; typed errors for names and values that are
+    """Return the preset that `settings` names, with its options in place; typed errors for names and values that are
     unknown."""
     if settings.preset not in presets:
         raise UnknownName(f"preset of {engine}", settings.preset, presets)
@@ -102,12 +102,12 @@ def in_force(engine: str, presets: Mapping[str, Preset], settings: Settings) -> 
 
 
 def of_one_scene(preset: Preset) -> Preset:
-    """Settings that are the best of one scene and of no other, marked so in their reasons."""
+    """Return settings that are the best of one scene and of no other, marked so in their reasons."""
     return {name: Chosen(chosen.value, f"{ONE_SCENE}{chosen.reason}") for name, chosen in preset.items()}
 
 
 def _like(engine: str, name: str, default: Value, value: object) -> Value:
-    """`value` as the kind of thing that the setting's default is; settings whose default is None take
+    """Return `value` in the type of the setting's default; settings whose default is None take
     numbers."""
     thing = f"option {name} of {engine}"
     if isinstance(default, bool):

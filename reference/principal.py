@@ -1,4 +1,4 @@
-"""Principal axes of an inertia, as engines ask for it: three moments and the turn of their axes."""
+"""Principal axes of an inertia, as engines take it: three moments and the turn of their axes."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-15
-"""Share of the largest moment below which what is off the diagonal is zero."""
+"""Share of the largest moment below which off-diagonal entries are zero."""
 
 
 def principal_axes(inertia: Array) -> tuple[Array, Array]:

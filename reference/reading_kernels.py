@@ -1,7 +1,7 @@
-"""What an engine states of all bodies at some instants, turned into body frames, compiled.
+"""Compiled kernels that turn the states of all bodies at some instants, as an engine states them, into body frames.
 
-A kernel of each engine: for the few rows of a frame numpy's price per call is more than a tenth of what the engine's own steps
-cost. The plain twins are in the tests. Quaternions are (w, x, y, z) unless stated otherwise.
+A kernel of each engine: for the few rows of a frame numpy's overhead per call is more than a tenth of the cost of the engine's
+own steps. The plain twins are in the tests. Quaternions are (w, x, y, z) unless stated otherwise.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ Integers = NDArray[np.int64]
 @kernel
 def body_frames(rows: Array, frames: Array, centres: Array, positions: Array, orientations: Array, velocities: Array,
                 spins: Array) -> int:
-    """Write what `rows` (n, bodies, 13) state of mass centres as poses of body frames and velocities; 0 on return.
+    """Write the states `rows` (n, bodies, 13) of mass centres as poses of body frames and velocities; 0 on return.
 
     A row holds place [m], turn (x, y, z, w), velocity [m/s] and spin [rad/s]. `frames` (bodies, 4) turn a body's frame back out
     of the principal one, `centres` (bodies, 3) [m] are the mass centres in body frames."""
@@ -46,10 +46,10 @@ def body_frames(rows: Array, frames: Array, centres: Array, positions: Array, or
 @kernel
 def about_own_centres(places: Array, turns: Array, motions: Array, centres: Array, trees: Array, ids: Integers, roots: Integers,
                       positions: Array, orientations: Array, velocities: Array, spins: Array) -> int:
-    """Write the bodies `ids` of what is stated of all (n, all, .), velocities about their own mass centres; 0 on return.
+    """Write the bodies `ids` from the states of all (n, all, .), with velocities about their own mass centres; 0 on return.
 
-    `motions` hold spin [rad/s] and the velocity [m/s] of what turns along at `trees`, the mass centre [m] of the tree whose root
-    is in `roots`; `centres` [m] are the bodies' own mass centres."""
+    `motions` hold spin [rad/s] and the velocity [m/s] of the body extended to `trees`, the mass centre [m] of the tree whose
+    root is in `roots`; `centres` [m] are the bodies' own mass centres."""
     for i in range(places.shape[0]):
         for k in range(len(ids)):
             body, root = ids[k], roots[k]

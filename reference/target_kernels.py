@@ -18,13 +18,13 @@ RIGID, MOVED, TURNED, FREE, SLID = 0, 1, 2, 3, 4
 """Kinds of joints: none, hinges, ball, free root, slide."""
 
 BEYOND = 1e-3
-"""Excess [rad] from which a motor holds: at 0, one that is asked for its very limit would hold at every step."""
+"""Excess [rad] from which a motor holds: at 0, a motor with its target at the limit would hold at every step."""
 
 
 @kernel
 def _multiply(pw: float, px: float, py: float, pz: float, qw: float, qx: float, qy: float,
               qz: float) -> tuple[float, float, float, float]:
-    """Hamilton product p q."""
+    """Return the Hamilton product p q."""
     return (
         pw * qw - px * qx - py * qy - pz * qz,
         pw * qx + px * qw + py * qz - pz * qy,
@@ -35,7 +35,7 @@ def _multiply(pw: float, px: float, py: float, pz: float, qw: float, qx: float, 
 
 @kernel
 def _scaled_turn(w: float, x: float, y: float, z: float, fraction: float) -> tuple[float, float, float, float]:
-    """The rotation (w, x, y, z), taken the short way round, times `fraction`."""
+    """Return the rotation (w, x, y, z), taken the short way round, times `fraction`."""
     if w < 0.0:
         w, x, y, z = -w, -x, -y, -z
     s = math.sqrt(x * x + y * y + z * z)
@@ -46,7 +46,7 @@ def _scaled_turn(w: float, x: float, y: float, z: float, fraction: float) -> tup
 
 @kernel
 def _twist(along: float, w: float) -> float:
-    """Angle [rad] within half a turn of the rotation about an axis that has `along` of it and real part `w`."""
+    """Return the angle [rad] within half a turn of the rotation about an axis that has `along` of it and real part `w`."""
     twist = 2.0 * math.atan2(along, w)
     if twist > math.pi:
         return twist - 2.0 * math.pi
@@ -55,7 +55,7 @@ def _twist(along: float, w: float) -> float:
 
 @kernel
 def _rotate(w: float, x: float, y: float, z: float, a: float, b: float, c: float) -> tuple[float, float, float]:
-    """The vector (a, b, c) turned by a unit quaternion."""
+    """Return the vector (a, b, c) turned by a unit quaternion."""
     _, tx, ty, tz = _multiply(w, x, y, z, 0.0, a, b, c)
     tw = -(x * a + y * b + z * c)
     _, tx, ty, tz = _multiply(tw, tx, ty, tz, w, -x, -y, -z)

@@ -1,4 +1,4 @@
-"""What a driven engine is told to follow inside a frame: the posture between two tracker samples.
+"""Targets of a driven engine inside a frame: the posture between two tracker samples.
 
 Every reference engine takes steps shorter than a frame. Each step gets the same motion as all others see,
 taken between the samples at the two ends of the frame: linear for positions and hinge angles, spherical for
@@ -52,8 +52,8 @@ class Goals:
 class Targets:
     """Interpolates tracker samples of one scene and turns them into link poses.
 
-    With `clamp` the samples are first brought within hinge limits and swing and twist limits: a servo that is
-    asked for less than the joint allows does not fight the joint's stop.
+    With `clamp` the samples are first brought within hinge limits and swing and twist limits: a servo whose target
+    is within the joint's range does not fight the joint's stop.
     """
 
     def __init__(self, scene: Scene, clamp: bool) -> None:
@@ -81,7 +81,7 @@ class Targets:
         self._stops = np.array(stops, dtype=np.float64).reshape(-1, 3)
 
     def within_limits(self, sample: TrackerSample) -> TrackerSample:
-        """`sample` with hinge angles, swings and twists at their limits where they were beyond; unchanged
+        """Return `sample` with hinge angles, swings and twists at their limits where they were beyond; unchanged
         without `clamp`."""
         turns = np.array(sample.rotations, dtype=np.float64).reshape(-1, 4)
         turns /= np.linalg.norm(turns, axis=1, keepdims=True)
@@ -93,7 +93,7 @@ class Targets:
         return TrackerSample(sample.time, roots, turns, angles)
 
     def between(self, start: TrackerSample, end: TrackerSample, fractions: Array) -> Goals:
-        """Postures at `fractions` (n,) of the way from `start` (0) to `end` (1); beyond 1 the motion goes on
+        """Return postures at `fractions` (n,) of the way from `start` (0) to `end` (1); beyond 1 the motion goes on
         as it was.
 
         Both samples come from `within_limits`.
@@ -114,7 +114,7 @@ class Targets:
         return goals
 
     def posture(self, sample: TrackerSample) -> tuple[Array, Array]:
-        """Link poses (links, 3) [m] and (links, 4) of one sample, which comes from `within_limits`."""
+        """Return link poses (links, 3) [m] and (links, 4) of one sample, which comes from `within_limits`."""
         positions, orientations = np.empty_like(sample.positions), np.empty_like(sample.rotations)
         chain_poses(
             self._parent, self._kind, self._anchor, self._rest, self._first, self._axes,
@@ -123,7 +123,7 @@ class Targets:
         return positions, orientations
 
     def ahead(self, goals: Goals, steps: float, stop: bool = False) -> tuple[Array, Array]:
-        """Link poses (n - 1, links, 3 and 4) `steps` ahead of each posture but the first, at the velocity it
+        """Return link poses (n - 1, links, 3 and 4) `steps` ahead of each posture but the first, at the velocity it
         came with.
 
         A critically damped follower that is led by its own lag has none in steady motion. No future sample is
@@ -146,7 +146,7 @@ class Targets:
         return bool((kept.angles != goals.angles[0]).any() or np.abs(kept.rotations - goals.turns[0]).max() > ROUNDING)
 
     def _stop(self, goals: Goals, positions: Array, orientations: Array) -> None:
-        """Move poses by what limits change in `goals`, which go beyond them."""
+        """Move poses by the change that limits make to `goals`, which go beyond them."""
         for k in range(len(positions)):
             kept = self.within_limits(TrackerSample(0.0, goals.roots[k], goals.turns[k], goals.angles[k]))
             there, turned = self.posture(kept)
@@ -163,8 +163,8 @@ class Followed:
         self._left, self._right = (np.array(frames, dtype=np.float64).reshape(-1, 4) for frames in (left, right))
 
     def aimed(self, turns: Array, share: float) -> Array:
-        """(n - 1, links, 4) of `turns` (n, all links, 4): each of the second and later, `share` of the way to it from the one
-        before it, beyond 1 as far past it."""
+        """Return (n - 1, links, 4) of `turns` (n, all links, 4): each of the second and later, `share` of the way to it from the
+        one before it, beyond 1 as far past it."""
         found = np.empty((len(turns) - 1, len(self._links), 4))
         turned_on(turns, self._links, share, self._left, self._right, found)
         return found

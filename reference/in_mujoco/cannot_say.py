@@ -1,4 +1,4 @@
-"""What MuJoCo has no words for in a scene, as data: feature -> consequence."""
+"""Features of a scene that MuJoCo does not support, as data: feature -> consequence."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ from reference.narrowing import alike_in_both
 
 
 def cannot_say(scene: Scene, hinged: bool = False) -> Mapping[str, str]:
-    """Empty when MuJoCo can express all of the scene; `hinged`: three hinges stand for each ball joint."""
+    """Return the differences; empty when MuJoCo can express all of the scene; `hinged`: each ball joint is three hinges."""
     found: dict[str, str] = {}
     links = scene.links
     balls = [link.joint for link in links if isinstance(link.joint, Ball)]

@@ -1,5 +1,5 @@
-"""MJCF of a model as it is stepped: what was written into the compiled model goes back into its MjSpec, which MuJoCo writes as
-XML.
+"""MJCF of a model as it is stepped: values written into the compiled model are copied back into its MjSpec, which MuJoCo writes
+as XML.
 
 The adapter sets stiffness after compilation, since that depends on the step. Numbers in the XML have 17 digits, so that a reader
 has the same doubles; how the tracker moves its mocap bodies and controls is no part of a model.
@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 PAIRS_NAMED = 3
-"""Different pairs of numbers that a setting spells out; the others are counted, and stand in the XML."""
+"""Different pairs of numbers that a setting spells out; the others are counted, and are in the XML."""
 
 DIGITS = 17
 """Significant digits of a number in the XML: with fewer a double does not come back as it was."""
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 
 
 def mjcf(spec: mujoco.MjSpec, model: mujoco.MjModel, data: mujoco.MjData) -> str:
-    """The XML of `model`, which `spec` was compiled to, with the state of `data` as key frame "start"."""
+    """Return the XML of `model`, which `spec` was compiled to, with the state of `data` as key frame "start"."""
     _options(spec, model)
     for geom in spec.geoms:
         k = model.geom(geom.name).id
@@ -72,7 +72,7 @@ def written_digits(digits: int) -> Iterator[None]:
 
 
 def resolved(model: mujoco.MjModel) -> Mapping[str, tuple[object, str]]:
-    """What a reader of MJCF looks for, in numbers: name -> (value, how it came about)."""
+    """Return the values that a reader of MJCF looks for: name -> (value, how it came about)."""
     option = model.opt
     flags = {"nativeccd": mujoco.mjtDisableBit.mjDSBL_NATIVECCD, "multiccd": mujoco.mjtDisableBit.mjDSBL_MULTICCD,
              "autoreset": mujoco.mjtDisableBit.mjDSBL_AUTORESET,
@@ -120,7 +120,7 @@ def _on(flags: int, bit: mujoco.mjtDisableBit) -> bool:
 
 
 def _counted(values: Array) -> str:
-    """The different rows of `values` and how often each occurs, the most frequent first."""
+    """Return the different rows of `values` and how often each occurs, the most frequent first."""
     rows, counts = np.unique(np.atleast_2d(values.T).T, axis=0, return_counts=True)
     order = np.argsort(-counts, kind="stable")
     told = [f"{_row(rows[k])} x {counts[k]}" for k in order[:PAIRS_NAMED]]

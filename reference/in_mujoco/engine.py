@@ -35,7 +35,7 @@ PINNED = "what is installed; 4.0.0 is refused: its Newton solver factors sparse 
 
 
 def _quiet(message: str) -> None:
-    """Warnings are counted in MjData and reported as statuses; MuJoCo would also write them to a file."""
+    """Drop a message: warnings are counted in MjData and reported as statuses; MuJoCo would also write them to a file."""
 
 
 class MujocoEngine:
@@ -51,7 +51,7 @@ class MujocoEngine:
         return str(mujoco.__version__)
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
-        """What MuJoCo has no words for: feature -> consequence; after `load` with the joints that were made then."""
+        """Return the features that MuJoCo does not support: feature -> consequence; after `load`, for the joints made there."""
         return cannot_say(scene, self._hinged)
 
     def settings_as_run(self) -> Mapping[str, object]:
@@ -65,7 +65,7 @@ class MujocoEngine:
         return run | {f"{COMPILED}{name}": told for name, told in resolved(self._model).items()}
 
     def native(self) -> tuple[str, str]:
-        """MJCF of what `load` made, settings written after compilation included."""
+        """Return the MJCF of the model that `load` made, with the settings written after compilation."""
         head = (
             f"<!-- {self._scene.name} as mujoco/{self._settings.preset} ran it, MuJoCo {self.version}. A frame of "
             f"{self._count * self._step!r} s is cut into {self._count} equal steps of {self._step!r} s: error of the frame "
@@ -75,12 +75,12 @@ class MujocoEngine:
         return "xml", head + mjcf(self._world.spec, self._model, self._data)
 
     def keep_steps(self) -> None:
-        """From now on keep what the tracker's adapter tells MuJoCo in every step, for `steps_told`."""
+        """From now on record the adapter's tracker inputs to MuJoCo in every step, for `steps_told`."""
         self._kept.clear()
         self._keeps = True
 
     def steps_told(self) -> tuple[Mapping[str, Array], str]:
-        """Return what was told since `keep_steps`, mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and
+        """Return the inputs since `keep_steps`, mocap_pos (S, m, 3) [m], mocap_quat (S, m, 4), ctrl (S, nu), and
         steps_per_frame, empty where nothing was led, and the program that plays it."""
         if not self._kept:
             return {}, ""
@@ -117,7 +117,7 @@ class MujocoEngine:
         self._cut(dt)
         self._origin = scene.first_sample.time
         self._last = self._targets.within_limits(scene.first_sample)
-        # views of MuJoCo's own memory, which stays where it is: to ask for one costs as much as to read it
+        # views of MuJoCo's own memory, which stays where it is: to get one costs as much as to read it
         self._warnings, self._iterations = self._data.warning.number, self._data.solver_niter
         self._led = self._data.mocap_pos, self._data.mocap_quat
         self._elapsed, self._warned = 0.0, self._warnings.tolist()
@@ -159,7 +159,7 @@ class MujocoEngine:
                     times.append(self._elapsed)
             counts = {"steps": self._count, "iterations": int(iterations.sum()), "contacts": int(data.ncon)}
         else:
-            # as its own user would: all steps of the frame in one call, between which nothing is told or asked
+            # as its own user would: all steps of the frame in one call, with no access in between
             before = perf_counter_ns()
             mujoco.mj_step(model, data, self._count)
             stepping = perf_counter_ns() - before
@@ -188,7 +188,7 @@ class MujocoEngine:
             self._stiffness.set_step(self._step)
 
     def _first_state(self) -> None:
-        """All bodies and joints at their first pose, velocities as stated, mocap bodies where the links are."""
+        """Set all bodies and joints to their first pose, velocities as stated, mocap bodies where the links are."""
         data, world, start = self._data, self._world, self._scene.first_sample
         for k, q, v in zip(*world.free, strict=True):
             body = self._scene.bodies[k]
@@ -221,8 +221,8 @@ class MujocoEngine:
         return np.array(self._data.qpos[self._world.hinge_qpos])
 
     def _statuses(self) -> dict[str, int]:
-        """How often each kind of warning was raised in this frame, and non-finite states."""
-        # all at once: asked one by one, the warnings cost as much as a step
+        """Return how often each kind of warning was raised in this frame, and the count of non-finite states."""
+        # all at once: read one by one, the warnings cost as much as a step
         before, self._warned = self._warned, self._warnings.tolist()
         new = [] if before == self._warned else [now - then for now, then in zip(self._warned, before, strict=True)]
         found = {mujoco.mjtWarning(k).name.removeprefix("mjWARN_"): count for k, count in enumerate(new) if count}
@@ -232,5 +232,5 @@ class MujocoEngine:
 
 
 def _servo(chosen: Options) -> Servo:
-    """The servos that settings ask for."""
+    """Return the servos of the settings."""
     return Servo(*(chosen.number(f"motor_{name}") for name in ("stiffness", "damping_ratio", "force")))

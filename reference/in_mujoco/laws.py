@@ -1,4 +1,4 @@
-"""Which contact law holds between which bodies, and how to say it with as few explicit pairs as possible.
+"""Contact laws between bodies, written to MuJoCo with as few explicit pairs as possible.
 
 MuJoCo mixes the parameters of two geoms by taking those of the one with the higher priority. That cannot
 express a symmetric table of pairs, but it can express most of one. The rest is listed as explicit pairs,
@@ -19,7 +19,7 @@ Table 1) it does not."""
 
 MOST_RUBBING = 500
 """Pairs of bodies that do not bounce up to which each is explicit, so that its friction can be softer than its normal: see
-`friction_steps_resting` in presets.py. Above, only their geoms say what holds."""
+`friction_steps_resting` in presets.py. Above it, only their geoms carry the law."""
 
 MOST_CLASSES = 10
 """Classes of bodies up to which the best order of priorities is searched (2^10 sets); beyond it all pairs are
@@ -28,8 +28,7 @@ explicit."""
 
 @dataclass(frozen=True)
 class Law:
-    """What holds between two bodies in contact. `stops` means no bounce: one of them is driven, none is
-    simulated."""
+    """Contact law of two bodies. `stops` means no bounce: one of them is driven, none is simulated."""
 
     friction: float
     restitution: float
@@ -44,25 +43,25 @@ class Law:
 @dataclass(frozen=True)
 class Laws:
     """`own`: body -> (priority, law) for its geoms; `explicit`: pairs (a, b), a < b, whose law geoms cannot
-    say."""
+    express."""
 
     own: tuple[tuple[int, Law], ...]
     explicit: dict[tuple[int, int], Law]
 
 
 def law_between(scene: Scene, a: int, b: int) -> Law:
-    """Table 1 for bodies a and b, less what the author narrowed away; driven bodies stop at what is not
-    simulated."""
+    """Return Table 1 for bodies a and b without the effects that the author narrowed away; driven bodies stop at bodies that are
+    not simulated."""
     contact = scene.materials.contact(scene.material_names[a], scene.material_names[b])
     stops = Role.SIMULATED not in (scene.roles[a], scene.roles[b])
     restitution = 0.0 if stops or not scene.effects.restitution else contact.restitution
-    # friction of a scene without simulated bodies is still what a hand feels on a table
+    # friction of a scene without simulated bodies still acts on a hand on a table
     narrowed = scene.derived_effects.friction and not scene.effects.friction
     return Law(0.0 if narrowed else contact.friction, restitution, stops)
 
 
 def contact_laws(scene: Scene, bounce: bool) -> Laws:
-    """Priorities and laws of all bodies, and the pairs that must be explicit. Without `bounce` only friction
+    """Return priorities and laws of all bodies, and the pairs that must be explicit. Without `bounce` only friction
     counts."""
     n, wanted = len(scene.names), scene.contact_filter
     classes = [(material, role) for material, role in zip(scene.material_names, scene.roles, strict=True)]
@@ -95,9 +94,9 @@ def contact_laws(scene: Scene, bounce: bool) -> Laws:
 
 def _cheapest_order(n: int, counts: Counter[tuple[int, int]],
                     law: dict[tuple[int, int], Law]) -> tuple[list[int], list[Law]]:
-    """The order of classes, lowest priority first, that leaves the fewest pairs of geoms to be explicit.
+    """Return the order of classes, lowest priority first, that leaves the fewest pairs of geoms to be explicit.
 
-    What a class costs depends only on the set of classes below it: dynamic programming over sets.
+    The cost of a class depends only on the set of classes below it: dynamic programming over sets.
     """
     def best(top: int, below: frozenset[int]) -> tuple[int, Law]:
         votes: Counter[Law] = Counter()

@@ -1,7 +1,7 @@
 """Avatars led by motors in their joints instead of by welds: position servos in hinges, orientation servos in balls.
 
-A servo pulls with kp times how far its joint is from where it is asked to be, less kv times its speed, and with no more than it
-has. The root has no joint to the world and stays welded.
+A servo's force is kp times the error of its joint's position minus kv times its speed, up to its largest force. The root has no
+joint to the world and stays welded.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
 DRIVES = ("welds", "motors")
-"""What leads the links: a weld of each to its tracked pose, or motors in the joints and a weld of the root."""
+"""The drives of the links: a weld of each to its tracked pose, or motors in the joints and a weld of the root."""
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class Servo:
 
 
 def add_motor(spec: mujoco.MjSpec, joint: str, ball: bool, servo: Servo) -> None:
-    """A servo in the joint of that name; a ball's is told a quaternion."""
+    """Add a servo in the joint of that name; the target of a ball's is a quaternion."""
     motor = spec.add_actuator(name=joint, target=joint, trntype=mujoco.mjtTrn.mjTRN_JOINT)
     if ball:
         quaternion = int(mujoco.mjtCtrlChart.mjCHART_QUAT)
@@ -46,7 +46,7 @@ def add_motor(spec: mujoco.MjSpec, joint: str, ball: bool, servo: Servo) -> None
 
 
 class Motors:
-    """Tells the servos of one world where to be."""
+    """Sets the targets of the servos of one world."""
 
     def __init__(self, model: mujoco.MjModel, scene: Scene, targets: Targets, lead: float, stop: bool) -> None:
         """`lead`: how far ahead of the tracker, as a share of how late a servo is; `stop`: no joint is led beyond a limit."""
@@ -63,7 +63,7 @@ class Motors:
         self._targets, self._lead, self._stop, self._size = targets, lead, stop, int(model.nu)
 
     def asked(self, goals: Goals, step: float) -> Array:
-        """Controls (n - 1, nu) of the steps [s] to each posture but the first, ahead of it at the velocity of the step to it."""
+        """Return controls (n - 1, nu) of the steps [s] to each posture but the first, ahead of it at that step's velocity."""
         angles = goals.angles[1:] + self._lead * self._hinges_late / step * np.diff(goals.angles, axis=0)
         turns = goals.turns[1:].copy()
         before, after = goals.turns[:-1, self._balls], goals.turns[1:, self._balls]

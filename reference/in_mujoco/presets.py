@@ -1,6 +1,6 @@
 """Every MuJoCo setting we choose, with its reason and its evidence. The one place where they are kept.
 
-`default` is what the documentation gives when nothing is set. `tuned` is the best we found, scene kind by
+`default` has the values that the documentation gives when nothing is set. `tuned` is the best we found, scene kind by
 scene kind. Steps are written in seconds; a frame is cut into the nearest whole number of them.
 """
 
@@ -66,8 +66,8 @@ DEFAULT: Preset = {
     "sleep": Chosen(False, DOCUMENTED + " (trees at rest are computed like all others)"),
     "floors": Chosen("boxes", "a fixed box is a box, as the scene has it"),
 }
-"""MuJoCo's defaults, and every link welded to a mocap body: the documentation offers mocap bodies and welds, and says of no body
-how many of its links to weld."""
+"""MuJoCo's defaults, and every link welded to a mocap body: the documentation offers mocap bodies and welds, and does not state
+how many links of a body to weld."""
 
 EVERYWHERE: Mapping[str, tuple[object, str]] = {
     "filterparent": (False, "disabled in every preset, default too, where MuJoCo's default is on: which pairs may meet is the "
@@ -80,7 +80,7 @@ EVERYWHERE: Mapping[str, tuple[object, str]] = {
                               "body of its own, since a tracker gives a pose for each; the "
                               "documentation says of no body how many of its links to weld"),
 }
-"""What departs from MuJoCo's defaults in every preset: setting -> (value, reason)."""
+"""Departures from MuJoCo's defaults in every preset: setting -> (value, reason)."""
 
 _HARD = Chosen((0.9999, 0.9999, 0.001), "a contact that gives way by 1e-4 of the force only: the law below "
                                         "acts in full")
@@ -162,7 +162,7 @@ _IMPACT: Preset = {
 }
 
 FITTED = "fitted to its closed form, no advice for other models: "
-"""How the reason of a setting begins that is right where one law is tested alone."""
+"""Beginning of the reason of a setting that is right where one law is tested alone."""
 
 _COULOMB: Preset = {
     "impratio": Chosen(1e-6, FITTED + "the ratio of frictional to normal impedance takes friction out of the main solve, and "
@@ -198,7 +198,7 @@ _PLANE: Preset = {
 
 
 def _apart(margin: float, reason: str) -> Preset:
-    """A margin of what is loose."""
+    """Return a margin of loose bodies."""
     return {"loose_margin": Chosen(margin, reason)}
 
 
@@ -250,7 +250,7 @@ SCENES: Mapping[str, Preset] = {
     },
     "slender_spin": {"integrator": Chosen("RK4", "nothing touches; IMPLICITFAST loses all of the angular momentum")},
 }
-"""What is best in some scenes only, by name."""
+"""Settings that are best in some scenes only, by name."""
 
 
 _SLEEPING: Preset = {
@@ -261,7 +261,7 @@ _SLEEPING: Preset = {
 
 
 def _asleep(margin: float, price: str) -> Preset:
-    """A margin in a scene in which tuned has none, as a rest or a closed form is worse with it."""
+    """Return a margin in a scene in which tuned has none, as a rest or a closed form is worse with it."""
     return _apart(margin, f"nothing falls asleep inside anything; tuned has no margin here, since {price}")
 
 
@@ -273,7 +273,7 @@ _ASLEEP: Mapping[str, Preset] = {
     **dict.fromkeys(("heavy_on_light", "heavy_on_light_ratios"), _asleep(
         0.0002, "towers of two stand 0.4 mm higher than their closed form, for 0.1 mm of overlap")),
 }
-"""Both sides of that choice are seen, as the two rows stand side by side."""
+"""Both sides of that choice are shown, as two rows side by side."""
 
 _SERVOS: Preset = {
     "drive": Chosen("motors", "the usual idiom where a body follows motion capture: a servo in each joint, the root alone welded "
@@ -313,7 +313,7 @@ OPTIMISES: Mapping[str, str] = {
               "in motion that nothing was tuned for; not overlap, nor distance from the user; all else as tuned",
     "hinges": "limits of twist; all else as tuned",
 }
-"""What each preset was chosen for, in one sentence."""
+"""Purpose of each preset, in one sentence."""
 
 BETTER_ELSEWHERE = (
     "dt = 1/480 s where avatars are led: half the steps, and more overlap, or none more, by scene",
@@ -328,11 +328,11 @@ BETTER_ELSEWHERE = (
     "loose_margin = 0.001 m in bounce_ladder: no overlap, and apexes farther off",
     "loose_margin = 0 where tuned has one: bodies touch instead of standing apart by it",
 )
-"""Settings that are better than tuned in something else, and what they cost; how much is for the sweep of a run to say."""
+"""Settings that are better than tuned in another respect, and their cost; the sweep of a run gives the figures."""
 
 
 def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
-    """The presets for a kind of scene, or for the scene of that name, by name, the default first."""
+    """Return the presets for a kind of scene, or for the scene of that name, by name, the default first."""
     tuned = {
         Kind.BOUNCING: {**DEFAULT, **_ALWAYS, **_ONE_STEP},
         Kind.RESTING: {**DEFAULT, **_ALWAYS, **_ONE_STEP},

@@ -1,4 +1,4 @@
-"""What MuJoCo shows: poses and velocities of all bodies and links, read step by step, turned into body frames once a frame."""
+"""Poses and velocities that MuJoCo shows, of all bodies and links: read step by step, turned into body frames once a frame."""
 
 from collections.abc import Sequence
 
@@ -38,7 +38,7 @@ class Reading:
             rows[k] = array
 
     def snapshots(self, times: Sequence[float]) -> tuple[Snapshot, ...]:
-        """What was read at `times` [s] since load, as body frames."""
+        """Return the states read at `times` [s] since load, as body frames."""
         places, turns, motions, centres, trees = (rows[: len(times)] for rows in self._rows)
         shape = (len(times), len(self._ids))
         positions, orientations = np.empty((*shape, 3)), np.empty((*shape, 4))

@@ -22,10 +22,10 @@ restitution)."""
 
 
 JOINTS = ("balls", "hinges")
-"""What a ball joint with limits is: MuJoCo's ball, whose range is of its total turn, or three hinges with ranges, the last about
-the limb. Servos are in balls only."""
+"""Models of a ball joint with limits: MuJoCo's ball, whose range is of its total turn, or three hinges with ranges, the last
+about the limb. Servos are in balls only."""
 FLOORS = ("boxes", "planes")
-"""What a fixed box is: a box, or an infinite plane at its top."""
+"""Models of a fixed box: a box, or an infinite plane at its top."""
 
 
 def check_words(chosen: Options) -> None:
@@ -52,7 +52,7 @@ class Stiffness:
         self._world, self._chosen = world, chosen
 
     def set_options(self) -> None:
-        """What does not depend on the step."""
+        """Set the options that do not depend on the step."""
         option, model = self._world.model.opt, self._world.model
         option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{self._word('integrator')}")
         option.cone = getattr(mujoco.mjtCone, f"mjCONE_{self._word('cone')}")
@@ -73,11 +73,11 @@ class Stiffness:
             solimp[:, :3] = self._chosen["solimp"].value
 
     def _geom_margins(self) -> NDArray[np.float64]:
-        """Margin [m] of each geom: MuJoCo adds those of two geoms that meet.
+        """Return the margin [m] of each geom: MuJoCo adds those of two geoms that meet.
 
-        What is loose meets all that is not driven at `loose_margin`, in halves. Without loose bodies links carry halves of
-        `margin`, so that two links, and a link and a wall, meet at one. Where something is loose links carry all of it but the
-        half that the others have, since nothing is to hover at `margin` over what does not move; two links then meet at more.
+        Loose bodies meet all bodies that are not driven at `loose_margin`, in halves. Without loose bodies links carry halves of
+        `margin`, so that two links, and a link and a wall, meet at one. With loose bodies links carry all of it but the half that
+        the others have, since nothing is to hover at `margin` over fixed bodies; two links then meet at more.
         """
         world, margin, half = self._world, self._chosen.number("margin"), 0.5 * self._chosen.number("loose_margin")
         if not len(world.free[0]):
@@ -85,7 +85,7 @@ class Stiffness:
         return np.where(world.geom_driven, max(margin - half, 0.0), half)
 
     def set_step(self, step: float) -> None:
-        """What depends on the step [s]."""
+        """Set the options that depend on the step [s]."""
         model = self._world.model
         model.opt.timestep = step
         for g, law in enumerate(self._world.geom_law):
@@ -105,12 +105,12 @@ class Stiffness:
             model.eq_solref[:] = (self.weld_time(step), 1.0)
 
     def weld_time(self, step: float) -> float:
-        """Time constant [s] of the welds to the tracked poses."""
+        """Return the time constant [s] of the welds to the tracked poses."""
         steps = self._chosen.number("weld_steps")
         return steps * step if steps > 0.0 else self._chosen.number("weld_time")
 
     def lead(self, step: float) -> float:
-        """How far ahead [s] of the tracker the welds aim.
+        """Return the time [s] by which the welds aim ahead of the tracker.
 
         A weld of time constant T and full impedance d follows a steady motion 2 T d behind (damping over stiffness).
         """
@@ -119,7 +119,7 @@ class Stiffness:
         return self._chosen.number("lead") * 2.0 * self.weld_time(step) * float(self._world.model.eq_solimp[:1, 1].sum())
 
     def _contact(self, law: Law, step: float) -> tuple[float, float]:
-        """MuJoCo's two solref numbers: (time constant, damping ratio), or negative (stiffness, damping)."""
+        """Return MuJoCo's two solref numbers: (time constant, damping ratio), or negative (stiffness, damping)."""
         if self._word("contact") == "soft":
             steps = self._chosen.number("contact_steps")
             return (steps * step if steps > 0.0 else self._chosen.number("contact_time")), 1.0
@@ -128,7 +128,7 @@ class Stiffness:
         return -max(kappa, 1e-12) / step**2, -(1.0 + law.restitution) / step
 
     def _friction(self, law: Law, step: float) -> tuple[float, float]:
-        """solreffriction of a pair: friction is not bouncy, and zeros would hand it the contact's own constants."""
+        """Return solreffriction of a pair: friction is not bouncy, and zeros would give it the contact's own constants."""
         if self._word("contact") == "soft":
             return 0.0, 0.0
         if not law.rubs:

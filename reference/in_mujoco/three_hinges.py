@@ -22,7 +22,7 @@ NARROWEST = 1e-9
 
 
 def axes(limit: SwingTwist) -> Array:
-    """(3, 3) rows: two axes across the limb and the limb's own, right-handed, in the link's frame."""
+    """Return (3, 3) rows: two axes across the limb and the limb's own, right-handed, in the link's frame."""
     limb = np.array(limit.axis)
     across = np.cross(limb, np.eye(3)[int(np.argmin(np.abs(limb)))])
     across /= np.linalg.norm(across)
@@ -30,12 +30,12 @@ def axes(limit: SwingTwist) -> Array:
 
 
 def middle(limit: SwingTwist) -> Array:
-    """Turn of the link in its parent's frame at which all three angles are 0: the shortest of the limb onto its cone's middle."""
+    """Return the turn of the link in its parent's frame at which all angles are 0: the shortest to its cone's middle."""
     return np.asarray(rotation.between(limit.axis, limit.centre))
 
 
 def angles(limit: SwingTwist, orientation: ArrayLike, turn: ArrayLike) -> Array:
-    """(3,) angles [rad] at which the link stands as a ball joint with that `turn`, whose rest pose is `orientation`, puts it."""
+    """Return angles (3,) [rad] that turn the link as a ball joint with that `turn` and rest pose `orientation` does."""
     turned = rotation.multiply(rotation.conjugate(middle(limit)), rotation.multiply(orientation, turn))
     across = axes(limit)
     found = across @ rotation.to_matrix(turned) @ across.T

@@ -27,12 +27,12 @@ ARM = 1.0
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """The compiled model, what it was compiled from, and where the scene's parts are in it.
+    """The compiled model, its source, and where the scene's parts are in it.
 
     body_ids (n,) in canonical order; free (bodies, address in qpos, address in qvel) of simulated bodies; hinge_qpos (hinges,);
-    balls (links, address in qpos); hinged likewise, of balls that three hinges stand for; roots likewise; mocap (welded links,)
-    -> mocap index; geom_law, pair_law: what each geom and each explicit pair must say; geom_driven, pair_driven: whether an
-    avatar has a part in it.
+    balls (links, address in qpos); hinged likewise, of balls modelled by three hinges; roots likewise; mocap (welded links,) ->
+    mocap index; geom_law, pair_law: the law that each geom and each explicit pair carries; geom_driven, pair_driven: whether
+    an avatar has a part in it.
     """
 
     spec: mujoco.MjSpec
@@ -56,7 +56,7 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
 
     `limits`: hinge limits; `swing`: swing limits of ball joints, each as a tendon between two sites;
     `gravity_on_links`: whether the avatar weighs; `armature`: inertia added to each joint, as a share of the largest
-    inertia of its link about it; `servo`: what is in each joint, whose links are welded to the tracker if there is none;
+    inertia of its link about it; `servo`: the servo in each joint, whose links are welded to the tracker if there is none;
     `planes`: fixed boxes are infinite planes at their tops, which is the same world where nothing leaves the top; `hinged`:
     ball joints with limits are three hinges.
     """
@@ -68,8 +68,8 @@ def build_world(scene: Scene, laws: Laws, limits: bool, swing: bool, gravity_on_
     # a diverged state must stay visible: by default it is silently replaced by the first one
     spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_AUTORESET)
     geoms: list[list[str]] = []
-    # avatars before what they meet: MuJoCo eliminates velocities from the last to the first, and a lift that is eliminated before
-    # the bodies on it leaves a full matrix of them all
+    # avatars before the bodies they meet: MuJoCo eliminates velocities from the last to the first, and a lift that is eliminated
+    # before the bodies on it leaves a full matrix of them all
     links = _avatars(spec, scene, laws, limits, swing, gravity_on_links, armature, servo, hinged)
     for k, body in enumerate(scene.bodies):
         made = spec.worldbody.add_body(name=f"b{k}", pos=body.position, quat=body.orientation)
@@ -92,7 +92,7 @@ def _avatars(
     spec: mujoco.MjSpec, scene: Scene, laws: Laws, limits: bool, swing: bool, gravity: bool, armature: float,
     servo: Servo | None, hinged: bool,
 ) -> list[list[str]]:
-    """Make all links; the names of their geoms, link by link."""
+    """Make all links; return the names of their geoms, link by link."""
     k, hinge, geoms = len(scene.bodies), 0, list[list[str]]()
     for avatar in scene.avatars:
         made: dict[str, mujoco.MjsBody] = {}
@@ -145,7 +145,7 @@ def _avatars(
 
 
 def _attached(spec: mujoco.MjSpec, scene: Scene) -> None:
-    """A weld of each attached body to its link, as the scene starts."""
+    """Weld each attached body to its link, as the scene starts."""
     positions, orientations = link_poses(scene.avatars, scene.first_sample)
     for body, link in scene.attached:
         k, at = scene.names.index(link), scene.names.index(link) - len(scene.bodies)
@@ -160,7 +160,7 @@ def _attached(spec: mujoco.MjSpec, scene: Scene) -> None:
 
 def _swing_limit(spec: mujoco.MjSpec, parent: mujoco.MjsBody, body: mujoco.MjsBody, k: int, anchor: tuple[float, ...],
                  limit: SwingTwist) -> None:
-    """A circular cone as the longest distance of two points: one on the limb's axis, one on the cone's."""
+    """Add a circular cone as the longest distance of two points: one on the limb's axis, one on the cone's."""
     parent.add_site(name=f"centre{k}", pos=np.array(anchor) + ARM * np.array(limit.centre))
     body.add_site(name=f"axis{k}", pos=ARM * np.array(limit.axis))
     tendon = spec.add_tendon(name=f"swing{k}")
@@ -171,18 +171,18 @@ def _swing_limit(spec: mujoco.MjSpec, parent: mujoco.MjsBody, body: mujoco.MjsBo
 
 
 def _inertia_about_joint(mass: Mass) -> float:
-    """The largest moment of inertia [kg m^2] of a link about the origin of its frame."""
+    """Return the largest moment of inertia [kg m^2] of a link about the origin of its frame."""
     centre = np.array(mass.centre)
     shifted = mass.inertia + mass.mass * (centre @ centre * np.eye(3) - np.outer(centre, centre))
     return float(np.linalg.eigvalsh(shifted)[-1])
 
 
 def _inertia(body: mujoco.MjsBody, owner: object) -> None:
-    """Mass, centre and principal inertia as stated."""
+    """Set mass, centre and principal inertia as stated."""
     mass = getattr(owner, "mass", None)
     assert isinstance(mass, Mass)
     moments, turn = principal_axes(mass.inertia)
-    # MuJoCo refuses what exceeds the triangle inequality by a rounding error, as thin rods do
+    # MuJoCo refuses inertias that exceed the triangle inequality by a rounding error, as those of thin rods do
     largest = int(np.argmax(moments))
     moments[largest] = min(moments[largest], (moments.sum() - moments[largest]) * (1.0 - 1e-15))
     body.explicitinertial = True
@@ -211,7 +211,7 @@ def _geoms(spec: mujoco.MjSpec, body: mujoco.MjsBody, k: int, pieces: tuple[Piec
 
 
 def _planes(body: mujoco.MjsBody) -> None:
-    """Each box of a fixed body becomes the plane of its upper face; its size is what a viewer draws."""
+    """Replace each box of a fixed body by the plane of its upper face; its size is the one that a viewer draws."""
     for geom in body.geoms:
         if geom.type == mujoco.mjtGeom.mjGEOM_BOX:
             wide, long, half = geom.size
@@ -220,7 +220,7 @@ def _planes(body: mujoco.MjsBody) -> None:
 
 
 def _mesh(spec: mujoco.MjSpec, name: str, shape: ConvexHull) -> str:
-    """The hull of the vertices. MuJoCo moves a mesh to its centre of mass; its compiler moves the geom back."""
+    """Return the hull of the vertices. MuJoCo moves a mesh to its centre of mass; its compiler moves the geom back."""
     mesh = spec.add_mesh(name=name)
     mesh.uservert = shape.vertices.astype(np.float32).ravel()
     # masses are stated: the mesh's own are not used, and this mode accepts the thinnest of hulls
@@ -245,7 +245,7 @@ def _pairs(spec: mujoco.MjSpec, scene: Scene, laws: Laws, geoms: list[list[str]]
 
 
 def _directions(law: Law) -> int:
-    """MuJoCo's condim: 1 is a contact without friction, 3 one with sliding friction."""
+    """Return MuJoCo's condim: 1 is a contact without friction, 3 one with sliding friction."""
     return 3 if law.friction > 0.0 else 1
 
 
@@ -267,7 +267,7 @@ def _addresses(scene: Scene, laws: Laws, spec: mujoco.MjSpec, model: mujoco.MjMo
     welded = [k for k in range(len(scene.links)) if f"m{first + k}" in mocap]
     owner = {name: k for k, names in enumerate(geoms) for name in names}
     owners = [owner[model.geom(g).name] for g in range(model.ngeom)]
-    # the compiler sorts pairs: their names say which is which
+    # the compiler sorts pairs: their names identify them
     order = [pairs[int(model.pair(p).name[1:])] for p in range(model.npair)]
     hinges = sum(avatar.hinge_count for avatar in scene.avatars)
     return World(

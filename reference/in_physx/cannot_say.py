@@ -11,7 +11,7 @@ from reference.narrowing import alike_in_game_engines
 
 
 def cannot_say(scene: Scene) -> Mapping[str, str]:
-    """Return what differs; empty when PhysX can express all of the scene."""
+    """Return the differences; empty when PhysX can express all of the scene."""
     found = alike_in_game_engines(scene, BETWEEN_HINGES, averages=True, vertices=MOST_VERTICES)
     hinges = [hinge for link in scene.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
     wide = sum(WHOLE_TURN <= hinge.upper - hinge.lower < 2.0 * MANY_TURNS for hinge in hinges)

@@ -1,7 +1,7 @@
 """Every PhysX setting we choose, with its reason. The one place where they are kept.
 
-`default` is what the package sapien has when nothing is set. `tuned` is the best found on draws: drops, slides, stacks and piles
-of bodies, and recorded motions in rooms.
+`default` has the values of the package sapien when nothing is set. `tuned` is the best found on draws: drops, slides, stacks and
+piles of bodies, and recorded motions in rooms.
 """
 
 from collections.abc import Mapping
@@ -68,7 +68,7 @@ BETTER_ELSEWHERE = (
     "driven_rest_offset = 0: links touch instead of standing 1 mm off, and overlap by tenths of a millimetre",
     "drive_frequency = 200: nearer to the user, with larger jumps; sleep = true: frames of what rests take less",
 )
-"""Settings that are better than tuned in something else, and what they cost."""
+"""Settings that are better than tuned in another respect, and their cost."""
 
 
 def presets(kind: Kind) -> Mapping[str, Preset]:

@@ -27,7 +27,7 @@ from reference.presets import Options
 from reference.principal import principal_axes
 
 with warnings.catch_warnings():
-    # the package can draw, and warns on import where the system lacks what it draws with
+    # the package can draw, and warns on import where the system lacks its graphics libraries
     warnings.simplefilter("ignore")
     import sapien
     from sapien import physx
@@ -44,7 +44,7 @@ apart at most, a hinge two points of its axis. Larger: rounding of positions cou
 BETWEEN_HINGES = 0.1
 """Mass and inertia of a stand-in between hinges that share a centre, as a share of the link's. Smaller: joints converge worse."""
 MOST_VERTICES = 129
-"""Vertices of a hull, and of one that stands for an ellipsoid. The package thins larger ones, by up to 10 mm of 0.3 m."""
+"""Vertices of a hull, and of one that replaces an ellipsoid. The package thins larger ones, by up to 10 mm of 0.3 m."""
 WHOLE_TURN = 2.0 * np.pi - 1e-3
 """Range of a hinge [rad] from which on it has no limits: angles wrap."""
 X, CENTRE = (1.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -63,8 +63,8 @@ STATED, TURN, PLACE, VELOCITY, SPIN = 13, slice(0, 4), slice(4, 7), slice(7, 10)
 class World:
     """The actors of a scene at its first pose.
 
-    moving (m,) bodies and links that are not fixed and rows (m,) of what is read of them; targets: a kinematic actor per link;
-    joined: hinges and slides in the order of tracker angles, by rows, -1 for the world.
+    moving (m,) bodies and links that are not fixed and rows (m,) of the values read of them; targets: a kinematic actor per
+    link; joined: hinges and slides in the order of tracker angles, by rows, -1 for the world.
     """
 
     def __init__(self, scene: Scene, chosen: Options) -> None:
@@ -194,7 +194,7 @@ class World:
 
 
 def _set_globals(scene: Scene, chosen: Options) -> None:
-    """Set what is the process' own and taken by the next system: all of it, whatever a run before left."""
+    """Set all globals of the process, whatever a run before left: the next system takes them."""
     config = physx.PhysxSceneConfig()
     config.gravity, config.bounce_threshold = np.array(scene.gravity), chosen.number("bounce_threshold")
     config.enable_tgs, config.enable_pcm = chosen.flag("tgs"), chosen.flag("pcm")

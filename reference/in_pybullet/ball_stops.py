@@ -1,7 +1,7 @@
-"""Help for Bullet's limits of ball joints, whose cones have four corners, and end at 85 degrees (urdf.py): a motor that holds
+"""Motors that add to Bullet's limits of ball joints, whose cones have four corners and end at 85 degrees (urdf.py): each holds
 harder while its joint is beyond our limits.
 
-What a motor is asked for is within the limits, so that its torque brings the joint back; what pushed it out is as a rule stronger
+A motor's target is within the limits, so that its torque brings the joint back; the load that pushed it out is as a rule stronger
 than the torque by which a limb follows its user.
 """
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 class BallStops:
-    """Those balls of one multibody that have limits: `joints`, and their `rows` among all motors of balls. rests (n, 4) are the
+    """The balls of one multibody that have limits: `joints`, and their `rows` among all motors of balls. rests (n, 4) are the
     links' orientations at rest; Bullet states a turn of ours as left turn frame, `lefts` and `frames` (n, 4)."""
 
     def __init__(self, client: int, body: int, joints: list[int], rows: list[int], limits: Sequence[SwingTwist], rests: Array,

@@ -6,7 +6,7 @@ Arguments = Mapping[str, object]
 
 
 class Name(str):
-    """A word that stands in the text as it is, such as a variable of the reader's."""
+    """A word that is written into the text as it is, such as a variable of the reader's."""
 
     __slots__ = ()
 
@@ -15,13 +15,13 @@ class Name(str):
 
 
 def call(function: str, *positional: object, **named: object) -> str:
-    """One line of Python."""
+    """Return one line of Python."""
     given = [repr(value) for value in positional] + [f"{name}={value!r}" for name, value in named.items()]
     return f"pybullet.{function}({', '.join(given)})"
 
 
 def grouped(rows: Iterable[tuple[str, Arguments]]) -> list[str]:
-    """changeDynamics of many (body and link, arguments): one loop for all that are given the same to nine digits."""
+    """Return changeDynamics of many (body and link, arguments): one loop for all whose arguments agree to nine digits."""
     same: dict[tuple[tuple[str, object], ...], list[str]] = {}
     for where, arguments in rows:
         rounded = ((name, float(f"{value:.9g}") if isinstance(value, float) else value) for name, value in arguments.items())

@@ -1,4 +1,4 @@
-"""What PyBullet has no words for in a scene, as data: feature -> consequence."""
+"""Features of a scene that PyBullet does not support, as data: feature -> consequence."""
 
 import math
 from collections.abc import Mapping
@@ -15,7 +15,7 @@ the second; smaller: more joints are without a limit of their swing."""
 
 
 def cannot_say(scene: Scene) -> Mapping[str, str]:
-    """Empty when PyBullet can express all of the scene."""
+    """Return the differences; empty when PyBullet can express all of the scene."""
     found = alike_in_game_engines(scene)
     limits = [link.joint.limits for link in scene.links if isinstance(link.joint, Ball) and link.joint.limits is not None]
     if limits:

@@ -1,4 +1,4 @@
-"""How avatars follow the tracker in PyBullet: the root by constraint or velocity, joints by position motors."""
+"""Drives of avatars in PyBullet: the root follows the tracker by constraint or velocity, joints by position motors."""
 
 from collections.abc import Callable
 from functools import partial
@@ -20,7 +20,7 @@ from reference.targets import Followed, Goals
 
 Array = NDArray[np.float64]
 Planned = tuple[Callable[..., None], list[dict[str, Any]]]
-"""What moves the motors of one body, and the targets that it is given step by step."""
+"""The call that moves the motors of one body, and the targets that it is given step by step."""
 
 DRIVES = ("constraint", "velocity")
 """A fixed constraint between root and tracked pose, or the velocity that reaches the pose within the step."""
@@ -101,7 +101,7 @@ class Drive:
                 ))
 
     def calls(self) -> list[str]:
-        """What moves roots and joints in every step, as Python; `target...` and `...s` of it are the tracker's."""
+        """Return the calls that move roots and joints in every step, as Python; `target...` and `...s` are the tracker's."""
         numbers, forward = self._numbers, bool(self._chosen["feed_forward"].value)
         lines = ["", "# in every step, ahead of the tracker by its own lag:" if forward else "# in every step:"]
         for index, (part, _) in enumerate(self._world.roots):
@@ -134,7 +134,7 @@ class Drive:
         return lines if len(lines) > 2 else []
 
     def plan(self, goals: Goals, step: float) -> None:
-        """Work out what every step of a frame will be told: postures 1 to n of `goals`, each one step [s] after the one before.
+        """Compute the inputs of every step of a frame: postures 1 to n of `goals`, each one step [s] after the one before.
 
         All at once, since numpy costs as much per call as Bullet per step.
         """
@@ -163,7 +163,7 @@ class Drive:
             motor(**steps[k - 1])
 
     def _chase(self, body: int, centre: list[float], turn: list[float]) -> None:
-        """The velocity that reaches a pose of the mass centre in one step, no faster than the cap."""
+        """Set the velocity that reaches a pose of the mass centre in one step, no faster than the cap."""
         at, now = pybullet.getBasePositionAndOrientation(body, physicsClientId=self._client)
         velocity = (np.array(centre) - np.array(at)) / self._step
         spin = rotation.to_rotation_vector(rotation.multiply(wxyz(turn), rotation.conjugate(wxyz(now)))) / self._step
@@ -184,8 +184,8 @@ class Drive:
         return planned
 
     def _plan_balls(self, goals: Goals) -> list[Planned]:
-        # the motor corrects this share of the error in a step, whatever velocity it is told; leading it by what is left
-        # over in steady motion is its feed-forward
+        # the motor corrects this share of the error in a step, whatever its target velocity; leading it by the error that
+        # is left in steady motion is its feed-forward
         share = min(1.0, self._numbers["ball_gain"] * MOTOR_ERP)
         ahead = 1.0 + (1.0 - share) / share if self._chosen["feed_forward"].value else 1.0
         planned: list[Planned] = []
@@ -196,13 +196,13 @@ class Drive:
 
     def _motors(self, tell: Callable[..., None], body: int, joints: list[int], gain: str, forces: list[Any]
                 ) -> Callable[..., None]:
-        """What moves the motors of some joints, once it is told their targets: gains stay as they are."""
+        """Return the call that moves the motors of some joints to given targets: gains stay as they are."""
         gains, dampings = ([self._numbers[name]] * len(joints) for name in (gain, "velocity_gain"))
         return partial(tell, body, joints, pybullet.POSITION_CONTROL, positionGains=gains, velocityGains=dampings, forces=forces,
                        physicsClientId=self._client)
 
     def _ball_stops(self, scene: Scene, body: int, balls: list[tuple[int, int]]) -> BallStops | None:
-        """Limits of `balls`, (joint, link) each; None without any."""
+        """Return limits of `balls`, (joint, link) each; None without any."""
         links = scene.links
         rows = [(row, joint, k, ball.limits) for row, (joint, k) in enumerate(balls)
                 if isinstance(ball := links[k].joint, Ball) and ball.limits is not None]
@@ -216,5 +216,5 @@ class Drive:
         )
 
     def _turned(self, k: int, turn: Array) -> Array:
-        """A ball's rotation as Bullet's joint sees it: between principal frames."""
+        """Return a ball's rotation as Bullet's joint sees it: between principal frames."""
         return rotation.multiply(self._world.lefts[k], rotation.multiply(turn, self._frames[k]))

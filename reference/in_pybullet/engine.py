@@ -26,7 +26,7 @@ from reference.targets import Targets
 Array = NDArray[np.float64]
 
 INSTALLED = version("pybullet")
-"""Asked once: it is looked for among the files of every package."""
+"""Version of the package; read once, since the look-up goes through the files of every package."""
 
 
 class PybulletEngine:
@@ -44,7 +44,7 @@ class PybulletEngine:
         return INSTALLED
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
-        """What PyBullet has no words for: feature -> consequence."""
+        """Return the features that PyBullet does not support: feature -> consequence."""
         return cannot_say(scene)
 
     def settings_as_run(self) -> Mapping[str, object]:
@@ -146,7 +146,7 @@ class PybulletEngine:
         return tuple(float(g) for g in self._scene.gravity) if self._falls() else (0.0, 0.0, 0.0)
 
     def _parameters(self) -> list[dict[str, float]]:
-        """What the engine is told, call by call."""
+        """Return the parameters of the engine, call by call."""
         told: list[dict[str, float]] = [{
             "numSolverIterations": int(self._chosen.number("solver_iterations")),
             "contactSlop": self._chosen.number("contact_slop"),
@@ -164,7 +164,7 @@ class PybulletEngine:
             pybullet.changeDynamics(body, link, **arguments, physicsClientId=self._client)
 
     def _dynamics(self) -> Iterator[tuple[int, int, dict[str, float]]]:
-        """Factors of Table 1, damping, margins and contact prediction of every body and link: (body, link, what it is told)."""
+        """Yield factors of Table 1, damping, margins and contact prediction of every body and link: (body, link, settings)."""
         scene = self._scene
         bounces, slides = coefficients(scene)
         bounce_matters, slide_matters = weights(scene)
@@ -175,7 +175,7 @@ class PybulletEngine:
         damping, margin = self._chosen.number("damping"), self._chosen.number("collision_margin")
         for k, part in enumerate(self._world.parts):
             for body, link in sorted({(part.body, part.link), *part.carriers}):
-                # apart: of a link Bullet drops friction and restitution, without a word, if told together with damping or margin
+                # apart: of a link Bullet silently drops friction and restitution if set together with damping or margin
                 yield body, link, {
                     "restitution": float(restitution[k]), "lateralFriction": float(friction[k]), "rollingFriction": 0.0,
                     "spinningFriction": 0.0,
@@ -184,12 +184,12 @@ class PybulletEngine:
                 yield body, link, {"collisionMargin": margin}
             if self._chosen["sleep"].value and scene.roles[k] is Role.SIMULATED:
                 yield part.body, part.link, {"activationState": pybullet.ACTIVATION_STATE_ENABLE_SLEEPING}
-            # the smaller threshold of a pair counts: set on what bounces, it leaves a hand on a table its prediction
+            # the smaller threshold of a pair counts: set on bouncing bodies, it leaves a hand on a table its prediction
             if self._chosen.number("processing_threshold") <= 0.0 and scene.roles[k] is Role.SIMULATED:
                 yield part.body, part.link, {"contactProcessingThreshold": 0.0}
 
     def native(self) -> tuple[str, str]:
-        """The calls that set engine, bodies, motors and constraints after `load`, as Python."""
+        """Return the calls that set engine, bodies, motors and constraints after `load`, as Python."""
         places = {(body, link): f"({body}, {link})" for body, link, _ in self._dynamics()}
         parts = zip(self._scene.names, self._world.parts, strict=True)
         lines = [

@@ -1,6 +1,6 @@
 """Every PyBullet setting we choose, with its reason and its evidence. The one place where they are kept.
 
-`default` is what the documentation gives when nothing is set. `tuned` is the best we found, scene kind by
+`default` has the values that the documentation gives when nothing is set. `tuned` is the best we found, scene kind by
 scene kind. Steps are written in seconds; a frame is cut into the nearest whole number of them.
 """
 
@@ -193,7 +193,7 @@ SCENES: Mapping[str, Preset] = {
     "rod_impact": _EXACT,
     **dict.fromkeys(("stop_distance", "stop_distance_30", "stop_distance_240"), _LEVEL),
 }
-"""What is best in some scenes only, by name."""
+"""Settings that are best in some scenes only, by name."""
 
 
 _FOLLOWS: Preset = {
@@ -219,7 +219,7 @@ OPTIMISES: Mapping[str, str] = {
     "sleeping": "time where bodies rest; all else as tuned",
     "follows": "the least distance from the user while nothing is in the way; all else as the default",
 }
-"""What each preset was chosen for, in one sentence."""
+"""Purpose of each preset, in one sentence."""
 
 BETTER_ELSEWHERE = (
     "dt = 1/960 s where avatars are led: less overlap, at twice the steps",
@@ -230,11 +230,11 @@ BETTER_ELSEWHERE = (
     "sleep = true: frames of what has rested for two seconds take a fraction (row pybullet/sleeping)",
     "ball_gain = 0.25: a body thrown back by a wall is nearer to its user, limbs are farther",
 )
-"""Settings that are better than tuned in something else, and what they cost; how much is for the sweep of a run to say."""
+"""Settings that are better than tuned in another respect, and their cost; the sweep of a run gives the figures."""
 
 
 def presets(kind: Kind, scene: str = "") -> Mapping[str, Preset]:
-    """The presets for a kind of scene, or for the scene of that name, by name, the default first."""
+    """Return the presets for a kind of scene, or for the scene of that name, by name, the default first."""
     tuned = {
         Kind.BOUNCING: {**DEFAULT, **_ALWAYS, **_BOUNCING},
         Kind.RESTING: {**DEFAULT, **_ALWAYS, **_BOUNCING, **_RESTING},

@@ -1,4 +1,4 @@
-"""What PyBullet shows: poses and velocities of all bodies and links, read step by step, turned into body frames once a frame."""
+"""Poses and velocities that PyBullet shows, of all bodies and links: read step by step, turned into body frames once a frame."""
 
 from collections.abc import Sequence
 
@@ -35,7 +35,7 @@ class Reading:
                 linked.setdefault(part.body, []).append(k)
                 self._links.setdefault(part.body, []).append(part.link)
             elif scene.roles[k] is Role.FIXED:
-                # what never moves is read once; many scenes hold more of it than of anything else
+                # fixed bodies are read once; many scenes have more of them than of anything else
                 self._still[k] = self._base(part.body)
             else:
                 bases.append(k)
@@ -47,8 +47,8 @@ class Reading:
             self._hinges.setdefault(body, []).append(joint)
 
     def raw(self) -> list[float]:
-        """What moves, in the order of `read`, as Bullet has it now: STATED numbers each, one after the other, since numpy takes
-        three times as long over tuples of tuples."""
+        """Return the state of the moving bodies, in the order of `read`, as Bullet has it now: STATED numbers each, one after the
+        other, since numpy takes three times as long over tuples of tuples."""
         found: list[float] = []
         for body in self._bases:
             found += self._base(body)
@@ -61,7 +61,7 @@ class Reading:
         return found
 
     def snapshots(self, times: Sequence[float], raw: Sequence[list[float]]) -> tuple[Snapshot, ...]:
-        """What was read at `times` [s] since load, as body frames."""
+        """Return the states read at `times` [s] since load, as body frames."""
         rows = np.empty((len(raw), *self._still.shape))
         rows[:] = self._still
         if self.read:
@@ -75,7 +75,7 @@ class Reading:
         )
 
     def angles(self) -> Array:
-        """Hinge angles (hinges,) [rad] in the order of tracker samples."""
+        """Return hinge angles (hinges,) [rad] in the order of tracker samples."""
         found: list[float] = []
         for body, joints in self._hinges.items():
             states = pybullet.getJointStates(body, joints, physicsClientId=self._client)

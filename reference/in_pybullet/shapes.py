@@ -19,25 +19,25 @@ Array = NDArray[np.float64]
 IDENTITY = np.array(rotation.IDENTITY)
 
 SAME = 1e-12
-"""Places [m] and turns that differ by no more are one: what is left of rounding must not keep a shape from its own frame."""
+"""Places [m] and turns that differ by no more are one: rounding errors must not keep a shape from its own frame."""
 
 MOST_PIECES = 16
-"""Pieces that PyBullet takes for one compound (MAX_COMPOUND_COLLISION_SHAPES in its headers): more are dropped without a word."""
+"""Pieces that PyBullet takes for one compound (MAX_COMPOUND_COLLISION_SHAPES in its headers): more are dropped silently."""
 
 
 def parted(pieces: tuple[Piece, ...]) -> list[tuple[Piece, ...]]:
-    """`pieces` in groups that PyBullet takes whole; one empty group of none."""
+    """Return `pieces` in groups that PyBullet takes whole; one empty group of none."""
     return [pieces[k : k + MOST_PIECES] for k in range(0, len(pieces), MOST_PIECES)] or [()]
 
 
 def xyzw(quaternion: Array | Quaternion) -> list[float]:
-    """Scalar last, as PyBullet wants it. Together with `wxyz` the only place where the order changes."""
+    """Return a quaternion scalar last, as PyBullet wants it. Together with `wxyz` the only place where the order changes."""
     w, x, y, z = (float(value) for value in quaternion)
     return [x, y, z, w]
 
 
 def wxyz(quaternion: Sequence[float]) -> Array:
-    """Scalar first, as everywhere else."""
+    """Return a quaternion scalar first, as everywhere else."""
     x, y, z, w = quaternion
     return np.array([w, x, y, z])
 
@@ -82,7 +82,7 @@ def _upright(shape: Shape | Array, turn: Array) -> tuple[Shape | Array, Array]:
 
 
 def collision_shape(parts: list[Placed], client: int) -> int:
-    """Make one shape of all parts; -1, Bullet's word for none, of none."""
+    """Make one shape of all parts; return -1, Bullet's code for none, without parts."""
     if not parts:
         return -1
     shapes, places, turns = (list(column) for column in zip(*parts, strict=True))
@@ -99,12 +99,12 @@ def collision_shape(parts: list[Placed], client: int) -> int:
 
 
 def corners(box: Box) -> ConvexHull:
-    """A box as the hull of its eight corners."""
+    """Return a box as the hull of its eight corners."""
     return ConvexHull(0.5 * np.array(box.size) * np.array(list(product((-1.0, 1.0), repeat=3))))
 
 
 def vertices_of(shape: Shape | Array) -> Array | None:
-    """Vertices if Bullet sees the shape as a hull, None if it has a word for it."""
+    """Return vertices if Bullet sees the shape as a hull, None if it has a type for it."""
     if isinstance(shape, Ellipsoid):
         return hull_of(shape).vertices
     if isinstance(shape, np.ndarray):
@@ -125,7 +125,7 @@ def _single(shape: Shape | Array) -> dict[str, object]:
 
 
 def _row(shape: Shape | Array, file: Path) -> dict[str, object]:
-    """One row of createCollisionShapeArray, which takes hulls from files only."""
+    """Return one row of createCollisionShapeArray, which takes hulls from files only."""
     one: dict[str, object] = {
         "shapeTypes": 0, "radii": 1.0, "halfExtents": [1.0, 1.0, 1.0], "lengths": 1.0, "fileNames": "", "meshScales": [1.0] * 3,
     }

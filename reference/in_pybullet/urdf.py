@@ -28,7 +28,7 @@ NARROWEST = 1e-9
 """Range [rad] of an angle that is locked; Bullet takes 0 for a joint without limits."""
 
 EFFORT = 1e6
-"""Largest impulse [N m s] of a limit. Smaller than what an avatar is moved with: limits give way; 0: no limit at all."""
+"""Largest impulse [N m s] of a limit. Smaller than those that move an avatar: limits give way; 0: no limit at all."""
 
 KINDS = {pybullet.JOINT_SPHERICAL: "spherical", pybullet.JOINT_FIXED: "fixed", pybullet.JOINT_REVOLUTE: "continuous"}
 
@@ -71,7 +71,7 @@ def load(base: Mapping[str, Any], shape: list[Placed], columns: Mapping[str, lis
 
 
 def _link(name: str, mass: float, centre: Sequence[float], parts: list[Placed], folder: Path) -> str:
-    """Text of a link; its inertia is set when it is loaded."""
+    """Return the text of a link; its inertia is set when it is loaded."""
     inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
     met = "".join(
         f"<collision>{_origin(place, turn)}<geometry>{_geometry(shape, folder / f'{name}.{k}.stl')}</geometry></collision>"
@@ -94,7 +94,7 @@ def _joint(k: int, row: Mapping[str, Any], limits: SwingTwist | None) -> str:
 
 
 def _origin(place: Sequence[float], turn: Sequence[float] = (0.0, 0.0, 0.0, 1.0)) -> str:
-    """Text of a place and a turn (x, y, z, w), which URDF writes as roll, pitch and yaw."""
+    """Return the text of a place and a turn (x, y, z, w), which URDF writes as roll, pitch and yaw."""
     matrix = rotation.to_matrix(wxyz(turn))
     roll = np.arctan2(matrix[2, 1], matrix[2, 2])
     pitch = np.arctan2(-matrix[2, 0], np.hypot(matrix[2, 1], matrix[2, 2]))
@@ -109,7 +109,7 @@ def _spaced(numbers: Sequence[float]) -> str:
 
 
 def _geometry(shape: Shape | Array, file: Path) -> str:
-    """Text of a shape. Vertices go into a binary STL, in single precision: of an OBJ file Bullet makes a compound."""
+    """Return the text of a shape. Vertices go into a binary STL, in single precision: of an OBJ file Bullet makes a compound."""
     if isinstance(shape, Sphere):
         return f'<sphere radius="{shape.radius!r}"/>'
     if isinstance(shape, Box):

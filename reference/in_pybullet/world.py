@@ -1,7 +1,7 @@
 """Our scene as Bullet multibodies: same shapes but for stand-ins, same masses, exactly the scene's pairs.
 
 Bullet knows inertias along the axes of a link's frame only, so each link's frame is turned to its principal
-axes here (`Part.frame`), and joints, anchors and shapes with it. What comes out is turned back.
+axes here (`Part.frame`), and joints, anchors and shapes with it. Results are turned back.
 """
 
 from collections.abc import Iterable
@@ -47,7 +47,7 @@ class Part:
 
     @property
     def carriers(self) -> tuple[tuple[int, int], ...]:
-        """(multibody, link) of all that carries its pieces."""
+        """(multibody, link) of all parts that carry its pieces."""
         return (*((self.body, link) for link in self.shapes), *((body, -1) for body in self.also))
 
 
@@ -91,7 +91,7 @@ def build_world(scene: Scene, client: int, maximal: bool, limits: bool, ball_lim
 
 
 def _attach(world: World, scene: Scene) -> None:
-    """A fixed constraint between each attached body and its link, as the scene starts."""
+    """Fix each attached body to its link by a constraint, as the scene starts."""
     positions, orientations = link_poses(scene.avatars, scene.first_sample)
     for body, link in scene.attached:
         at, b = scene.names.index(link) - len(scene.bodies), scene.names.index(body)
@@ -109,8 +109,8 @@ def _attach(world: World, scene: Scene) -> None:
 
 
 def principal(mass: Mass, pieces: tuple[Piece, ...]) -> tuple[Array, Array]:
-    """Principal moments (3,) [kg m^2] and the frame (w, x, y, z) of their axes in the body's: those of its one piece, where they
-    are that."""
+    """Return principal moments (3,) [kg m^2] and the frame (w, x, y, z) of their axes in the body's: those of its one piece,
+    where they are that."""
     if len(pieces) == 1:
         axes = rotation.to_matrix(np.array(pieces[0].orientation))
         turned = axes.T @ mass.inertia @ axes
@@ -121,7 +121,7 @@ def principal(mass: Mass, pieces: tuple[Piece, ...]) -> tuple[Array, Array]:
 
 
 def _is_simple(body: Body) -> bool:
-    """Return True if Bullet finds the stated inertia by itself; without multibody it cannot be told another."""
+    """Return True if Bullet finds the stated inertia by itself; without multibody it cannot be given another."""
     if body.role is not Role.SIMULATED or body.mass is None or len(body.pieces) != 1:
         return False
     piece = body.pieces[0]
@@ -134,7 +134,7 @@ def _is_simple(body: Body) -> bool:
 
 @lru_cache(maxsize=256)
 def _inertia_per_mass(shape: Sphere | Box) -> Array:
-    """Inertia (3, 3) [m^2] of a solid of 1 kg; piles are made of many alike."""
+    """Return the inertia (3, 3) [m^2] of a solid of 1 kg; piles are made of many alike."""
     return solid((Piece(shape),), 1.0).inertia
 
 
@@ -156,7 +156,7 @@ def _body(body: Body, client: int, maximal: bool) -> Part:
 
 
 def _still(body: Body, pieces: tuple[Piece, ...], client: int, maximal: bool) -> int:
-    """A multibody that never moves, of some of a fixed body's pieces."""
+    """Return a multibody that never moves, of some of a fixed body's pieces."""
     return int(pybullet.createMultiBody(
         0.0, collision_shape(placed(pieces, IDENTITY, np.zeros(3)), client), basePosition=body.position,
         baseOrientation=xyzw(body.orientation), useMaximalCoordinates=maximal, physicsClientId=client,
@@ -177,7 +177,7 @@ class _Chain:
     ball_limits: dict[int, SwingTwist] = field(default_factory=dict)
 
     def made(self, base: dict[str, object], shape: list[Placed], client: int) -> int:
-        """Make the multibody with a base of `shape`: from a file where ball joints have limits, else by calls; its number."""
+        """Make the multibody with a base of `shape`, from a file where ball joints have limits, else by calls; return its id."""
         if self.ball_limits:
             return urdf.load(base, shape, self.columns, self.shapes, self.ball_limits, client)
         return int(pybullet.createMultiBody(
@@ -188,7 +188,7 @@ class _Chain:
 
     def add(self, parent: int, place: Array, turn: Array, kind: int, axis: Vector | list[float], mass: float,
             moments: list[float], shape: list[Placed], centre: Array | None = None) -> int:
-        """Append one Bullet link below link `parent` (-1: base); its index."""
+        """Append one Bullet link below link `parent` (-1: base); return its index."""
         row: dict[str, object] = {
             "linkMasses": mass, "linkVisualShapeIndices": -1, "linkPositions": place.tolist(),
             "linkOrientations": xyzw(turn), "linkParentIndices": parent + 1,
@@ -204,11 +204,11 @@ class _Chain:
         return index
 
     def shape(self, link: Link, frame: Array, centre: Array) -> list[Placed]:
-        """The parts of a link itself: none if its pieces are links."""
+        """Return the parts of a link itself: none if its pieces are links."""
         return placed(() if self._splits(link) else link.pieces, frame, centre, self.hulls)
 
     def pieces(self, link: Link, index: int, frame: Array) -> tuple[int, ...]:
-        """Append what carries the pieces of link `index`, unless it does itself; the links that do.
+        """Append the links that carry the pieces of link `index`, unless it does itself; return those links.
 
         A compound meets nothing before boxes around its parts overlap. A piece on a link of its own, which is fixed to its link
         and weighs nothing, is met before it overlaps, as a link of one piece is.
@@ -279,7 +279,7 @@ def _avatar(world: World, scene: Scene, avatar: Avatar, first: int, limits: bool
 
 
 def _depth_first(avatar: Avatar) -> list[int]:
-    """Places of the links, each branch to its end before the next: the order in which Bullet numbers links
+    """Return places of the links, each branch to its end before the next: the order in which Bullet numbers links
     itself."""
     below: dict[str | None, list[int]] = {}
     for k, link in enumerate(avatar.links):
@@ -293,7 +293,7 @@ def _depth_first(avatar: Avatar) -> list[int]:
 
 
 def moments_of(link: Link) -> list[float]:
-    """Principal moments of a link, as a list."""
+    """Return principal moments of a link, as a list."""
     moments: list[float] = principal(link.mass, link.pieces)[0].tolist()
     return moments
 
@@ -330,7 +330,7 @@ def _joint(chain: _Chain, link: Link, above: int, place: Array, turn: Array, fra
 
 
 def _filter(world: World, scene: Scene) -> None:
-    """Exactly the scene's pairs: Bullet tests all but what is switched off here."""
+    """Filter to exactly the scene's pairs: Bullet tests all that are not switched off here."""
     still = np.array([role is Role.FIXED for role in scene.roles])
     n = len(scene.names)
 

@@ -65,7 +65,7 @@ class RapierEngine:
         self._cut(dt)
         self._angles = JointAngles(self._world.joined, scene.first_sample.angles)
         shown, *poses = self._read()
-        # what is fixed is read once
+        # fixed bodies are read once
         self._moving = np.flatnonzero([not view.is_fixed for view in self._views])
         self._views = [self._views[k] for k in self._moving]
         return FrameRecord(shown, self._angles.measured(*poses))
@@ -122,7 +122,7 @@ class RapierEngine:
         return made
 
     def _read(self) -> tuple[Snapshot, Array, Array]:
-        """Return what is shown, and poses of all bodies that hinges join: (m, 3) [m] and (m, 4)."""
+        """Return the snapshot to show, and poses of all bodies that hinges join: (m, 3) [m] and (m, 4)."""
         self._states[self._moving] = np.array([
             (*b.translation.to_tuple(), *b.rotation.to_tuple(), *b.linvel.to_tuple(), *b.angvel.to_tuple()) for b in self._views
         ]).reshape(-1, 13)

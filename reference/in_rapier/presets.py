@@ -64,7 +64,7 @@ BETTER_ELSEWHERE = (
     "sleep = true: frames of what rests take a fraction (row rapier/sleeping)",
     "solver_iterations = 1: a third of the time of piles at the same overlap; stacks creep by 0.7 mm and hands bend farther",
 )
-"""Settings that are better than tuned in something else, and what they cost."""
+"""Settings that are better than tuned in another respect, and their cost."""
 
 
 def presets(kind: Kind) -> Mapping[str, Preset]:

@@ -35,8 +35,8 @@ BETWEEN_HINGES = 1e-3
 
 @dataclass(eq=False)
 class World:
-    """The world, bodies in canonical order and after them those between hinges, (target, link) of what is held, and all hinges
-    and slides, in the order of the scene's angles.
+    """The world, bodies in canonical order and after them those between hinges, (target, link) of the links held to targets, and
+    all hinges and slides, in the order of the scene's angles.
 
     places (links, 3) [m], turned (links, 4), angles (hinges,) [rad, m]: the first posture;
     limits: flag, joints have them; reduced: flag, hinges and what is rigid are joined in reduced coordinates."""
@@ -57,7 +57,7 @@ class World:
         joints.insert(self.handles[above], self.handles[below], joint)
 
     def add(self, body: rapier.RigidBodyBuilder) -> int:
-        """Insert a body without shape; its row."""
+        """Insert a body without shape; return its row."""
         self.handles.append(self.physics.add_body(body, []))
         return len(self.handles) - 1
 
@@ -100,7 +100,7 @@ def _vector(values: ArrayLike) -> tuple[float, float, float]:
 
 
 def _body(owner: Body | Link, options: Options) -> rapier.RigidBodyBuilder:
-    """A body without place; rigid roots of avatars are fixed."""
+    """Return a body without place; rigid roots of avatars are fixed."""
     if owner.mass is None or (isinstance(owner, Link) and owner.parent is None and isinstance(owner.joint, Rigid)):
         return rapier.RigidBody.fixed()
     made = rapier.RigidBody.dynamic().gyroscopic_forces(True).ccd_enabled(options.flag("ccd"))
@@ -117,7 +117,7 @@ def _mass(mass: Mass, share: float = 1.0) -> rapier.MassProperties:
 
 
 def _collider(piece: Piece) -> rapier.ColliderBuilder:
-    """A piece without mass, for masses are stated; coefficients of two colliders are multiplied."""
+    """Return a piece without mass, for masses are stated; coefficients of two colliders are multiplied."""
     multiply = rapier.CoefficientCombineRule.MULTIPLY
     made = _shape(piece.shape).position(isometry(piece.position, piece.orientation)).density(0.0)
     return made.friction_combine_rule(multiply).restitution_combine_rule(multiply)
@@ -135,7 +135,7 @@ def _shape(shape: Shape) -> rapier.ColliderBuilder:
 
 
 def _let_pass(world: World, scene: Scene) -> None:
-    """Let pairs pass by joints that hold nothing, where masks cannot say which."""
+    """Let pairs pass by joints that hold nothing, where masks cannot express them."""
     for a, b in combinations(range(len(scene.names)), 2):
         fixed = scene.roles[a] is Role.FIXED and scene.roles[b] is Role.FIXED
         if not scene.contact_filter[a, b] and not fixed:
@@ -164,7 +164,7 @@ def _join(world: World, scene: Scene, options: Options) -> None:
 
 
 def _spring(options: Options) -> rapier.GenericJoint:
-    """Six motors without joint: per unit of mass and inertia, so that all links follow alike."""
+    """Return six motors without joint: per unit of mass and inertia, so that all links follow alike."""
     frequency = options.number("weld_frequency")
     made = rapier.GenericJointBuilder(rapier.JointAxesMask.empty()).contacts_enabled(False)
     for axis in (AXES.LIN_X, AXES.LIN_Y, AXES.LIN_Z, AXES.ANG_X, AXES.ANG_Y, AXES.ANG_Z):
@@ -174,7 +174,7 @@ def _spring(options: Options) -> rapier.GenericJoint:
 
 
 def _joint(world: World, link: Link, above: int, row: int, options: Options, turned: Array) -> None:
-    """Join a link to what is `above`, which is `turned`."""
+    """Join a link to its parent `above`, which is `turned`."""
     anchor, rest = np.asarray(link.anchor), np.asarray(link.orientation)
     if isinstance(link.joint, Ball):
         _ball(world, link.joint, above, row, isometry(anchor, rest), options)
@@ -214,7 +214,7 @@ def _ball(world: World, ball: Ball, above: int, row: int, frame: rapier.Isometry
 
 
 def _about(axis: Hinge | Slide, anchor: Array, rest: Array, limits: bool) -> rapier.GenericJoint:
-    """A hinge or a slide, with x of both frames along its axis."""
+    """Return a hinge or a slide, with x of both frames along its axis."""
     slides, along = isinstance(axis, Slide), rotation.between(X, axis.axis)
     locked = rapier.JointAxesMask.LOCKED_PRISMATIC_AXES if slides else rapier.JointAxesMask.LOCKED_REVOLUTE_AXES
     made = rapier.GenericJointBuilder(locked).contacts_enabled(False)

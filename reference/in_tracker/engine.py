@@ -1,4 +1,4 @@
-"""The raw tracker motion, without any contact handling: how large the problem is that the engines solve."""
+"""The raw tracker motion, without any contact handling: the size of the problem that the engines solve."""
 
 from collections.abc import Mapping
 
@@ -21,7 +21,7 @@ class RawTracker:
     presets = ("default",)
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
-        """What is left out: everything but kinematics."""
+        """Return the features left out: all but kinematics."""
         found = {}
         if scene.avatars:
             found["contact"] = "links go where the tracker has them, through everything"
@@ -30,11 +30,11 @@ class RawTracker:
         return found
 
     def settings_as_run(self) -> Mapping[str, object]:
-        """Nothing can be set."""
+        """Return no settings: nothing can be set."""
         return {}
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
-        """The first posture."""
+        """Return the first posture."""
         if settings.preset not in self.presets:
             raise UnknownName(f"preset of {self.name}", settings.preset, self.presets)
         for name in settings.options:
@@ -50,12 +50,12 @@ class RawTracker:
         return self._record(scene.first_sample, dt)
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
-        """The tracker's posture; velocities are those that led there from the last frame."""
+        """Return the tracker's posture; velocities are those that led there from the last frame."""
         self._elapsed += dt
         return self._record(checked(sample, self._scene.avatars), dt)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there is nothing to release."""
 
     def _record(self, sample: TrackerSample, dt: float) -> FrameRecord:
         if not (np.isfinite(dt) and dt > 0.0):

@@ -1,1 +1,1 @@
-"""The judge of overlap, what it is made of, and what it is judged by."""
+"""The judge of overlap, its parts, and the exact cases that it is checked with."""

@@ -15,7 +15,7 @@ Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 TOLERANCE = 1e-9
-"""What coal's two iterations may leave [m]. Its default of 1e-6 costs micrometres on curved shapes; at 1e-12 they lose
+"""Error [m] that coal's two iterations may leave. Its default of 1e-6 costs micrometres on curved shapes; at 1e-12 they lose
 their way on aligned boxes, by centimetres."""
 
 SMOOTH_TOLERANCE = 1e-8
@@ -31,7 +31,7 @@ MOST_AXES = 4000
 
 
 def _request(tolerance: float) -> coal.DistanceRequest:
-    """What coal is asked for: signed distances, iterated to `tolerance` [m]."""
+    """Return the request to coal: signed distances, iterated to `tolerance` [m]."""
     request = coal.DistanceRequest()
     request.enable_signed_distance = True
     request.gjk_tolerance = request.epa_tolerance = tolerance
@@ -40,7 +40,7 @@ def _request(tolerance: float) -> coal.DistanceRequest:
 
 
 class Distances:
-    """Between the p pieces of one scene."""
+    """Signed distances between the p pieces of one scene."""
 
     def __init__(self, pieces: Pieces) -> None:
         self._pieces = pieces
@@ -51,8 +51,8 @@ class Distances:
         self._radii = np.array([shape.radius if isinstance(shape, Sphere) else np.nan for shape in pieces.shapes])
 
     def each(self, at: Array, turned: Array, near: Near) -> tuple[Array, Flags]:
-        """Signed distances (k,) [m] of near pairs in states placed at (F, p, 3) [m] and turned by (F, p, 3, 3), and True (k,)
-        where brute force decided."""
+        """Return signed distances (k,) [m] of near pairs in states placed at (F, p, 3) [m] and turned by (F, p, 3, 3), and True
+        (k,) where brute force decided."""
         state, first, second = near
         offsets = at[state, first] - at[state, second]
         # two balls need no iteration, and so no proof; all others are nan here
@@ -84,7 +84,7 @@ class Distances:
                 if piece not in placed:
                     placements[piece].setTransform(turned[k, piece], at[k, piece])
                     placed.add(piece)
-            # coal keeps the smaller of the old and the new distance unless told to forget
+            # coal keeps the smaller of the old and the new distance unless the old one is reset
             result.clear()
             request = self._requests[smooth[a] or smooth[b]]
             found[row] = coal.distance(geometries[a], placements[a], geometries[b], placements[b], request, result)
@@ -93,8 +93,8 @@ class Distances:
         return normals
 
     def _decided(self, a: int, turns_a: Array, b: int, turns_b: Array, offsets: Array) -> Array:
-        """Signed distances (k,) [m] of k placements of pieces a and b without iteration: all axes of polytopes that overlap, all
-        at once, and what is left one by one."""
+        """Return signed distances (k,) [m] of k placements of pieces a and b without iteration: all axes of overlapping polytopes
+        in one pass, and the rest one by one."""
         one, other = self._pieces.outlines[a], self._pieces.outlines[b]
         distances, rows = np.full(len(offsets), np.nan), np.arange(len(offsets))
         axes = 2 * len(one.edges) * len(other.edges)
@@ -106,7 +106,7 @@ class Distances:
         return distances
 
     def by_brute_force(self, a: int, turn_a: Array, b: int, turn_b: Array, offset: Array) -> float:
-        """Signed distance [m] of pieces a and b without iteration; `offset` (3,) [m] leads from b's origin to a's."""
+        """Return the signed distance [m] of pieces a and b without iteration; `offset` (3,) [m] leads from b's origin to a's."""
         one, other = self._pieces.outlines[a], self._pieces.outlines[b]
         if self._smooth[a] or self._smooth[b]:
             return by_directions(one, turn_a, other, turn_b, offset)
@@ -114,7 +114,7 @@ class Distances:
 
 
 def _alike(rows: Indices, key: Indices) -> list[Indices]:
-    """`rows` in groups of one `key`: what belongs to the same two pieces is proven together."""
+    """Return `rows` in groups of one `key`: rows of the same two pieces are proven together."""
     if not len(rows):
         return []
     ordered = rows[np.argsort(key[rows], kind="stable")]

@@ -23,7 +23,7 @@ Fewer than the pieces of one scene would keep nothing."""
 
 @lru_cache(maxsize=MOST_KEPT)
 def coal_geometry(shape: Shape) -> coal.CollisionGeometry:
-    """`shape` as coal's own kind of it; hulls vertex for vertex, and boxes as hulls of their corners.
+    """Return `shape` as coal's own kind of it; hulls vertex for vertex, and boxes as hulls of their corners.
 
     Of coal's own boxes, turned against each other by a millionth of a radian, every twentieth pair came out up to
     0.2 m too shallow; of the same boxes as hulls none did.
@@ -38,7 +38,7 @@ def coal_geometry(shape: Shape) -> coal.CollisionGeometry:
 
 
 def _coal_hull(vertices: Array) -> coal.CollisionGeometry:
-    """A coal hull of `vertices` (n, 3), faces wound counter-clockwise seen from outside; inner points are dropped."""
+    """Return a coal hull of `vertices` (n, 3), faces wound counter-clockwise seen from outside; inner points are dropped."""
     kept, wound = wound_faces(vertices)
     rank = np.zeros(len(vertices), dtype=np.int64)
     rank[kept] = np.arange(len(kept))
@@ -51,7 +51,7 @@ def _coal_hull(vertices: Array) -> coal.CollisionGeometry:
 
 
 def wound_faces(vertices: Array) -> tuple[Indices, Indices]:
-    """Vertices (k,) of the hull of `vertices` (n, 3), and its triangles (f, 3), counter-clockwise seen from outside."""
+    """Return vertices (k,) of the hull of `vertices` (n, 3), and its triangles (f, 3), counter-clockwise seen from outside."""
     hull = QuickHull(vertices)
     a, b, c = (vertices[hull.simplices[:, k]] for k in range(3))
     outward = (np.cross(b - a, c - a) * hull.equations[:, :3]).sum(axis=1) > 0.0
@@ -59,7 +59,7 @@ def wound_faces(vertices: Array) -> tuple[Indices, Indices]:
 
 
 def rounded_points(shape: Shape) -> tuple[Array, float]:
-    """`shape` as points (n, 3) [m] in its own frame swept by a ball of a radius [m]; no ellipsoid is that.
+    """Return `shape` as points (n, 3) [m] in its own frame swept by a ball of a radius [m], which no ellipsoid is.
 
     Raises TypeError for an ellipsoid.
     """
@@ -76,8 +76,8 @@ def rounded_points(shape: Shape) -> tuple[Array, float]:
 
 
 def _box_round(shape: Shape) -> tuple[Array, Array, float, float]:
-    """Centre (3,) and half lengths (3,) of a box in the shape's frame, what to add for rounding, and a radius about
-    the centre that holds everything [m]."""
+    """Return centre (3,) and half lengths (3,) of a box in the shape's frame, the allowance for rounding, and a radius
+    about the centre that holds everything [m]."""
     if isinstance(shape, Ellipsoid):
         return np.zeros(3), np.array(shape.radii), 0.0, max(shape.radii)
     points, radius = rounded_points(shape)
@@ -87,7 +87,7 @@ def _box_round(shape: Shape) -> tuple[Array, Array, float, float]:
 
 
 class Outline:
-    """What of a shape can be measured along an axis without any search: how far it reaches, and its faces.
+    """Measures of a shape along an axis that need no search: how far it reaches, and its faces.
 
     points (k, 3) [m] swept by a ball of `radius` [m] are the shape, unless it is an ellipsoid, which has none;
     faces (f, 3) are its unit face normals, offsets (f,) [m] how far it reaches along them, edges (e, 3) its unit edge
@@ -117,7 +117,7 @@ class Outline:
         self.offsets = self.reach(self.faces)
 
     def reach(self, axes: Array) -> Array:
-        """Highest coordinate (...) [m] of the shape along unit `axes` (..., 3), in the shape's own frame."""
+        """Return the highest coordinate (...) [m] of the shape along unit `axes` (..., 3), in the shape's own frame."""
         if self._radii is not None:
             return np.asarray(np.sqrt(((axes * self._radii) ** 2).sum(axis=-1)))
         return np.asarray((axes @ self.points.T).max(axis=-1) + self.radius)
@@ -125,7 +125,7 @@ class Outline:
 
 @lru_cache(maxsize=MOST_KEPT)
 def outline(shape: Shape) -> Outline:
-    """The outline of `shape`, which nothing changes."""
+    """Return the outline of `shape`, which nothing changes."""
     return Outline(shape)
 
 
@@ -153,12 +153,12 @@ class Pieces:
         self.swings = self.radii - self._rounding
 
     def placed(self, positions: Array, turns: Array) -> tuple[Array, Array]:
-        """Positions (..., p, 3) [m] and turns (..., p, 3, 3) of the pieces in the world, from those of the n bodies."""
+        """Return positions (..., p, 3) [m] and turns (..., p, 3, 3) of the pieces in the world, from those of the n bodies."""
         turn = turns[..., self.owner, :, :]
         return positions[..., self.owner, :] + np.einsum("...pij,pj->...pi", turn, self.positions), turn @ self.turns
 
     def boxes(self, positions: Array, turns: Array) -> tuple[Array, Array]:
-        """Lower and upper corners (..., p, 3) [m] of axis-aligned boxes round the placed pieces."""
+        """Return lower and upper corners (..., p, 3) [m] of axis-aligned boxes round the placed pieces."""
         centres = positions + np.einsum("...pij,pj->...pi", turns, self.centres)
         halves = np.einsum("...pij,pj->...pi", np.abs(turns), self._halves) + self._rounding[:, None]
         halves = np.minimum(halves, self.radii[:, None])

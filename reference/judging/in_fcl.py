@@ -1,6 +1,6 @@
 """Signed distance of two convex shapes by python-fcl, also in a process of its own: on some boxes face to face it ends it.
 
-Only `fcl.distance` is asked: fcl's collide reports depths that are not minimal, or negative.
+Only `fcl.distance` is used: fcl's collide reports depths that are not minimal, or negative.
 """
 
 import multiprocessing
@@ -25,7 +25,7 @@ PATIENCE = 60.0
 
 
 def fcl_geometry(shape: Shape) -> fcl.CollisionGeometry:
-    """`shape` as fcl's own kind of it; hulls vertex for vertex."""
+    """Return `shape` as fcl's own kind of it; hulls vertex for vertex."""
     if isinstance(shape, Sphere):
         return fcl.Sphere(shape.radius)
     if isinstance(shape, Capsule):
@@ -41,7 +41,7 @@ def fcl_geometry(shape: Shape) -> fcl.CollisionGeometry:
 def fcl_distance(
     a: fcl.CollisionGeometry, turn_a: Array, at_a: Array, b: fcl.CollisionGeometry, turn_b: Array, at_b: Array
 ) -> float:
-    """Signed distance [m] by fcl of two geometries at rotations (3, 3) and positions (3,) [m]."""
+    """Return the signed distance [m] by fcl of two geometries at rotations (3, 3) and positions (3,) [m]."""
     request = fcl.DistanceRequest(enable_signed_distance=True, gjk_solver_type=fcl.GJKSolverType.GST_LIBCCD)
     first = fcl.CollisionObject(a, fcl.Transform(turn_a, at_a))
     second = fcl.CollisionObject(b, fcl.Transform(turn_b, at_b))
@@ -49,9 +49,9 @@ def fcl_distance(
 
 
 def fcl_distances(questions: Sequence[Question]) -> Array:
-    """fcl's signed distances (n,) [m], asked in a process of its own; nan where that process ended without an answer."""
+    """Return fcl's signed distances (n,) [m], computed in its own process; nan where that process ended without an answer."""
     answers, begun = np.full(len(questions), np.nan), 0
-    # a process that is started anew: a fork of one that has threads may stand still
+    # a process that is started anew: a fork of one that has threads may hang
     context = multiprocessing.get_context("spawn")
     while begun < len(questions):
         here, there = context.Pipe()
@@ -72,7 +72,7 @@ def fcl_distances(questions: Sequence[Question]) -> Array:
 
 
 def _answer(connection: Connection, questions: Sequence[Question]) -> None:
-    """Life of that process: one number for each question. What fcl says as it ends is dropped."""
+    """Run that process: one number for each question. Messages of fcl as it ends are dropped."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
     with suppress(ConnectionError):
         for a, turn_a, b, turn_b, from_b_to_a in questions:

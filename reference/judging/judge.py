@@ -21,7 +21,7 @@ World = tuple[Array, Array]
 """Positions (F, p, 3) [m] and turns (F, p, 3, 3) of all pieces in F states."""
 
 LENGTH_OF_A_ROTATION = 1e-6
-"""How far from 1 the length of a quaternion may be. Beyond, the pose is no rotation and its verdict is not a number."""
+"""Largest deviation from 1 of a quaternion's length. Beyond, the pose is no rotation and its verdict is not a number."""
 
 FARTHEST = 1e7
 """Largest coordinate [m] that is judged. Beyond, neighbouring numbers are further apart than the promised accuracy, and a
@@ -34,7 +34,7 @@ PLACED_AT_ONCE = 50_000
 
 @dataclass(frozen=True)
 class Verdict:
-    """What the judge found in one state of the world.
+    """Result of the judge for one state of the world.
 
     deepest  [m] largest depth over all pairs that must not overlap, of a pair that overlaps at home beyond that; 0 when free, nan
              when the poses are no poses
@@ -54,7 +54,7 @@ class Verdict:
 
 
 FREE = Verdict(0.0, None)
-"""What stands in a state's place until it is judged."""
+"""Placeholder of a state until it is judged."""
 
 
 class Judge:
@@ -70,7 +70,7 @@ class Judge:
         self.between = Distances(self.pieces)
 
     def overlaps(self, positions: Array, orientations: Array, reach: float = 0.0) -> Verdict:
-        """Verdict on body frames at positions (n, 3) [m] and orientations (n, 4), in the scene's canonical order.
+        """Return the verdict on body frames at positions (n, 3) [m] and orientations (n, 4), in the scene's canonical order.
 
         Pairs whose boxes are further apart than `reach` [m] are not measured. Poses that are not finite or not
         rotations give a depth of nan, never an exception. Raises InvalidInput when the shapes do not fit the scene.
@@ -78,7 +78,7 @@ class Judge:
         return self.each(np.asarray(positions)[None], np.asarray(orientations)[None], reach)[0]
 
     def each(self, positions: Array, orientations: Array, reach: float = 0.0) -> list[Verdict]:
-        """Verdicts on F states (F, n, 3) [m], (F, n, 4) at once, each as if it were asked alone."""
+        """Return verdicts on F states (F, n, 3) [m], (F, n, 4) at once, each as if it were judged alone."""
         verdicts = self._all_faults(positions, orientations)
         for sound, world, near in self._blocks(positions, orientations, reach):
             distances, decided = self._beyond_rest(world, near)
@@ -89,8 +89,8 @@ class Judge:
         return verdicts
 
     def over_time(self, positions: Array, orientations: Array) -> list[Verdict]:
-        """The same of states that follow one another, but for the gap: pairs that a measured state and the motion since prove
-        apart are not measured."""
+        """Return the same of states that follow one another, but for the gap: pairs that a measured state and the motion since
+        prove apart are not measured."""
         verdicts = self._all_faults(positions, orientations)
         for sound, world, near in self._blocks(positions, orientations):
             distances = self._where_deep(world, near, False)
@@ -102,11 +102,11 @@ class Judge:
         return verdicts
 
     def depths(self, positions: Array, orientations: Array) -> Array:
-        """(F,) deepest overlap [m] of F states (F, n, 3), (F, n, 4): 0 when free, nan when the poses are no poses."""
+        """Return (F,) deepest overlap [m] of F states (F, n, 3), (F, n, 4): 0 when free, nan when the poses are no poses."""
         return np.array([verdict.deepest for verdict in self.over_time(positions, orientations)], dtype=np.float64)
 
     def deepest(self, positions: Array, orientations: Array) -> float:
-        """Deepest overlap [m] of all these states together; nan when one of them has no pose or a pair no distance."""
+        """Return the deepest overlap [m] of all these states together; nan when one of them has no pose or a pair no distance."""
         found = 0.0 if self._sound(positions, orientations).all() else np.nan
         for _, world, near in self._blocks(positions, orientations):
             # a pair without a distance stays nan
@@ -114,7 +114,7 @@ class Judge:
         return float(found)
 
     def link_depths(self, positions: Array, orientations: Array) -> Array:
-        """(F,) the deepest overlap over pairs in which a link takes part."""
+        """Return (F,) the deepest overlap over pairs in which a link takes part."""
         link = self.pieces.owner >= len(self.scene.bodies)
         found = np.where(self._sound(positions, orientations).all(axis=1), 0.0, np.nan)
         for sound, world, near in self._blocks(positions, orientations):
@@ -123,8 +123,8 @@ class Judge:
         return found
 
     def link_gaps(self, positions: Array, orientations: Array, reach: float) -> Array:
-        """(F,) the smallest distance [m] of a pair in which a link takes part, negative where it overlaps; inf where the boxes of
-        no such pair are within `reach` [m] of each other, nan where the poses are no poses or a pair has no distance."""
+        """Return (F,) the smallest distance [m] of a pair in which a link takes part, negative where it overlaps; inf where the
+        boxes of no such pair are within `reach` [m] of each other, nan where the poses are no poses or a pair has no distance."""
         link = self.pieces.owner >= len(self.scene.bodies)
         found = np.where(self._sound(positions, orientations).all(axis=1), np.inf, np.nan)
         for sound, world, near in self._blocks(positions, orientations, reach):
@@ -133,14 +133,14 @@ class Judge:
         return found
 
     def _all_faults(self, positions: Array, orientations: Array) -> list[Verdict]:
-        """FREE for every state whose poses are poses, and why not for the others."""
+        """Return FREE for every state whose poses are poses, and why not for the others."""
         verdicts = [FREE] * len(positions)
         for k in np.flatnonzero(~self._sound(positions, orientations).all(axis=1)):
             verdicts[k] = Verdict(np.nan, None, faults=self.faults(positions[k], orientations[k]), gap=np.nan)
         return verdicts
 
     def _blocks(self, positions: Array, orientations: Array, reach: float = 0.0) -> Iterator[tuple[Indices, World, Near]]:
-        """The sound states, some at a time: their places in the whole, where all pieces are in them, and which are near."""
+        """Yield the sound states, some at a time: their places in the whole, where all pieces are in them, and which are near."""
         sound = np.flatnonzero(self._sound(positions, orientations).all(axis=1))
         # all at once would fill memory, one by one costs more in calls than in distances
         block = max(1, PLACED_AT_ONCE // len(self.pieces.shapes))
@@ -150,18 +150,18 @@ class Judge:
             yield some, world, near_pairs(self._may_meet, *self.pieces.boxes(*world), reach)
 
     def _where_deep(self, world: World, near: Near, deepest_only: bool) -> Array:
-        """Signed distances (k,) [m] of near pairs, right where they overlap."""
+        """Return signed distances (k,) [m] of near pairs, right where they overlap."""
         return where_deep(near, Moves(self.pieces, *world), lambda some: self._beyond_rest(world, some)[0], deepest_only)
 
     def _beyond_rest(self, world: World, near: Near) -> tuple[Array, Flags]:
-        """`Distances.each`, larger by the depth that the pair may have, which overlaps at home (`Scene.at_rest`)."""
+        """Return `Distances.each`, larger by the depth that the pair may have, which overlaps at home (`Scene.at_rest`)."""
         distances, decided = self.between.each(*world, near)
         if self.scene.resting:
             distances = distances + self._allowed[self.pieces.owner[near.first], self.pieces.owner[near.second]]
         return distances, decided
 
     def _verdict(self, first: Indices, second: Indices, distances: Array, decided: int) -> Verdict:
-        """What the distances (k,) [m] of pairs of pieces say of the bodies."""
+        """Return the verdict on the bodies from the distances (k,) [m] of pairs of pieces."""
         names, owner = self.scene.names, self.pieces.owner
         gap = float(distances.min()) if len(distances) else np.inf
         if gap >= 0.0:
@@ -179,17 +179,17 @@ class Judge:
         return Verdict(pairs[0][2], pairs[0][:2], tuple(pairs), gap, decided=decided)
 
     def distances(self, positions: Array, orientations: Array, reach: float = 0.0) -> tuple[Indices, Indices, Array]:
-        """Indices (k,), (k,) of the pieces of all near pairs and their signed distance (k,) [m]; poses must be sound."""
+        """Return indices (k,), (k,) of the pieces of all near pairs and their signed distance (k,) [m]; poses must be sound."""
         world = self._placed(np.asarray(positions)[None], np.asarray(orientations)[None])
         near = near_pairs(self._may_meet, *self.pieces.boxes(*world), reach)
         return near.first, near.second, self._beyond_rest(world, near)[0]
 
     def _placed(self, positions: Array, orientations: Array) -> World:
-        """Positions (F, p, 3) [m] and turns (F, p, 3, 3) of all pieces in the world."""
+        """Return positions (F, p, 3) [m] and turns (F, p, 3, 3) of all pieces in the world."""
         return self.pieces.placed(positions.astype(np.float64), rotation.to_matrix(rotation.normalised(orientations)))
 
     def faults(self, positions: Array, orientations: Array) -> tuple[str, ...]:
-        """One sentence per body whose pose is not finite or whose quaternion is not of length 1."""
+        """Return one sentence per body whose pose is not finite or whose quaternion is not of length 1."""
         lengths = np.linalg.norm(orientations, axis=1)
         return tuple(
             f"{self.scene.names[k]} is at {np.asarray(positions[k]).tolist()}, its quaternion has length {float(lengths[k])!r}"
@@ -197,7 +197,7 @@ class Judge:
         )
 
     def _sound(self, positions: Array, orientations: Array) -> Flags:
-        """(..., n) True where a body's pose is finite, not absurdly far, and a rotation. Raises InvalidInput for other shapes."""
+        """Return (..., n) True where a pose is finite, not absurdly far, and a rotation. Raises InvalidInput for other shapes."""
         n = len(self.scene.names)
         for thing, value, width in (("positions", positions, 3), ("orientations", orientations, 4)):
             if np.shape(value)[-2:] != (n, width):

@@ -1,4 +1,4 @@
-"""Random pairs of convex shapes whose signed distance is known exactly: what a judge of overlap is itself judged by.
+"""Random pairs of convex shapes whose signed distance is known exactly, by which a judge of overlap is itself checked.
 
 Polytopes, balls and capsules by the Minkowski difference of their points, swept by a ball; ellipsoids against a ball or a floor
 by closed forms. None of it iterates towards an answer from poses alone, as GJK and EPA do.
@@ -24,7 +24,7 @@ Maker = Callable[[Random], Shape]
 SPACING = 20.0
 """Distance [m] between the pairs of one gallery: farther than any two shapes of different pairs could be near."""
 REACH = 3.0
-"""Boxes [m] apart up to which a pair is asked about: every pair of a gallery, and no two shapes of different pairs."""
+"""Boxes [m] apart up to which a pair is measured: every pair of a gallery, and no two shapes of different pairs."""
 FLOOR = (4.0, 4.0, 1.0)
 """Sides [m] of the floor under ellipsoids: so large that the way out of it is up."""
 LEVEL = 1e-12
@@ -34,46 +34,46 @@ BISECTIONS = 200
 
 
 def sphere(random: Random) -> Sphere:
-    """A ball of 1 to 30 cm."""
+    """Return a ball of 1 to 30 cm."""
     return Sphere(random.uniform(0.01, 0.3))
 
 
 def box(random: Random) -> Box:
-    """A box of 2 to 50 cm a side."""
+    """Return a box of 2 to 50 cm a side."""
     a, b, c = random.uniform(0.02, 0.5, 3).tolist()
     return Box((a, b, c))
 
 
 def capsule(random: Random) -> Capsule:
-    """A capsule from stubby to slender."""
+    """Return a capsule from stubby to slender."""
     return Capsule(random.uniform(0.01, 0.1), random.uniform(0.02, 0.5))
 
 
 def hull(random: Random) -> ConvexHull:
-    """A polytope with its vertices on an ellipsoid of 2 to 20 cm."""
+    """Return a polytope with its vertices on an ellipsoid of 2 to 20 cm."""
     a, b, c = random.uniform(0.02, 0.2, 3).tolist()
     return ellipsoid_hull((a, b, c))
 
 
 def plate(random: Random) -> Box:
-    """A box up to a thousand times as long as thick: where shallow and deep are close together."""
+    """Return a box up to a thousand times as long as thick: where shallow and deep are close together."""
     length = random.uniform(0.1, 2.0)
     return Box((length, length * random.uniform(0.2, 1.0), length * 10.0 ** random.uniform(-3.0, -1.0)))
 
 
 def ellipsoid(random: Random) -> Ellipsoid:
-    """A smooth egg of 3 to 30 cm."""
+    """Return a smooth egg of 3 to 30 cm."""
     a, b, c = random.uniform(0.03, 0.3, 3).tolist()
     return Ellipsoid((a, b, c))
 
 
 def floor(random: Random) -> Box:
-    """The one floor."""
+    """Return the one floor."""
     return Box(FLOOR)
 
 
 def mixed(random: Random) -> Shape:
-    """Any shape that points swept by a ball describe."""
+    """Return any shape that points swept by a ball describe."""
     makers: tuple[Maker, ...] = (sphere, box, capsule, hull, plate)
     return makers[random.integers(len(makers))](random)
 
@@ -83,15 +83,15 @@ KINDS: Mapping[str, tuple[Maker, Maker]] = {
     "hulls": (hull, hull), "mixed": (mixed, mixed), "ellipsoids and balls": (ellipsoid, sphere),
     "ellipsoids and floors": (ellipsoid, floor),
 }
-"""What meets what."""
+"""Makers of the two shapes of each kind of pair."""
 
 REGIMES = ("apart", "shallow", "at the bound", "deep")
-"""How near: a gap of 1 nm to 1 mm, at most 1 nm to 1 cm deep, at most 0.5 to 2 um deep, and far inside."""
+"""Regimes of distance: a gap of 1 nm to 1 mm, at most 1 nm to 1 cm deep, at most 0.5 to 2 um deep, and far inside."""
 
 
 def support(shape: Shape, turn: Array, direction: Array) -> Array:
-    """The point (3,) [m] of `shape`, turned by `turn` (3, 3), that lies farthest along the unit `direction` (3,); of several, as
-    on a face, the one in their middle."""
+    """Return the point (3,) [m] of `shape`, turned by `turn` (3, 3), that lies farthest along the unit `direction` (3,); of
+    several, as on a face, the one in their middle."""
     own = direction @ turn
     if isinstance(shape, Ellipsoid):
         radii = np.array(shape.radii)
@@ -103,7 +103,7 @@ def support(shape: Shape, turn: Array, direction: Array) -> Array:
 
 
 def offset(regime: str, a: Shape, turn_a: Array, b: Shape, turn_b: Array, toward: Array, random: Random) -> Array:
-    """Where to put a relative to b (3,) [m], so that the two meet in the `regime` along the unit direction `toward` (3,)."""
+    """Return the place (3,) [m] of a relative to b at which they meet in the `regime` along the unit direction `toward` (3,)."""
     touching = support(b, turn_b, toward) - support(a, turn_a, -toward)
     if regime == "deep":
         # all shapes are symmetric, so that the origin, and every part of a difference of points, is inside their difference
@@ -115,7 +115,7 @@ def offset(regime: str, a: Shape, turn_a: Array, b: Shape, turn_b: Array, toward
 
 
 def point_to_ellipsoid(point: Array, radii: Array) -> float:
-    """Signed distance [m] of `point` (3,) from the ellipsoid of half axes `radii` (3,) [m] about the origin; negative inside.
+    """Return the signed distance [m] of `point` (3,) from the ellipsoid of half axes `radii` (3,) [m] about the origin.
 
     The nearest point x of the surface obeys x - p = -t grad / 2, so x_i = r_i^2 p_i / (t + r_i^2), and t is the one root above
     minus the least r_i^2 of sum (r_i p_i / (t + r_i^2))^2 = 1, which falls along there: it is bisected. A point on the plane of
@@ -138,7 +138,7 @@ def point_to_ellipsoid(point: Array, radii: Array) -> float:
 
 
 def exact(a: Shape, turn_a: Array, b: Shape, turn_b: Array, from_b_to_a: Array) -> float:
-    """Gap (positive) or penetration depth (negative) [m] of two shapes turned by (3, 3), their centres `from_b_to_a` (3,) apart.
+    """Return the signed distance [m] of two shapes turned by (3, 3), their centres `from_b_to_a` (3,) apart.
 
     Raises TypeError for an ellipsoid against anything but a ball or the floor: of these no closed form is known.
     """
@@ -175,7 +175,7 @@ class Gallery:
         self.scene = Scene("gallery", tuple(bodies))
 
     def placed(self, regime: str, random: Random) -> Placed:
-        """All pairs turned at random and brought together in a regime."""
+        """Return all pairs turned at random and brought together in a regime."""
         n = len(self.shapes)
         orientations = rotation.normalised(random.normal(size=(2 * n, 4)))
         turns = rotation.to_matrix(orientations)
@@ -183,13 +183,13 @@ class Gallery:
         at_a = at_b.copy()
         for k, (a, b) in enumerate(self.shapes):
             at_a[k] += offset(regime, a, turns[k], b, turns[n + k], _toward(b, turns[n + k], random), random)
-        # what the judge is given carries the rounding of the place, and so does the exact answer
+        # the judge's input carries the rounding of the place, and so does the exact answer
         found = [exact(a, turns[k], b, turns[n + k], at_a[k] - at_b[k]) for k, (a, b) in enumerate(self.shapes)]
         return Placed(np.concatenate([at_a, at_b]), orientations, np.array(found))
 
 
 def _toward(b: Shape, turn_b: Array, random: Random) -> Array:
-    """A direction (3,) out of b: of a box every other time a face's own, since contact by faces is what furniture has."""
+    """Return a direction (3,) out of b: of a box every other time a face's own, since furniture makes contact by faces."""
     if isinstance(b, Box) and (b.size == FLOOR or random.integers(2)):
         axis = 2 if b.size == FLOOR else int(random.integers(3))
         return np.asarray(turn_b[:, axis])

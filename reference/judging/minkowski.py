@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def signed_distance(points_a: Array, radius_a: float, points_b: Array, radius_b: float) -> float:
-    """Gap (positive) or penetration depth (negative) [m] of two hulls of points, each swept by a ball.
+    """Return the gap (positive) or penetration depth (negative) [m] of two hulls of points, each swept by a ball.
 
     points (n, 3) [m] in one frame: a sphere is 1 point, a capsule 2, a box 8, a hull its vertices.
     Raises scipy's QhullError for three or more points of a flat hull, which no valid shape has.
@@ -27,7 +27,7 @@ def signed_distance(points_a: Array, radius_a: float, points_b: Array, radius_b:
 
 
 def _origin_to_hull(points: Array) -> float:
-    """Signed distance [m] of the origin from the convex hull of `points` (n, 3); negative inside."""
+    """Return the signed distance [m] of the origin from the convex hull of `points` (n, 3); negative inside."""
     hull = QuickHull(points)
     offsets = hull.equations[:, 3]
     if (offsets <= 0.0).all():

@@ -1,4 +1,4 @@
-"""Which pairs of pieces are near enough to be measured, for many states of the world at once."""
+"""Pairs of pieces near enough to be measured, for many states of the world at once."""
 
 from typing import NamedTuple
 
@@ -10,7 +10,7 @@ Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 MOST_PAIRS = 3000
-"""Pairs up to which all are compared in all states at once. Above, sorting along one axis tells first which may meet at all."""
+"""Pairs up to which all are compared in all states at once. Above, sorting along one axis finds first those that may meet."""
 
 CROWD_AT_ONCE = 16
 """States of such a crowd that are sorted together: in more, boxes round all of them are wide and keep pairs that never meet."""
@@ -27,13 +27,13 @@ class Near(NamedTuple):
     second: Indices
 
     def at(self, rows: Indices | Flags) -> "Near":
-        """Some of them."""
+        """Return some of them."""
         return Near(self.state[rows], self.first[rows], self.second[rows])
 
 
 def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
-    """For each of F states the pairs of p pieces that `may_meet` (p, p), each pair once, and whose boxes low, high (F, p, 3) [m]
-    come within `reach` [m]."""
+    """Return for each of F states the pairs of p pieces that `may_meet` (p, p), each pair once, and whose boxes low, high (F, p,
+    3) [m] come within `reach` [m]."""
     first, second = np.nonzero(np.triu(may_meet, 1))
     crowd = len(first) > MOST_PAIRS
     chunk = CROWD_AT_ONCE if crowd else max(1, AT_ONCE // max(1, len(first)))
@@ -59,7 +59,7 @@ def near_pairs(may_meet: Flags, low: Array, high: Array, reach: float) -> Near:
 
 
 def by_sorting(may_meet: Flags, low: Array, high: Array) -> tuple[Indices, Indices]:
-    """Pairs near each other in one state (p, 3): sweep along the axis on which the boxes are spread widest."""
+    """Return pairs near each other in one state (p, 3): sweep along the axis on which the boxes are spread widest."""
     axis = int(np.argmax(np.ptp(low, axis=0)))
     order = np.argsort(low[:, axis], kind="stable")
     # in this order the partners of a piece are the next ones, up to the first that begins beyond its end

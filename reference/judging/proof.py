@@ -1,8 +1,8 @@
-"""Checks a claimed signed distance against what any direction proves about it.
+"""Checks a claimed signed distance against the bounds that any direction proves.
 
 Along a unit axis, the gap between two shadows never exceeds the signed distance of the bodies. So the axis that comes
 with a claim proves that the bodies are at least that far apart (or at most that deep), and any other axis with a larger
-gap refutes it. What the check cannot see is a depth claimed too large whose true axis is no face's normal.
+gap refutes it. The check does not find a depth claimed too large whose true axis is no face's normal.
 """
 
 from collections.abc import Callable
@@ -29,7 +29,7 @@ SMALLEST = 1e-300
 
 
 def separations(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_a: Array, axes: Array) -> Array:
-    """Gap (k,) [m] between the shadows of a and b on unit world `axes` (k, 3) that point out of b into a.
+    """Return the gap (k,) [m] between the shadows of a and b on unit world `axes` (k, 3) that point out of b into a.
 
     turn (3, 3) are the placements' rotations and `from_b_to_a` (3,) [m] the difference of their origins.
     """
@@ -37,7 +37,7 @@ def separations(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_
 
 
 def largest_over_faces(a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Array:
-    """(k,) largest separation [m] over the face normals of a and b; -inf when neither has faces. Same arguments, k of each."""
+    """Return (k,) largest separation [m] over the face normals of a and b; -inf without faces. Same arguments, k of each."""
     best = np.full(len(from_b_to_a), -np.inf)
     if len(a.faces):
         out_of_a = a.faces @ turns_a.swapaxes(1, 2)
@@ -51,20 +51,20 @@ def largest_over_faces(a: Outline, turns_a: Array, b: Outline, turns_b: Array, f
 
 
 def _along(axes: Array, from_b_to_a: Array) -> Array:
-    """(k, m) how far each offset (k, 3) [m] goes along each of its axes (k, m, 3)."""
+    """Return (k, m) components of each offset (k, 3) [m] along each of its axes (k, m, 3)."""
     return np.asarray((axes @ from_b_to_a[:, :, None])[:, :, 0])
 
 
 def largest_over_axes(a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Array:
-    """(k,) signed distance [m] of two polytopes where it is negative, else a lower bound of it, by the separating axis test.
+    """Return signed distances (k,) [m] of two polytopes where negative, else a lower bound, by the separating axis test.
 
-    The facets of a difference of polytopes are their faces, and what one edge of each spans: where they overlap, the depth is
-    that of the nearest of these. Any other axis is harmless, so that no edges need to be told from the diagonals of faces.
+    The facets of a difference of polytopes are their faces, and those spanned by one edge of each: where they overlap, the depth
+    is that of the nearest of these. Any other axis is harmless, so that edges need no distinction from the diagonals of faces.
     """
     crossed = rotation.cross((a.edges @ turns_a.swapaxes(1, 2))[:, :, None], (b.edges @ turns_b.swapaxes(1, 2))[:, None])
     crossed = crossed.reshape(len(from_b_to_a), -1, 3)
     lengths = np.linalg.norm(crossed, axis=2, keepdims=True)
-    # parallel edges span no facet: in their place stands an axis that is any
+    # parallel edges span no facet: any axis takes their place
     crossed = np.where(lengths > 0.0, crossed / np.maximum(lengths, SMALLEST), (0.0, 0.0, 1.0))
     axes = np.concatenate([crossed, -crossed], axis=1)
     gaps = _along(axes, from_b_to_a) - a.reach(-axes @ turns_a) - b.reach(axes @ turns_b)
@@ -72,7 +72,7 @@ def largest_over_axes(a: Outline, turns_a: Array, b: Outline, turns_b: Array, fr
 
 
 def hold(claims: Array, normals: Array, a: Outline, turns_a: Array, b: Outline, turns_b: Array, from_b_to_a: Array) -> Flags:
-    """(k,) True where a claim [m] is proven by its normal (k, 3), out of b into a, and not refuted by any face of a or b.
+    """Return (k,) True where a claim [m] is proven by its normal (k, 3), out of b into a, and not refuted by any face of a or b.
 
     turns (k, 3, 3) and from_b_to_a (k, 3) [m] are those of k placements.
     """
@@ -89,16 +89,16 @@ def hold(claims: Array, normals: Array, a: Outline, turns_a: Array, b: Outline, 
 
 
 def in_parts(rows: Indices, size: int) -> list[Indices]:
-    """`rows` in runs of which each, at `size` numbers a row, stays below AT_ONCE."""
+    """Return `rows` in runs of which each, at `size` numbers a row, stays below AT_ONCE."""
     step = max(1, AT_ONCE // max(1, size))
     return [rows[start : start + step] for start in range(0, len(rows), step)]
 
 
 def by_directions(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_to_a: Array) -> float:
-    """Signed distance [m] as the largest separation over all directions, by brute force: for smooth shapes.
+    """Return the signed distance [m] as the largest separation over all directions, by brute force: for smooth shapes.
 
     Along great circles across each edge the separation has ridges, where no search in two dimensions converges: these
-    are searched in one. Never too shallow by mistake: what it returns is a separation.
+    are searched in one. Never too shallow by mistake: the returned value is a separation.
     """
     def value(axes: Array) -> Array:
         return separations(a, turn_a, b, turn_b, from_b_to_a, axes.reshape(-1, 3)).reshape(axes.shape[:-1])
@@ -110,7 +110,7 @@ def by_directions(a: Outline, turn_a: Array, b: Outline, turn_b: Array, from_b_t
 
 
 def _on_the_sphere(value: Callable[[Array], Array]) -> float:
-    """Largest `value` over all directions: a spread of them, and from the best ones rings that shrink when none is better."""
+    """Return the largest `value` over all directions: a spread, and from the best rings that shrink when none is better."""
     k = np.arange(SPREAD) + 0.5
     height, turn = 1.0 - 2.0 * k / SPREAD, np.pi * (1.0 + np.sqrt(5.0)) * k
     ring = np.sqrt(1.0 - height * height)
@@ -131,7 +131,7 @@ def _on_the_sphere(value: Callable[[Array], Array]) -> float:
 
 
 def _across(edges: Array, value: Callable[[Array], Array]) -> float:
-    """Largest `value` over the directions at right angles to any of the unit `edges` (e, 3): the best of a round of
+    """Return the largest `value` over the directions at right angles to any of the unit `edges` (e, 3): the best of a round of
     angles on each circle, and from there an interval that is cut into ten again and again."""
     side, other = _frame(edges)
     angles = np.tile(np.arange(AROUND) * (2.0 * np.pi / AROUND), (len(edges), 1))
@@ -146,7 +146,7 @@ def _across(edges: Array, value: Callable[[Array], Array]) -> float:
 
 
 def _frame(axes: Array) -> tuple[Array, Array]:
-    """Two unit vectors (k, 3) each that complete unit `axes` (k, 3) to a frame."""
+    """Return two unit vectors (k, 3) each that complete unit `axes` (k, 3) to a frame."""
     side = rotation.cross(axes, np.eye(3)[np.argmin(np.abs(axes), axis=1)])
     side /= np.linalg.norm(side, axis=1)[:, None]
     return side, rotation.cross(axes, side)
@@ -156,7 +156,7 @@ SPREAD = 2000
 """Directions tried first, about 4 degrees apart; fewer may miss the basin of the least depth of a flat ellipsoid."""
 
 SEEDS = 24
-"""How many of them are refined; with fewer, all may lie in one basin that is not the deepest."""
+"""Number of directions that are refined; with fewer, all may lie in one basin that is not the deepest."""
 
 STEPS = 120
 """Rings per refinement; half as many end before the rings are small enough for 1e-9 m."""

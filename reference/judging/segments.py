@@ -17,20 +17,20 @@ def _dot(a: Array, b: Array) -> Array:
 
 
 def _share(numerator: Array, denominator: Array) -> Array:
-    """numerator / denominator clamped to [0, 1]; 0 where the denominator vanishes."""
+    """Return numerator / denominator clamped to [0, 1]; 0 where the denominator vanishes."""
     safe = np.where(denominator > 0.0, denominator, 1.0)
     return np.clip(np.where(denominator > 0.0, numerator / safe, 0.0), 0.0, 1.0)
 
 
 def point_segment_distance(point: Array, start: Array, end: Array) -> Array:
-    """Distance [m] of points (..., 3) from segments; a segment may be a point."""
+    """Return the distance [m] of points (..., 3) from segments; a segment may be a point."""
     along = end - start
     share = _share(_dot(point - start, along), _dot(along, along))
     return np.asarray(np.linalg.norm(point - start - share[..., None] * along, axis=-1))
 
 
 def segment_distance(start_a: Array, end_a: Array, start_b: Array, end_b: Array) -> Array:
-    """Distance [m] of two segments (..., 3): the least of the four ends and the two inner points, if there are any."""
+    """Return the distance [m] of two segments (..., 3): the least of the four ends and the two inner points, if there are any."""
     nearest = np.minimum(
         np.minimum(point_segment_distance(start_a, start_b, end_b), point_segment_distance(end_a, start_b, end_b)),
         np.minimum(point_segment_distance(start_b, start_a, end_a), point_segment_distance(end_b, start_a, end_a)),
@@ -47,7 +47,7 @@ def segment_distance(start_a: Array, end_a: Array, start_b: Array, end_b: Array)
 
 
 def triangle_distance(point: Array, a: Array, b: Array, c: Array) -> Array:
-    """Distance [m] of points (..., 3) from triangles: their edges, or their plane where the foot falls inside."""
+    """Return the distance [m] of points (..., 3) from triangles: their edges, or their plane where the foot falls inside."""
     edges = np.minimum(
         np.minimum(point_segment_distance(point, a, b), point_segment_distance(point, b, c)),
         point_segment_distance(point, c, a),
