@@ -26,7 +26,7 @@ def known() -> dict[str, str]:
 
 
 def absent() -> dict[str, str]:
-    """Return the built-in engines of which a package is not installed, name -> what brings it."""
+    """Return the built-in engines of which a package is not installed, name -> the command that installs it."""
     found = {}
     for name, one in engines().items():
         for package in one.packages:

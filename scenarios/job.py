@@ -24,7 +24,7 @@ class Job:
     preset         its name in every table
     frames         most frames; None: all
     base, options  of settings that a user added: the engine's own preset, and values that override it
-    narrow, force  effects that are switched off and on, beside those of the scene's author
+    narrow, force  effects that are switched off and on, in addition to those of the scene's author
     """
 
     scenario: str

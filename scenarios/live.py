@@ -1,4 +1,4 @@
-"""`python -m scenarios.live`: stages and scenes of the catalogue driven in the browser, other engines beside avatarsim.
+"""`python -m scenarios.live`: stages and scenes of the catalogue driven in the browser, with other engines next to avatarsim.
 
 Page, loops and ports are those of `avatarsim live`; added are scenes, with their motions as clips, engines and the judge.
 """

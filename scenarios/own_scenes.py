@@ -121,7 +121,7 @@ class OwnScene:
     def replayed(self) -> tuple[Scene, Track]:
         """Return scene and samples of a recording of `avatarsim live`, without commands in between.
 
-        Raises InvalidFile for any other file, and for an avatar, room, motion or scale beside it.
+        Raises InvalidFile for any other file, and for an avatar, room, motion or scale given with it.
         """
         from avatarsim.live.recording import Frame, read
 

@@ -59,14 +59,14 @@ HIGHEST = 4
 TRIES = 12
 """Loads of a model, each with one more option that the last refusal names."""
 ROOT = re.compile(rb"<(?:mujoco|robot)[\s>]")
-"""Root of a file that is a model by itself; what others include begins with mujocoinclude."""
+"""Root of a file that is a model by itself; files that others include begin with mujocoinclude."""
 
 
 @dataclass(frozen=True)
 class Driven:
-    """Result of one model. `note` has the refusal, or what the load reports; `options` those that it needed.
+    """Result of one model. `note` has the refusal, or the report of the load; `options` those that it needed.
 
-    `overlap` [m] of its own geoms beyond what they may have at rest, `beyond` [rad, m] the limits of joints, `speed` and
+    `overlap` [m] of its own geoms beyond their allowance at rest, `beyond` [rad, m] the limits of joints, `speed` and
     `acceleration` as shares of their limits, times of a call [us], `load` [s]. `kind` is robot, room or refused. `own_joints` are
     the file's own moving joints without free ones, `lost` those of them that move nothing though no option fixes them."""
 
@@ -123,7 +123,7 @@ class OwnGeoms:
         return self._model.joint(joint).name or f"joint {joint} of {self._model.body(body).name or f'body {body}'}"
 
     def _owner(self, geom: int, scene: av.Scene, index: dict[str, int]) -> int:
-        """Return the number in the scene of what a geom belongs to; -1 for what is not in it."""
+        """Return the number in the scene of the body or link that a geom belongs to; -1 for a geom that is not in it."""
         body = int(self._model.geom_bodyid[geom])
         if body == 0:
             # an avatar of several trees has a link of this name
@@ -162,7 +162,7 @@ class OwnGeoms:
 def own_joints(path: Path) -> list[str]:
     """Return names of the joints, free ones left out, of a file as MuJoCo reads it; unnamed ones are empty.
 
-    Only what MuJoCo cannot read as it is, such as a URDF with two materials of one name, is read through the loader."""
+    Only files that MuJoCo cannot read as they are, such as a URDF with two materials of one name, are read through the loader."""
     import mujoco
 
     try:
@@ -243,7 +243,7 @@ def _swing(own: Array, swing: Array, slot: Slot, limits: Sequence[tuple[float, f
 def loaded(path: Path) -> tuple[av.Model, dict[str, Any]]:
     """Return a model and the options that it needs, each taken from the refusal before.
 
-    Raises what `load_avatar` raises where no option helps."""
+    Raises the error of `load_avatar` where no option helps."""
     options: dict[str, Any] = {"needed": False}
     refusal: AvatarsimError | None = None
     for _ in range(TRIES):
@@ -283,7 +283,7 @@ def _advised(path: Path, options: dict[str, Any], error: InvalidFile) -> dict[st
 
 
 def drive(path: Path, frames: int, seed: int, rate: float) -> Driven:
-    """Return what one model gives; a refusal is a row too."""
+    """Return the result of one model; a refusal is a row too."""
     package, name = path.parts[-3] if len(path.parts) > 2 else "", "/".join(path.parts[-2:])
     try:
         begun = time.perf_counter()
@@ -345,7 +345,7 @@ def is_model(path: Path) -> bool:
 
 
 def markdown(rows: Sequence[Driven]) -> str:
-    """Return tables of packages, and of refusals by what is valid instead."""
+    """Return tables of packages, and of refusals by their statement of the valid form."""
     found = ["| package | files | robots | rooms | refused | links | slowest load | call, median | overlap |",
              "|---|---|---|---|---|---|---|---|---|"]
     for package in dict.fromkeys(row.package for row in rows):
@@ -368,7 +368,7 @@ def markdown(rows: Sequence[Driven]) -> str:
 
 
 def reason(note: str) -> str:
-    """Return what a refusal says is valid, without what is of one file: its folder, and numbers."""
+    """Return a refusal's statement of the valid form, without the parts of one file: its folder, and numbers."""
     valid = (note.partition("valid: ")[2] or note).partition(";")[0]
     return re.sub(r"(a file that exists in) \S+", r"\1 the folder", re.sub(r"; folder=.*", "", valid)).replace("|", "/")[:REASON]
 

@@ -109,7 +109,7 @@ with this key have."""
 
 
 class Fields(TypedDict, total=False):
-    """Fields of a scenario that are handed on by what builds it."""
+    """Fields of a scenario that its builder passes on."""
 
     frames: Required[int]
     short: int | None

@@ -51,7 +51,7 @@ def driven(name: str, shape: Solid, mass: float, material: str = "human") -> Ava
 
 
 def pair_table(names: Iterable[str], stated: Mapping[tuple[str, str], ContactLaw]) -> PairTable:
-    """Coefficients of made-up materials: the pairs `stated`, and neither bounce nor friction for pairs that never meet."""
+    """Return coefficients of made-up materials: the pairs `stated`, and neither bounce nor friction for pairs that never meet."""
     known, pairs = {frozenset(pair) for pair in stated}, combinations_with_replacement(sorted(names), 2)
     return PairTable({**{pair: ContactLaw(0.0, 0.0) for pair in pairs if frozenset(pair) not in known}, **stated})
 
@@ -68,7 +68,7 @@ def one_law(restitution: float, friction: float, *pairs: tuple[str, str]) -> Pai
 
 
 def turned_by(axis: Vector, angle: float) -> Quaternion:
-    """The turn by `angle` [rad] about `axis`, of any length."""
+    """Return the turn by `angle` [rad] about `axis`, of any length."""
     length = hypot(*axis)
     unit = (axis[0] / length, axis[1] / length, axis[2] / length)
     w, x, y, z = rotation.from_axis_angle(unit, angle).tolist()

@@ -14,7 +14,7 @@ OfTime = Callable[[float], Sequence[float]]
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Key "courses": where the closed form has a body from `since` to `until` [s]; what is None is not stated.
+    """Key "courses": where the closed form has a body from `since` to `until` [s]; values of None are not stated.
 
     `position` [m] of the body frame, `velocity` [m/s] of the centre of mass, `spin` [rad/s] in world axes.
     """
@@ -29,7 +29,7 @@ class Course:
 
 @dataclass(frozen=True)
 class Rest:
-    """Key "rests": from `since` [s] on these bodies stand where they are."""
+    """Key "rests": from `since` [s] on these bodies stay where they are."""
 
     bodies: tuple[str, ...]
     since: float
@@ -37,7 +37,7 @@ class Rest:
 
 @dataclass(frozen=True)
 class Tower:
-    """Key "towers": a body with `ratio` times the mass of what carries it stands at `place` [m] from `since` [s] on."""
+    """Key "towers": a body with `ratio` times the mass of its support rests at `place` [m] from `since` [s] on."""
 
     body: str
     ratio: float
@@ -133,12 +133,12 @@ class Sag:
 
 
 def steady(x: float, y: float, z: float) -> OfTime:
-    """The same three numbers at any time."""
+    """Return the same three numbers at any time."""
     return lambda time: (x, y, z)
 
 
 def uniform(start: Sequence[float], velocity: Sequence[float], acceleration: Sequence[float] = (0.0, 0.0, 0.0)) -> OfTime:
-    """start + velocity t + acceleration t^2 / 2."""
+    """Return start + velocity t + acceleration t^2 / 2 by time t."""
     return lambda t: tuple(s + v * t + 0.5 * a * t * t for s, v, a in zip(start, velocity, acceleration, strict=True))
 
 

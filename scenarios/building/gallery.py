@@ -31,10 +31,10 @@ PEDESTALS = {
     "pedestal_duck": (-4.2, 2.2), "pedestal_teddy": (-1.0, 2.2), "pedestal_vase": (-4.2, -2.2),
     "pedestal_blob": (-1.0, -2.2), "pedestal_egg": (1.2, 2.2), "pedestal_tower": (4.2, 2.2), "pedestal_ball": (4.2, -2.2),
 }
-"""Where the pedestals stand [m], 0.9 m high."""
+"""Places of the pedestals [m], 0.9 m high."""
 
 MESHES = {
-    # name: (file, metres per unit, is y up, where it stands, material)
+    # name: (file, metres per unit, is y up, its place, material)
     "duck": ("duck_vhacd.obj", 0.2, True, (-4.2, 2.2, 0.9), "wood"),
     "teddy": ("teddy2_VHACD_CHs.obj", 0.4, True, (-1.0, 2.2, 0.9), "wood"),
     "blob": ("random_urdfs/000/000.obj", 0.04, False, (-1.0, -2.2, 0.9), "metal"),
@@ -43,7 +43,7 @@ MESHES = {
     "bookend": ("random_urdfs/020/020.obj", 0.015, False, (-3.05, 0.38, TABLE_HEIGHT), "wood"),
     "paperweight": ("random_urdfs/003/003.obj", 0.012, False, (-1.92, 0.40, TABLE_HEIGHT), "metal"),
 }
-"""Objects read from files; they stand on what is below them."""
+"""Objects read from files; each rests on the body below it."""
 
 
 def convex_pieces(path: Path, scale: float, y_up: bool) -> tuple[Piece, ...]:
@@ -61,7 +61,7 @@ def convex_pieces(path: Path, scale: float, y_up: bool) -> tuple[Piece, ...]:
 
 
 def walls() -> tuple[Body, ...]:
-    """Ten boxes: six outside, two beside the doorway, its lintel, and a screen that makes a corner in room two."""
+    """Return ten boxes: six outside, two next to the doorway, its lintel, and a screen that makes a corner in room two."""
     x, y, t = 0.5 * LENGTH, 0.5 * WIDTH, 0.5 * THICK
     beside = 0.5 * (WIDTH - DOOR_WIDTH)
     along, across, half_door = (x, THICK, HEIGHT), (THICK, WIDTH + 2.0 * THICK, HEIGHT), (THICK, beside, HEIGHT)
@@ -83,7 +83,7 @@ def walls() -> tuple[Body, ...]:
 
 
 def table() -> Body:
-    """A wooden table: a top and four legs, one body of five pieces."""
+    """Return a wooden table: a top and four legs, one body of five pieces."""
     x, y, thick = TABLE_TOP
     under = TABLE_HEIGHT - thick
     legs = (
@@ -96,7 +96,7 @@ def table() -> Body:
 
 @cache
 def meshes() -> tuple[Body, ...]:
-    """Duck, teddy and five more; MissingPackage when pybullet_data is not installed."""
+    """Return duck, teddy and five more; MissingPackage when pybullet_data is not installed."""
     return tuple(
         fixture(name, convex_pieces(data_file(file), scale, y_up), material, at)
         for name, (file, scale, y_up, at, material) in MESHES.items()
@@ -104,7 +104,7 @@ def meshes() -> tuple[Body, ...]:
 
 
 def furniture() -> tuple[Body, ...]:
-    """Pedestals, the plain exhibits on some of them, and a bench in room two."""
+    """Return pedestals, the plain exhibits on some of them, and a bench in room two."""
     vase = tuple(
         Piece(ellipsoid_hull(radii), (0.0, 0.0, z))
         for radii, z in (((0.11, 0.11, 0.16), 0.16), ((0.05, 0.05, 0.12), 0.36), ((0.08, 0.08, 0.03), 0.47))
@@ -127,13 +127,13 @@ def furniture() -> tuple[Body, ...]:
 
 
 def gallery() -> tuple[Body, ...]:
-    """Floor, its top at z = 0, ten walls and twenty-one objects, all fixed."""
+    """Return floor, its top at z = 0, ten walls and twenty-one objects, all fixed."""
     size = (LENGTH + 2.0 * THICK, WIDTH + 2.0 * THICK, THICK)
     return (fixture("floor", Box(size), "wood", (0.0, 0.0, -0.5 * THICK)), *walls(), table(), *furniture(), *meshes())
 
 
 def inside(*bodies: str) -> Region:
-    """No frame origin outside the middle of the outer walls or below that of the floor: the house is closed."""
+    """Return the region within the middle of the outer walls and above that of the floor: the house is closed."""
     half = 0.5 * THICK
     x, y = 0.5 * LENGTH + half, 0.5 * WIDTH + half
     return Region(bodies, (-x, -y, -half), (x, y, HEIGHT), "the gallery has walls all round; nothing passes them")

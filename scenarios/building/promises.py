@@ -26,7 +26,7 @@ NO_ENERGY = Bound("energy_gain_max", 1e-9, "impacts and friction take energy")
 SOUND = (NO_OVERLAP, RIGHT_SIDE, FINITE)
 """Poses are numbers, overlap nothing, and are on the right side of everything."""
 MOVES = (KEEPS_MOVING, NO_LEAP, NO_LEAP_OF_THE_ROOT, NO_SHAKING, SAYS_SO)
-"""An avatar answers its user, is never suddenly elsewhere, does not shake, and reports what keeps it."""
+"""Promises on moving: an avatar follows its user, never jumps, does not shake, and reports its obstacle."""
 HAND = (*SOUND, *MOVES, FOLLOWS_WHEN_FREE)
 """Promises of a rigid hand."""
 AVATAR = (*SOUND, WITHIN_LIMITS, *MOVES, FOLLOWS_WHEN_FREE)

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 
 
 def reach(avatars: tuple[Avatar, ...], samples: Iterable[TrackerSample], direction: ArrayLike) -> Array:
-    """Largest coordinate [m] of any point of the avatars along the unit `direction`, per sample."""
+    """Return the largest coordinate [m] of any point of the avatars along the unit `direction`, per sample."""
     d = np.asarray(direction, dtype=np.float64)
     pieces = [(k, piece) for k, link in enumerate(link for a in avatars for link in a.links) for piece in link.pieces]
     found = []
@@ -31,7 +31,7 @@ def _piece_reach(piece: Piece, position: Array, orientation: Array, d: Array) ->
 
 
 def extent(shape: Shape, d: Array) -> float:
-    """Support function of one shape: its largest coordinate [m] along the unit vector `d`, in its own frame."""
+    """Return the support function of one shape: its largest coordinate [m] along the unit vector `d`, in its own frame."""
     if isinstance(shape, Capsule):
         return shape.radius + 0.5 * shape.length * abs(float(d[2]))
     if isinstance(shape, Box):

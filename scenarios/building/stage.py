@@ -22,23 +22,23 @@ HIGH = 4.0
 
 
 def floor() -> Body:
-    """A slab whose top is z = 0."""
+    """Return a slab whose top is z = 0."""
     return fixture("floor", Box((SPAN, SPAN, THICK)), "wood", (0.0, 0.0, -0.5 * THICK))
 
 
 def wall_ahead(face: float) -> Body:
-    """A wall across the x axis whose near face is at x = `face` [m]."""
+    """Return a wall across the x axis whose near face is at x = `face` [m]."""
     return fixture("wall", Box((THICK, SPAN, HIGH)), "wood", (face + 0.5 * THICK, 0.0, 0.5 * HIGH))
 
 
 def above_floor(*bodies: str) -> Region:
-    """No frame origin below the middle of the floor."""
+    """Return the region above the middle of the floor."""
     # the middle, not the face: origins of shoulders and hips lie up to 5 mm outside the avatar's own shapes
     return above(-0.5 * THICK, *bodies, reason="nothing sinks through the floor")
 
 
 def before_wall(face: float, *bodies: str, axis: int = 0) -> Region:
-    """No frame origin beyond the middle of the wall at `face` [m] along an axis, nor below that of the floor."""
+    """Return the region before the middle of the wall at `face` [m] along an axis, and above that of the floor."""
     high = [INFINITE, INFINITE, INFINITE]
     high[axis] = face + 0.5 * THICK
     x, y, z = high

@@ -26,12 +26,12 @@ def _found() -> MappingProxyType[str, Scenario]:
 
 
 def scenarios() -> dict[str, Scenario]:
-    """Every scenario by name, sorted, none of them built; where a user brings scenes, these alone."""
+    """Return every scenario by name, sorted, none of them built; where a user brings scenes, these alone."""
     return own_scenes.scenarios() or dict(_found())
 
 
 def get(name: str) -> Scenario:
-    """The scenario called `name`; UnknownName lists those that exist."""
+    """Return the scenario called `name`; UnknownName lists those that exist."""
     found = scenarios()
     if name not in found:
         raise UnknownName("scenario", name, found)

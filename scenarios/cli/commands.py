@@ -83,7 +83,7 @@ def carry_out(
 def begin(options: argparse.Namespace, words: Sequence[str], made: Plan) -> Run:
     """Make the folder of a run, or take that of the run to resume, with its plan and first results: now it can be resumed.
 
-    Raises InvalidInput where the run to resume has jobs that are not asked for.
+    Raises InvalidInput where the run to resume has jobs outside the request.
     """
     stays = False
     if options.resume is None:
@@ -149,7 +149,7 @@ def _earlier(ran: Run, options: argparse.Namespace) -> Path | None:
 
 
 def _report(folder: Path, before: Path | None) -> str:
-    """Write the report of a run; return a sentence on what is missing, "" if all is there."""
+    """Write the report of a run; return a sentence on missing parts, "" if all are there."""
     try:
         damage = reports.write_report(folder, before, reports.BASELINE)
     except (ImportError, AvatarsimError) as error:

@@ -1,4 +1,4 @@
-"""The commands `list` and `metrics`: scenes, the effects that each calls for, definitions of figures."""
+"""The commands `list` and `metrics`: scenes, the effects of each, definitions of figures."""
 
 import argparse
 import json
@@ -18,7 +18,7 @@ LISTED = 3
 
 
 def listing(options: argparse.Namespace, words: Sequence[str]) -> int:
-    """Print names, lengths and titles; with `--effects` the effects of each scene, and the parts that call for them."""
+    """Print names, lengths and titles; with `--effects` the effects of each scene, and the parts that need them."""
     found = scenes(options)
     if not found:
         return nothing_matched(options)
@@ -45,7 +45,7 @@ def listing(options: argparse.Namespace, words: Sequence[str]) -> int:
 
 
 def effects_of(scene: Scene) -> dict[str, object]:
-    """Return the effects of a scene, the parts that call for them, and those that its author left out."""
+    """Return the effects of a scene, the parts that need them, and those that its author left out."""
     on = scene.effects
     return {
         "effects": [effect.name for effect in fields(on) if getattr(on, effect.name)],
@@ -55,7 +55,7 @@ def effects_of(scene: Scene) -> dict[str, object]:
 
 
 def table_of_calls() -> str:
-    """Return a paragraph per effect: the part of a scene that calls for it, and the promise that lapses without it."""
+    """Return a paragraph per effect: the part of a scene that needs it, and the promise that lapses without it."""
     rows = ["An effect runs in a scene if a part of it calls for it:", ""]
     for call in CALLS:
         without = "Cannot be left out." if call.effect in KEPT else f"Left out, promise {call.lapses} lapses."

@@ -26,7 +26,7 @@ Presets = Mapping[str, Sequence[tuple[str, OwnSettings | None]]]
 LARGEST_SEED = 2**31 - 1
 """Some engines take a seed as a number of 32 bits."""
 PILES = ("stack_ten", "stack_struck", "balls_216")
-"""Scenes of many contacts that `bench` times beside the everyday ones."""
+"""Scenes of many contacts that `bench` times in addition to the everyday ones."""
 MIXED = ("list", "run", "compare")
 """Commands that take unseen scenes and a few drawn crowds."""
 NAMED = ("check", "bench")
@@ -88,7 +88,7 @@ def get(name: str) -> Scenario:
 
 
 def seed_of(name: str, seed: int) -> int:
-    """Return the seed of a job: of an unseen scene, OWN stands for the commit's own."""
+    """Return the seed of a job: of an unseen scene, OWN means the commit's own."""
     return seeds.drawn().seed if seed == seeds.OWN and name in unseen.scenarios() else seed
 
 

@@ -94,7 +94,7 @@ def scene(options: argparse.Namespace, words: Sequence[str]) -> int:
 
 
 def _compared(options: argparse.Namespace, words: Sequence[str]) -> int:
-    """Compare, print, write the files that are asked for; return the exit code."""
+    """Compare, print, write the requested files; return the exit code."""
     if not options.scene:
         raise InvalidInput("SCENE", "missing", "one file or more, such as cell.xml")
     if options.update_drift and options.drift is None:
@@ -231,12 +231,12 @@ def verdicts(checks: Sequence[Row], code: int, moved: Sequence[Moved]) -> list[s
 
 
 def _write(options: argparse.Namespace, rows: Sequence[Row], checks: Sequence[Row]) -> None:
-    """Write the files that are asked for."""
+    """Write the requested files."""
     if options.csv is not None:
         write_text(options.csv, csv_text(rows, (*RESULTS, "note")))
     if options.junit is not None:
         listed = pd.DataFrame([{**vars(row), "run": row.run, "waiver": row.ceiling} for row in checks])
         passed, failed = (listed[listed.status == status] for status in ("pass", "fail"))
-        # a check that was asked for and not made is an error, not left out
+        # a check that was requested and not made is an error, not left out
         broken, none = listed[~listed.status.isin(("pass", "fail"))], listed[:0]
         write_text(options.junit, junit(Checks(passed, none, failed, broken, none, none, True)))

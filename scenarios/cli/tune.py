@@ -1,7 +1,7 @@
 """`python -m scenarios tune ENGINE`: search for settings of an engine on scenes and motions that are drawn by a seed.
 
 A coordinate search: from a preset on, each number is halved and doubled, each flag is switched, and each setting of the engine's
-`sweep.toml` is tried, all on the same draws; the best change is taken, and the search goes on from it. What it finds is judged on
+`sweep.toml` is tried, all on the same draws; the best change is taken, and the search goes on from it. The result is judged on
 other draws: those of the next seeds, which `python -m scenarios drawn` takes.
 """
 
@@ -140,7 +140,7 @@ def geometric_mean(found: Sequence[Outcome], metric: str, floor: float) -> float
 
 
 def ranked(figures: "pd.Series[float]", before: "pd.Series[float]") -> tuple[float, ...]:
-    """Return what settings are sorted by: each figure in steps of ALIKE of the one before, and time last, doubled or halved."""
+    """Return the sort key of settings: each figure in steps of ALIKE of the one before, and time last, doubled or halved."""
     ratios = [float(figures[metric]) / float(before[metric]) for metric in FLOOR]
     slower = float(figures["frame_ms"]) / float(before["frame_ms"])
     return *(float(np.round(np.log(ratio) / np.log1p(ALIKE))) for ratio in ratios), float(np.round(np.log2(slower)))

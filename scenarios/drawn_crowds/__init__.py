@@ -38,7 +38,7 @@ def draw(seed: int) -> Scenario:
     crowd = kind(Drawn(name, np.random.default_rng([seed, *PREFIX.encode()])))
     free = not crowd.scene.avatars
     moving = tuple(body.name for body in crowd.scene.bodies if body.mass is not None)
-    # a lift gives way to what is too heavy for it, into the floor
+    # a lift gives way to bodies too heavy for it, into the floor
     scenery = {avatar.name for avatar in crowd.scene.avatars if avatar.moves}
     users = tuple(name for name in crowd.scene.names[len(crowd.scene.bodies) :] if name not in scenery)
     return Scenario(

@@ -56,7 +56,7 @@ class Crowd:
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """Bodies before they have places, with what the scene is further made of."""
+    """Bodies before they have places, with the other parts of the scene."""
 
     name: str
     random: np.random.Generator

@@ -67,7 +67,7 @@ def carries(random: np.random.Generator, held: float, force: float, turns: bool)
 
 
 def swings(random: np.random.Generator, held: float, force: float) -> tuple[Avatar, Poses]:
-    """Return a bar in hinges beside the bodies that sweeps over the floor through them, from one side to the other and back."""
+    """Return a bar in hinges next to the bodies that sweeps over the floor through them, from one side to the other and back."""
     high, beside = float(random.uniform(0.05, 0.2)), 1.2 * held + BAR
     length = beside + held
     bar = Piece(Box((length, BAR, high)), (0.5 * length, 0.0, ABOVE + 0.5 * high))

@@ -1,1 +1,1 @@
-"""Figures taken from a recording, one family per file; pure functions that never ask an engine."""
+"""Figures taken from a recording, one family per file; pure functions that never call an engine."""

@@ -56,7 +56,7 @@ def marked(recording: Recording, scenario: Scenario, scene: Scene) -> dict[str, 
 
 
 def measured(recording: Recording, known: Known, most_inside: int | None = INSIDE_JUDGED) -> Measured:
-    """Every metric that applies to the scene. Without the judge's package its metrics are Missing, all others stand."""
+    """Return every metric that applies to the scene. Without the judge's package its metrics are Missing, all others are kept."""
     scenario, scene = known.scenario, known.scene
     values = marked(recording, scenario, scene)
     try:

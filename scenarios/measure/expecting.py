@@ -17,13 +17,13 @@ Measure = Callable[[Recording, Scenario, Scene], Values]
 
 
 def expected(scenario: Scenario, key: str, kind: type[Kind]) -> tuple[Kind, ...]:
-    """All entries of `kind` under `expects[key]`; empty when there are none."""
+    """Return all entries of `kind` under `expects[key]`; empty when there are none."""
     listed = scenario.expects.get(key, ())
     return tuple(entry for entry in listed if isinstance(entry, kind)) if isinstance(listed, tuple | list) else ()
 
 
 def for_each(key: str, kind: type[Kind]) -> Callable[[Of[Kind]], Measure]:
-    """Make a measure of what measures one entry: its figures are the `worst` over all entries of `kind` under `expects[key]`."""
+    """Make a measure of a function that measures one entry: the `worst` figures over all entries of `kind` in `expects[key]`."""
 
     def made(function: Of[Kind]) -> Measure:
         def over_all(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
@@ -42,8 +42,8 @@ def for_each(key: str, kind: type[Kind]) -> Callable[[Of[Kind]], Measure]:
 
 
 def worst(values: list[Value]) -> Value:
-    """Return the largest number, nan where one is; what an engine failed to do is worse, and what a scene gives no occasion for
-    is passed over."""
+    """Return the largest number, nan where one is; a value missing by the engine's fault is worse, and one for which the scene
+    gives no occasion is skipped."""
     numbers = [value for value in values if not isinstance(value, Missing)]
     missing = sorted((value for value in values if isinstance(value, Missing)), key=lambda value: value.fault == "scene")
     if missing and not (numbers and missing[0].fault == "scene"):

@@ -32,8 +32,8 @@ STAYS = 1e-9
 
 @measure
 def halts(recording: Recording, scene: Scene) -> Values:
-    """halted_frames: frames in which a simulated body has speed at both ends and did not move. status_frames: frames that an
-    engine itself reports as not ended well, under any status. Empty without simulated bodies."""
+    """Return halted_frames: frames in which a simulated body has speed at both ends and did not move. status_frames: frames that
+    an engine itself reports as not ended well, under any status. Empty without simulated bodies."""
     bodies = [k for k, role in enumerate(scene.roles) if role is Role.SIMULATED]
     if not bodies or recording.frames == 0:
         return {}
@@ -48,7 +48,7 @@ def halts(recording: Recording, scene: Scene) -> Values:
 
 @measure
 def not_finite(recording: Recording) -> Values:
-    """not_finite_frames: frames, the first state included, with a pose, velocity or angle that is nan or infinite."""
+    """Return not_finite_frames: frames, the first state included, with a pose, velocity or angle that is nan or infinite."""
     shown = (
         recording.positions, recording.orientations, recording.velocities, recording.angular_velocities, recording.angles,
     )

@@ -29,23 +29,23 @@ class Known:
 
     @cached_property
     def judge(self) -> "Judge":
-        """Raises ImportError where the judge's package is missing: a compiled one that not every machine has."""
+        """Judge of the scene. Raises ImportError where its package is missing: a compiled one that not every machine has."""
         from reference.judging.judge import Judge
 
         return Judge(self.scene)
 
     def free(self, recording: Recording) -> Flags:
-        """(F+1,) True where the raw posture is one that could be shown; asked once about the same bits."""
+        """Return (F+1,) True where the raw posture is one that could be shown; computed once for the same bits."""
         digest = _digest(*raw_states(recording), recording.raw_orientations, recording.raw_angles)
         if self._free is None or self._free[0] != digest:
             self._free = digest, free_frames(recording, self.scenario, self.scene, self.judge.link_depths)
         return self._free[1]
 
     def contact(self, recording: Recording) -> Flags:
-        """(F+1,) True where something holds the avatar back or could: the raw posture is not free, or a link as it is shown has a
-        gap of at most NEAR to what it may not overlap. From poses alone, so the same for all engines."""
+        """Return (F+1,) True where something holds the avatar back or could: the raw posture is not free, or a link as it is
+        shown has a gap of at most NEAR to a body that it may not overlap. From poses alone, so the same for all engines."""
         contact = ~self.free(recording)
-        # where the target already answers, the judge need not be asked
+        # where the target already decides, the judge is not needed
         asked = ~contact
         if self.scene.links and asked.any():
             gaps = self.judge.link_gaps(recording.positions[asked], recording.orientations[asked], NEAR)
@@ -54,7 +54,7 @@ class Known:
 
 
 def _digest(*arrays: NDArray[np.float64]) -> bytes:
-    """Of the bits and shapes of arrays."""
+    """Return the digest of the bits and shapes of arrays."""
     digest = hashlib.blake2b()
     for array in arrays:
         digest.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())

@@ -1,4 +1,4 @@
-"""Residual overlap: how deep bodies are in one another, found from poses by one judge for every engine."""
+"""Residual overlap: depth of bodies in one another, found from poses by one judge for every engine."""
 
 import math
 from collections.abc import Callable
@@ -21,7 +21,7 @@ would take several times as long as the runs themselves; `--full` judges all."""
 
 
 def residual_overlap(depths_shown: Array) -> Values:
-    """residual_overlap_max, _p95, _mean [m] and overlap_frames [%] of the depths of all states shown; nan stays nan."""
+    """Return residual_overlap_max, _p95, _mean [m] and overlap_frames [%] of the depths of all states shown; nan stays nan."""
     return {
         "residual_overlap_max": float(np.max(depths_shown)),
         "residual_overlap_p95": float(np.percentile(depths_shown, 95.0)),
@@ -32,7 +32,7 @@ def residual_overlap(depths_shown: Array) -> Values:
 
 
 def substep_overlap(recording: Recording, deepest: Deepest, most: int | None = INSIDE_JUDGED) -> tuple[Value, str]:
-    """substep_overlap_max [m] over the snapshots inside frames, and a note when only every k-th was judged."""
+    """Return substep_overlap_max [m] over the snapshots inside frames, and a note when only every k-th was judged."""
     total = len(recording.inside_time)
     if total == 0:
         return Missing("the engine gave no sub-steps", "scene"), ""

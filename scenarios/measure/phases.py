@@ -1,4 +1,4 @@
-"""Frames at rest and frames in motion, told apart by poses alone, by the same rule for every engine."""
+"""Frames at rest and frames in motion, separated by poses alone, by the same rule for every engine."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +11,8 @@ from scenarios.measure.posture.stillness import movement
 
 
 def resting(recording: Recording, scene: Scene) -> NDArray[np.bool_]:
-    """(F,) whether no simulated body and no link moves faster than STILL in the frame, on the mean: way of its origin, plus its
-    turn times a lever of 0.1 m. A pose that is no number does not rest."""
+    """Return (F,) whether no simulated body and no link moves faster than STILL in the frame, on the mean: way of its origin,
+    plus its turn times a lever of 0.1 m. A pose that is no number does not rest."""
     moving = [k for k, role in enumerate(scene.roles) if role is not Role.FIXED]
     if not moving or recording.frames == 0:
         return np.ones(recording.frames, dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""Is everything in its region, or has it tunnelled? An engine may overlap nothing and have walked through the wall."""
+"""Tunnelling: bodies and links outside their regions. An engine may overlap nothing and have walked through the wall."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 
 
 def outside(positions: Array, regions: tuple[Region, ...], names: tuple[str, ...]) -> NDArray[np.bool_]:
-    """(F,) True where an origin among positions (F, n, 3) is outside its region, or is not a number."""
+    """Return (F,) True where an origin among positions (F, n, 3) is outside its region, or is not a number."""
     wrong = np.zeros(len(positions), dtype=bool)
     for region in regions:
         centres = positions[:, list(region.indices(names))]
@@ -22,7 +22,7 @@ def outside(positions: Array, regions: tuple[Region, ...], names: tuple[str, ...
 
 @measure
 def wrong_side(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """wrong_side_frames: frames, their sub-steps included, in which something is outside its region. Empty without regions."""
+    """Return wrong_side_frames: frames, with their sub-steps, in which something is outside its region. Empty without any."""
     if not scenario.regions:
         return {}
     wrong = outside(recording.positions, scenario.regions, scene.names)

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True, eq=False)
 class Timeline:
     """T states: `frame` (T,), `time` (T,) [s], `event` (T,) code in EVENTS, poses (T, n, .) and velocities (T, n, 3); `inside`
-    (S,) says where among them the snapshots inside frames are.
+    (S,) gives the places among them of the snapshots inside frames.
 
     A frame's shown state comes after everything inside that frame."""
 
@@ -28,7 +28,7 @@ class Timeline:
 
 
 def timeline(recording: Recording, bodies: list[int]) -> Timeline:
-    """The states of the bodies and links at places `bodies` in canonical order."""
+    """Return the states of the bodies and links at places `bodies` in canonical order."""
     shown = np.arange(recording.frames + 1)
     frame = np.concatenate([recording.inside_frame, shown])
     order = np.argsort(frame, kind="stable")

@@ -1,4 +1,4 @@
-"""Frame times: percentiles over frames of what one rendered frame costs, and where it goes."""
+"""Frame times: percentiles over frames of the cost of one rendered frame, and its parts."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -31,11 +31,11 @@ class Round(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Timed:
-    """What the timing pass saw: R repeats of the same F frames.
+    """Times measured by the timing pass: R repeats of the same F frames.
 
     around_ns   (R, F) from outside, with the Python round the engine
     stage_ns    name -> (R, F) as the engine reports its stages, which do not overlap; empty when it reports none
-    warmup      [s] import, load and first frames, in a fresh process; other engines may have been warming up beside it. nan in
+    warmup      [s] import, load and first frames, in a fresh process; other engines may have been warming up meanwhile. nan in
                 one that had run other scenes
     hashes      state hash of the last frame of each repeat
     warm_frames frames run before, not timed
@@ -53,7 +53,7 @@ class Timed:
 
     @property
     def protocol(self) -> Protocol:
-        """How all of it was timed."""
+        """The protocol by which all of it was timed."""
         repeats, frames = self.around_ns.shape
         return Protocol(repeats, frames, self.warm_frames, self.first)
 
@@ -65,7 +65,7 @@ class Timed:
         return Protocol(self.shared.repeats, self.shared.frames, self.warm_frames, self.shared.first)
 
     def of_compared(self, nanoseconds: Integers) -> Integers:
-        """(repeats, frames) that every engine of the scene had, of (R, F)."""
+        """Return (repeats, frames) that every engine of the scene had, of (R, F)."""
         begins = self.compared.first - self.first
         return nanoseconds[: self.compared.repeats, begins : begins + self.compared.frames]
 
@@ -78,7 +78,7 @@ class Timed:
 
     @property
     def best_us(self) -> Array:
-        """(F,) engine only [us], the least of all repeats: what the frame costs when nothing else disturbs."""
+        """(F,) engine only [us], the least of all repeats: the cost of the frame when nothing else disturbs."""
         return np.asarray(self.engine_ns.min(axis=0) / 1e3)
 
     @property
@@ -140,7 +140,7 @@ def _tail(timed: Timed) -> dict[str, Value]:
 
 
 def _phases(timed: Timed, resting: Sequence[bool]) -> dict[str, NDArray[np.bool_]]:
-    """Metric -> (frames,) which of the compared frames it is about; empty unless there are enough of both kinds."""
+    """Return metric -> (frames,) flags of the compared frames that it is of; empty unless both kinds have enough."""
     rests = _rests(timed, resting)
     if min(rests.sum(), (~rests).sum()) < PHASE_FRAMES:
         return {}
@@ -148,14 +148,14 @@ def _phases(timed: Timed, resting: Sequence[bool]) -> dict[str, NDArray[np.bool_
 
 
 def _rests(timed: Timed, resting: Sequence[bool]) -> NDArray[np.bool_]:
-    """(frames,) in which of the compared frames nothing moves; empty where that is not known of all."""
+    """Return (frames,) True for compared frames in which nothing moves; empty where that is not known of all."""
     begins = timed.compared.first
     rests = np.asarray(resting[begins : begins + timed.compared.frames], dtype=np.bool_)
     return rests if len(rests) == timed.compared.frames else rests[:0]
 
 
 def time_notes(timed: Timed, values: Mapping[str, Value], resting: Sequence[bool] = ()) -> dict[str, str]:
-    """What stands beside each of the frame_time_* `values`: repeats x frames, warm-up, and at the median what it mixes."""
+    """Return the notes to the frame_time_* `values`: repeats x frames, warm-up, and at the median the frames it mixes."""
     notes = {}
     for name, value in values.items():
         if name.startswith("frame_time_") and not isinstance(value, Missing):

@@ -7,11 +7,11 @@ from typing import Literal, TypeVar
 
 @dataclass(frozen=True)
 class Missing:
-    """No number, and why. `fault` says whose doing it is:
+    """No number, and the reason. `fault` names its cause:
 
-    engine   it never did what was to be measured (a ball that never came down): a bound on it has failed
+    engine   it never did the measured thing (a ball that never came down): a bound on it has failed
     scene    the scene gives no occasion in the frames that were run: not measured
-    package  something that measures is not installed: not measured
+    package  a package that measures is not installed: not measured
     """
 
     reason: str

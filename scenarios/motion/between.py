@@ -7,7 +7,7 @@ from avatarsim.spatial import rotation
 
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
-    """The posture at `share` (0 to 1) of the way from one sample to the next, as engines with own steps get it.
+    """Return the posture at `share` (0 to 1) of the way from one sample to the next, as engines with own steps get it.
 
     `scene.tracker.between` differs in the last bits of rotations, and so in the figures of chaotic scenes.
     """

@@ -26,7 +26,7 @@ Key = tuple[float, TrackerSample]
 
 
 def minimum_jerk(u: Array) -> Array:
-    """Share of the way at share `u` of the time: rest to rest without a jump in acceleration (Flash and Hogan 1985)."""
+    """Return share of the way at share `u` of the time: rest to rest without a jump in acceleration (Flash and Hogan 1985)."""
     return u**3 * (10.0 - 15.0 * u + 6.0 * u * u)
 
 
@@ -34,7 +34,7 @@ def posed(
     avatar: Avatar, base: TrackerSample, turned: Mapping[str, Vector] | None = None,
     bent: Mapping[str, tuple[float, ...]] | None = None, moved: Vector = (0.0, 0.0, 0.0),
 ) -> TrackerSample:
-    """`base`, the posture of one avatar, with some joints set and the root moved by `moved` [m].
+    """Return `base`, the posture of one avatar, with some joints set and the root moved by `moved` [m].
 
     `turned`: link -> rotation vector [degrees] of a ball or free joint; `bent`: link -> its hinge angles [degrees].
     """
@@ -56,7 +56,7 @@ def posed(
 
 
 def through(start: TrackerSample, keys: Sequence[Key], frames: int) -> Track:
-    """`frames` postures at one per rendered frame, from `start` at time 0 through all keys; after the last the user rests."""
+    """Return `frames` postures, one per rendered frame, from `start` at time 0 through all keys; then the user rests."""
     times = np.array([0.0, *(time for time, _ in keys)])
     if not (np.diff(times) > 0.0).all():
         raise InvalidInput("times of the keys [s]", times[1:].tolist(), "rising, above 0")
@@ -78,7 +78,7 @@ def through(start: TrackerSample, keys: Sequence[Key], frames: int) -> Track:
 
 
 def again_and_again(start: TrackerSample, ready: Draw, push: Draw, frames: int, seed: int) -> Track:
-    """Cycles of getting ready, pushing, holding and letting go, never twice the same: Figure 8's spikes.
+    """Return cycles of getting ready, pushing, holding and letting go, never twice the same: Figure 8's spikes.
 
     Half a second to a push and back, as humans reach; holds and rests are shorter. A longer track begins as a shorter one.
     """

@@ -18,14 +18,14 @@ Change = Callable[[Array], Array]
 
 
 def clip_names() -> tuple[str, ...]:
-    """Names of the human clips that come with pybullet_data, sorted."""
+    """Return names of the human clips that come with pybullet_data, sorted."""
     prefix = "humanoid3d_"
     files = (pybullet_data() / "data" / "motions").glob(f"{prefix}*.txt")
     return tuple(sorted(file.stem.removeprefix(prefix) for file in files))
 
 
 def load_clip(name: str) -> Clip:
-    """The clip called `name`, such as "walk". UnknownName lists those that exist."""
+    """Return the clip called `name`, such as "walk". UnknownName lists those that exist."""
     if name not in clip_names():
         raise UnknownName("clip", name, clip_names())
     return read_clip(data_file(f"data/motions/humanoid3d_{name}.txt"))
@@ -41,7 +41,7 @@ def with_frames(clip: Clip, times: Array, positions: Change, rotations: Change |
 
 
 def repeated(clip: Clip, times: int) -> Clip:
-    """A clip that wraps, `times` over: each round starts where the last ended, its first frame being the join."""
+    """Return a clip that wraps, `times` over: each round starts where the last ended, its first frame being the join."""
     if not clip.wraps:
         raise InvalidInput(f"Loop of clip {clip.name}", "none", "wrap, for a clip that is repeated")
     rounds = np.arange(times)[:, None]
@@ -59,7 +59,7 @@ def repeated(clip: Clip, times: int) -> Clip:
 
 
 def placed(clip: Clip, x: float, y: float, heading: float) -> Clip:
-    """The clip begun at (x, y) [m] on the floor and turned by `heading` [rad] about the vertical through there."""
+    """Return the clip begun at (x, y) [m] on the floor and turned by `heading` [rad] about the vertical through there."""
     turn = np.tile(rotation.from_axis_angle((0.0, 0.0, 1.0), heading), (len(clip.times), 1))
     from_start = clip.root_positions - clip.root_positions[0] * np.array([1.0, 1.0, 0.0])
     return replace(
@@ -69,7 +69,7 @@ def placed(clip: Clip, x: float, y: float, heading: float) -> Clip:
 
 
 def retimed(clip: Clip, step: float = RENDERED) -> Clip:
-    """The clip at equal steps [s]: rotations on the great circle between their neighbours, the rest on a line."""
+    """Return the clip at equal steps [s]: rotations on the great circle between their neighbours, the rest on a line."""
     # 1e-9 of a step keeps a clip whose length is a whole number of steps from losing its last one to rounding
     count = int(clip.times[-1] / step + 1e-9) + 1
     times = np.arange(count, dtype=np.float64) * step
@@ -88,7 +88,7 @@ def retimed(clip: Clip, step: float = RENDERED) -> Clip:
 
 
 def upper_body_of(above: Clip, start: float, below: Clip) -> Clip:
-    """`below` with chest, neck and arms as in `above` from `start` [s] on; both retimed to the same steps.
+    """Return `below` with chest, neck and arms as in `above` from `start` [s] on; both retimed to the same steps.
 
     Raises InvalidInput when `above` ends before `below` does.
     """

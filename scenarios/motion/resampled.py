@@ -15,7 +15,7 @@ ROUNDING = 1e-9
 
 
 def resampled(motion: Motion, start: TrackerSample, old: float, new: float) -> Motion:
-    """`motion`, whose frames take `old` [s], in frames of `new` [s]; at time 0 its user is at `start`."""
+    """Return `motion`, whose frames take `old` [s], in frames of `new` [s]; at time 0 its user is at `start`."""
 
     def at(frame: int) -> TrackerSample:
         return start if frame < 0 else motion(frame)

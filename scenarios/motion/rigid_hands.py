@@ -33,7 +33,7 @@ def by_time(at: Callable[[float], TrackerSample], dt: float = RENDERED) -> Calla
 
 
 def led(places: Places) -> Callable[[Scene, int], Motion]:
-    """Return the motion of hands that are where `places` says at every time."""
+    """Return the motion of hands that are where `places` has them at every time."""
     return by_time(lambda time: hands_at(places(time), time))
 
 

@@ -34,29 +34,29 @@ class Track:
         return len(self.positions)
 
     def posture(self, frame: int) -> TrackerSample:
-        """Posture of the user at the end of `frame`; past the last frame the user stands still."""
+        """Return the posture of the user at the end of `frame`; past the last frame the user keeps still."""
         if frame < 0:
             raise InvalidInput("frame of a track", frame, "0 and up")
         k = min(frame, len(self) - 1)
         return TrackerSample((frame + 1) * RENDERED, self.positions[k], self.rotations[k], self.angles[k])
 
     def motion(self) -> Motion:
-        """The track as a scenario's motion."""
+        """Return the track as a scenario's motion."""
         return self.posture
 
     def backwards(self) -> "Track":
-        """The same postures, the last one first."""
+        """Return the same postures, the last one first."""
         return Track(self.positions[::-1], self.rotations[::-1], self.angles[::-1])
 
     def there_and_back(self, frames: int) -> "Track":
-        """`frames` postures: the track forwards, backwards, forwards, ... without standing still at the turns."""
+        """Return `frames` postures: the track forwards, backwards, forwards, ... without standing still at the turns."""
         turn = max(len(self) - 1, 1)
         phase = np.arange(frames) % (2 * turn)
         order = np.minimum(phase, 2 * turn - phase)
         return Track(self.positions[order], self.rotations[order], self.angles[order])
 
     def led_in(self, start: TrackerSample, frames: int = LEAD_IN) -> "Track":
-        """The same track after `frames` postures that lead from `start`, itself not among them, to its first one."""
+        """Return the same track after `frames` postures that lead from `start`, itself not among them, to its first one."""
         # smooth at both ends: a constant rate would start and stop with a jerk that no user makes
         u = np.arange(1, frames + 1) / (frames + 1)
         eased = u * u * (3.0 - 2.0 * u)
@@ -72,13 +72,13 @@ class Track:
 
 
 def to_and_fro(clip: Clip, scene: Scene, frames: int) -> Motion:
-    """Half a second from the scene's start into the clip's first posture, then the clip, back and forth: `frames` in all."""
+    """Return half a second from the scene's start into the clip's first posture, then the clip, back and forth: `frames`."""
     track = track_of(retimed(clip), scene.avatars[0])
     return track.there_and_back(frames - LEAD_IN).led_in(scene.first_sample).motion()
 
 
 def track_of(clip: Clip, avatar: Avatar) -> Track:
-    """The clip's postures for `avatar`; joints that the clip does not know stay at zero."""
+    """Return the clip's postures for `avatar`; joints that the clip does not know stay at zero."""
     frames = len(clip.times)
     positions = np.zeros((frames, len(avatar.links), 3))
     rotations = np.tile(rotation.IDENTITY, (frames, len(avatar.links), 1))

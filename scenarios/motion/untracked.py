@@ -8,5 +8,5 @@ from scenarios.scenario import RENDERED, Motion
 
 
 def untracked(dt: float = RENDERED) -> Callable[[Scene, int], Motion]:
-    """Empty samples, one per frame of `dt` [s]."""
+    """Return empty samples, one per frame of `dt` [s]."""
     return lambda scene, seed: lambda frame: rest(scene.avatars, (frame + 1) * dt)

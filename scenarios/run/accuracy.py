@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 Key = tuple[str, str, int, bool, int | None, tuple[str, ...], tuple[str, ...]]
 
 FRAME_SECONDS = "frame_seconds"
-"""Key in a recording's meta: median time [s] of a frame beside other jobs. Too rough to be shown; it plans quick timing."""
+"""Key in a recording's meta: median time [s] of a frame while other jobs run. Too rough to be shown; it plans quick timing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,7 @@ class Shown:
 
 
 def show(job: Job, prepared: Prepared, inside: bool = True, folder: Path | None = None, latest: float = math.inf) -> Shown:
-    """Run the engine of a job through all its frames. An exception of the engine becomes the state of what is returned.
+    """Run the engine of a job through all its frames. An exception of the engine becomes the state of the result.
 
     Args:
         inside: record snapshots inside frames.

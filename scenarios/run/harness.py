@@ -46,7 +46,7 @@ class Offer:
 
 
 def offer(name: str) -> Offer:
-    """Open an engine to ask for its presets."""
+    """Open an engine to read its presets."""
     try:
         return Offer(tuple(opened(name).presets))
     except MissingPackage as error:
@@ -146,7 +146,7 @@ class Run:
                 self._save()
 
     def _quickly(self, jobs: Sequence[Job], workers: TimedWorkers, meter: Meter) -> list[Clocked]:
-        """Time the jobs of one scene quickly, by what the accuracy pass knows of it."""
+        """Time the jobs of one scene quickly, by the results of the accuracy pass."""
         if not jobs:
             return []
         name, ran = jobs[0].scenario, [self.outcomes[job.stem] for job in jobs]

@@ -8,7 +8,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 
 STAT = Path("/proc/stat")
-"""Linux: counts of what all processors did, in ticks. Guests, from FIRST_GUEST on, are counted among the others too."""
+"""Linux: time counts of all processors, in ticks. Guests, from FIRST_GUEST on, are counted among the others too."""
 CPUINFO, FASTEST = Path("/proc/cpuinfo"), Path("/sys/devices/system/cpu/cpu0/cpufreq/cpuinfo_max_freq")
 """Linux: the clock now [MHz], and the highest [kHz]."""
 IDLE, WAITING, FIRST_GUEST = 3, 4, 8

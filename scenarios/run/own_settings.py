@@ -1,4 +1,4 @@
-"""Settings that a user brings for an engine: each adds a row beside the engine's presets, and is tried before all else."""
+"""A user's own settings of an engine: each adds a row to the engine's presets, and is tried before all else."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence

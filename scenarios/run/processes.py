@@ -32,7 +32,7 @@ def side_by_side(
 
 
 def facts(folder: Path | None) -> dict[str, object]:
-    """Return what this process runs, and the time [ns] of the plan in `folder`, which another folder of that name has not."""
+    """Return facts of this process, and the time [ns] of the plan in `folder`, which another folder of that name has not."""
     known = {name: fact for name, fact in provenance([]).items() if name in (*SAME, "cpu")}
     plan = folder / PLAN if folder else None
     written = plan.stat().st_mtime_ns if plan and plan.exists() else None

@@ -1,6 +1,6 @@
 """Provenance of a run and its plan: code, versions and machine behind its figures, and the jobs that a later command resumes.
 
-The plan is written before anything is measured. A command that resumes a run has to ask for all of its plan, and may ask for
+The plan is written before anything is measured. A command that resumes a run has to cover all of its plan, and may have
 more: other rows would be lost with the results.json that it writes.
 """
 
@@ -30,7 +30,7 @@ from scenarios.job import Job
 from scenarios.run.machine import clock, usable_cpus
 
 PACKAGES = "numpy", "numba", "scipy", *(name for one in engines().values() for name in one.packages), "coal", "python-fcl"
-"""Distributions beside avatarsim whose versions can change a figure."""
+"""Distributions in addition to avatarsim whose versions can change a figure."""
 ROOT = PACKAGE.parent
 """The checkout; of a wheel, in whose package the harness lies, the folder of installed packages."""
 CODE = ("avatarsim", "runfiles", "reference", "scenarios")
@@ -41,7 +41,7 @@ VALID_PLAN = "one that this version wrote; run again"
 
 
 def provenance(command: Sequence[str]) -> dict[str, object]:
-    """Return what is known before a run begins; `seconds` is added at its end."""
+    """Return the facts known before a run begins; `seconds` is added at its end."""
     return {
         "command": " ".join(["python -m scenarios", *command]), "started": datetime.now(UTC).isoformat(timespec="seconds"),
         "python": platform.python_version(), "platform": platform.platform(), "cpu": cpu(), "cpus": os.cpu_count() or 1,

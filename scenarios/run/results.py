@@ -43,7 +43,7 @@ class _Note(NamedTuple):
 
 
 def _reasons(results: Results) -> list[str]:
-    """Return for each row why it does not compare engines, "" where it does."""
+    """Return for each row the reason why it does not compare engines, "" where it does."""
     if not results.rows:
         return []
     notes = []

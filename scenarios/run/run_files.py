@@ -41,7 +41,7 @@ def write_scene(scene: Scene, folder: Path, name: str) -> None:
 
 
 def scene_mesh(scene: Scene) -> dict[str, object]:
-    """Return what a page needs to draw a scene and to weigh its bodies.
+    """Return the data that a page needs to draw a scene and to weigh its bodies.
 
     Bodies and links are in canonical order, each with role, convex pieces and, of a simulated one, its mass; parents are the
     indices of the links' parents, None for a root.
@@ -105,7 +105,7 @@ def _value(name: object, value: object) -> Value:
 
 
 def thinned(recording: Recording, scenario: Scenario, scene: Scene) -> Recording:
-    """Return a measured recording with what is still needed: every state shown, and few of those inside frames.
+    """Return a measured recording reduced to its needed part: every state shown, and few of those inside frames.
 
     Sub-steps and events are nine tenths of a recording. The first of each frame inside which something is outside its region
     stays; velocities of links become NaN, those of bodies stay for the energies that pages draw.

@@ -38,7 +38,7 @@ SHORT_SWEEP_SCENES: Mapping[str, tuple[str, ...]] = {
     "stack_ten": (OVERLAP, "drift_max"),
     "driven_10cm_wall": (OVERLAP, OFFSET),
 }
-"""Scenes of the short form beside everyday ones -> metrics of error; the first is drawn."""
+"""Scenes of the short form in addition to everyday ones -> metrics of error; the first is drawn."""
 CLOSED_FORM: Mapping[str, tuple[str, ...]] = {"ball_drop": (OVERLAP, "apex_error_max")}
 """Everyday scenes with a closed form; of all others the errors are overlap and offset."""
 TWICE = 300

@@ -63,7 +63,7 @@ def repeat(job: Job, frames: int) -> Repeat:
 
 
 def _serve(connection: Connection) -> None:
-    """Load each job that comes in, and run it once told to; answer either with the seconds it took. None ends the process."""
+    """Load each job that comes in, and run it on command; answer either with the seconds it took. None ends the process."""
     settled()
     try:
         while (order := connection.recv()) is not None:

@@ -25,9 +25,9 @@ ENGINE_TIME = 6.0
 """Time [s] after which an engine gets no further repeat in a quick comparison; its row has their number."""
 LONGEST_REPEAT = 20.0
 """Time [s] of the frames of one repeat at length. Longer: an engine of a second a frame is timed for a quarter of an hour.
-Shorter: the engines beside one of 50 ms are compared in frames before the first contact alone."""
+Shorter: engines next to one of 50 ms are compared in frames before the first contact alone."""
 QUICK_FROM = 12
-"""Scenes of a comparison from which on each is timed quickly, unless full lengths are asked for: a hundred scenes at length, in
+"""Scenes of a comparison from which on each is timed quickly, unless full lengths are requested: a hundred scenes at length, in
 fresh processes, take a quarter of an hour."""
 QUICK_TIMEOUT = 60.0
 """Longest wait [s] for one answer in quick timing."""

@@ -1,4 +1,4 @@
-"""Checkpoint of a study: a line of JSON per answer, so that a command that was stopped goes on where it was."""
+"""Checkpoint of a study: a line of JSON per answer, so that a stopped command resumes where it was."""
 
 import hashlib
 import json

@@ -31,11 +31,11 @@ from scenarios.studies.study import Head, Request, Study, answers
 ENGINE, PRESET = GATED
 """The only engine with these switches."""
 NAME, FORCED = "effects", "forced"
-"""The study, and the change in which all effects are on that the scene does not call for."""
+"""The study, and the change in which all effects are on that the scene does not need."""
 
 
 def jobs(name: str, scene: Scene, request: Request) -> dict[str, Job]:
-    """Return by change: the scene as it is, without each effect that can be left out, and with all that nothing calls for."""
+    """Return by change: the scene as it is, without each effect that can be left out, and with all that nothing needs."""
     on = [effect.name for effect in fields(Effects) if getattr(scene.effects, effect.name)]
     off = tuple(effect.name for effect in fields(Effects) if not getattr(scene.derived_effects, effect.name))
     plain = Job(name, ENGINE, PRESET, request.seed, request.full, request.frames)
@@ -70,7 +70,7 @@ def _positions(outcome: Outcome) -> NDArray[np.float64]:
 
 
 def timed_in_turn(jobs: Sequence[Job], workers: TimedWorkers) -> list[Clocked]:
-    """Time jobs of one scene in one process, turn by turn: what is compared then differs in the effect alone."""
+    """Time jobs of one scene in one process, turn by turn: the compared times then differ in the effect alone."""
     table, meter = list[TimedJob](), Meter()
     for _ in range(REPEATS):
         for k, job in enumerate(jobs):

@@ -1,4 +1,4 @@
-"""How far may the judge be trusted, asked within a comparison: pairs of known distance, drawn anew for every version."""
+"""The check of the judge's accuracy within a comparison: pairs of known distance, drawn anew for every version."""
 
 import sys
 
@@ -9,11 +9,11 @@ from scenarios.run.provenance import code_hash
 from scenarios.studies.study import Request, Study
 
 SEEDS = 2**32
-"""Seeds are drawn from below this: what fits into a command line and into every generator."""
+"""Seeds are drawn from below this: it fits into a command line and into every generator."""
 
 
 def seed() -> int:
-    """From the hash of all sources: pairs that no earlier version was mended for."""
+    """Return the seed from the hash of all sources: pairs that no earlier version was mended for."""
     return int(code_hash(), 16) % SEEDS
 
 

@@ -1,7 +1,7 @@
 """Studies: questions about a run beyond its scenes. Each leaves one file of rows, `NAME.csv`, in the folder of the run.
 
-A comparison carries them out in their short form, `python -m scenarios study` in their long one, which goes on where it was
-stopped.
+A comparison carries them out in their short form, `python -m scenarios study` in their long one, which resumes where it
+was stopped.
 """
 
 import sys
@@ -37,7 +37,7 @@ class Request:
     workers    processes that run side by side, or a cluster
     seed       of motions and engines
     full       full lengths
-    outcomes, clocked  what both passes of the run gave, by the stem of the job
+    outcomes, clocked  results of both passes of the run, by the stem of the job
     kept       folder of checkpoints of the long form; None for the short one
     own        settings of the reader's own
     frames     most frames of a scene; None for all
@@ -57,7 +57,7 @@ class Request:
 
     @property
     def long(self) -> bool:
-        """Return True if the long form is asked for."""
+        """Return True if the long form is requested."""
         return self.kept is not None
 
     def checkpoint(self, study: str) -> Checkpoint:
@@ -121,8 +121,8 @@ def answers(
         function: answers one task, in a process of its own unless the task is `tidy`.
         patience: longest time [s] without an answer, after which the state of a task is `late`.
 
-    A task whose process ended without an answer has crashed. That is not kept, nor is what was not measured: it may be the
-    machine's fault.
+    A task whose process ended without an answer has crashed. That is not kept, nor is a task that was not measured: it may be
+    the machine's fault.
     """
     missing = {key: task for key, task in tasks.items() if checkpoint.get(key) is None}
     yield from ((key, checkpoint.known[key]) for key in tasks if key not in missing)

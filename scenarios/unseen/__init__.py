@@ -24,12 +24,12 @@ def _found() -> MappingProxyType[str, Scenario]:
 
 
 def scenarios() -> dict[str, Scenario]:
-    """The scene of every room by name."""
+    """Return the scene of every room by name."""
     return dict(_found())
 
 
 def get(name: str) -> Scenario:
-    """The scene called `name`; UnknownName lists those that exist."""
+    """Return the scene called `name`; UnknownName lists those that exist."""
     try:
         return _found()[name]
     except KeyError:

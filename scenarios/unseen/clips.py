@@ -26,7 +26,7 @@ RATE_LASTS = 0.8
 
 
 def mirrored(clip: Clip) -> Clip:
-    """The clip seen in the mirror y -> -y: left and right swapped. Hinge angles stay, since all hinges turn about y."""
+    """Return the clip seen in the mirror y -> -y: left and right swapped. Hinge angles stay, since all hinges turn about y."""
 
     def other(link: str) -> str:
         side, _, rest = link.partition("_")
@@ -40,7 +40,7 @@ def mirrored(clip: Clip) -> Clip:
 
 
 def warped(clip: Clip, random: np.random.Generator) -> Clip:
-    """The clip played at a rate that changes smoothly between SLOWEST and FASTEST, at the steps of a rendered frame again."""
+    """Return the clip at a rate that changes smoothly between SLOWEST and FASTEST, at the steps of a rendered frame again."""
     knots = np.log([SLOWEST, FASTEST])
     levels = random.uniform(knots[0], knots[1], int(clip.times[-1] / RATE_LASTS) + 2)
     along = clip.times[1:] / RATE_LASTS
@@ -50,25 +50,25 @@ def warped(clip: Clip, random: np.random.Generator) -> Clip:
 
 
 def cut(clip: Clip, first: int, count: int) -> Clip:
-    """`count` postures from `first` on, or as many as there are; the time begins anew."""
+    """Return `count` postures from `first` on, or as many as there are; the time begins anew."""
     part = slice(first, first + count)
     return replace(with_frames(clip, clip.times[part] - clip.times[first], lambda values: values[part]), wraps=False)
 
 
 def layered(above: Clip, below: Clip) -> Clip:
-    """The legs of `below` under the upper body of `above`, both from their first postures on, as long as both last."""
+    """Return the legs of `below` under the upper body of `above`, both from their first postures on, as long as both last."""
     count = min(len(above.times), len(below.times))
     return upper_body_of(cut(above, 0, count), 0.0, cut(below, 0, count))
 
 
 def heading(clip: Clip, frame: int) -> float:
-    """Turn [rad] of the root about the vertical, its twist, in one posture."""
+    """Return the turn [rad] of the root about the vertical, its twist, in one posture."""
     w, _, _, z = clip.rotations["root"][frame]
     return 2.0 * float(np.arctan2(z, w))
 
 
 def faded(before: Clip, after: Clip, frames: int, turn: float = 0.0) -> Clip:
-    """`before`, then `after` begun where `before` is `frames` before its end, turned to its heading and by `turn` [rad] more.
+    """Return `before`, then `after` begun `frames` before the end of `before`, turned to its heading and by `turn` [rad] more.
 
     Over these frames both play and one becomes the other: rotations on the great circle between them, the rest on a line. At
     most half of either clip is faded; both are at the steps of a rendered frame."""

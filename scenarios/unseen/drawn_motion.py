@@ -31,7 +31,7 @@ FASTEST, ROUNDS = 8.0, 8
 """Speed [m/s] of a link origin above which time is stretched, and how often at most: between two postures a link moves on an
 arc, which only the postures in between show."""
 TRIES, BESIDE = 4, 0.5
-"""Pieces that are drawn until one ends inside the room's rectangle, or at most BESIDE [m] from it: a run goes 3 m a second."""
+"""Pieces that are drawn until one ends inside the room's rectangle, or at most BESIDE [m] out of it: a run goes 3 m a second."""
 SINKS = (-0.05, 0.03)
 """Height [m] of the lowest points (their 5th percentile) over the floor: users are taller or smaller than their avatars."""
 OFF_START, OFF_HEADING = 0.3, 1.0
@@ -44,7 +44,7 @@ EVERY = 10
 
 @cache
 def pool() -> tuple[Clip, ...]:
-    """All recorded clips at the steps of a rendered frame; those that wrap long enough for any piece."""
+    """Return all recorded clips at the steps of a rendered frame; those that wrap long enough for any piece."""
     found = []
     for name in clip_names():
         clip = load_clip(name)
@@ -54,7 +54,7 @@ def pool() -> tuple[Clip, ...]:
 
 
 def piece(random: np.random.Generator) -> Clip:
-    """One piece of a recorded clip, perhaps mirrored and under another upper body, its time warped."""
+    """Return one piece of a recorded clip, perhaps mirrored and under another upper body, its time warped."""
 
     def taken() -> Clip:
         clip = pool()[random.integers(len(pool()))]
@@ -67,7 +67,7 @@ def piece(random: np.random.Generator) -> Clip:
 
 
 def steered(before: Clip, after: Clip, aim: Array, random: np.random.Generator) -> float:
-    """By how much [rad] `after` is turned at its join so that its way leads towards `aim` (2,) [m]; at most STEER."""
+    """Return the angle [rad] of the turn of `after` at its join so that its way leads towards `aim` (2,) [m]; at most STEER."""
     begins = max(len(before.times) - FADE, 0)
     way = (after.root_positions[-1] - after.root_positions[0])[:2]
     if not np.hypot(*way) > GOES:
@@ -79,8 +79,8 @@ def steered(before: Clip, after: Clip, aim: Array, random: np.random.Generator) 
 
 
 def chained(random: np.random.Generator, frames: int, first: tuple[float, float, float], low: Corner, high: Corner) -> Clip:
-    """Pieces, one fading into the next, `frames` postures at least. They begin at `first` (x, y [m], heading [rad]); each is
-    steered towards a place drawn between `low` and `high`, and drawn again where it would end far outside."""
+    """Return pieces, one fading into the next, `frames` postures at least. They begin at `first` (x, y [m], heading [rad]); each
+    is steered towards a place drawn between `low` and `high`, and drawn again where it would end far outside."""
     clip = piece(random)
     clip = placed(clip, first[0], first[1], first[2] - heading(clip, 0))
     while len(clip.times) < frames:
@@ -99,12 +99,12 @@ def chained(random: np.random.Generator, frames: int, first: tuple[float, float,
 
 
 def origins(avatar: Avatar, track: Track) -> Array:
-    """(F, links, 3) link origins [m] of a track."""
+    """Return (F, links, 3) link origins [m] of a track."""
     return poses_of_links((avatar,), track.positions, track.rotations, track.angles)[0]
 
 
 def slowed(clip: Clip, avatar: Avatar) -> Clip:
-    """The clip with time stretched where a link origin would be faster than FASTEST."""
+    """Return the clip with time stretched where a link origin would be faster than FASTEST."""
     for _ in range(ROUNDS):
         way = np.linalg.norm(np.diff(origins(avatar, track_of(clip, avatar)), axis=0), axis=-1).max(axis=1)
         if (way <= FASTEST * RENDERED).all():
@@ -117,8 +117,8 @@ def slowed(clip: Clip, avatar: Avatar) -> Clip:
 def drawn_motion(
     avatar: Avatar, start: TrackerSample, facing: float, low: Corner, high: Corner, frames: int, random: np.random.Generator,
 ) -> Track:
-    """`frames` postures of the humanoid `avatar` from its free posture `start`, which faces `facing` [rad], its ways within the
-    rectangle from `low` to `high` [m] or near it."""
+    """Return `frames` postures of the humanoid `avatar` from its free posture `start`, which faces `facing` [rad], its ways
+    within the rectangle from `low` to `high` [m] or near it."""
     x, y = start.positions[0, :2] + random.uniform(-OFF_START, OFF_START, 2)
     first = float(x), float(y), facing + float(random.uniform(-OFF_HEADING, OFF_HEADING))
     clip = cut(slowed(chained(random, frames, first, low, high), avatar), 0, frames)

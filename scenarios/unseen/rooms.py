@@ -28,7 +28,7 @@ PROMISES = (*SOUND, WITHIN_LIMITS, WITHIN_CONES)
 
 
 def wall() -> tuple[Body, ...]:
-    """A floor, and a wall that nothing can walk round."""
+    """Return a floor, and a wall that nothing can walk round."""
     thick = stage.THICK
     return (
         fixture("floor", Box((ENDLESS, ENDLESS, thick)), "wood", (0.0, 0.0, -0.5 * thick)),
@@ -37,7 +37,7 @@ def wall() -> tuple[Body, ...]:
 
 
 def corridor() -> tuple[Body, ...]:
-    """Two walls NARROW apart under a ceiling lower than the avatar, open at both ends."""
+    """Return two walls NARROW apart under a ceiling lower than the avatar, open at both ends."""
     middle, thick = MOUTH + 0.5 * LONG, stage.THICK
     side, aside = Box((LONG, thick, stage.HIGH)), 0.5 * (NARROW + thick)
     return (
@@ -49,7 +49,7 @@ def corridor() -> tuple[Body, ...]:
 
 
 def door() -> tuple[Body, ...]:
-    """An endless wall with one doorway, and so two rooms."""
+    """Return an endless wall with one doorway, and so two rooms."""
     x, wide = PARTED + 0.5 * stage.THICK, 0.5 * (stage.SPAN - DOOR)
     side, aside, above = Box((stage.THICK, wide, stage.HIGH)), 0.5 * (wide + DOOR), stage.HIGH - LINTEL
     return (

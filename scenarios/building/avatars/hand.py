@@ -41,7 +41,7 @@ DIGITS = (
 
 
 def hand_pieces() -> tuple[Piece, ...]:
-    """The fifteen hulls, palm first, then thumb to little finger, each from its root outwards."""
+    """Return the fifteen hulls, palm first, then thumb to little finger, each from its root outwards."""
     pieces = [Piece(ellipsoid_hull(PALM))]
     for digit in DIGITS:
         angle = float(np.radians(digit.bearing))
@@ -56,5 +56,5 @@ def hand_pieces() -> tuple[Piece, ...]:
 
 
 def rigid_hand(name: str = "hand") -> Avatar:
-    """A driven hand without joints: it is kept out of things by translation alone, as in the paper."""
+    """Return a driven hand without joints: it is kept out of things by translation alone, as in the paper."""
     return driven(name, hand_pieces(), MASS)

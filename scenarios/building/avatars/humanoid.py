@@ -34,7 +34,7 @@ CHAINS = ("right_wrist", "left_wrist", "right_ankle", "left_ankle", "neck")
 
 @cache
 def humanoid(name: str = "human") -> Avatar:
-    """The avatar; link frames sit in the joints, x forward, y left, z up when all joints are at zero. Raises InvalidFile."""
+    """Return the avatar; link frames are in the joints, x forward, y left, z up when all are at zero. Raises InvalidFile."""
     path = data_file("humanoid/humanoid.urdf")
     thing, valid = f"humanoid {path.name}", "a whole URDF file"
     try:

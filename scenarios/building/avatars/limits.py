@@ -24,7 +24,7 @@ class Range:
     """Ends of motion [degrees] of a ball joint whose limb points along `axis` when it is at zero.
 
     Forward and backward, outward (away from the middle of the body) and inward are swings of that direction,
-    `turn_out` and `turn_in` turns about it: the left limb's `turn_out` turns what faces forward to the left.
+    `turn_out` and `turn_in` turns about it: the left limb's `turn_out` turns its front to the left.
     """
 
     axis: Vector
@@ -63,7 +63,7 @@ HINGES = {
 
 
 def hinge_limits(link: str) -> tuple[float, float]:
-    """Lower and upper limit [rad] of the hinge of `link`, such as "left_knee"."""
+    """Return the lower and upper limit [rad] of the hinge of `link`, such as "left_knee"."""
     joint = _side_and_joint(link)[1]
     if joint not in HINGES:
         raise UnknownName("joint with hinge limits", link, HINGES)
@@ -72,7 +72,7 @@ def hinge_limits(link: str) -> tuple[float, float]:
 
 
 def ball_limits(link: str) -> SwingTwist:
-    """Cone and twist of the ball joint of `link`, such as "left_hip" or "neck"."""
+    """Return cone and twist of the ball joint of `link`, such as "left_hip" or "neck"."""
     found, side, centre = _ball(link)
     swing = max(_angle(np.array(centre), end) for end in ends(found, side))
     # turning the left limb outwards is a positive turn about up
@@ -82,7 +82,7 @@ def ball_limits(link: str) -> SwingTwist:
 
 
 def reach_cone(link: str) -> ReachCone:
-    """Reach cone of the ball joint of `link`: from each of the four ends to the next on a quarter of an ellipse, in angles."""
+    """Return the reach cone of the ball joint of `link`: quarters of ellipses, in angles, between neighbours of the four ends."""
     found, side, seen = _ball(link)
     corners = []
     for bearing in 2.0 * np.pi * np.arange(CORNERS) / CORNERS:
@@ -96,7 +96,7 @@ def reach_cone(link: str) -> ReachCone:
 
 
 def _ball(link: str) -> tuple[Range, float, Vector]:
-    """Ranges of a ball joint, its side, and the middle of its cone."""
+    """Return ranges of a ball joint, its side, and the middle of its cone."""
     side, joint = _side_and_joint(link)
     if joint not in RANGES:
         raise UnknownName("joint with ball limits", link, RANGES)
@@ -106,7 +106,7 @@ def _ball(link: str) -> tuple[Range, float, Vector]:
 
 
 def tilted(found: Range, side: float, forward: float, outward: float) -> NDArray[np.float64]:
-    """Direction of the limb swung by `forward` and `outward` degrees at once; side is 1 for left, -1 for right."""
+    """Return the direction of the limb swung by `forward` and `outward` degrees at once; side is 1 for left, -1 for right."""
     towards = np.array([forward, side * outward, 0.0])
     angle = float(np.linalg.norm(towards))
     if angle == 0.0:
@@ -116,13 +116,13 @@ def tilted(found: Range, side: float, forward: float, outward: float) -> NDArray
 
 
 def ends(found: Range, side: float) -> tuple[NDArray[np.float64], ...]:
-    """The four directions at which the table says motion ends."""
+    """Return the four directions at which motion ends by the table."""
     reached = ((found.forward, 0.0), (-found.backward, 0.0), (0.0, found.outward), (0.0, -found.inward))
     return tuple(tilted(found, side, forward, outward) for forward, outward in reached)
 
 
 def _side_and_joint(link: str) -> tuple[float, str]:
-    """(1, "hip") of "left_hip", (-1, "hip") of "right_hip", (1, "neck") of "neck"."""
+    """Return (1, "hip") of "left_hip", (-1, "hip") of "right_hip", (1, "neck") of "neck"."""
     side, _, joint = link.partition("_")
     if joint:
         return (-1.0 if side == "right" else 1.0), joint
@@ -130,5 +130,5 @@ def _side_and_joint(link: str) -> tuple[float, str]:
 
 
 def _angle(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
-    """Angle [rad] between two directions."""
+    """Return the angle [rad] between two directions."""
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), np.dot(a, b)))

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 BETWEEN, BALL = 0.1, 0.005
 """Mass of a link between two hinges of one body, as a share of the body's, and radius [m] of its ball, which lies inside its
-neighbours: next to nothing for a user, but engines want mass and shape of every link."""
+neighbours: next to nothing for a user, but engines need mass and shape of every link."""
 DIRECTIONS = 64
 """Directions in which a mesh's farthest points are taken as the vertices of its hull."""
 
@@ -45,7 +45,7 @@ class Mjcf:
     meshes: Mapping[str, tuple[Path, Array]]
 
     def numbers(self, element: Element, attribute: str, count: int, default: tuple[float, ...] | None = None) -> Array:
-        """`count` numbers of an attribute; InvalidFile when there are others, or none and no default."""
+        """Return `count` numbers of an attribute; InvalidFile when there are others, or none and no default."""
         words = element.get(attribute)
         try:
             found = np.array(default if words is None else [float(word) for word in words.split()], dtype=np.float64)
@@ -58,7 +58,7 @@ class Mjcf:
         return found[:count]
 
     def links(self, root: Element) -> tuple[Link, ...]:
-        """The links of the tree below the body `root`, parents first."""
+        """Return the links of the tree below the body `root`, parents first."""
         return tuple(self._links(root, None, np.zeros(3)))
 
     def _links(self, body: Element, parent: str | None, parent_centre: Array) -> Iterator[Link]:
@@ -88,7 +88,7 @@ class Mjcf:
             yield from self._links(child, name, centre)
 
     def _hinges(self, body: Element) -> list[tuple[Array, tuple[Hinge, ...]]]:
-        """Hinges of a body, those that share a centre together: centre in the body's frame, hinges in order."""
+        """Return hinges of a body, those that share a centre together: centre in the body's frame, hinges in order."""
         groups: list[tuple[Array, tuple[Hinge, ...]]] = []
         for joint in body.findall("joint"):
             kind = joint.get("type", "hinge")
@@ -112,7 +112,7 @@ class Mjcf:
         return Mass(float(self.numbers(inertial, "mass", 1)[0]), inertia=np.diag(self.numbers(inertial, "diaginertia", 3)))
 
     def turn(self, element: Element) -> Array:
-        """Orientation of an element, given as quat, axisangle or euler (turns about x, y, z of the moving frame)."""
+        """Return the orientation of an element, given as quat, axisangle or euler (turns about x, y, z of the moving frame)."""
         unit = np.pi / 180.0 if self.degrees else 1.0
         if element.get("axisangle") is not None:
             x, y, z, angle = self.numbers(element, "axisangle", 4)
@@ -151,7 +151,7 @@ class Mjcf:
 
 
 def parsed(path: Path) -> Element:
-    """The root element of an XML file; InvalidFile when it is missing or cut off."""
+    """Return the root element of an XML file; InvalidFile when it is missing or cut off."""
     thing, valid = f"MJCF file {path.name}", "a whole MJCF file"
     try:
         return ElementTree.fromstring(read_bytes(path, thing, valid))
@@ -161,7 +161,7 @@ def parsed(path: Path) -> Element:
 
 
 def named(element: Element) -> str:
-    """An element's name without the file's prefix, such as "palm" of "robot0:palm"."""
+    """Return an element's name without the file's prefix, such as "palm" of "robot0:palm"."""
     return element.get("name", "").split(":")[-1]
 
 

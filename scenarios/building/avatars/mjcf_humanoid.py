@@ -19,7 +19,7 @@ CHAINS = ("right_lower_arm", "left_lower_arm", "right_foot", "left_foot")
 
 @cache
 def hinged_humanoid(name: str = "human") -> Avatar:
-    """The avatar; link frames sit in the joints, x forward, y left, z up when all joints are at zero."""
+    """Return the avatar; link frames sit in the joints, x forward, y left, z up when all joints are at zero."""
     path = data_file("mjcf/humanoid.xml")
     root = parsed(path).find("worldbody/body")
     if root is None:

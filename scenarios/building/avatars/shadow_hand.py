@@ -31,7 +31,7 @@ def bends_finger(link: Link) -> bool:
 
 @cache
 def shadow_hand(name: str = "hand") -> Avatar:
-    """The avatar: fingers along z when all joints are at zero, the palm faces -y. MissingPackage without gymnasium-robotics."""
+    """Return the avatar: at zero fingers are along z, the palm faces -y. MissingPackage without gymnasium-robotics."""
     folder = robotics_assets()
     path = folder / "hand" / "robot.xml"
     forearm = parsed(path).find("body/body")
@@ -42,7 +42,7 @@ def shadow_hand(name: str = "hand") -> Avatar:
 
 
 def _is_seen(geom: Element) -> bool:
-    # what is seen, meshes and two little boxes in the thumb; beside it lie capsules that stand in for it in contact
+    # the visible geoms, meshes and two little boxes in the thumb; next to them lie capsules that replace them in contact
     return named(geom).startswith("V_")
 
 
@@ -54,7 +54,7 @@ def _stated_mass(body: Element, volume: float) -> float:
 
 
 def _meshes(folder: Path) -> dict[str, tuple[Path, np.typing.NDArray[np.float64]]]:
-    """Mesh name -> file and metres per unit."""
+    """Return mesh name -> file and metres per unit."""
     listed = parsed(folder / "hand" / "shared_asset.xml").findall("mesh")
     return {
         mesh.get("name", ""): (

@@ -13,14 +13,14 @@ from scenarios.building.reach import reach
 ARMS_OUT = float(np.radians(20.0))
 """Angle by which the upper arms are lifted sideways [rad]; at 0 the wrists come within 3 mm of the hips."""
 KNEES_BENT = float(np.radians(10.0))
-"""Bend of knees and elbows [rad]: a straight limb cannot say which way to fold."""
+"""Bend of knees and elbows [rad]: a straight limb leaves open which way to fold."""
 CLEARANCE = 0.01
 """Height of the soles above the floor at the start [m]."""
 FORWARD, LEFT, UP = np.eye(3)
 
 
 def standing(avatar: Avatar, x: float = 0.0, y: float = 0.0, heading: float = 0.0) -> TrackerSample:
-    """The humanoid standing at (x, y) [m] on the floor z = 0, looking along `heading` [rad] from the x axis."""
+    """Return the humanoid standing at (x, y) [m] on the floor z = 0, looking along `heading` [rad] from the x axis."""
     sample = rest((avatar,))
     turns = {"root": rotation.from_axis_angle(UP, heading)}
     for side, sign in (("left", 1.0), ("right", -1.0)):

@@ -16,7 +16,7 @@ HEADER, RECORD = 84, 50
 
 
 def corners(path: Path) -> Array:
-    """(3 t, 3) corners of all triangles, in the file's unit. InvalidFile when it is not a whole binary STL file."""
+    """Return (3 t, 3) corners of all triangles, in the file's unit. InvalidFile when it is not a whole binary STL file."""
     valid = "a binary STL file: 84 bytes, then 50 per triangle, finite numbers"
     content = read_bytes(path, f"mesh {path.name}", valid)
     count = int.from_bytes(content[HEADER - 4 : HEADER], "little") if len(content) >= HEADER else 0
@@ -30,7 +30,7 @@ def corners(path: Path) -> Array:
 
 
 def hull_of(path: Path, scale: Array, directions: int) -> ConvexHull:
-    """Hull of the mesh's farthest points in `directions` even directions, `scale` (3,) metres per unit.
+    """Return the hull of the mesh's farthest points in `directions` even directions, `scale` (3,) metres per unit.
 
     It lies inside the whole hull, by a fraction of a millimetre for a finger, and costs a tenth.
     """

@@ -26,7 +26,7 @@ STAND = (0.2, 0.1, 0.9)
 OPEN, RISE = 0.08, 0.2
 """First distance of the hands from the sides of the box, and how far the user lifts it [m]."""
 CLOSES, RISES, SINKS, OPENS = (0.2, 0.8), (1.0, 1.8), (3.0, 3.8), (4.0, 4.5)
-"""When the user does what [s]."""
+"""Begin and end [s] of each action of the user."""
 SHOULDER, UPPER_ARM, FOREARM, HAND = (-0.02405, 0.18311, 0.479651), 0.274788, 0.258947, 0.04
 """Left shoulder of the humanoid above its root, lengths of its arms, and radius of its hands [m]."""
 
@@ -48,7 +48,7 @@ class Lift:
     outward: float = 1.0
 
     def at(self, time: float) -> TrackerSample:
-        """The user at a time [s]."""
+        """Return the user at a time [s]."""
         human = humanoid()
         start = standing(human)
         closed, raised = eased(time, *CLOSES) - eased(time, *OPENS), eased(time, *RISES) - eased(time, *SINKS)
@@ -62,7 +62,7 @@ class Lift:
         return replace(posed(human, start, turned, bent), time=time)
 
     def scene(self, name: str = "arms_lift") -> Scene:
-        """The box on a stand, and a person before it with open arms."""
+        """Return the box on a stand, and a person before it with open arms."""
         bodies = (
             slab(4.0, 4.0), fixture("stand", Box(STAND), "floor", (self.ahead, 0.0, 0.5 * STAND[2])),
             loose("box", Box(self.box), "box", self.mass, (self.ahead, 0.0, STAND[2] + 0.5 * self.box[2] + LAID)),
@@ -72,7 +72,7 @@ class Lift:
 
 
 def reached(way: Vector, outward: float) -> tuple[Vector, float]:
-    """Rotation vector of a shoulder and bend of its elbow [degrees] that take the hand ``way`` [m] from the shoulder."""
+    """Return rotation vector of a shoulder and bend of its elbow [degrees] that take the hand ``way`` [m] from the shoulder."""
     x, y, z = way
     distance = math.sqrt(x * x + y * y + z * z)
     bend = math.pi - math.acos((UPPER_ARM**2 + FOREARM**2 - distance**2) / (2.0 * UPPER_ARM * FOREARM))

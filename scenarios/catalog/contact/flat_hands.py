@@ -21,7 +21,7 @@ from scenarios.motion.rigid_hands import Places, eased
 from scenarios.scenario import Bound, Region, Scenario
 
 TOP, ASIDE, BOX = 0.3, 0.1, (0.24, 0.08, 0.06)
-"""Height of the posts, how far from the middle they stand, and edges of the box on them [m]."""
+"""Height of the posts, their distance from the middle, and edges of the box on them [m]."""
 LOW, HIGH = TOP - 0.03, TOP + 0.04
 """Heights of the hand's middle before and after it lifts the box [m]."""
 GOES, TURNS, PUSH = 1.0, 0.5, 2.0
@@ -32,7 +32,7 @@ HELD_MASS, STILL = 0.3, 1.5
 EDGE, PAD = 0.08, (0.02, 0.06, 0.06)
 """Edges of the box that is pinched and of a pad [m]."""
 OPEN, BEGINS, RISE = 0.10, 0.05, 0.3
-"""Where a pad begins beside and above [m], and how far both rise."""
+"""Where a pad begins sideways and above [m], and how far both rise."""
 CLOSED, UP, LET_GO = (0.1, 0.6), (0.8, 1.8), (2.8, 3.2)
 """When the pads close, rise and open [s]."""
 
@@ -43,7 +43,7 @@ PALM, OVER, DEEP = (0.1, 0.1, 0.02), 0.04, 0.02
 
 
 def on_posts(mass: float) -> Iterator[Body]:
-    """Floor, two posts, and the box of `mass` [kg] across them."""
+    """Yield floor, two posts, and the box of `mass` [kg] across them."""
     yield slab(8.0, 8.0, "wood")
     for k, x in enumerate((-ASIDE, ASIDE)):
         yield fixture(f"post_{k}", Box((0.04, 0.1, TOP)), "wood", (x, 0.0, 0.5 * TOP))
@@ -51,14 +51,14 @@ def on_posts(mass: float) -> Iterator[Body]:
 
 
 def carrying(time: float) -> tuple[Vector]:
-    """The hand, which rises and then goes along y: constant acceleration, the same backwards, then rest."""
+    """Return the hand, which rises and then goes along y: constant acceleration, the same backwards, then rest."""
     t = min(max(time - GOES, 0.0), 2.0 * TURNS)
     late = max(t - TURNS, 0.0)
     return ((0.0, 0.5 * PUSH * t * t - PUSH * late * late, LOW + (HIGH - LOW) * eased(time, 0.1, 0.7)),)
 
 
 def pinching(time: float, into: float) -> tuple[Vector, Vector]:
-    """The pads at +x and -x, which press `into` the box [m]."""
+    """Return the pads at +x and -x, which press `into` the box [m]."""
     touching = 0.5 * EDGE + 0.5 * PAD[0]
     x = OPEN - (OPEN - touching + into) * (eased(time, *CLOSED) - eased(time, *LET_GO))
     z = BEGINS + RISE * eased(time, *UP)
@@ -69,7 +69,7 @@ def lifted(
     name: str, title: str, judged: str, mass: float, friction: float, places: Places, frames: int, short: int,
     bounds: tuple[Bound, ...], region: Region, expects: dict[str, object],
 ) -> Scenario:
-    """The scene with a box of `mass` [kg] that a hand lifts off two posts."""
+    """Return the scene with a box of `mass` [kg] that a hand lifts off two posts."""
     return led_hands(
         name, title, judged, lambda: on_posts(mass), lambda: (driven("hand", Box((0.14, 0.2, 0.02)), 0.5, "hand"),), places,
         one_law(0.0, friction, ("wood", "box"), ("box", "hand")), frames=frames, short=short,
@@ -78,7 +78,7 @@ def lifted(
 
 
 def pinched(name: str, mass: float, into: float) -> Scenario:
-    """The scene with a box of `mass` [kg], pressed by `into` [m] on either side."""
+    """Return the scene with a box of `mass` [kg], pressed by `into` [m] on either side."""
     sag = 9.81 * mass / (2.0 * CouplingSettings().spring)
     return led_hands(
         name, f"Two pads pinch a box of {mass:g} kg and lift it.", "Overlap; that the box comes along, and does not slip.",

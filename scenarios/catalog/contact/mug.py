@@ -40,7 +40,7 @@ OPEN, CLOSED, LIMIT = 0.25, -0.35, 0.6
 CLOSES, RISES, ASIDE, TILTS, UPRIGHT, SINKS, OPENS = (
     (0.1, 0.7), (0.9, 1.7), (2.2, 3.2), (3.3, 3.8), (3.8, 4.3), (4.5, 5.3), (5.5, 5.9),
 )
-"""When the fingers' user does what [s]."""
+"""Times [s] of the actions of the fingers' user."""
 RISE, CARRY, TILT = 0.15, 0.3, 0.5
 """Ways up and aside [m], and tilt of the mug [rad]."""
 
@@ -51,7 +51,7 @@ FIST_RISE, FIST_TILT, INTO, LOWERS = 0.2, 0.6, 0.03, 3.3
 
 
 def fingers() -> Avatar:
-    """A round palm whose three fingers hang from its rim; positive angles open them."""
+    """Return a round palm whose three fingers hang from its rim; positive angles open them."""
     palm = (prism(24, PALM[0], PALM[1]),)
     finger = (Piece(Capsule(*FINGER), (0.0, 0.0, -0.5 * FINGER[1] - FINGER[0] - 0.001)),)
     links = [Link("palm", None, Free(), palm, solid(palm, 0.5), "hand")]
@@ -65,7 +65,7 @@ def fingers() -> Avatar:
 
 
 def in_fingers(time: float) -> TrackerSample:
-    """The fingers' user at a time [s]."""
+    """Return the fingers' user at a time [s]."""
     height = BOTTOM + 0.5 * PALM[1] + RISE * (eased(time, *RISES) - eased(time, *SINKS))
     place = (CARRY * eased(time, *ASIDE), 0.0, height)
     turn = rotation.from_axis_angle((0.0, 1.0, 0.0), TILT * (eased(time, *TILTS) - eased(time, *UPRIGHT)))
@@ -76,7 +76,7 @@ def in_fingers(time: float) -> TrackerSample:
 
 
 def at_fist(time: float) -> TrackerSample:
-    """The fist's user at a time [s]."""
+    """Return the fist's user at a time [s]."""
     lowered = (FIST_RISE + INTO) * (eased(time, 5.0, 5.6) - eased(time, LOWERS, 4.1))
     height = 0.5 * HEIGHT + LAID + FIST_RISE * eased(time, 0.2, 1.0) + lowered
     turn = rotation.from_axis_angle((0.0, 1.0, 0.0), FIST_TILT * (eased(time, 2.2, 2.7) - eased(time, 2.7, 3.2)))
@@ -89,7 +89,7 @@ def lifted(
     short: int | None, bounds: tuple[Bound, ...], wide: float, carried: tuple[Carried, ...],
     attached: tuple[tuple[str, str], ...] = (),
 ) -> Scenario:
-    """The mug on a floor, and a hand whose user is `at` given postures."""
+    """Return the mug on a floor, and a hand whose user is `at` given postures."""
 
     def build() -> Scene:
         mug = loose("mug", prism(24, 0.035, HEIGHT), "mug", MASS, (0.0, 0.0, 0.5 * HEIGHT + LAID))

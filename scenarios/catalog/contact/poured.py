@@ -39,7 +39,7 @@ FIRST, LAYER, ABREAST, CELL = 0.1, 0.12, 3, 0.127
 
 
 def coins() -> Iterator[Body]:
-    """The tray, and a column of coins above it."""
+    """Yield the tray, and a column of coins above it."""
     random = np.random.default_rng(6)
     yield from open_box(TRAY, HIGH, 0.02, "tray")
     for name, z in COINS.items():
@@ -48,7 +48,7 @@ def coins() -> Iterator[Body]:
 
 
 def funnel() -> Iterator[Body]:
-    """Floor, four plates that slope down to the hole and cross at the corners, a bin, and the block of balls above."""
+    """Yield floor, four plates that slope down to the hole and cross at the corners, a bin, and the block of balls above."""
     yield fixture("floor", Box((2.0, 2.0, 0.1)), "wall", (0.0, 0.0, -0.05))
     run, rise = math.cos(SLOPE), math.sin(SLOPE)
     out = HOLE + 0.5 * PLATE * run + 0.5 * THIN * rise
@@ -68,7 +68,7 @@ def funnel() -> Iterator[Body]:
 
 
 def heap(names: tuple[str, ...]) -> Iterator[Body]:
-    """The open box, and the bodies in layers above its floor."""
+    """Yield the open box, and the bodies in layers above its floor."""
     random = np.random.default_rng(3)
     yield from open_box(WIDTH, HEIGHT, 0.04, "wall")
     cells = np.array([(i, j) for i in range(ABREAST) for j in range(ABREAST)]) - 0.5 * (ABREAST - 1)
@@ -85,7 +85,7 @@ def poured(
     law: tuple[float, float], frames: int, short: int, falls: dict[str, float], half: float, high: float,
     family: str = "", settled: tuple[Bound, ...] = (), piles: tuple[Pile, ...] = (),
 ) -> Scenario:
-    """A scene of bodies that fall into a container, whose materials are that of the container and theirs."""
+    """Return a scene of bodies that fall into a container, whose materials are that of the container and theirs."""
     names, (walls, own) = tuple(falls), materials
     return undriven(
         name, title, judged, bodies, one_law(*law, (walls, own), (own, own)), frames=frames, short=short, family=family,
@@ -96,7 +96,7 @@ def poured(
 
 
 def of(count: int, frames: int, short: int, settled: tuple[Bound, ...] = (), heights: tuple[float, ...] = ()) -> Scenario:
-    """The heap of so many bodies."""
+    """Return the heap of so many bodies."""
     names = tuple(f"thing_{k}" for k in range(count))
     return poured(
         f"heap_{count}", f"{count} hulls, capsules and boxes are poured into a box.",

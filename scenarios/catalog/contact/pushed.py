@@ -38,7 +38,7 @@ BEGIN, WAY, PUSHES, BACK = -0.09, 0.0825, (0.3, 1.5), (1.6, 2.2)
 """Where the stick begins, how far its user goes [m]: 60 mm with the block before it; when it pushes and draws back [s]."""
 
 SIDE, FIELD, FALL = 6, 0.6, 0.4
-"""Things in a row, width of the field that they stand on, and depth of the floor below the table [m]."""
+"""Things in a row, width of their field, and depth of the floor below the table [m]."""
 HAND, FIRST, LAST, SWEEPS = (0.03, 0.6, 0.1), -0.36, 0.56, (0.1, 2.1)
 """Edges of the hand, from where to where it goes along x [m], and when [s]."""
 THINGS = tuple(f"thing_{k}" for k in range(30))
@@ -50,7 +50,7 @@ KINDS: tuple[tuple[Solid, float], ...] = (
 
 
 def dominoes() -> Iterator[Body]:
-    """A row along x on a wide floor, the first domino on its edge."""
+    """Yield a row along x on a wide floor, the first domino on its edge."""
     yield slab(8.0, 8.0)
     across, up = math.cos(LEAN) * 0.5 * THICK - math.sin(LEAN) * 0.5 * TALL, math.sin(LEAN) * 0.5 * THICK
     domino, first = Box((THICK, 0.024, TALL)), (0.5 * THICK - across, 0.0, up + math.cos(LEAN) * 0.5 * TALL + LAID)
@@ -60,18 +60,18 @@ def dominoes() -> Iterator[Body]:
 
 
 def at_block(time: float) -> tuple[Vector]:
-    """The stick, in line with the block."""
+    """Return the stick, in line with the block."""
     return ((BEGIN + WAY * (eased(time, *PUSHES) - eased(time, *BACK)), 0.0, (PUSHED + 0.5) * HIGH),)
 
 
 def aside(layer: int, place: int) -> tuple[float, float]:
-    """Where a block lies in its layer [m], of whose three places 1 is the middle."""
+    """Return where a block lies in its layer [m], of whose three places 1 is the middle."""
     away = (place - 1) * (WIDE + APART)
     return (away, 0.0) if layer % 2 else (0.0, away)
 
 
 def tower() -> Iterator[Body]:
-    """The tower on a floor."""
+    """Yield the tower on a floor."""
     yield slab(4.0, 4.0)
     for layer in range(LAYERS):
         turn = turned_by((0.0, 0.0, 1.0), 0.5 * math.pi) if layer % 2 else rotation.IDENTITY
@@ -81,18 +81,18 @@ def tower() -> Iterator[Body]:
 
 
 def top(place: int) -> Tower:
-    """A block of the topmost layer stands where it settles."""
+    """Return the entry of a block of the topmost layer, which stays where it settles."""
     return Tower(f"block_{LAYERS - 1}_{place}", 1.0, (*aside(LAYERS - 1, place), (LAYERS - 0.5) * HIGH), since=1.0)
 
 
 def sweeping(time: float) -> tuple[Vector]:
-    """The hand, which goes across the table and over its edge at 0.46 m/s, a little to and fro on its way."""
+    """Return the hand, which goes across the table and over its edge at 0.46 m/s, a little to and fro on its way."""
     share = min(max((time - SWEEPS[0]) / (SWEEPS[1] - SWEEPS[0]), 0.0), 1.0)
     return ((FIRST + (LAST - FIRST) * share, 0.03 * math.sin(2.0 * math.pi * share), 0.5 * HAND[2] + 0.005),)
 
 
 def on_table() -> Iterator[Body]:
-    """The things in rows on a table, its top at z = 0."""
+    """Yield the things in rows on a table, its top at z = 0."""
     yield slab(8.0, 8.0, "wood", z=-FALL)
     yield fixture("table", Box((1.0, 0.8, 0.04)), "wood", (0.0, 0.0, -0.5 * 0.04))
     for k, name in enumerate(THINGS):

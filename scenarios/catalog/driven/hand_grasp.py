@@ -31,16 +31,16 @@ SIDEWAYS = rotation.from_matrix(np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.
 RADIUS, WALL, HEIGHT, STAVES = 0.035, 0.006, 0.09, 8
 """Middle radius, thickness and height of the mug [m], and boxes that make its ring."""
 MUG_AT, TOP = 0.6, 1.0
-"""Where the mug stands along x, and height of both pedestals' tops [m]; the duck sits at the origin."""
+"""Place of the mug along x, and height of both pedestals' tops [m]; the duck is at the origin."""
 REACH = (-0.365, -0.075)
-"""Where the elbow is against an object that is grasped [m]: the fingers' roots just before it, the palm beside it."""
+"""Where the elbow is relative to a grasped object [m]: the fingers' roots just before it, the palm at its side."""
 CLOSED, WRAP = 75.0, 25.0
 """Bend of the fingers' joints when closed, and of the thumb's [degrees]; around a mug 45 would do."""
 
 
 @cache
 def mug() -> Body:
-    """A ring of boxes, a bottom and a handle: one body that hulls would fill."""
+    """Return a ring of boxes, a bottom and a handle: one body that hulls would fill."""
     staves, width = [], 2.0 * (RADIUS + 0.5 * WALL) * float(np.tan(np.pi / STAVES))
     for k in range(STAVES):
         angle = 2.0 * np.pi * k / STAVES
@@ -52,7 +52,7 @@ def mug() -> Body:
 
 
 def build() -> Scene:
-    """A floor, two pedestals with duck and mug, and an open hand behind the duck."""
+    """Return a floor, two pedestals with duck and mug, and an open hand behind the duck."""
     places = (("pedestal_duck", 0.0, 0.02, (0.04, 0.04, 0.3)), ("pedestal_mug", MUG_AT, 0.1, (0.1, 0.3, 0.02)))
     pedestals = (fixture(name, Box(size), "wood", (x, y, TOP - 0.5 * size[2])) for name, x, y, size in places)
     duck = fixture("duck", convex_pieces(data_file("duck_vhacd.obj"), 0.05, True), "wood", (0.0, 0.0, TOP))
@@ -61,7 +61,7 @@ def build() -> Scene:
 
 
 def motion(scene: Scene, seed: int) -> Motion:
-    """Beside the duck, close, open, close, open; across to the mug, and the same."""
+    """Return a motion: next to the duck, close, open, close, open; across to the mug, and the same there."""
     hand, keys, time = scene.avatars[0], list[Key](), 0.0
     for x in (0.0, MUG_AT):
         for seconds, back, share in (
@@ -74,7 +74,7 @@ def motion(scene: Scene, seed: int) -> Motion:
 
 
 def _at(hand: Avatar, x: float, back: float, share: float) -> TrackerSample:
-    """The hand at the object at `x` [m], `back` [m] to its side, closed by `share`."""
+    """Return the hand at the object at `x` [m], `back` [m] to its side, closed by `share`."""
     base = rest((hand,))
     positions, rotations = base.positions.copy(), base.rotations.copy()
     positions[0], rotations[0] = (x + REACH[0], REACH[1] + back, TOP + 0.055), SIDEWAYS

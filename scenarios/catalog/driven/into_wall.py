@@ -39,17 +39,17 @@ FAST = Bound(
 
 
 def at_ball(x: float, y: float) -> Vector:
-    """A place of the ball."""
+    """Return a place of the ball."""
     return x, y, 0.5 * HIGH
 
 
 def at_palm(x: float, y: float) -> Vector:
-    """A place of the palm."""
+    """Return a place of the palm."""
     return x, y, 0.5 * EDGE
 
 
 INSIDE, AT_WALL = FACE - RADIUS + DEEP, BOX_FACE - EDGE - 0.5 * PALM[0]
-# never straight in: to motion along the normal alone standing still is the right answer
+# never straight in: for motion along the normal alone the right answer is not to move
 BALL_KEYS = (
     (0.6, at_ball(INSIDE, 0.1)), (1.0, at_ball(INSIDE, 0.2)), (2.0, at_ball(INSIDE, 0.6)), (2.6, at_ball(0.0, 0.5)),
     (3.0, at_ball(0.0, 0.3)),
@@ -62,7 +62,7 @@ PALM_KEYS = (
 
 
 def thrusts(scene: Scene, seed: int) -> Motion:
-    """Thrust after thrust, each from another side and faster than the one before: 2 to 20 m/s."""
+    """Return a motion of thrusts, each from another side and faster than the one before: 2 to 20 m/s."""
     count = FRAMES // CYCLE
     speeds = np.geomspace(2.0, 20.0, count)
     aims = np.random.default_rng(seed).uniform(-0.3, 0.3, (count, 2))
@@ -83,7 +83,7 @@ def thrusts(scene: Scene, seed: int) -> Motion:
 
 
 def bowl() -> Body:
-    """The bottom, and twelve flat segments that lean outwards."""
+    """Return the bottom, and twelve flat segments that lean outwards."""
     around = [2.0 * pi * k / SIDES for k in range(SIDES + 1)]
     bottom = [[(FOOT + SHELL) * cos(a), (FOOT + SHELL) * sin(a), z] for a in around[:-1] for z in (-SHELL, 0.0)]
     pieces = [Piece(ConvexHull(np.array(bottom)))]
@@ -94,12 +94,12 @@ def bowl() -> Body:
 
 
 def in_bowl(x: float, y: float, z: float, turn: float) -> TrackerSample:
-    """The hand with its middle over (x, y), its fingers at the angle `turn` [rad]."""
+    """Return the hand with its middle over (x, y), its fingers at the angle `turn` [rad]."""
     return turned_hand((x - MIDDLE * cos(turn), y - MIDDLE * sin(turn), z), turn)
 
 
 def stirring() -> list[Key]:
-    """Down into the bottom, round along the side, up and out."""
+    """Return keys down into the bottom, round along the side, up and out."""
     turns = [2.0 * pi * k / 6 for k in range(7)]
     return [
         (0.7, in_bowl(0.0, 0.0, -0.014, 0.0)), (1.0, in_bowl(0.02, 0.01, -0.014, 0.3)),

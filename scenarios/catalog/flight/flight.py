@@ -50,13 +50,13 @@ LEAN, TOP_SPIN = 0.2, 200.0
 
 
 def moments(piece: Piece, mass: float) -> Vector:
-    """Moments of inertia [kg m^2] along x, y and z."""
+    """Return moments of inertia [kg m^2] along x, y and z."""
     x, y, z = solid((piece,), mass).inertia.diagonal().tolist()
     return x, y, z
 
 
 def piece() -> Piece:
-    """The top, its origin in its centre of mass."""
+    """Return the top, its origin in its centre of mass."""
     angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
     ring = RIM_RADIUS * np.stack([np.cos(angles), np.sin(angles)], axis=1)
     corners = np.vstack([np.zeros((1, 3)), *(np.insert(ring, 2, z, axis=1) for z in RIM)])
@@ -64,14 +64,14 @@ def piece() -> Piece:
 
 
 def reach() -> float:
-    """Distance [m] from the tip to the centre of mass."""
+    """Return the distance [m] from the tip to the centre of mass."""
     shape = piece().shape
     assert isinstance(shape, ConvexHull)
     return -float(shape.vertices[:, 2].min())
 
 
 def precession() -> float:
-    """Mean rate at which the axis of the top goes round [rad/s]."""
+    """Return the mean rate at which the axis of the top goes round [rad/s]."""
     across, _, along = moments(piece(), MASS)
     return top_precession(across, along, MASS, reach(), TOP_SPIN, LEAN, 9.81)
 

@@ -31,7 +31,7 @@ SPINS = Bound("spin_error_max", 4e-5, "as the velocity, over the radius")
 
 
 def balls() -> Iterator[Body]:
-    """Three balls of different cloth side by side."""
+    """Yield three balls of different cloth side by side."""
     yield TABLE
     for k, (name, friction) in enumerate(BALLS.items()):
         start = (0.0, 0.5 * (k - 1), RADIUS + LAID)
@@ -39,7 +39,7 @@ def balls() -> Iterator[Body]:
 
 
 def logs() -> Iterator[Body]:
-    """Two logs across their way."""
+    """Yield two logs across their way."""
     yield TABLE
     for name, lane in LOGS.items():
         spin = (0.0, LOG_SPEED / RADIUS if name == "rolls" else 0.0, 0.0)
@@ -48,21 +48,21 @@ def logs() -> Iterator[Body]:
 
 
 def along_lane(name: str, lane: float, way: OfFloat, speed: OfFloat, spin: OfFloat) -> Course:
-    """The course of a body along x."""
+    """Return the course of a body along x."""
     return Course(
         name, lambda t: (way(t), lane, RADIUS), lambda t: (speed(t), 0.0, 0.0), lambda t: (0.0, spin(t) / RADIUS, 0.0)
     )
 
 
 def ball_course(name: str, lane: float) -> Course:
-    """Place, velocity and spin of a ball at any time."""
+    """Return the place, velocity and spin of a ball at any time."""
     friction, rolls = BALLS[name], roll_time(SPEED, BALLS[name], GRAVITY)
     way, speed = ball_to_roll(SPEED, friction, GRAVITY)
     return along_lane(name, lane, way, speed, lambda t: 2.5 * friction * GRAVITY * t if t < rolls else roll_speed(SPEED))
 
 
 def log_course(name: str) -> Course:
-    """Place, velocity and spin of a log at any time."""
+    """Return the place, velocity and spin of a log at any time."""
     end, drag = LOG_SPEED if name == "rolls" else LOG_SPEED / (1.0 + SHARE), FRICTION * GRAVITY
     begins = (LOG_SPEED - end) / drag
     way, speed = slides_to_roll(LOG_SPEED, drag, begins, 0.5 * (LOG_SPEED + end) * begins, end)

@@ -41,7 +41,7 @@ LENGTH, THIN, LEAN = 1.0, 0.01, atan(2.0)
 
 
 def boxes() -> Iterator[Body]:
-    """One floor, its top at z = 0, and three boxes, one of them to each direction."""
+    """Yield one floor, its top at z = 0, and three boxes, one of them to each direction."""
     yield slab(8.0, 8.0)
     for k, (name, angle) in enumerate(BOXES.items()):
         start, velocity = (-1.0, 1.2 * (k - 1), 0.5 * SIZE[2] + LAID), (SPEED * cos(angle), SPEED * sin(angle), 0.0)
@@ -49,7 +49,7 @@ def boxes() -> Iterator[Body]:
 
 
 def at_rate(rate: int) -> Scenario:
-    """The three boxes at so many frames per second, for a second."""
+    """Return the three boxes at so many frames per second, for a second."""
     way, by = stop_distance(SPEED, FRICTION, GRAVITY), stop_time(SPEED, FRICTION, GRAVITY)
     return undriven(
         "stop_distance" if rate == 60 else f"stop_distance_{rate}",
@@ -69,7 +69,7 @@ def at_rate(rate: int) -> Scenario:
 
 
 def on_three() -> Iterator[Body]:
-    """Every body straddles a rough lane between two of ice, all tops at z = 0."""
+    """Yield bodies, each of which straddles a rough lane between two of ice, all tops at z = 0."""
     for k, (name, (rough, smooth)) in enumerate(FEET.items()):
         y = LANE * (k - 1.5)
         for kind, lane, aside in (("rough", "rough", 0.0), ("left", "ice", WIDE), ("right", "ice", -WIDE)):
@@ -80,7 +80,7 @@ def on_three() -> Iterator[Body]:
 
 
 def braking() -> Iterator[Course]:
-    """Uniform braking, for the first second."""
+    """Yield uniform braking, for the first second."""
     for k, (name, (rough, smooth)) in enumerate(FEET.items()):
         brake = (-ROUGH * tripod_load(MASS, GRAVITY, rough, smooth, ROUGH, RADIUS) / MASS, 0.0, 0.0)
         way = uniform((0.0, LANE * (k - 1.5), RADIUS), FORWARD, brake)
@@ -88,7 +88,7 @@ def braking() -> Iterator[Course]:
 
 
 def rods() -> Iterator[Body]:
-    """Five rods side by side, each of a roughness of its own."""
+    """Yield five rods side by side, each of a roughness of its own."""
     yield slab(20.0, 8.0)
     across, high = LENGTH**2 / 12.0, 0.5 * LENGTH * cos(LEAN) + THIN + LAID
     mass = Mass(1.0, inertia=np.diag([across, across, 1e-3 * across]))

@@ -37,32 +37,32 @@ BOARD, START = (5.6, 0.6, 0.1), -1.6
 
 
 def turn(slope: float) -> Quaternion:
-    """A board that falls towards +x by `slope` [deg]."""
+    """Return a board that falls towards +x by `slope` [deg]."""
     return turned_by((0.0, 1.0, 0.0), radians(slope))
 
 
 def place(slope: float, along: float, above_it: float, lane: float) -> Vector:
-    """The point `along` a slope and `above_it` [m]; the board's middle is at the origin of its lane."""
+    """Return the point `along` a slope and `above_it` [m]; the board's middle is at the origin of its lane."""
     a = radians(slope)
     return along * cos(a) + above_it * sin(a), lane, -along * sin(a) + above_it * cos(a)
 
 
 def on_board(board: str, name: str, slope: float, height: float, start: float, material: str, lane: float) -> Iterator[Body]:
-    """A board, and a block on its upper part."""
+    """Yield a board, and a block on its upper part."""
     yield fixture(board, Box(BOARD), "board", place(slope, 0.0, -0.5 * BOARD[2], lane), turn(slope))
     at = place(slope, start, 0.5 * height + LAID, lane)
     yield loose(name, Box((BASE, BASE, height)), material, 1.0, at, turn(slope))
 
 
 def bodies() -> Iterator[Body]:
-    """A board for every case, side by side along y."""
+    """Yield a board for every case, side by side along y."""
     for k, (name, (slope, _)) in enumerate(CASES.items()):
         yield from on_board(f"board_{name}", name, slope, FLAT, START, name, k)
     yield from on_board("board_stands", "stands", STEEP, STANDS, START, "rough", len(CASES))
 
 
 def courses() -> Iterator[Course]:
-    """Where each block is at any time: down the slope with a constant acceleration, or where it was."""
+    """Yield where each block is at any time: down the slope with a constant acceleration, or where it was."""
     for k, (name, (slope, friction)) in enumerate(CASES.items()):
         a = incline_acceleration(radians(slope), friction, 9.81)
         down = np.array(place(slope, 1.0, 0.0, 0.0))

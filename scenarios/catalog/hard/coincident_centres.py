@@ -33,13 +33,13 @@ EDGE, DEPTHS = 0.2, (0.01, 0.05, 0.1, 0.2)
 
 
 def build() -> Scene:
-    """Five fixed bodies in a row along y, and a driven ball beside the first."""
+    """Return five fixed bodies in a row along y, and a driven ball next to the first."""
     bodies = tuple(fixture(name, shape, "wood", (0.0, APART * k, 0.0)) for k, (name, shape) in enumerate(SHAPES.items()))
     return Scene("coincident_centres", bodies, (driven("ball", Sphere(RADIUS), 0.5),), start=hands_at(((0.5, 0.0, 0.0),)))
 
 
 def keys() -> Iterator[tuple[float, Vector]]:
-    """Into a centre, there for a third of a second, out again, along to the next."""
+    """Yield keys into a centre, there for a third of a second, out again, along to the next."""
     for k in range(len(SHAPES)):
         y, begins = APART * k, 1.1 * k
         yield from (
@@ -49,26 +49,26 @@ def keys() -> Iterator[tuple[float, Vector]]:
 
 
 def pairs() -> Iterator[Body]:
-    """Five pairs in the same place each."""
+    """Yield five pairs in the same place each."""
     for k, (name, shape) in enumerate(SHAPES.items()):
         for which in ("one", "other"):
             yield loose(f"{name}_{which}", shape, "wood", 0.5, (0.0, APART * k, 0.0))
 
 
 def boxes() -> Iterator[Body]:
-    """Four pairs along y, each along x inside one another."""
+    """Yield four pairs along y, each along x inside one another."""
     for k, depth in enumerate(DEPTHS):
         for side, sign in (("left", -0.5), ("right", 0.5)):
             yield loose(f"{side}_{k}", Box((EDGE, EDGE, EDGE)), "wood", 1.0, (sign * (EDGE - depth), 2.0 * k, 0.0))
 
 
 def moved_at_most(limit: float) -> Bound:
-    """The bound on the distance [m] that bodies are moved at the start, which is known in closed form."""
+    """Return the bound on the distance [m] that bodies are moved at the start, which is known in closed form."""
     return Bound("start_moved_max", limit + SPARE, "what overlaps begins at the nearest free place, and no farther away")
 
 
 def start(name: str, title: str, judged: str, bodies: Callable[[], Iterator[Body]]) -> Scenario:
-    """A scene whose loose bodies overlap at the start by at most an edge or a diameter: each of two moves by half of it."""
+    """Return a scene of loose bodies that overlap at the start by at most an edge or a diameter: each of two moves by half."""
     return undriven(
         name, title, judged, bodies, gravity=NOWHERE, frames=60,
         bounds=(

@@ -32,7 +32,7 @@ TURNED = 2.0 * sqrt(2.0 * 2.2e-8 / REACH)
 
 
 def bodies() -> Iterator[Body]:
-    """Balls above one another in one plane, cubes in another."""
+    """Yield balls above one another in one plane, cubes in another."""
     for k, gap in enumerate(GAPS):
         yield fixture(f"post_{k}", Sphere(RADIUS), "post", (0.0, 0.0, LANE * k))
         yield loose(f"ball_{k}", Sphere(RADIUS), "ball", 1.0, (-BEFORE, REACH + gap, LANE * k), velocity=ALONG)
@@ -42,12 +42,12 @@ def bodies() -> Iterator[Body]:
 
 
 def cube_starts(gap: float, k: int) -> Vector:
-    """A cube beside its bar, at so small a distance."""
+    """Return the start of a cube at so small a distance from its bar."""
     return EDGE, 2.0 + 0.5 * EDGE + gap, LANE * k
 
 
 def ball_flies(gap: float, k: int) -> OfTime:
-    """Place [m] of a ball at a time [s]: straight on, and turned by the impact if there is one."""
+    """Return the place [m] of a ball at a time [s]: straight on, and turned by the impact if there is one."""
     start, offset = (-BEFORE, REACH + gap, LANE * k), REACH + gap
     if gap >= 0.0:
         return uniform(start, ALONG)

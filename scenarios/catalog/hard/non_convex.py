@@ -31,20 +31,20 @@ HEIGHT, RESTITUTION, HIGH = 0.5, 0.5, 1.2
 
 
 def ring() -> tuple[Piece, ...]:
-    """Sixteen straight segments about z."""
+    """Return sixteen straight segments about z."""
     angles = 2.0 * pi * np.arange(SEGMENTS + 1) / SEGMENTS
     corners = [[r * np.cos(a), r * np.sin(a), z] for a in angles for r in (INNER, OUTER) for z in (-0.5 * BAR, 0.5 * BAR)]
     return tuple(Piece(ConvexHull(np.array(corners[4 * k : 4 * k + 8]))) for k in range(SEGMENTS))
 
 
 def channel() -> tuple[Piece, ...]:
-    """A U that is open above, its bottom's upper face at z = 0, along y."""
+    """Return a U that is open above, its bottom's upper face at z = 0, along y."""
     sides = (Piece(Box((BAR, LONG, WIDE)), (side * 0.5 * (WIDE + BAR), 0.0, 0.5 * WIDE)) for side in (-1.0, 1.0))
     return (Piece(Box((WIDE + 2.0 * BAR, LONG, BAR)), (0.0, 0.0, -0.5 * BAR)), *sides)
 
 
 def angle() -> tuple[Piece, ...]:
-    """An L, its lower arm's upper face at z = 0."""
+    """Return an L, its lower arm's upper face at z = 0."""
     return (
         Piece(Box((WIDE, LONG, BAR)), (0.0, 0.0, -0.5 * BAR)),
         Piece(Box((BAR, LONG, WIDE)), (-0.5 * (WIDE - BAR), 0.0, 0.5 * WIDE)),
@@ -63,7 +63,7 @@ TUMBLING = tuple(f"tumbling_{name}" for name in PROFILES)
 
 
 def bodies() -> Iterator[Body]:
-    """Eight stations along x, two metres apart, on one floor."""
+    """Yield eight stations along x, two metres apart, on one floor."""
     places = {name: place for name, (place, _, _) in LANDS.items()}
     yield slab(30.0, 6.0)
     for k, (name, ball) in enumerate(zip(PROFILES, ("through_ring", "in_channel", "in_angle"), strict=True)):
@@ -78,7 +78,7 @@ def bodies() -> Iterator[Body]:
 
 
 def falls(start: Vector, way: float, restitution: float) -> OfTime:
-    """From rest down by `way` [m], and bounces or rest."""
+    """Return a fall from rest by `way` [m], and the bounces or rest after it."""
     return lambda time: (start[0], start[1], start[2] - way + bounce_state(way, restitution, 9.81, time)[0])
 
 

@@ -42,21 +42,21 @@ class Place:
     origin: Vector = NOWHERE
 
     def at(self, x: float, y: float, z: float, laid: float = 0.0) -> Vector:
-        """A place of the world, `laid` [m] above it whatever the scale."""
+        """Return a place of the world, `laid` [m] above it whatever the scale."""
         ox, oy, oz = self.origin
         return ox + self.scale * x, oy + self.scale * y, oz + self.scale * z + laid
 
     def box(self, x: float, y: float, z: float) -> Box:
-        """A box of the world."""
+        """Return a box of the world."""
         return Box((self.scale * x, self.scale * y, self.scale * z))
 
     def along(self, speed: float) -> Vector:
-        """A velocity [m/s] along x."""
+        """Return a velocity [m/s] along x."""
         return self.scale * speed, 0.0, 0.0
 
 
 def bodies(place: Place) -> Iterator[Body]:
-    """Floor, its top at z = 0, wall, and the six bodies that move or rest."""
+    """Yield floor, its top at z = 0, wall, and the six bodies that move or rest."""
     yield fixture("floor", place.box(6.0, 4.0, THICK), "floor", place.at(0.0, 0.0, -0.5 * THICK))
     yield fixture("wall", place.box(THICK, TALL, TALL), "wall", place.at(FACE + 0.5 * THICK, 0.0, HIGH))
     yield loose("dropped", Sphere(place.scale * RADIUS), "ball", 1.0, place.at(-1.0, 1.0, HEIGHT + RADIUS))
@@ -69,26 +69,26 @@ def bodies(place: Place) -> Iterator[Body]:
 
 
 def dropped(place: Place, time: float) -> Vector:
-    """Where the ball is that bounces."""
+    """Return where the ball is that bounces."""
     return place.at(-1.0, 1.0, RADIUS + bounce_state(HEIGHT, RESTITUTION, GRAVITY, time)[0])
 
 
 def slides(place: Place, time: float) -> Vector:
-    """Where the box is that slides."""
+    """Return where the box is that slides."""
     ends = stop_time(SPEED, FRICTION, GRAVITY)
     left = max(0.0, ends - time) / ends
     return place.at(-1.0 + stop_distance(SPEED, FRICTION, GRAVITY) * (1.0 - left * left), 0.0, 0.5 * SLIDES[2], LAID)
 
 
 def shot(place: Place, time: float) -> Vector:
-    """Where the ball is that comes back from the wall, falling all the while; nothing is in its way."""
+    """Return where the ball is that comes back from the wall, falling all the while; nothing is in its way."""
     way, due = FAST * time, NEAR / FAST
     x = FACE - SHOT - NEAR + (way if time <= due else 2.0 * NEAR - way)
     return place.at(x, 0.0, HIGH - 0.5 * GRAVITY * time * time)
 
 
 def scenario(name: str, title: str, place: Place, dt: float = RENDERED) -> Scenario:
-    """The little world at a place, of a size, looked at every `dt` [s]."""
+    """Return the little world at a place, of a size, looked at every `dt` [s]."""
     courses = {"dropped": dropped, "slides": slides, "shot": shot}
     # a body that has hardly begun to fall has too little kinetic energy to compare the rounding of its height with
     alone = (("slides",), ("shot",), *((("dropped",),) if FRAMES * dt > 0.01 else ()))

@@ -73,12 +73,12 @@ ROLLERS = {"skids": 0.0, "rolls": SPEED / RADIUS}
 
 
 def lane(floor: str) -> float:
-    """Middle of a floor along y [m]."""
+    """Return the middle of a floor along y [m]."""
     return LANE * (list(STONES).index(floor) - 1)
 
 
 def side(name: str) -> float:
-    """Where a body begins along y [m], none in the way of another."""
+    """Return where a body begins along y [m], none in the way of another."""
     if name in PILE:
         return lane("fine")
     if name in ROLLERS:
@@ -88,7 +88,7 @@ def side(name: str) -> float:
 
 
 def stone(floor: str, k: int, i: int) -> tuple[Shape, Vector]:
-    """Stone i abreast of stone k along a floor, and where it lies on that floor."""
+    """Return stone i abreast of stone k along a floor, and where it lies on that floor."""
     count, abreast = STONES[floor]
     if floor == "leaning":
         x = np.linspace(-0.5 * LONG, 0.5 * LONG, count + 1)
@@ -99,7 +99,7 @@ def stone(floor: str, k: int, i: int) -> tuple[Shape, Vector]:
 
 
 def over_stones() -> Iterator[Body]:
-    """Four floors of stones, and the bodies that slide and roll over them."""
+    """Yield four floors of stones, and the bodies that slide and roll over them."""
     for floor, (count, abreast) in STONES.items():
         for k in range(count):
             for i in range(abreast):
@@ -114,7 +114,7 @@ def over_stones() -> Iterator[Body]:
 
 
 def along(name: str, height: float, angle: float, way: OfFloat, speed: OfFloat) -> Course:
-    """Place and velocity of a body that goes straight on, at an `angle` [rad] from the x axis."""
+    """Return the place and velocity of a body that goes straight on, at an `angle` [rad] from the x axis."""
     x, y = cos(angle), sin(angle)
     return Course(
         name, lambda t: (START + way(t) * x, side(name) + way(t) * y, height), lambda t: (speed(t) * x, speed(t) * y, 0.0)
@@ -130,7 +130,7 @@ CUT_LANES = {name: 1.5 * (k - 2) for k, name in enumerate(CUTS)}
 
 
 def over_cuts() -> Iterator[Body]:
-    """Five floors beside one another; on each a box slides, a ball bounces on a seam, and a ball slides until it rolls."""
+    """Yield five floors side by side; on each a box slides, a ball bounces on a seam, and a ball slides until it rolls."""
     for name, y in CUT_LANES.items():
         pieces = tuple(
             Piece(Box((b - a, 1.0, THICK)), (0.5 * (a + b), 0.0, 0.0)) for a, b in zip(CUTS[name], CUTS[name][1:], strict=False)
@@ -144,7 +144,7 @@ def over_cuts() -> Iterator[Body]:
 
 
 def cut_courses(name: str, y: float) -> tuple[Course, ...]:
-    """Where the three bodies on a floor are at any time, whatever its pieces."""
+    """Return where the three bodies on a floor are at any time, whatever its pieces."""
     return (
         Course(f"slides_{name}", lambda t: (-1.0 + SLID(t), y - 0.3, 0.5 * BOX[2])),
         Course(f"bounces_{name}", lambda t: (0.0, y, RADIUS + bounce_state(HEIGHT, RESTITUTION, GRAVITY, t)[0])),
@@ -161,7 +161,7 @@ WORN = {f"{turn}_on_{kind}": (angle, kind) for kind in ("one", "many") for turn,
 
 
 def over_steps() -> Iterator[Body]:
-    """Four floors beside one another, a box on each."""
+    """Yield four floors side by side, a box on each."""
     long, down, steps = LONG / STEPS, 0, list[Piece]()
     for k in range(STEPS):
         x = (k + 0.5) * long - 0.5 * LONG

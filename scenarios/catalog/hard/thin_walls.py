@@ -39,12 +39,12 @@ half its thin edge t off centre it loses 2 v m (t/2)^2 / I = 6 v (t / L)^2 to sp
 
 
 def distance(speed: float, k: int) -> float:
-    """From the ball's centre to the wall's middle at the start [m]."""
+    """Return the distance [m] from the ball's centre to the wall's middle at the start."""
     return speed * (BEFORE + RENDERED * k / STARTS) + RADIUS + 0.5 * WALL
 
 
 def balls() -> Iterator[Body]:
-    """A wall across x at 0; lanes of one speed lie beside each other, speeds above each other."""
+    """Yield a wall across x at 0 and its balls; lanes of one speed lie side by side, speeds above each other."""
     yield fixture("wall", Box((WALL, APART * (STARTS + 1), APART * (len(SPEEDS) + 1))), "wall")
     for row, speed in enumerate(SPEEDS):
         for k in range(STARTS):
@@ -53,7 +53,7 @@ def balls() -> Iterator[Body]:
 
 
 def ball_courses() -> Iterator[Course]:
-    """To the wall and back the same way: a contact found late by t seconds leaves a ball 2 v t off."""
+    """Yield courses to the wall and back the same way: a contact found late by t seconds leaves a ball 2 v t off."""
     for body in balls():
         if body.mass is not None:
             away, speed = -body.position[0], body.velocity[0]
@@ -62,17 +62,17 @@ def ball_courses() -> Iterator[Course]:
 
 
 def there_and_back(start: float, speed: float, due: float, y: float, z: float) -> OfTime:
-    """Place [m] at a time [s] along x from `start` and, from the time `due` on, back."""
+    """Return the place [m] at a time [s] along x from `start` and, from the time `due` on, back."""
     return lambda time: (start + speed * (time if time <= due else 2.0 * due - time), y, z)
 
 
 def sliver(ratio: int) -> Box:
-    """A box, its thin edge along x."""
+    """Return a box, its thin edge along x."""
     return Box((EDGE / ratio, EDGE, EDGE))
 
 
 def turned(ratio: int, way: str) -> tuple[Quaternion, float]:
-    """Turn of a sliver, and its reach ahead of its centre [m]."""
+    """Return the turn of a sliver, and its reach ahead of its centre [m]."""
     if way == "flat":
         return rotation.IDENTITY, 0.5 * (EDGE / ratio)
     if way == "edge":
@@ -85,13 +85,13 @@ def turned(ratio: int, way: str) -> tuple[Quaternion, float]:
 
 
 def lane(k: int) -> tuple[float, float]:
-    """Where case k flies, across the sheet [m]."""
+    """Return where case k flies, across the sheet [m]."""
     row, column = divmod(k, len(CASES) // len(RATIOS))
     return LANE * (column - 2.5), LANE * (row - 1)
 
 
 def slivers() -> Iterator[Body]:
-    """A sheet across x at 0, a lane per sliver before it; pairs that fly at each other off centre far from it."""
+    """Yield a sheet across x at 0, a lane per sliver before it; pairs that fly at each other off centre far from it."""
     yield fixture("sheet", Box((SHEET, LANE * 7.0, LANE * 4.0)), "sheet")
     for k, (ratio, way, speed) in enumerate(CASES):
         tilt, ahead = turned(ratio, way)
@@ -106,7 +106,7 @@ def slivers() -> Iterator[Body]:
 
 
 def sliver_courses() -> Iterator[Course]:
-    """To the sheet and back the same way."""
+    """Yield courses to the sheet and back the same way."""
     for k, (ratio, way, speed) in enumerate(CASES):
         yield Course(SLIVERS[k], there_and_back(-0.5 * SHEET - NEAR - turned(ratio, way)[1], speed, NEAR / speed, *lane(k)))
 

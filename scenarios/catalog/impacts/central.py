@@ -33,12 +33,12 @@ HEAVY, LIGHT, FALLS, HEIGHT, BETWEEN = 0.1, 0.04, 3.0, 0.3, 1e-3
 
 
 def names(ratio: float, e: float) -> tuple[str, str]:
-    """The two spheres of a pair."""
+    """Return the two spheres of a pair."""
     return f"comes_{ratio:g}_{e:g}", f"waits_{ratio:g}_{e:g}"
 
 
 def pairs() -> Iterator[Body]:
-    """Twelve pairs, each on its own line along x, a metre apart."""
+    """Yield twelve pairs, each on its own line along x, a metre apart."""
     for k, (ratio, e) in enumerate(PAIRS):
         first, second = names(ratio, e)
         at = -(2.0 * RADIUS + GAP)
@@ -47,21 +47,21 @@ def pairs() -> Iterator[Body]:
 
 
 def pair_courses() -> Iterator[Course]:
-    """Velocity of both after the impact; friction has nothing to do, so there is no spin."""
+    """Yield the velocity of both after the impact; friction has nothing to do, so there is no spin."""
     for ratio, e in PAIRS:
         for name, speed in zip(names(ratio, e), two_spheres(ratio, 1.0, SPEED, 0.0, e), strict=True):
             yield Course(name, velocity=steady(speed, 0.0, 0.0), spin=steady(0.0, 0.0, 0.0), since=AFTER)
 
 
 def row(gap: float) -> Iterator[Body]:
-    """The row along x, `gap` [m] between neighbours."""
+    """Yield the row along x, `gap` [m] between neighbours."""
     yield loose(ROW[0], Sphere(RADIUS), "steel", 0.5, (-COMES, 0.0, 0.0), velocity=(ROW_SPEED, 0.0, 0.0))
     for k in range(1, len(ROW)):
         yield loose(ROW[k], Sphere(RADIUS), "steel", 0.5, (k * 2.0 * RADIUS + (k - 1) * gap, 0.0, 0.0))
 
 
 def cradle(name: str, title: str, judged: str, gap: float, reason: str) -> Scenario:
-    """Newton's cradle with `gap` [m] between the balls that wait."""
+    """Return Newton's cradle with `gap` [m] between the balls that wait."""
     ends = zip(ROW, cradle_velocities(len(ROW), ROW_SPEED), strict=True)
     courses = tuple(Course(ball, velocity=steady(speed, 0.0, 0.0), since=AFTER) for ball, speed in ends)
     return undriven(
@@ -77,7 +77,7 @@ def cradle(name: str, title: str, judged: str, gap: float, reason: str) -> Scena
 
 
 def towers() -> Iterator[Body]:
-    """Three towers of two balls over one plate, a metre apart."""
+    """Yield three towers of two balls over one plate, a metre apart."""
     yield slab(4.0, 2.0, "plate", "plate")
     for k, ratio in enumerate(RATIOS):
         x, low = k - 1.0, HEIGHT + HEAVY
@@ -87,7 +87,7 @@ def towers() -> Iterator[Body]:
 
 
 def tower_courses() -> Iterator[Course]:
-    """Both balls of each tower after both impacts."""
+    """Yield both balls of each tower after both impacts."""
     for k, ratio in enumerate(RATIOS):
         left = two_spheres(1.0, ratio, FALLS, -FALLS, 1.0)[0]
         yield Course(f"light_{k}", velocity=steady(0.0, 0.0, superball_speed(ratio, 1.0, FALLS)), since=AFTER)

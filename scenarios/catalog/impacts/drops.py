@@ -39,12 +39,12 @@ def over_floor(drops: Drops, width: float, depth: float, radius: float, mass: fl
 
 
 def material(drop: Drop) -> str:
-    """Material of a ball."""
+    """Return the material of a ball."""
     return "ball" if drop in ELASTIC else f"e_{drop.restitution:g}"
 
 
 def at_rate(rate: int) -> Scenario:
-    """The ladder at so many frames per second."""
+    """Return the ladder at so many frames per second."""
     frames = round(SECONDS * rate)
     return undriven(
         "bounce_ladder" if rate == 60 else f"bounce_ladder_{rate}",

@@ -34,7 +34,7 @@ RESTITUTIONS = (0.0, 0.1, 0.2, 0.3, 0.5, 0.75, 0.9, 1.0)
 ROD, THIN, LEAN, EDGE = 0.6, 0.02, radians(35.0), 0.2
 """Length of the rod's segment and its radius [m], its angle from upright: or its other end follows; edge of the cube [m]."""
 CUBE_TURN: Quaternion = turned_by((0.790, 0.576, 0.210), 0.8656)
-"""Turn of the cube: one corner lowest, beside its centre, and the others well above it."""
+"""Turn of the cube: one corner lowest, off the line below its centre, and the others well above it."""
 MASS, DOWN = 1.5, (0.0, 0.0, -2.0)
 """Mass [kg] and velocity [m/s] of rods and cubes."""
 
@@ -43,13 +43,13 @@ BOXES = {f"box_{e:g}_{mu:g}": (e, mu) for e in (0.0, 0.3, 0.6, 0.9) for mu in (0
 
 
 def after(angle: float, friction: float) -> Oblique:
-    """The closed form of one sphere; `angle` in degrees."""
+    """Return the closed form of one sphere; `angle` in degrees."""
     a = radians(angle)
     return oblique_bounce(SPEED * cos(a), SPEED * sin(a), friction, RESTITUTION, RADIUS)
 
 
 def spheres() -> Iterator[Body]:
-    """One plate for all, its top at z = 0, and nine spheres that reach it at the same instant."""
+    """Yield one plate for all, its top at z = 0, and nine spheres that reach it at the same instant."""
     yield slab(20.0, 8.0, "plate", "plate")
     for k, (name, (angle, friction)) in enumerate(SPHERES.items()):
         velocity = (SPEED * sin(radians(angle)), 0.0, -SPEED * cos(radians(angle)))
@@ -58,7 +58,7 @@ def spheres() -> Iterator[Body]:
 
 
 def sphere_courses() -> Iterator[Course]:
-    """Velocity and spin after the impact, late enough for contacts of tens of milliseconds."""
+    """Yield the velocity and spin after the impact, late enough for contacts of tens of milliseconds."""
     for name, case in SPHERES.items():
         end = after(*case)
         velocity, spin = steady(end.tangential, 0.0, end.normal), steady(0.0, end.spin, 0.0)
@@ -66,7 +66,7 @@ def sphere_courses() -> Iterator[Course]:
 
 
 def kinds() -> dict[str, tuple[Shape, Quaternion, Vector]]:
-    """Kind -> its shape, how it is turned, and the arm from its centre to the point that meets the plate [m]."""
+    """Return kind -> its shape, how it is turned, and the arm from its centre to the point that meets the plate [m]."""
     lean = turned_by((0.0, 1.0, 0.0), LEAN)
     end = -0.5 * ROD * np.array([np.sin(LEAN), 0.0, np.cos(LEAN)]) - np.array([0.0, 0.0, THIN])
     corners = 0.5 * EDGE * np.array(np.meshgrid(*[(-1.0, 1.0)] * 3)).reshape(3, -1).T
@@ -76,7 +76,7 @@ def kinds() -> dict[str, tuple[Shape, Quaternion, Vector]]:
 
 
 def rods() -> Iterator[Body]:
-    """One plate, its top at z = 0; two rows along x, rods and cubes, two metres apart."""
+    """Yield one plate, its top at z = 0; two rows along x, rods and cubes, two metres apart."""
     yield slab(12.0, 6.0, "plate", "plate")
     for row, (kind, (shape, turn, arm)) in enumerate(kinds().items()):
         for k, e in enumerate(RESTITUTIONS):
@@ -85,7 +85,7 @@ def rods() -> Iterator[Body]:
 
 
 def rod_courses() -> Iterator[Course]:
-    """Velocity and spin after the impact, which stay: rods turn about a main axis, cubes have none."""
+    """Yield the velocity and spin after the impact, which stay: rods turn about a main axis, cubes have none."""
     for kind, (shape, turn, arm) in kinds().items():
         frame = rotation.to_matrix(np.array(turn))
         inertia = frame @ solid(pieces_of(shape), MASS).inertia @ frame.T
@@ -95,7 +95,7 @@ def rod_courses() -> Iterator[Course]:
 
 
 def boxes() -> Iterator[Body]:
-    """Sixteen boxes over one floor, five metres apart, every one turned and spinning in a way of its own."""
+    """Yield sixteen boxes over one floor, five metres apart, every one turned and spinning in a way of its own."""
     yield slab(40.0, 40.0)
     for k, name in enumerate(BOXES):
         at = (5.0 * (k % 4 - 1.5), 5.0 * (k // 4 - 1.5), 0.6)

@@ -36,7 +36,7 @@ TURNS, TAKES = 3.0, 2.0
 SWINGS, FARTHEST, WAITS = 0.8, 1.2, 1.0
 """Angular velocity of doors [rad/s], how far the one turns that closes on a hand [rad], and how long it stays there [s]."""
 AFTER = 2.0 * FARTHEST / SWINGS + WAITS + 0.5
-"""From then on [s] nothing is left of what that door did: it has been open for half a second."""
+"""From then on [s] that door has no effect any more: it has been open for half a second."""
 USER = (0.5, -0.4, 0.5)
 """Where the hand's user is, all the time [m]."""
 LEAF, LEFT = Piece(Box((0.8, 0.04, 1.0)), (0.42, 0.0, 0.52)), 0.05
@@ -46,31 +46,31 @@ EDGE, PITCH, BOXES = 0.18, 0.19, tuple(f"box_{k}" for k in range(8))
 
 
 def on_belt(time: float) -> Vector:
-    """Closed form [m] of the box: friction brings it to the belt's speed, and then it goes with the belt."""
+    """Return the closed form [m] of the box: friction brings it to the belt's speed, and then it goes with the belt."""
     push = FRICTION * 9.81
     slides = min(time, BELT_SPEED / push)
     return ON_BELT[0] + 0.5 * push * slides * slides + BELT_SPEED * (time - slides), 0.0, ON_BELT[2]
 
 
 def table_angle(time: float) -> float:
-    """Angle of the turntable [rad]: constant acceleration, then constant speed."""
+    """Return the angle of the turntable [rad]: constant acceleration, then constant speed."""
     t = min(time, TAKES)
     return 0.5 * TURNS / TAKES * t * t + TURNS * (time - t)
 
 
 def door_angle(time: float) -> float:
-    """Angle of the door that closes on a hand [rad]: closes, waits, opens."""
+    """Return the angle of the door that closes on a hand [rad]: closes, waits, opens."""
     closed = FARTHEST / SWINGS
     return -SWINGS * min(time, closed) + SWINGS * float(np.clip(time - closed - WAITS, 0.0, closed))
 
 
 def door() -> Avatar:
-    """A door in hinges at the origin."""
+    """Return a door in hinges at the origin."""
     return moving("door", (LEAF,), "wood", joint=Hinges((Hinge((0.0, 0.0, 1.0), -2.0, 2.0),)))
 
 
 def closing(name: str, title: str, walls: Iterable[Body] = ()) -> Scenario:
-    """A door closes on a hand."""
+    """Return the scene of a door that closes on a hand."""
     start = TrackerSample(0.0, np.array([NOWHERE, USER]), np.tile(rotation.IDENTITY, (2, 1)), np.zeros(1))
     return Scenario(
         name, title, "That nothing overlaps or shakes; how far the hand is from its user once the door is open.",
@@ -87,14 +87,14 @@ def closing(name: str, title: str, walls: Iterable[Body] = ()) -> Scenario:
 
 
 def wall() -> Body:
-    """A wall half a hand behind the closed door, parallel to it."""
+    """Return a wall half a hand behind the closed door, parallel to it."""
     turn = rotation.from_axis_angle((0.0, 0.0, 1.0), -FARTHEST)
     x, y, z = rotation.rotate(turn, (0.5, -(0.5 * 0.04 + LEFT + 0.05), 0.5)).tolist()
     return fixture("wall", Piece(Box((1.0, 0.1, 1.0)), orientation=about_z(-FARTHEST)), "wood", (x, y, z))
 
 
 def crowded() -> Scene:
-    """Three walls that keep eight boxes in two rows from going away, and a door."""
+    """Return three walls that keep eight boxes in two rows from going away, and a door."""
     walls = (
         ("back", (2.0, 0.1, 0.6), (0.4, -0.6, 0.3)), ("side", (0.1, 1.2, 0.6), (0.97, -0.6, 0.3)),
         ("near", (0.1, 0.45, 0.6), (0.1, -0.4, 0.3)),
@@ -107,21 +107,21 @@ def crowded() -> Scene:
 
 
 def conveyor() -> Scene:
-    """The belt and the box."""
+    """Return the belt and the box."""
     belt = moving("belt", pieces_of(Box((6.0, 0.6, 0.1))), "belt", surface_velocity=(BELT_SPEED, 0.0, 0.0))
     box = loose("box", Box((0.1, 0.1, 0.1)), "box", 1.0, ON_BELT)
     return Scene("conveyor", (box,), (belt,), laws({("belt", "box"): (0.0, FRICTION)}))
 
 
 def lift() -> Scene:
-    """A floor, the lift above it, and the box on the lift."""
+    """Return a floor, the lift above it, and the box on the lift."""
     plate = moving("lift", pieces_of(Box((1.0, 1.0, 0.08))), "wood", position=(0.0, 0.0, LOW), stiffness=STIFFNESS)
     box = loose("box", Box((0.2, 0.2, 0.2)), "box", LOAD, (0.0, 0.0, LOW + 0.5 * 0.08 + 0.5 * 0.2 + LAID))
     return Scene("lift", (slab(4.0, 4.0, "wood"), box), (plate,), laws({("wood", "box"): (0.0, 0.5)}))
 
 
 def turntable() -> Scene:
-    """The table and the box."""
+    """Return the table and the box."""
     box = loose("box", Box((0.1, 0.1, 0.1)), "box", 1.0, (0.2, 0.0, 0.5 * (0.04 + 0.1) + LAID))
     table = moving("table", (disc(32, 0.6, 0.04),), "wood")
     return Scene("turntable", (box,), (table,), laws({("wood", "box"): (0.0, 1.0)}))

@@ -22,7 +22,7 @@ DROPS = tuple(Drop(f"ball_{a}_{b}", f"slab_{a}_{b}", TABLE_1.contact(a, b).resti
 
 
 def bodies() -> Iterator[Body]:
-    """Six slabs in a row along x, their tops at z = 0, and a ball above each."""
+    """Yield six slabs in a row along x, their tops at z = 0, and a ball above each."""
     for k, ((ball, slab), drop) in enumerate(zip(PAIRS, DROPS, strict=True)):
         yield fixture(drop.floor, Box((0.5, 0.5, 0.1)), slab, (1.0 * k, 0.0, -0.05))
         yield loose(drop.ball, Sphere(RADIUS), ball, 0.2, (1.0 * k, 0.0, RADIUS + HEIGHT))

@@ -30,7 +30,7 @@ SNIPS = ((0.0, 0.02), (1.2, 0.14), (2.1, 0.26))
 
 
 def hand() -> Avatar:
-    """A block for a palm and a finger along x, which bends downwards."""
+    """Return a block for a palm and a finger along x, which bends downwards."""
     palm = (Piece(Box(PALM), (-0.5 * PALM[0] - RADIUS - 0.002, 0.0, 0.0)),)
     links, reached = [Link("palm", None, Free(), palm, solid(palm, 0.4))], 0.0
     for name, parent, bone in zip(("proximal", "middle", "distal"), ("palm", "proximal", "middle"), BONES, strict=True):
@@ -43,14 +43,14 @@ def hand() -> Avatar:
 
 
 def build() -> Scene:
-    """Floor, table, a ball on it and the hand behind the ball."""
+    """Return floor, table, a ball on it and the hand behind the ball."""
     table = fixture("table", Box((1.0, 0.6, 0.05)), "wood", (0.0, 0.0, TOP - 0.5 * 0.05))
     ball = loose("ball", Sphere(BALL), "wood", 0.07, (0.1, 0.0, TOP + BALL + 1e-4))
     return Scene("ball_off_table", (floor(), table, ball), (hand(),), start=_at(SNIPS[0][1] - 0.05, 0.2))
 
 
 def keys() -> list[Key]:
-    """Bent, snap, stay a moment, bend again and move up to the next place."""
+    """Return keys: bent, snap, stay a moment, bend again and move up to the next place."""
     found: list[Key] = []
     for begin, tip in SNIPS:
         found += [
@@ -61,7 +61,7 @@ def keys() -> list[Key]:
 
 
 def _at(tip: float, bend: float) -> TrackerSample:
-    """The hand where its straight fingertip would be at x = `tip` [m], joints bent by `bend` [rad]."""
+    """Return the hand where its straight fingertip would be at x = `tip` [m], joints bent by `bend` [rad]."""
     positions = np.zeros((4, 3))
     positions[0] = (tip - sum(BONES) - RADIUS, 0.0, TOP + 0.048)
     return TrackerSample(0.0, positions, np.tile(rotation.IDENTITY, (4, 1)), np.array([0.5, 0.6, 0.4]) * bend)

@@ -28,13 +28,13 @@ RETURNS = Bound(
 
 
 def build() -> Scene:
-    """The humanoid, the arm bent, and a slab before it that glides to the left. No weight: a slab on the ground would rub."""
+    """Return the humanoid, arm bent, and a slab before it that glides to the left. No weight: on the ground it would rub."""
     slab = loose("slab", Box((THICK, 1.2, 2.4)), "metal", 1.0e6, (FACE + 0.5 * THICK, -0.5, 1.2), velocity=(0.0, SPEED, 0.0))
     return Scene("coach_release", (slab,), (humanoid(),), gravity=NOWHERE, start=standing(humanoid()))
 
 
 def motion(scene: Scene, seed: int) -> Motion:
-    """The arm is stretched into the slab within half a second and then held, swaying a little."""
+    """Return a motion: the arm is stretched into the slab within half a second and then held, swaying a little."""
     human, start = scene.avatars[0], scene.first_sample
     stretched = [
         posed(human, start, {"right_shoulder": (-5.0, lift, 0.0)}, {"right_elbow": (10.0,)}) for lift in (-88.0, -84.0)

@@ -27,7 +27,7 @@ CASES = tuple((mass, ratio) for ratio in (LIGHT, HEAVY) for mass in MASSES)
 
 
 def build(name: str) -> Scene:
-    """Eight hands side by side, a ball before each."""
+    """Return eight hands side by side, a ball before each."""
     ball = Sphere(RADIUS)
     bodies = tuple(
         loose(f"ball_{mass:g}_{ratio:g}", ball, "ball", ratio * mass, (2.0 * RADIUS + GAP, LANE * k, 0.0))
@@ -38,12 +38,12 @@ def build(name: str) -> Scene:
 
 
 def led(time: float) -> TrackerSample:
-    """Where all users are at a time [s]."""
+    """Return where all users are at a time [s]."""
     return hands_at([(SPEED * time, LANE * k, 0.0) for k in range(len(CASES))], time)
 
 
 def hand_goes(after: float, mass: float, y: float) -> OfTime:
-    """Place [m] of a hand that goes on at the speed `after` [m/s] when it has struck a ball."""
+    """Return the place [m] of a hand that goes on at the speed `after` [m/s] when it has struck a ball."""
     due = GAP / SPEED
 
     def at(time: float) -> tuple[float, float, float]:
@@ -54,7 +54,7 @@ def hand_goes(after: float, mass: float, y: float) -> OfTime:
 
 
 def courses(dt: float) -> Iterator[Course]:
-    """Places of all hands with light balls, and velocities of these: samples leave open when in a frame a hand strikes."""
+    """Yield places of all hands with light balls, and velocities of these: samples leave open when in a frame a hand strikes."""
     for k, mass in enumerate(MASSES):
         own, others = two_spheres(mass, LIGHT * mass, SPEED, 0.0, 1.0)
         yield Course(f"hand_{mass:g}_{LIGHT:g}", hand_goes(own, mass, LANE * k))
@@ -62,7 +62,7 @@ def courses(dt: float) -> Iterator[Course]:
 
 
 def at_rate(rate: int) -> Scenario:
-    """The grid at so many frames per second, for a second."""
+    """Return the grid at so many frames per second, for a second."""
     name = "coupling_sweep" if rate == 60 else f"coupling_sweep_{rate}"
     return Scenario(
         name, f"Hands of 0.1 to 10 kg strike balls as they pass, at {rate} frames per second.",

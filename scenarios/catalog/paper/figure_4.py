@@ -23,12 +23,12 @@ RADIUS, HALF_WIDTH, DEEP = 0.1, 0.09, 0.15
 
 
 def two_boxes(size: Vector, apart: float) -> Solid:
-    """Two boxes beside one another along x, their upper faces at z = 0."""
+    """Return two boxes side by side along x, their upper faces at z = 0."""
     return tuple(Piece(Box(size), (side * (0.5 * size[0] + apart), 0.0, -0.5 * size[2])) for side in (-1.0, 1.0))
 
 
 def dip(scene: Scene, seed: int) -> Motion:
-    """Down, along over the seam, and up."""
+    """Return a motion down, along over the seam, and up."""
     z = float(reach(scene.avatars, (hands_at(((0.0, 0.0, 0.0),)),), (0.0, 0.0, -1.0))[0]) - DIP
     return led_through(((0.25, (-0.08, 0.0, z)), (0.75, (0.08, 0.0, z)), (1.0, (0.1, 0.0, 0.05))), 60)(scene, seed)
 

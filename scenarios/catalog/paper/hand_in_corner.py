@@ -40,7 +40,7 @@ SMOOTH = Bound("root_jump_max", 0.01, "sliding along a corner is smooth; a jump 
 
 
 def sliding(turned: Array, tip: float) -> Callable[[Scene, int], Motion]:
-    """Into the corner, along it, out; again in the other direction."""
+    """Return a motion into the corner, along it, out; again in the other direction."""
 
     def motion(scene: Scene, seed: int) -> Motion:
         phase = float(np.random.default_rng(seed).uniform(0.0, 1.0))
@@ -63,7 +63,7 @@ def sliding(turned: Array, tip: float) -> Callable[[Scene, int], Motion]:
 
 
 def _sample(hand: Avatar, time: float, turned: Array, away: float, up: float, yaw: float, curl: float) -> TrackerSample:
-    """The hand `away` [m] from the corner along its bisector, turned by `yaw` [rad], joints of fingers bent by `curl` [rad]."""
+    """Return the hand `away` [m] from the corner along its bisector, turned by `yaw` [rad], fingers bent by `curl` [rad]."""
     base = rest((hand,))
     positions, rotations = base.positions.copy(), base.rotations.copy()
     heading = np.pi / 4.0 + yaw
@@ -76,7 +76,7 @@ def _sample(hand: Avatar, time: float, turned: Array, away: float, up: float, ya
 def in_corner(
     name: str, what: str, hand: Callable[[], Avatar], turned: Array, tip: float, promised: tuple[Bound, ...],
 ) -> Scenario:
-    """The scene with this hand, whose fingers `turned` points into the corner and whose tips are `tip` [m] from its origin."""
+    """Return the scene with this hand, its fingers pointed into the corner by `turned`, its tips `tip` [m] from its origin."""
 
     def build() -> Scene:
         walls = (

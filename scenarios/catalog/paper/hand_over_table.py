@@ -33,7 +33,7 @@ SLIDE_Y = TABLE_AT[1] - 0.25
 
 
 def waypoints() -> tuple[tuple[float, float, float, float, float], ...]:
-    """(share of the run at which it is reached, x, y, z [m], yaw [rad]) of the hand, in order."""
+    """Return (share of the run at which it is reached, x, y, z [m], yaw [rad]) of the hand, in order."""
     below = float(reach((rigid_hand(),), (hands_at((NOWHERE,)),), (0.0, 0.0, -1.0))[0])
     rests = TABLE_HEIGHT + below
     pressed, over, ball = rests - PRESSED, rests + 0.12, TABLE_HEIGHT + BALL_RADIUS
@@ -56,14 +56,14 @@ def waypoints() -> tuple[tuple[float, float, float, float, float], ...]:
 
 
 def build() -> Scene:
-    """The gallery, a ball on its table, the hand in room one."""
+    """Return the gallery, a ball on its table, the hand in room one."""
     ball = loose("ball", Sphere(BALL_RADIUS), "wood", 0.16, (*BALL_AT, TABLE_HEIGHT + BALL_RADIUS + 1e-4))
     _, x, y, z, yaw = waypoints()[0]
     return Scene("hand_over_table", (*gallery(), ball), (rigid_hand(),), start=turned_hand((x, y, z), yaw))
 
 
 def motion_over(frames: int) -> Callable[[Scene, int], Motion]:
-    """The scripted motion with its phases spread over `frames` frames."""
+    """Return the scripted motion with its phases spread over `frames` frames."""
 
     def motion(scene: Scene, seed: int) -> Motion:
         path = np.array(waypoints())

@@ -19,44 +19,44 @@ from scenarios.scenario import Motion
 FACE, NEAR = 0.75, 0.45
 """Where the wall ahead begins along x, out of reach of arm and leg at the origin, and how far the body moves towards it [m]."""
 BESIDE, ASIDE = 0.5, 0.3
-"""Where the wall beside the user begins along y, and how far the user steps towards it [m]: the arm goes about 0.1 m in."""
+"""Where the wall at the user's side begins along y, and how far the user steps towards it [m]: the arm goes about 0.1 m in."""
 CLOSE = 0.45
 """Where the wall before the crossed arms begins along x [m]."""
 HANGING = {"left_shoulder": (8.0, 0.0, 0.0), "right_shoulder": (-20.0, 0.0, 0.0)}
 
 
 def forward(pose: Pose, random: Generator) -> TrackerSample:
-    """Forward with arm and leg stretched."""
+    """Return the sample forward with arm and leg stretched."""
     lift, thigh = random.normal((-90.0, -45.0), 5.0)
     turned = {"right_shoulder": (-5.0, lift, 0.0), "left_hip": (0.0, thigh, 0.0)}
     return pose(turned, {"right_elbow": (5.0,), "left_knee": (-5.0,)}, (NEAR + random.uniform(-0.1, 0.0), 0.0, 0.02))
 
 
 def back(pose: Pose, random: Generator) -> TrackerSample:
-    """Back at the origin."""
+    """Return the sample back at the origin."""
     return pose({"right_shoulder": (-10.0, random.normal(-40.0, 5.0), 0.0)}, moved=(0.0, 0.0, 0.02))
 
 
 def sidestep(pose: Pose, random: Generator) -> TrackerSample:
-    """Aside with a hanging arm, now a little forward, now a little back."""
+    """Return the sample aside with a hanging arm, now a little forward, now a little back."""
     turned = {**HANGING, "left_shoulder": (8.0, float(random.normal(0.0, 3.0)), 0.0)}
     moved = (float(random.normal(0.0, 0.03)), ASIDE + float(random.uniform(-0.03, 0.0)), 0.0)
     return pose(turned, {"left_elbow": (2.0,)}, moved)
 
 
 def away(pose: Pose, random: Generator) -> TrackerSample:
-    """Away from the wall."""
+    """Return the sample away from the wall."""
     return pose(HANGING, {"left_elbow": (10.0,)}, (float(random.normal(0.0, 0.03)), 0.0, 0.0))
 
 
 def wall_beside() -> tuple[Body, Body]:
-    """The floor, and a wall on the left."""
+    """Return the floor, and a wall on the left."""
     wall = fixture("wall", Box((SPAN, THICK, HIGH)), "wood", (0.0, BESIDE + 0.5 * THICK, 0.5 * HIGH))
     return floor(), wall
 
 
 def crossed(scene: Scene, seed: int) -> Motion:
-    """Arms crossed into the wall, a knee up, the head forward; twice, once with each leg."""
+    """Return a motion: arms crossed into the wall, a knee up, the head forward; twice, once with each leg."""
     start, keys = scene.first_sample, list[Key]()
     for k, leg in enumerate(("left", "right")):
         turned = {

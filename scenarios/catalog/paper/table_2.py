@@ -26,7 +26,7 @@ Draw = Callable[[Pose, Generator], TrackerSample]
 
 
 def two_arms(pose: Pose, random: Generator) -> TrackerSample:
-    """Whole arms forward, hands a little apart; a positive turn about x moves a hanging left arm outwards."""
+    """Return whole arms forward, hands a little apart; a positive turn about x moves a hanging left arm outwards."""
     lift, spread, elbow, lean = random.normal((-85.0, 8.0, 12.0, 6.0), SPREAD)
     turned = {"left_shoulder": (spread, lift, 0.0), "right_shoulder": (-spread, lift + random.normal(0.0, SPREAD), 0.0)}
     bent = {"left_elbow": (abs(elbow),), "right_elbow": (abs(elbow + random.normal(0.0, SPREAD)),)}
@@ -34,7 +34,7 @@ def two_arms(pose: Pose, random: Generator) -> TrackerSample:
 
 
 def arms_and_leg(pose: Pose, random: Generator) -> TrackerSample:
-    """Both arms and, left and right by turns, one knee lifted and its foot kicked."""
+    """Return both arms and, left and right by turns, one knee lifted and its foot kicked."""
     lift, spread, elbow, thigh, knee = random.normal((-80.0, 8.0, 15.0, -65.0, -25.0), SPREAD)
     leg = "left" if random.random() < 0.5 else "right"
     turned = {"left_shoulder": (spread, lift, 0.0), "right_shoulder": (-spread, lift + random.normal(0.0, SPREAD), 0.0)}
@@ -43,14 +43,14 @@ def arms_and_leg(pose: Pose, random: Generator) -> TrackerSample:
 
 
 def half_way_back(pose: Pose, random: Generator) -> TrackerSample:
-    """Both arms half-way back."""
+    """Return both arms half-way back."""
     lift, elbow = random.normal((-20.0, 70.0), SPREAD)
     turned = {"left_shoulder": (15.0, lift, 0.0), "right_shoulder": (-15.0, lift, 0.0)}
     return pose(turned, {"left_elbow": (elbow,), "right_elbow": (elbow,)})
 
 
 def into_itself(pose: Pose, random: Generator) -> TrackerSample:
-    """One of four ways into oneself."""
+    """Return one of four ways into oneself."""
     a, b, c = random.normal(0.0, SPREAD, 3)
     way = random.integers(4)
     if way == 0:
@@ -70,20 +70,20 @@ def into_itself(pose: Pose, random: Generator) -> TrackerSample:
 
 
 def apart(pose: Pose, random: Generator) -> TrackerSample:
-    """Arms and legs apart."""
+    """Return arms and legs apart."""
     lift, elbow = random.normal((-20.0, 40.0), SPREAD)
     turned = {"left_shoulder": (22.0, lift, 0.0), "right_shoulder": (-22.0, lift, 0.0)}
     return pose(turned, {"left_elbow": (elbow,), "right_elbow": (elbow,)})
 
 
 def into_corner(pose: Pose, random: Generator) -> TrackerSample:
-    """The right arm, now more into one wall, now more into the other."""
+    """Return the right arm, now more into one wall, now more into the other."""
     lift, aside, elbow, lean = random.normal((-80.0, 15.0, 8.0, 5.0), (10.0, 18.0, SPREAD, SPREAD))
     return pose({"right_shoulder": (0.0, lift, aside), "chest": (0.0, abs(lean), 0.0)}, {"right_elbow": (abs(elbow),)})
 
 
 def drawn_back(pose: Pose, random: Generator) -> TrackerSample:
-    """The right arm drawn back."""
+    """Return the right arm drawn back."""
     lift, elbow = random.normal((-15.0, 90.0), SPREAD)
     return pose({"right_shoulder": (-15.0, lift, 0.0)}, {"right_elbow": (elbow,)})
 
@@ -91,7 +91,7 @@ def drawn_back(pose: Pose, random: Generator) -> TrackerSample:
 def again(
     name: str, title: str, judged: str, ready: Draw, push: Draw, at: tuple[float, ...], frames: int, family: str = "",
 ) -> Scenario:
-    """The gallery, and the humanoid in it."""
+    """Return the gallery, and the humanoid in it."""
     return with_human(
         name, title, judged, pushes(ready, push, frames), gallery, at, frames=frames, short=600, region=inside("human/*"),
         family=family,

@@ -1,1 +1,1 @@
-"""Scripted postures at the edge of what is possible: limits, reach cones, jumps, an avatar through itself."""
+"""Scripted postures at the edge of the possible: limits, reach cones, jumps, an avatar through itself."""

@@ -1,4 +1,4 @@
-"""Arms at the edge of what they can do: around and outside of reach cones, and stretched at a wall along their own axis.
+"""Arms at the edge of their range: around and outside of reach cones, and stretched at a wall along their own axis.
 
 Two upper arms hang on balls whose directions are limited by a spherical polygon each (Wilhelms and Van Gelder), one of them
 concave; the user circles outside the edge and points straight away. A straight arm of three hinges has to fold to give way, but
@@ -31,7 +31,7 @@ DOWN = (0.0, 0.0, -1.0)
 LIMITS = SwingTwist(DOWN, DOWN, float(np.radians(75.0)), (-0.5, 0.5))
 """The circular cone and the twist around both [rad]; every corner is inside it."""
 SMALL_TWIST = 0.45
-"""Twist [rad] asked of the second arm, within its limits: with both arms in a corner of their cones and their twist at its end
+"""Target twist [rad] of the second arm, within its limits: with both arms in a corner of their cones and their twist at its end
 the nearest posture does not move although the user does."""
 ASKED = float(np.radians(110.0))
 """Angle from the middle of the cone to which the user points [rad]."""
@@ -43,7 +43,7 @@ FACE = 3.0 * BONE + THIN - 0.12
 
 
 def cone(corners: tuple[float, ...]) -> ReachCone:
-    """The polygon about -z with corners at these angles from it, counter-clockwise seen from outside."""
+    """Return the polygon about -z with corners at these angles from it, counter-clockwise seen from outside."""
     tilt = np.radians(corners)
     around = -2.0 * np.pi * np.arange(len(corners)) / len(corners)
     vertices = np.stack([np.sin(tilt) * np.cos(around), np.sin(tilt) * np.sin(around), -np.cos(tilt)], axis=1)
@@ -51,7 +51,7 @@ def cone(corners: tuple[float, ...]) -> ReachCone:
 
 
 def in_cones() -> Scene:
-    """A ball for a trunk and two arms that hang from it."""
+    """Return a ball for a trunk and two arms that hang from it."""
     trunk = (Piece(Sphere(0.05)),)
     links = [Link("trunk", None, Free(), trunk, solid(trunk, 10.0))]
     arm = (Piece(Capsule(RADIUS, LENGTH), (0.0, 0.0, -0.5 * LENGTH - RADIUS)),)
@@ -63,7 +63,7 @@ def in_cones() -> Scene:
 
 
 def circling(scene: Scene, seed: int) -> Motion:
-    """Each arm circles outside its cone, in and out and past the far side, twisting all the while."""
+    """Return a motion: each arm circles outside its cone, in and out and past the far side, twisting all the while."""
     start = scene.first_sample
     phase = float(np.random.default_rng(seed).uniform(0.0, 2.0 * np.pi))
 
@@ -83,7 +83,7 @@ def circling(scene: Scene, seed: int) -> Motion:
 
 
 def chain() -> Scene:
-    """Three capsules along x, one hinge about y each, the first one anchored to the world, folded to one side before a wall."""
+    """Return three capsules along x, one hinge about y each, the first anchored to the world, folded aside before a wall."""
     # shorter than the link by a radius at each end, so that folded neighbours of neighbours stay apart
     shape, along = Capsule(THIN, BONE - 2.0 * THIN), turned_by((0.0, 1.0, 0.0), np.pi / 2.0)
     piece, hinge = (Piece(shape, (0.5 * BONE, 0.0, 0.0), along),), Hinges((Hinge((0.0, 1.0, 0.0), -BEND, BEND),))
@@ -94,13 +94,13 @@ def chain() -> Scene:
 
 
 def bent(degrees: float) -> TrackerSample:
-    """Folded like a Z: the shoulder down, the elbow up, the wrist down, so that the hand stays near the middle."""
+    """Return a chain folded like Z: the shoulder down, the elbow up, the wrist down, so that the hand stays near the middle."""
     angle = np.radians(degrees)
     return TrackerSample(0.0, np.zeros((3, 3)), np.tile(rotation.IDENTITY, (3, 1)), np.array([angle, -1.6 * angle, angle]))
 
 
 def folds() -> list[Key]:
-    """Stretched from one side, swayed, let go to the other side, stretched again, and so on."""
+    """Return keys: stretched from one side, swayed, let go to the other side, stretched again, and so on."""
     keys: list[Key] = []
     for k in range(4):
         begin, side = 2.0 * k, 1.0 if k % 2 == 0 else -1.0

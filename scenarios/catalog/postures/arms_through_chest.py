@@ -24,7 +24,7 @@ WAYS: tuple[tuple[dict[str, Vector], dict[str, float]], ...] = (
 
 
 def motion(scene: Scene, seed: int) -> Motion:
-    """Four ways through oneself, over and over, each a little different."""
+    """Return four ways through oneself, over and over, each a little different."""
     start, random, keys = scene.first_sample, np.random.default_rng(seed), list[Key]()
 
     def astray(turn: Vector) -> Vector:

@@ -1,4 +1,4 @@
-"""A tracker asks for postures beyond every limit: without rest, or with jumps to any place and posture of a room.
+"""A tracker gives postures beyond every limit: without rest, or with jumps to any place and posture of a room.
 
 Every joint swings on its own rhythm, elbows and knees backwards, hips and shoulders out of their cones and round their own
 axis; twice a second some joint turns round at once. Or every half second the user is elsewhere in room one of the gallery, up
@@ -21,23 +21,23 @@ from scenarios.building.stage import above_floor, floor, with_human
 from scenarios.scenario import RENDERED, Motion, Scenario
 
 WIDEST, BEND = 2.6, 3.5
-"""Largest rotation asked of a ball joint, short of the antipode, and largest angle of a hinge, either way [rad]."""
+"""Largest target rotation of a ball joint, short of the antipode, and largest target angle of a hinge, either way [rad]."""
 BEYOND = 2.0
-"""Angle beyond both limits that is asked of each hinge of the hinged humanoid [rad]."""
+"""Angle beyond both limits to which each hinge of the hinged humanoid is led [rad]."""
 FLIP = 31
-"""Frames after which one joint, another each time, is asked for the opposite at once."""
+"""Frames after which the target of one joint, another each time, is reversed at once."""
 PLACES, HELD = ((-5.5, -3.5, 0.7), (0.2, 3.5, 1.3)), 30
-"""Corners of the box from which the root's place is drawn [m]: room one and what is around it; frames between two jumps."""
+"""Corners of the box from which the root's place is drawn [m]: room one and its surroundings; frames between two jumps."""
 BOUNDS = (*SOUND, WITHIN_LIMITS, *MOVES)
 
 
 def hinges_of(avatar: Avatar) -> list[Hinge]:
-    """All hinges, in order."""
+    """Return all hinges, in order."""
     return [hinge for link in avatar.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
 
 
 def swinging(scene: Scene, seed: int) -> Motion:
-    """Sines of incommensurate periods on every axis of every joint."""
+    """Return sines of incommensurate periods on every axis of every joint."""
     human, start, random = scene.avatars[0], scene.first_sample, np.random.default_rng(seed)
     links, hinges = len(human.links), human.hinge_count
     balls = [k for k, link in enumerate(human.links) if isinstance(link.joint, Ball)]
@@ -57,7 +57,7 @@ def swinging(scene: Scene, seed: int) -> Motion:
 
 
 def swinging_hinges(scene: Scene, seed: int) -> Motion:
-    """Sines of incommensurate periods, two radians beyond both limits of every hinge."""
+    """Return sines of incommensurate periods, two radians beyond both limits of every hinge."""
     start, random, limits = scene.first_sample, np.random.default_rng(seed), hinges_of(scene.avatars[0])
     middle = np.array([0.5 * (hinge.lower + hinge.upper) for hinge in limits])
     width = np.array([0.5 * (hinge.upper - hinge.lower) for hinge in limits]) + BEYOND
@@ -73,7 +73,7 @@ def swinging_hinges(scene: Scene, seed: int) -> Motion:
 
 
 def jumping(scene: Scene, seed: int) -> Motion:
-    """A new place and posture every half second, up to a radian beyond hinge limits; slow in between."""
+    """Return a new place and posture every half second, up to a radian beyond hinge limits; slow in between."""
     human, limits = scene.avatars[0], hinges_of(scene.avatars[0])
     balls = np.array([isinstance(link.joint, Ball) for link in human.links])
 
@@ -92,14 +92,14 @@ def jumping(scene: Scene, seed: int) -> Motion:
 
 
 def hanging(name: str, human: Avatar, start: TrackerSample, height: float) -> Scene:
-    """An avatar in the air over a floor, its root at a `height` [m], so that it can kick about."""
+    """Return an avatar in the air over a floor, its root at a `height` [m], so that it can kick about."""
     positions = start.positions.copy()
     positions[0, 2] = height
     return Scene(name, (floor(),), (human,), start=TrackerSample(0.0, positions, start.rotations, start.angles))
 
 
 def ball_joints() -> Scene:
-    """The humanoid, a metre above its first posture."""
+    """Return the humanoid, a metre above its first posture."""
     start = standing(humanoid())
     return hanging("limit_torture", humanoid(), start, float(start.positions[0, 2]) + 1.0)
 

@@ -73,7 +73,7 @@ def in_gallery(played: Played) -> Scenario:
     at = played.x, played.y, float(np.radians(played.heading))
 
     def counts(body: Body) -> bool:
-        """True for walls, floor and all bodies of one piece, and for others that are near."""
+        """Return True for walls, floor and all bodies of one piece, and for others that are near."""
         away = np.hypot(body.position[0] - played.x, body.position[1] - played.y)
         return len(body.pieces) == 1 or bool(away < NEAR)
 
@@ -89,23 +89,23 @@ def in_gallery(played: Played) -> Scenario:
 
 
 def low_table() -> Body:
-    """A table without legs, which head and hands of the clip pass."""
+    """Return a table without legs, which head and hands of the clip pass."""
     return fixture("low_table", Box((0.6, 1.2, 0.05)), "wood", (0.4 + 0.5 * 0.6, 0.0, 0.3 - 0.5 * 0.05))
 
 
 def getup(scene: Scene, seed: int) -> Motion:
-    """Half a second into the clip's last pose, then down and up again."""
+    """Return a motion: half a second into the clip's last pose, then down and up again."""
     clip = track_of(retimed(load_clip("getup_facedown")), scene.avatars[0])
     return clip.backwards().there_and_back(GETUP_FRAMES - LEAD_IN).led_in(scene.first_sample).motion()
 
 
 def walk(scene: Scene, seed: int) -> Motion:
-    """The legs of one clip under the upper body of another: into the wall and back, twice."""
+    """Return a motion: the legs of one clip under the upper body of another: into the wall and back, twice."""
     return to_and_fro(upper_body_of(retimed(load_clip("spin")), HUG, retimed(load_clip("walk"))), scene, WALK_FRAMES)
 
 
 def sunken_walk(scene: Scene, seed: int) -> Motion:
-    """Three rounds of a walk whose lowest points are SUNKEN below the floor: the user is taller than the avatar."""
+    """Return three rounds of a walk whose lowest points are SUNKEN below the floor: the user is taller than the avatar."""
     avatar = scene.avatars[0]
     track = track_of(placed(retimed(repeated(load_clip("walk"), 3)), 0.0, 0.0, 0.0), avatar)
     lowest = -reach((avatar,), [track.posture(k) for k in range(len(track))], (0.0, 0.0, -1.0))

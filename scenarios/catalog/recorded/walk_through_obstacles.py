@@ -21,13 +21,13 @@ CORNERS = (
     (-3.55, -1.2), (-3.58, 0.3), (-3.3, 0.83), (-2.3, 0.86), (-1.2, 0.5), (0.0, 0.12), (1.2, 0.55), (2.2, 0.75),
     (3.6, 0.47), (4.75, 0.5), (4.75, -0.6), (3.8, -0.44), (2.75, -1.0), (2.35, -1.7), (2.6, -2.4), (4.0, -2.0),
 )
-"""Places that the path leads past [m]: beside the table, through the doorway off its middle, past sculpture and bench."""
+"""Places that the path leads past [m]: the table's side, through the doorway off its middle, past sculpture and bench."""
 SPACING = 0.01
 """Distance [m] of the points by which the path is stored."""
 
 
 def path() -> tuple[Array, Array]:
-    """Points (n, 2) every SPACING along a smooth curve through the corners (cut short at each), and headings (n,) [rad]."""
+    """Return points (n, 2) every SPACING along a smooth curve through the corners (each cut short), and headings (n,) [rad]."""
     corners = np.array(CORNERS)
     # corners are cut twice (Chaikin), which leaves a curve without kinks that a walker could follow
     for _ in range(4):
@@ -42,7 +42,7 @@ def path() -> tuple[Array, Array]:
 
 
 def bent(clip: Clip) -> Clip:
-    """The clip, which walks along x, with its way along x laid on the path and turned as the path turns."""
+    """Return the clip, which walks along x, with its way along x laid on the path and turned as the path turns."""
     points, headings = path()
     way = clip.root_positions[:, 0] - clip.root_positions[0, 0]
     along = np.arange(len(points)) * SPACING
@@ -56,7 +56,7 @@ def bent(clip: Clip) -> Clip:
 
 
 def motion(scene: Scene, seed: int) -> Motion:
-    """Half a second into the stride, then along the path; enough rounds of the clip for all frames."""
+    """Return a motion: half a second into the stride, then along the path; enough rounds of the clip for all frames."""
     return track_of(bent(retimed(repeated(load_clip("walk"), 13))), scene.avatars[0]).led_in(scene.first_sample).motion()
 
 

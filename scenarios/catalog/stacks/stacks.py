@@ -35,13 +35,13 @@ NEVER_HALTS = Bound("halted_frames", 0.0, "a budget that is spent ends in a plas
 
 
 def ten() -> Iterator[Body]:
-    """Ten boxes on one another."""
+    """Yield ten boxes on one another."""
     for k, name in enumerate(BOXES):
         yield loose(name, Box((EDGE, EDGE, EDGE)), "box", 1.0, (0.0, 0.0, (k + 0.5) * EDGE + (k + 1) * AIR))
 
 
 def of_ten(name: str, title: str, frames: int, others: tuple[Body, ...] = ()) -> Scenario:
-    """The scene of ten boxes, and others by themselves."""
+    """Return the scene of ten boxes, and others by themselves."""
     alone = tuple(other.name for other in others)
     falls = {box: 0.9 * (k + 1) * AIR for k, box in enumerate(BOXES)} | dict.fromkeys(alone, 0.9 * AIR)
     return undriven(
@@ -60,7 +60,7 @@ def of_ten(name: str, title: str, frames: int, others: tuple[Body, ...] = ()) ->
 
 
 def of_towers(name: str, ratios: tuple[float, ...], title: str, shift: float, reason: str) -> Scenario:
-    """Towers of two boxes, the upper one `ratio` times as heavy; a landing may shift a box by `shift` [m]."""
+    """Return towers of two boxes, the upper one `ratio` times as heavy; a landing may shift a box by `shift` [m]."""
     places = {name: (place, mass) for k, ratio in enumerate(ratios) for name, place, mass in (
         (f"light_{ratio:g}", (k - 2.0, 0.0, 1), 1.0), (f"heavy_{ratio:g}", (k - 2.0, 0.0, 2), ratio),
     )}
@@ -88,14 +88,14 @@ def of_towers(name: str, ratios: tuple[float, ...], title: str, shift: float, re
 
 
 def struck_stack() -> Iterator[Body]:
-    """Ten boxes on a wide floor, and a ball 0.9 m before them that strikes the middle."""
+    """Yield ten boxes on a wide floor, and a ball 0.9 m before them that strikes the middle."""
     yield slab(40.0, 40.0)
     yield from ten()
     yield loose("ball", Sphere(RADIUS), "box", 4.0, (-1.1, 0.02, 1.1), velocity=(6.0, 0.0, 0.0))
 
 
 def wall() -> Iterator[Body]:
-    """A wall along x, every other layer shifted by half a brick; the ball arrives at the height at which it begins."""
+    """Yield a wall along x, every other layer shifted by half a brick; the ball arrives at the height at which it begins."""
     yield slab(40.0, 40.0)
     for k, name in enumerate(BRICKS):
         row, column = divmod(k, 6)
@@ -105,7 +105,7 @@ def wall() -> Iterator[Body]:
 
 
 def lattice() -> Iterator[Body]:
-    """The lattice over a floor so wide that no ball rolls off it."""
+    """Yield the lattice over a floor so wide that no ball rolls off it."""
     yield slab(200.0, 200.0)
     for k, name in enumerate(BALLS):
         i, j, layer = k % 6, k // 6 % 6, k // 36

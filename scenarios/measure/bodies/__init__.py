@@ -1,1 +1,1 @@
-"""Figures of simulated bodies: bounces, courses, conserved quantities, what rests, slides, spins and stands."""
+"""Figures of simulated bodies: bounces, courses, conserved quantities, rest, sliding, spin and towers."""

@@ -1,6 +1,6 @@
 """Bounces against the closed form: the ratio of velocities at the impact, and the height of every apex.
 
-When a ball bounces, and when it has done bouncing, against the closed form.
+Also the times at which a ball bounces and stops bouncing, against the closed form.
 """
 
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ from scenarios.scenario import Drop, Scenario
 Array = NDArray[np.float64]
 
 REST_SPEED = 0.3
-"""Approach speed [m/s] below which an impact says nothing of restitution. A ball at rest on a fixed-step engine jitters at up to
+"""Approach speed [m/s] below which an impact gives no restitution. A ball at rest on a fixed-step engine jitters at up to
 g dt = 0.16 m/s (60 Hz), and engines treat slow contacts as resting (one of them below 0.2 m/s by default)."""
 JITTER = 0.1
 """Approach speed [m/s] below which a contact does not end a flight; a 1 mm apex comes from 0.14 m/s."""
@@ -32,7 +32,7 @@ CONTACT = 0.1
 NEAR = 0.05
 """Gap [m] within which a change of velocity is an impact with the slab and not something else."""
 LATE = 0.1
-"""Time [s] by which the recording must outlast the closed form's apex for that apex to be asked for."""
+"""Time [s] by which the recording must outlast the closed form's apex for that apex to be measured."""
 ENDED = 1e-9
 """Speed [m/s] below which a ball has stopped bouncing; a bounce of 1e-9 m/s is lower than an atom."""
 
@@ -42,7 +42,7 @@ class Impact:
     """One impact: time [s], speed of approach and of separation [m/s] along the slab's normal.
 
     The approach of an engine with steps lies between `least`, its speed before the step, and `before`, which has the g dt of that
-    step on top: some solve the contact before gravity acts on it and some after, and no recording says which. Events say it.
+    step on top: some solve the contact before gravity acts on it and some after, and no recording states which. Events do.
     """
 
     time: float
@@ -51,7 +51,7 @@ class Impact:
     least: float
 
     def error(self, restitution: float) -> float:
-        """How far the ratio of velocities is from `restitution`, whichever approach the engine has turned round."""
+        """Return the difference of the velocities' ratio from `restitution`, for whichever approach the engine has reversed."""
         low = self.after / self.before
         high = self.after / self.least if self.least > 0.0 else np.inf
         return max(0.0, low - restitution, restitution - high)
@@ -69,7 +69,7 @@ class Flight:
 
 
 def flight(line: Timeline, drop: Drop, gravity: Array) -> Flight:
-    """The flight of the first of two bodies on `line` over the second. The gap is `drop.height` at the start by definition."""
+    """Return the flight of the first of two bodies on `line` over the second. The gap at the start is `drop.height`."""
     strength = float(np.linalg.norm(gravity))
     if not strength > 0.0:
         raise InvalidScene(f"gravity of a scene that drops {drop.ball}", gravity.tolist(), "a vector of non-zero length")
@@ -80,12 +80,12 @@ def flight(line: Timeline, drop: Drop, gravity: Array) -> Flight:
 
 
 def impacts(way: Flight) -> list[Impact]:
-    """All impacts in order: at events where the engine gives them, else at the reversals that its steps show."""
+    """Return all impacts in order: at events where the engine gives them, else at the reversals that its steps show."""
     return list(_at_events(way) if (way.event == EVENTS.index("impact")).any() else _between_steps(way))
 
 
 def _at_events(way: Flight) -> Iterator[Impact]:
-    """v- is that of the snapshot "approach", v+ that of the snapshot "impact" after it, at the same instant."""
+    """Yield impacts at events: v- of the snapshot "approach", v+ of the snapshot "impact" after it, at the same instant."""
     for k in np.flatnonzero(way.event == EVENTS.index("impact")):
         before, after = -float(way.speed[k - 1]), float(way.speed[k])
         # the event may be another ball's: then this one's velocity is the same on both sides, to the last bit
@@ -94,9 +94,9 @@ def _at_events(way: Flight) -> Iterator[Impact]:
 
 
 def _between_steps(way: Flight) -> Iterator[Impact]:
-    """Fixed steps show no event. In free flight the speed only falls; the first step in which it rises, near the slab, is the
-    impact. v- is the speed before that step, with or without the g dt that the step itself adds (see Impact); v+ is the largest
-    speed before gravity makes it fall again, at most CONTACT later."""
+    """Yield impacts of fixed steps, without events. In free flight the speed only falls; the first step in which it rises, near
+    the slab, is the impact. v- is the speed before that step, with or without the g dt that the step itself adds (see Impact); v+
+    is the largest speed before gravity makes it fall again, at most CONTACT later."""
     fresh = np.flatnonzero(np.diff(way.time, append=np.inf) > 0.0)
     time, height, speed = way.time[fresh], way.height[fresh], way.speed[fresh]
     k = 1
@@ -113,7 +113,7 @@ def _between_steps(way: Flight) -> Iterator[Impact]:
 
 
 def apex(way: Flight, start: float, end: float) -> float:
-    """Largest gap [m] reached between `start` and `end` [s]; between two samples by the parabola of the last rising one."""
+    """Return the largest gap [m] between `start` and `end` [s]; between two samples by the parabola of the last rising one."""
     # the state right after the impact is at `start` itself; a low bounce has no other that rises
     chosen = (way.time >= start) & (way.time < end)
     if not chosen.any():
@@ -126,7 +126,7 @@ def apex(way: Flight, start: float, end: float) -> float:
 
 
 def apex_errors(way: Flight, drop: Drop, found: list[Impact]) -> list[float]:
-    """|apex - e^(2n) h| [m] for n = 1, 2, ... while the expected apex is at least LOWEST_APEX and within the recording.
+    """Return |apex - e^(2n) h| [m] for n = 1, 2, ... while the expected apex is at least LOWEST_APEX and within the recording.
 
     A bounce that did not happen reached 0."""
     fall, e, errors = float(np.sqrt(2.0 * drop.height / way.gravity)), drop.restitution, []
@@ -142,7 +142,7 @@ def apex_errors(way: Flight, drop: Drop, found: list[Impact]) -> list[float]:
 
 @for_each("drops", Drop)
 def bounces(recording: Recording, scene: Scene, drop: Drop) -> Values:
-    """restitution_error_max and apex_error_max [m] of a drop."""
+    """Return restitution_error_max and apex_error_max [m] of a drop."""
     way = of_drop(recording, scene, drop)
     found = impacts(way)
     fast = [impact for impact in found if impact.before > REST_SPEED]
@@ -167,8 +167,8 @@ def of_drop(recording: Recording, scene: Scene, drop: Drop) -> Flight:
 
 @for_each("drops", Drop)
 def bounce_times(recording: Recording, scene: Scene, drop: Drop) -> Values:
-    """bounce_time_error_max [s]: the n-th impact faster than 0.1 m/s against the closed form's. One that did not happen within
-    the recording is the engine's fault."""
+    """Return bounce_time_error_max [s]: the n-th impact faster than 0.1 m/s against the closed form's. One that did not happen
+    within the recording is the engine's fault."""
     way, errors = of_drop(recording, scene, drop), list[float]()
     seen = [impact.time for impact in impacts(way) if impact.before > JITTER]
     speed, n = float(np.sqrt(2.0 * drop.height * way.gravity)), 1
@@ -184,8 +184,8 @@ def bounce_times(recording: Recording, scene: Scene, drop: Drop) -> Values:
 
 @measure
 def zeno_ends(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """zeno_end_error_max [s]: difference of the first instant from which on a ball is at rest from the closed form's, over all
-    drops with restitution below 1, if the scene asks by expects["zeno"]."""
+    """Return zeno_end_error_max [s]: difference of the first instant from which on a ball is at rest from the closed form's, over
+    all drops with restitution below 1, if the scene has expects["zeno"]."""
     if not scenario.expects.get("zeno"):
         return {}
     ends = [_end(of_drop(recording, scene, drop), drop) for drop in expected(scenario, "drops", Drop)]

@@ -20,8 +20,8 @@ METRICS = ("course_error_max", "velocity_error_max", "spin_error_max")
 
 @for_each("courses", Course)
 def course_errors(recording: Recording, scene: Scene, course: Course) -> Values:
-    """course_error_max [m], velocity_error_max [m/s], spin_error_max [rad/s]: largest distance from the closed form of what the
-    course states, over the states within its time; nan stays nan."""
+    """Return course_error_max [m], velocity_error_max [m/s], spin_error_max [rad/s]: largest distances from the stated values of
+    the course's closed form, over the states within its time; nan stays nan."""
     chosen, body = (recording.times >= course.since) & (recording.times <= course.until), scene.names.index(course.body)
     stated = zip(METRICS, (course.position, course.velocity, course.spin), strict=True)
     shown = (recording.positions, recording.velocities, recording.angular_velocities)
@@ -40,10 +40,10 @@ def _at(form: OfTime, times: Array) -> Array:
 
 @for_each("stops", Stop)
 def stops(recording: Recording, scene: Scene, stop: Stop) -> Values:
-    """stop_distance_error_max [%]: |way - closed form| of the last state, along the closed form's direction;
+    """Return stop_distance_error_max [%]: |way - closed form| of the last state, along the closed form's direction;
     stop_direction_error_max [deg]: angle between the two ways, 90 where a body never moved.
 
-    A recording that ends before a body should have stopped compares what it has: an engine that never moves is not excused.
+    A recording that ends before a body should have stopped is compared as it is: an engine that never moves is not excused.
     """
     path = recording.positions[:, scene.names.index(stop.body)]
     way, along = path[-1] - path[0], np.array(stop.direction)
@@ -58,7 +58,7 @@ samples place it to 1e-9 s, two to 1e-4 s."""
 
 
 def crossings(times: Array, values: Array) -> list[float]:
-    """Times [s] at which `values` change sign, to the accuracy of a polynomial through the samples around."""
+    """Return times [s] at which `values` change sign, to the accuracy of a polynomial through the samples around."""
     found = []
     for k in np.flatnonzero(np.signbit(values[:-1]) != np.signbit(values[1:])):
         low, high = max(0, int(k) + 1 - NEIGHBOURS), int(k) + 1 + NEIGHBOURS
@@ -70,8 +70,8 @@ def crossings(times: Array, values: Array) -> list[float]:
 
 @for_each("flips", Flips)
 def flips(recording: Recording, scene: Scene, entry: Flips) -> Values:
-    """flip_time_error_max [s]: largest difference of the n-th change of sign from the closed form's n-th, over all that the
-    recording is long enough for. One that did not happen, or one too many, is the engine's fault."""
+    """Return flip_time_error_max [s]: largest difference of the n-th change of sign from the closed form's n-th, over all that
+    the recording is long enough for. One that did not happen, or one too many, is the engine's fault."""
     own = scene.names.index(entry.body)
     body_axes = rotation.conjugate(recording.orientations[:, own])
     spin = rotation.rotate(body_axes, recording.angular_velocities[:, own])[:, entry.axis]
@@ -87,12 +87,12 @@ def flips(recording: Recording, scene: Scene, entry: Flips) -> Values:
 
 @for_each("pivots", Pivot)
 def pivots(recording: Recording, scene: Scene, pivot: Pivot) -> Values:
-    """pivot_rate_error_max [rad/s]: largest difference of a leaning rod's angular speed from what energy allows at its angle, and
-    pivot_missing [rad]: by how much it fell short of the angle that it is to reach."""
+    """Return pivot_rate_error_max [rad/s]: largest difference of a leaning rod's angular speed from the one by energy at its
+    angle, and pivot_missing [rad]: by how much it fell short of the angle that it is to reach."""
     angle = lean(recording, scene, pivot.body)
     speed = np.linalg.norm(recording.angular_velocities[:, scene.names.index(pivot.body)], axis=1)
     falling = angle <= pivot.until
-    # once down it is down: what it does afterwards is not this closed form's affair
+    # once the rod is down, its motion is no matter of this closed form
     last = int(np.argmin(falling)) if not falling.all() else len(angle)
     error = float(np.max(np.abs(speed[:last] - [pivot.rate(float(a)) for a in angle[:last]])))
     return {"pivot_rate_error_max": error, "pivot_missing": max(0.0, pivot.until - float(np.max(angle)))}

@@ -29,14 +29,14 @@ class Group:
     orientation: Array
 
     def momentum_drift(self) -> float:
-        """Largest |P - P0| over the first sum of m |v|."""
+        """Return the largest |P - P0| over the first sum of m |v|."""
         momentum = self.mass[:, None] * self.velocity
         total = momentum.sum(axis=1)
         scale = np.linalg.norm(momentum[0], axis=-1).sum()
         return _relative(np.linalg.norm(total - total[0], axis=-1), float(scale))
 
     def angular_momentum_drift(self) -> float:
-        """Largest |L - L0| about the common centre, over the largest sum of the bodies' own shares."""
+        """Return the largest |L - L0| about the common centre, over the largest sum of the bodies' own shares."""
         middle = (self.mass[:, None] * self.centre).sum(axis=1) / self.mass.sum()
         common = (self.mass[:, None] * self.velocity).sum(axis=1) / self.mass.sum()
         own = rotation.rotate(rotation.conjugate(self.orientation), self.spin)
@@ -49,22 +49,22 @@ class Group:
         return _relative(np.linalg.norm(total - total[0], axis=-1), float(scale))
 
     def energy(self, gravity: Array) -> Array:
-        """(T,) kinetic and potential energy [J]; the origin has none."""
+        """Return (T,) kinetic and potential energy [J]; the origin has none."""
         moving = kinetic(self.mass, self.inertia, self.orientation, self.velocity, self.spin)
         return np.asarray((moving - self.mass * (self.centre @ gravity)).sum(axis=1))
 
     def fastest(self) -> float:
-        """Largest kinetic energy [J] of any state."""
+        """Return the largest kinetic energy [J] of any state."""
         return float(np.max(kinetic(self.mass, self.inertia, self.orientation, self.velocity, self.spin).sum(axis=1)))
 
 
 def _relative(errors: Array, scale: float) -> float:
-    """Largest error over `scale`; nan where the scale is 0 or no number: a group that never moved has kept nothing."""
+    """Return the largest error over `scale`; nan where the scale is 0 or no number: a group that never moved has kept nothing."""
     return float(np.max(errors)) / scale if scale > 0.0 else float("nan")
 
 
 def group(recording: Recording, scene: Scene, names: tuple[str, ...]) -> Group:
-    """The bodies called `names`, which are simulated."""
+    """Return the bodies called `names`, which are simulated."""
     own = [scene.names.index(name) for name in names]
     masses = [mass for k in own if (mass := scene.bodies[k].mass) is not None]
     turned = recording.orientations[:, own]
@@ -77,7 +77,7 @@ def group(recording: Recording, scene: Scene, names: tuple[str, ...]) -> Group:
 
 @measure
 def conserved(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """momentum_drift_max and angular_momentum_drift_max over the groups of names in expects["isolated"]; energy_drift_max
+    """Return momentum_drift_max and angular_momentum_drift_max over the groups of names in expects["isolated"]; energy_drift_max
     (|E - E0|) over those in expects["elastic"]; energy_gain_max (rise of E from state to state) over those in expects["alone"].
     All relative, energies to the largest kinetic energy of the group. Each empty when not expected."""
     gravity = np.array(scene.gravity)

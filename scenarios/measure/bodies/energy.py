@@ -1,4 +1,4 @@
-"""Energy of simulated bodies: how much of a frame's gain nothing explains, and how much removing overlap has lifted."""
+"""Energy of simulated bodies: the unexplained part of a frame's gain, and the lift by removal of overlap."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ so they are left out; wider would leave out more, narrower would blame an engine
 
 
 def kinetic(mass: Array, inertia: Array, orientations: Array, velocities: Array, spins: Array) -> Array:
-    """(T, b) kinetic energy [J] of b bodies of `mass` (b,) and body-frame `inertia` (b, 3, 3)."""
+    """Return (T, b) kinetic energy [J] of b bodies of `mass` (b,) and body-frame `inertia` (b, 3, 3)."""
     turning = inertia[:, 0, 0] * np.einsum("tbi,tbi->tb", spins, spins)
     # whose inertia is the same about every axis needs no axes of its own
     k = np.flatnonzero((inertia != inertia[:, :1, :1] * np.eye(3)).any(axis=(1, 2)))
@@ -30,13 +30,13 @@ def kinetic(mass: Array, inertia: Array, orientations: Array, velocities: Array,
 
 
 def lifts(time: Array, height: Array, speed: Array) -> Array:
-    """(T-1, b) rise [m] between states that no velocity explains: more than the faster of the two speeds would give."""
+    """Return (T-1, b) rise [m] between states that no velocity explains: more than the faster of the two speeds would give."""
     explained = np.maximum(speed[:-1], speed[1:]) * np.diff(time)[:, None]
     return np.asarray(np.maximum(np.diff(height, axis=0) - explained, 0.0))
 
 
 def undriven(recording: Recording, scene: Scene, bodies: list[int]) -> NDArray[np.bool_]:
-    """(F,) True for frames in which no link comes within REACH of a simulated body at either end."""
+    """Return (F,) True for frames in which no link comes within REACH of a simulated body at either end."""
     links = recording.positions[:, recording.links]
     if links.shape[1] == 0:
         return np.ones(recording.frames, dtype=bool)
@@ -48,11 +48,11 @@ def undriven(recording: Recording, scene: Scene, bodies: list[int]) -> NDArray[n
 
 
 def struck(recording: Recording, scene: Scene, moving: Array) -> Array:
-    """(I,) kinetic energy [J] gained by simulated bodies and driven links together at each impact recorded inside a frame, from
-    that of the simulated bodies `moving` (S,) [J] in all snapshots.
+    """Return (I,) kinetic energy [J] gained by simulated bodies and driven links together at each impact recorded inside a frame,
+    from that of the simulated bodies `moving` (S,) [J] in all snapshots.
 
-    A link counts with its coupled mass, which is what the body feels. At an instant neither gravity nor a user does work, so this
-    sees what `undriven` must leave out: a link that comes out of an impact faster than the body could make it."""
+    A link counts with its coupled mass, which is the mass that the body feels. At an instant gravity and users do no work,
+    so this covers the part that `undriven` must leave out: a link that an impact leaves faster than the body could make it."""
     before = np.flatnonzero(recording.inside_event[:-1] == EVENTS.index("approach"))
     before = before[recording.inside_event[before + 1] == EVENTS.index("impact")]
     owned = [(avatar.coupled_mass, link.mass.mass) for avatar in scene.avatars for link in avatar.links]
@@ -64,9 +64,9 @@ def struck(recording: Recording, scene: Scene, moving: Array) -> Array:
 
 @measure
 def energy(recording: Recording, scene: Scene) -> Values:
-    """energy_added_max and lift_energy_max [J], lift_height_max [m]: per frame the kinetic energy gained by all simulated bodies
-    beyond gravity's work (over the way without lift), per impact what they and the links gain, the potential energy of that lift,
-    and its height, of the body that is lifted most. Empty without simulated bodies."""
+    """Return energy_added_max and lift_energy_max [J], lift_height_max [m]: per frame the kinetic energy gained by all simulated
+    bodies beyond gravity's work (over the way without lift), per impact their and the links' gain, the potential energy of that
+    lift, and its height, of the body that is lifted most. Empty without simulated bodies."""
     bodies = [k for k, body in enumerate(scene.bodies) if body.role is Role.SIMULATED]
     masses = [body.mass for body in scene.bodies if body.mass is not None and body.role is Role.SIMULATED]
     if not bodies or recording.frames == 0:

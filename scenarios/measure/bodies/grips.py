@@ -1,4 +1,4 @@
-"""Between hand and thing: how far what is carried falls short, slips, is squeezed aside, and how far a loaded hand sags."""
+"""Between hand and thing: how far a carried thing falls short, slips, is squeezed aside, and how far a loaded hand sags."""
 
 import numpy as np
 

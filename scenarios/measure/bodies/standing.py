@@ -1,4 +1,4 @@
-"""Bodies that should rest: how far they drift, how much they still move at the end, which towers stand, how high piles are."""
+"""Bodies that should rest: their drift, their motion at the end, towers that have not fallen, and heights of piles."""
 
 import numpy as np
 
@@ -15,8 +15,8 @@ from scenarios.scenario import Scenario
 
 @measure
 def at_rest(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """drift_max [m]: farthest that a body at rest is from where it was when it came to rest; rest_energy_end [J]: kinetic energy
-    of all of them in the last state. Empty if nothing is said to rest."""
+    """Return drift_max [m]: farthest that a body at rest is from where it was when it came to rest; rest_energy_end [J]: kinetic
+    energy of all of them in the last state. Empty if no body is to rest."""
     rests = expected(scenario, "rests", Rest)
     if not rests:
         return {}
@@ -38,15 +38,15 @@ def at_rest(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
 
 
 STANDS = 1e-3
-"""Distance [m] from its place up to which a body stands: a landing may shift it by micrometres, a spring yield by a tenth of a
-millimetre; a body that sinks or slides farther does not carry what it should."""
+"""Distance [m] from its place up to which a body stays up: a landing may shift it by micrometres, a spring yield by a tenth of a
+millimetre; a body that sinks or slides farther does not carry its load."""
 
 
 @measure
 def towers(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """towers_fallen [towers]: those whose body is ever farther than STANDS from its place, or no number, once it should rest.
+    """Return towers_fallen [towers]: those whose body is ever over STANDS from its place, or no number, once it should rest.
 
-    ratio_standing_max: the largest ratio of masses of which, and of all below, the towers stand; 0 if none. Empty without towers.
+    ratio_standing_max: the largest ratio of masses of which, and of all below, no tower fell; 0 if none. Empty without towers.
     """
     asked = sorted(expected(scenario, "towers", Tower), key=lambda tower: tower.ratio)
     if not asked:

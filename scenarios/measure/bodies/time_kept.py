@@ -1,4 +1,4 @@
-"""Time kept: does a body go the way that its own shown velocity says, or does time stand still for it?"""
+"""Time kept: comparison of a body's way with its own shown velocity; where they differ, time stopped for the body."""
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view

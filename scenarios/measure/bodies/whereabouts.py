@@ -13,7 +13,7 @@ from scenarios.scenario import REFUSAL, Scenario
 
 @measure
 def escapes(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """escaped_bodies [%]: bodies with a region that were outside it in a state shown, or no number. Empty without regions."""
+    """Return escaped_bodies [%]: bodies with a region that were outside it in a state, or no number. Empty without regions."""
     named = sorted({k for region in scenario.regions for k in region.indices(scene.names)})
     if not named:
         return {}
@@ -27,7 +27,7 @@ def escapes(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
 
 @measure
 def travel(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """travel_missing [m]: largest shortfall of the ways that `expects["travel"]` states, body -> least way from its first place.
+    """Return travel_missing [m]: largest shortfall of the ways in `expects["travel"]`, body -> least way from its first place.
 
     The way is the straight distance of the last state shown, or of the farthest finite one. Empty if nothing is stated.
     """
@@ -45,8 +45,8 @@ def travel(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
 
 @measure
 def start_moved(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """start_moved_max [m]: farthest that the origin of a body or link is, in the first state shown, from where the scene puts it.
-    Empty unless the scene overlaps there."""
+    """Return start_moved_max [m]: farthest that the origin of a body or link is, in the first state shown, from where the scene
+    puts it. Empty unless the scene overlaps there."""
     if not scenario.expects.get(REFUSAL):
         return {}
     places = [np.array([body.position for body in scene.bodies]).reshape(-1, 3)]
@@ -57,8 +57,8 @@ def start_moved(recording: Recording, scenario: Scenario, scene: Scene) -> Value
 
 @measure
 def grasp(recording: Recording, scenario: Scenario, scene: Scene) -> Values:
-    """grasped_fall_end [m]: how far the origin of a body named in `expects["grasped"]` is, in the last state, below where it was
-    in the first, against gravity; the largest of them, at least 0; nan where it is nowhere. Empty if none is named."""
+    """Return grasped_fall_end [m]: how far the origin of a body named in `expects["grasped"]` is, in the last state, below where
+    it was in the first, against gravity; the largest of them, at least 0; nan where it is nowhere. Empty if none is named."""
     names = scenario.expects.get("grasped")
     if not isinstance(names, tuple):
         return {}

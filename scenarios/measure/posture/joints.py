@@ -1,5 +1,5 @@
-"""Joints as poses show them: rotations between parent and child, turned back into angles. Nothing an engine says is believed
-that its poses do not show."""
+"""Joints as poses show them: rotations between parent and child, turned back into angles. Reports of an engine that its poses
+do not show are ignored."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Place:
 
 
 def places(scene: Scene) -> Iterator[Place]:
-    """All joints of all avatars, link by link."""
+    """Yield all joints of all avatars, link by link."""
     first = hinge = 0
     for avatar in scene.avatars:
         at = {link.name: first + k for k, link in enumerate(avatar.links)}
@@ -42,7 +42,7 @@ def places(scene: Scene) -> Iterator[Place]:
 
 
 def relative(place: Place, orientations: Array) -> Array:
-    """(F, 4) rotation of the link against its parent (or the world), of link orientations (F, L, 4)."""
+    """Return (F, 4) rotation of the link against its parent (or the world), of link orientations (F, L, 4)."""
     child = orientations[:, place.child]
     if place.parent is None:
         return child
@@ -50,31 +50,31 @@ def relative(place: Place, orientations: Array) -> Array:
 
 
 def turned(place: Place, orientations: Array) -> Array:
-    """(F, 4) rotation that the joint has made from its zero."""
+    """Return (F, 4) rotation that the joint has made from its zero."""
     return rotation.multiply(rotation.conjugate(place.orientation), relative(place, orientations))
 
 
 def angle_between(a: Array, b: Array) -> Array:
-    """Angle [rad], 0 to pi, of the turn between quaternions (..., 4)."""
+    """Return the angle [rad], 0 to pi, of the turn between quaternions (..., 4)."""
     turn = rotation.multiply(rotation.conjugate(a), b)
     return np.asarray(2.0 * np.arctan2(np.linalg.norm(turn[..., 1:], axis=-1), np.abs(turn[..., 0])))
 
 
 def angle_about(axis: Array, turn: Array) -> Array:
-    """Signed angle [rad] in (-pi, pi] of the twist of quaternions (..., 4) about the unit `axis`."""
+    """Return the signed angle [rad] in (-pi, pi] of the twist of quaternions (..., 4) about the unit `axis`."""
     angle = 2.0 * np.arctan2(turn[..., 1:] @ axis, turn[..., 0])
     return np.asarray(np.pi - (np.pi - angle) % (2.0 * np.pi))
 
 
 def beyond(angle: Array, low: float, high: float) -> Array:
-    """How far [rad] angles (...) are outside [low, high], a whole turn being no turn. nan stays nan."""
+    """Return the excess [rad] of angles (...) outside [low, high], a whole turn being no turn. nan stays nan."""
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
     away = np.abs(np.pi - (np.pi - (angle - middle)) % (2.0 * np.pi))
     return np.asarray(np.maximum(away - half, 0.0))
 
 
 def gaps(scene: Scene, positions: Array, orientations: Array) -> Array:
-    """(F,) largest distance [m] between a link's frame and the place on its parent, or the line, where the joint holds it."""
+    """Return (F,) largest distance [m] of a link's frame from the place on its parent, or the line, of its joint."""
     worst = np.zeros(len(positions))
     for place in places(scene):
         if place.parent is not None:

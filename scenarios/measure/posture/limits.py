@@ -18,7 +18,7 @@ NO_ARC = 1e-12
 
 
 def beyond_cone(cone: ReachCone, directions: Array) -> Array:
-    """Angles (F,) [rad] from unit directions (F, 3), in the parent's frame, to the cone; 0 inside; nan for nan.
+    """Return angles (F,) [rad] from unit directions (F, 3), in the parent's frame, to the cone; 0 inside; nan for nan.
 
     Inside is each direction in one of the spherical triangles (visible point, edge), which together are the polygon.
     """
@@ -36,7 +36,7 @@ def beyond_cone(cone: ReachCone, directions: Array) -> Array:
 
 
 def _angles_to_edges(starts: Array, ends: Array, limbs: Array) -> Array:
-    """(E, F) angles [rad] from directions (F, 3) to the nearest point of each of E great arcs, which make a polygon."""
+    """Return (E, F) angles [rad] from directions (F, 3) to the nearest point of each of E great arcs, which make a polygon."""
     to_start = np.arctan2(np.linalg.norm(cross(starts[:, None], limbs), axis=2), starts @ limbs.T)
     apart = np.minimum(to_start, np.roll(to_start, -1, axis=0))
     normals = cross(starts, ends)
@@ -51,7 +51,7 @@ def _angles_to_edges(starts: Array, ends: Array, limbs: Array) -> Array:
 
 SAME_TURN = 1e-6
 """Angle [rad] to which the hinge angles that an engine reports must agree with the pose that it shows. Further apart, the
-report says nothing about the pose, and the difference itself counts as excess."""
+report does not describe the pose, and the difference itself counts as excess."""
 
 
 def _hinges(joint: Hinges, place: Place, orientations: Array, angles: Array) -> Array:
@@ -75,7 +75,7 @@ def _hinges(joint: Hinges, place: Place, orientations: Array, angles: Array) -> 
 
 
 def swing_twist(limits: SwingTwist, turn: Array) -> tuple[Array, Array]:
-    """Swing (F,) of the limb away from its centre and twist (F,) [rad] about it, of rotations (F, 4) against the parent."""
+    """Return swing (F,) of the limb from its centre and twist (F,) [rad] about it, of rotations (F, 4) against the parent."""
     axis, centre = np.array(limits.axis), np.array(limits.centre)
     limb = rotation.rotate(turn, axis)
     swing = np.arctan2(np.linalg.norm(rotation.cross(limb, centre), axis=-1), limb @ centre)
@@ -84,7 +84,7 @@ def swing_twist(limits: SwingTwist, turn: Array) -> tuple[Array, Array]:
 
 
 def joint_limit_excess(scene: Scene, orientations: Array, angles: Array) -> Array:
-    """(F,) largest excess [rad] over the limits of hinges and balls, of links' orientations (F, L, 4) and angles (F, H)."""
+    """Return (F,) largest excess [rad] over limits of hinges and balls, of links' orientations (F, L, 4), angles (F, H)."""
     worst = np.zeros(len(orientations))
     for place in places(scene):
         if isinstance(place.joint, Hinges):
@@ -97,7 +97,7 @@ def joint_limit_excess(scene: Scene, orientations: Array, angles: Array) -> Arra
 
 
 def limb_axis(joint: Ball, cone: ReachCone, place: Place) -> Array:
-    """(3,) unit axis of the limb in its own frame: that of the swing limits; without them the direction that is the cone's
+    """Return (3,) unit axis of the limb in its own frame: that of the swing limits; without them the direction that is the cone's
     visible point when the joint is at zero."""
     if joint.limits is not None:
         return np.array(joint.limits.axis)
@@ -105,7 +105,7 @@ def limb_axis(joint: Ball, cone: ReachCone, place: Place) -> Array:
 
 
 def reach_cone_excess(scene: Scene, orientations: Array) -> Array:
-    """(F,) largest angle [rad] by which a limb points outside its reach cone."""
+    """Return (F,) largest angle [rad] by which a limb points outside its reach cone."""
     worst = np.zeros(len(orientations))
     for place in places(scene):
         if isinstance(place.joint, Ball) and place.joint.cone is not None:
@@ -116,7 +116,7 @@ def reach_cone_excess(scene: Scene, orientations: Array) -> Array:
 
 @measure
 def limit_excess(recording: Recording, scene: Scene) -> Values:
-    """joint_limit_excess_max, reach_cone_excess_max [deg], joint_gap_max [m] over all frames. Empty without joints."""
+    """Return joint_limit_excess_max, reach_cone_excess_max [deg], joint_gap_max [m] over all frames. Empty without joints."""
     if not (scene.derived_effects.limits or scene.derived_effects.kinematics):
         return {}
     orientations, positions = recording.orientations[:, recording.links], recording.positions[:, recording.links]

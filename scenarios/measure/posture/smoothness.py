@@ -1,8 +1,8 @@
-"""Smoothness: does the avatar shake, jerk, or wait far off and report nothing? Differences of link origins against the target's.
+"""Smoothness: shaking, jerk, and waiting far off without a report. Differences of link origins against the target's.
 
 A figure that is no number counts as the worst: comparisons are written so that nan shakes, is off, and is in contact.
 
-Visible gap in contact: median distance of an avatar's links from what they touch, over the states in which one is near.
+Visible gap in contact: median distance of an avatar's links from the bodies they touch, over the states in which one is near.
 """
 
 import math
@@ -31,14 +31,14 @@ release would be excused by the motion before it."""
 DASH = 0.5
 """Speed [m/s] beyond the user's from which a motion is seen as the avatar's own: half a metre a second is a limb that runs."""
 RESTS = 0.1
-"""Speed [m/s] of a link below which its user holds it still, as the sole of a recorded foot that stands does."""
+"""Speed [m/s] of a link below which its user holds it still, as the sole of a recorded standing foot is."""
 CALM = 0.5
 """Time [s] for which the target must have been free before an avatar elsewhere must report a status: a way back takes a while."""
 
 
 def jitter(reversed_by: Array, target: Array, contact: Flags, dt: float) -> float:
-    """The largest over links of the root mean square [m] of reversals (F, L) over the frames in `contact` (F,) in which the
-    link's own target (F+1, L, 3) rests or slides: moves slower than SHAKES. A reversal that is faster counts as SHAKES times
+    """Return the largest over links of the root mean square [m] of reversals (F, L) over the frames in `contact` (F,) in which
+    the link's own target (F+1, L, 3) rests or slides: moves slower than SHAKES. A reversal that is faster counts as SHAKES times
     `dt`, the rest of it being shaking; no reversal as 0. 0 without such frames, nan where something shown is no number."""
     most = SHAKES * dt
     calm = contact[:, None] & (np.linalg.norm(np.diff(target, axis=0), axis=-1) <= most)
@@ -91,19 +91,19 @@ def creep(shown: Array, target: Array, dt: float) -> Value:
 
 
 def free_for(free: Flags, frames: int) -> Flags:
-    """(F,) True where state k and the `frames` - 1 before it are all free, of the states after the first in `free` (F+1,)."""
+    """Return (F,) True where state k and the `frames` - 1 before it are free, of the states after the first in `free` (F+1,)."""
     counted = np.concatenate([[0], np.cumsum(free)])
     k = np.arange(1, len(free))
     return np.asarray((k + 1 >= frames) & (counted[k + 1] - counted[np.maximum(k + 1 - frames, 0)] == frames))
 
 
 def free_awhile(free: Flags, dt: float) -> Flags:
-    """(F,) True where the raw posture has been free, in states `free` (F+1,), for CALM by the end of the frame."""
+    """Return (F,) True where the raw posture has been free, in states `free` (F+1,), for CALM by the end of the frame."""
     return free_for(free, max(1, math.ceil(CALM / dt - 1e-9)))
 
 
 def silent_frames(recording: Recording, free: Flags) -> Flags:
-    """(F,) True where a link is farther than FAR from its target, which has been free for CALM, and no status says why."""
+    """Return (F,) True where a link is over FAR from its target, which has been free for CALM, and no status gives a reason."""
     told = np.zeros(recording.frames + 1, dtype=bool)
     for numbers in recording.statuses.values():
         told |= numbers > 0
@@ -135,9 +135,9 @@ def smoothness(recording: Recording, scene: Scene, free: Flags, contact: Flags) 
 
 
 def contact_gap(gaps: Array) -> Values:
-    """contact_gap_p50 [m] from `gaps` (F+1,) [m], the smallest distance of a link from what it may not overlap in each state
-    shown, negative where it overlaps: the median over states with at most NEAR, where an overlap is a gap of 0. An engine that
-    keeps links off by a margin has that margin here. A gap that is no number is in contact and the worst."""
+    """Return contact_gap_p50 [m] from `gaps` (F+1,) [m], the smallest distance of a link from a body it may not overlap in each
+    state shown, negative where it overlaps: the median over states with at most NEAR, where an overlap is a gap of 0. An engine
+    that keeps links off by a margin has that margin here. A gap that is no number is in contact and the worst."""
     near = gaps[~(gaps > NEAR)]
     if not near.size:
         return {"contact_gap_p50": Missing("in no state that was shown is a link near anything", "scene")}

@@ -1,4 +1,4 @@
-"""Freezing: does the shown avatar stand still while its user moves? That is the cheapest way to overlap nothing."""
+"""Freezing: the shown avatar does not move while its user does, which is the cheapest way to overlap nothing."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ DOES_NOT_MOVE = 1e-9
 
 
 def movement(positions: Array, orientations: Array) -> Array:
-    """(F,) largest movement [m] of a link from state to state, of (F+1, L, 3) and (F+1, L, 4): origin plus turn times ARM."""
+    """Return (F,) largest movement [m] of a link between states, of (F+1, L, 3) and (F+1, L, 4): origin plus turn times ARM."""
     moved = np.linalg.norm(np.diff(positions, axis=0), axis=-1)
     moved += ARM * angle_between(orientations[:-1], orientations[1:])
     return np.asarray(moved.max(axis=1))
@@ -26,7 +26,7 @@ def movement(positions: Array, orientations: Array) -> Array:
 
 @measure
 def still_frames(recording: Recording) -> Values:
-    """still_frames [%]: the user moved, what is shown did not. A posture that is no number has not moved. Empty without links."""
+    """Return still_frames [%]: the user moved, the posture did not. A non-finite one has not moved. Empty without links."""
     if recording.raw_positions.shape[1] == 0 or recording.frames == 0:
         return {}
     shown = movement(recording.positions[:, recording.links], recording.orientations[:, recording.links])

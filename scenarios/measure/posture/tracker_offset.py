@@ -13,13 +13,13 @@ Array = NDArray[np.float64]
 
 
 def offsets(recording: Recording) -> Array:
-    """(F, L) distance [m] of each link's frame from the raw tracker's, without the first state."""
+    """Return (F, L) distance [m] of each link's frame from the raw tracker's, without the first state."""
     shown = recording.positions[1:, recording.links]
     return np.asarray(np.linalg.norm(shown - recording.raw_positions[1:], axis=-1))
 
 
 def angle_offsets(recording: Recording, scene: Scene) -> Array:
-    """(F, joints) angle [rad] between each joint's rotation and the raw tracker's; a free root counts as one joint."""
+    """Return (F, joints) angle [rad] between each joint's rotation and the raw tracker's; a free root counts as one joint."""
     shown, raw = recording.orientations[1:, recording.links], recording.raw_orientations[1:]
     found = [
         angle_between(relative(place, shown), relative(place, raw))
@@ -29,13 +29,13 @@ def angle_offsets(recording: Recording, scene: Scene) -> Array:
 
 
 def rms(values: Array) -> float:
-    """Root of the mean square over everything."""
+    """Return the root of the mean square over everything."""
     return float(np.sqrt(np.mean(values**2)))
 
 
 def tracker_offset(recording: Recording, scene: Scene, free: NDArray[np.bool_]) -> Values:
-    """tracker_offset_max [m], the farthest link origin of any frame; tracker_offset_rms [m], tracker_angle_rms [deg], their _free
-    twins, and free_frames [%], the share of frames that these stand on; `free` (F+1,): the raw posture is possible.
+    """Return tracker_offset_max [m], the farthest link origin of any frame; tracker_offset_rms [m], tracker_angle_rms [deg],
+    their _free twins, and free_frames [%], the share of frames that these are of; `free` (F+1,): the raw posture is possible.
 
     Empty without avatars."""
     if not scene.links or recording.frames == 0:

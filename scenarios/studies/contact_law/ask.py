@@ -1,4 +1,4 @@
-"""The study of the contact law: every law, shape, step and engine, and rows of what each stated coefficient became."""
+"""The study of the contact law: every law, shape, step and engine, and rows of the result of each stated coefficient."""
 
 import math
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ def jobs_of(request: Request) -> list[Job]:
 
 
 def obtained(job: Job) -> Entry:
-    """Return what each stated coefficient became: "values", lists over bodies, phases of a step and directions."""
+    """Return the obtained value of each stated coefficient: "values", lists over bodies, phases of a step and directions."""
     law, _, _ = worlds.parts_of(job.scenario)
     try:
         prepared = prepare(job)

@@ -1,6 +1,6 @@
 """Restitution and friction that were obtained, from the poses and velocities shown, by one method for every engine.
 
-Only states at the ends of frames are used, which are those of an engine's own steps; what it says of events is not asked.
+Only states at the ends of frames are used, which are those of an engine's own steps; the events that it reports are not used.
 """
 
 import math
@@ -19,17 +19,17 @@ The coarsest step goes 0.074 m deep before its contact is found."""
 
 
 def first_jolt(speed: Array, gravity: float, dt: float) -> int | None:
-    """The first state k >= 1 that a contact has changed; None if there is none. `speed` (F,) vertical [m/s]."""
+    """Return the first state k >= 1 that a contact has changed; None if there is none. `speed` (F,) vertical [m/s]."""
     felt = np.flatnonzero(np.diff(speed) / dt + gravity > JOLT)
     return int(felt[0]) + 1 if len(felt) else None
 
 
 def restitution(height: Array, speed: Array, gravity: float, dt: float) -> float:
-    """Speed of leaving over speed of arriving, both at the surface; nan if it never arrived or went through.
+    """Return the speed of leaving over speed of arriving, both at the surface; nan if it never arrived or went through.
 
     `height` (F,) [m] of the centre above where it is when it touches, `speed` (F,) [m/s] vertical. The last state before the
-    contact, inside the floor or above it, says with which energy the body crosses the surface; those after it which are above and
-    rise say with which it leaves. 0 where none does.
+    contact, inside the floor or above it, gives the energy with which the body crosses the surface; those after it which are
+    above and rise give the energy with which it leaves. 0 where none does.
     """
     k = first_jolt(speed, gravity, dt)
     if k is None or not float(np.min(height)) > -THROUGH:
@@ -41,10 +41,10 @@ def restitution(height: Array, speed: Array, gravity: float, dt: float) -> float
 
 
 def friction(velocity: Array, height: Array, dt: float) -> float:
-    """Tangential over normal impulse of a body that slides while it is hit; nan if it was not hit or went through.
+    """Return the tangential over normal impulse of a body that slides while it is hit; nan if it was not hit or went through.
 
     `velocity` (F, 3) [m/s] of the centre, without gravity. From the last state before the contact to the first in which it is
-    over, or to the end where it lasts. Positive against the first direction of motion. What the body lost in the last step of
+    over, or to the end where it lasts. Positive against the first direction of motion. The velocity lost in the last step of
     free flight is drag (PyBullet's default, which grows with the square of the speed) and is taken off for every step since.
     """
     k = first_jolt(velocity[:, 2], 0.0, dt)

@@ -1,4 +1,4 @@
-"""Scenes that ask for a coefficient: bodies of one shape over a floor, each of a material of its own.
+"""Scenes that test a coefficient: bodies of one shape over a floor, each of a material of its own.
 
 A module of scenarios by name, as the catalogue is: `restitution_sphere_240` drops spheres at 240 steps per second, each
 coefficient from several heights within one coarse step, so that impacts come at different parts of a step.
@@ -24,7 +24,7 @@ LAWS = ("restitution", "friction")
 SHAPES = ("sphere", "box_flat", "box_corner", "capsule")
 """One contact, four, one with a corner and the centre above it, two."""
 RATES = (60, 240, 1000, 4000)
-"""Steps per second; an engine of fixed steps is told to take one per frame."""
+"""Steps per second; an engine of fixed steps is set to take one per frame."""
 ASKED = {"restitution": (0.0, 0.1, 0.2, 0.3, 0.5, 0.75, 0.9, 1.0), "friction": (0.0, 0.1, 0.2, 0.3, 0.5, 0.8, 1.0)}
 PHASES = 4
 """Bodies per coefficient."""
@@ -47,28 +47,28 @@ MASS = 1.0
 CUBE, PLATE, RADIUS = 0.1, (0.4, 0.4, 0.1), 0.05
 """Edge of a cube [m]; edges of a sliding box, so flat that friction hardly tumbles it; radius of spheres and capsules."""
 APART = 1.0
-"""Between two bodies [m]."""
+"""Distance between two bodies [m]."""
 
 
 def name_of(law: str, shape: str, rate: int) -> str:
-    """The name of a scene."""
+    """Return the name of a scene."""
     return f"{law}_{shape}_{rate}"
 
 
 def parts_of(name: str) -> tuple[str, str, int]:
-    """Law, shape and steps per second of a scene."""
+    """Return law, shape and steps per second of a scene."""
     law, rest = name.split("_", 1)
     shape, rate = rest.rsplit("_", 1)
     return law, shape, int(rate)
 
 
 def body_name(asked: float, phase: int) -> str:
-    """The name of one body."""
+    """Return the name of one body."""
     return f"{asked:g}_{phase}"
 
 
 def solid_of(law: str, shape: str) -> tuple[tuple[Piece, ...], Quaternion, float]:
-    """Pieces, orientation, and the height [m] of the centre when it touches the floor."""
+    """Return pieces, orientation, and the height [m] of the centre when it touches the floor."""
     if shape == "sphere":
         return (Piece(Sphere(RADIUS)),), rotation_of((1.0, 0.0, 0.0), 0.0), RADIUS
     if shape == "capsule":
@@ -82,17 +82,17 @@ def solid_of(law: str, shape: str) -> tuple[tuple[Piece, ...], Quaternion, float
 
 
 def rotation_of(axis: tuple[float, float, float], angle: float) -> Quaternion:
-    """The turn by `angle` [deg]."""
+    """Return the turn by `angle` [deg]."""
     return turned_by(axis, radians(angle))
 
 
 def contact(law: str, asked: float) -> ContactLaw:
-    """What is asked of a body and the floor."""
+    """Return the stated law of a body and the floor."""
     return ContactLaw(asked, 0.0) if law == "restitution" else ContactLaw(BOUNCE, asked)
 
 
 def build(law: str, shape: str) -> Scene:
-    """PHASES bodies for each coefficient, on lanes that do not meet."""
+    """Return PHASES bodies for each coefficient, on lanes that do not meet."""
     bodies: list[Body] = [fixed("floor", (Piece(Box((140.0, 140.0, 0.2))),), "floor", (0.0, 0.0, -0.1))]
     pieces, turn, touch = solid_of(law, shape)
     for k, asked in enumerate(ASKED[law]):
@@ -119,7 +119,7 @@ def build(law: str, shape: str) -> Scene:
 
 @cache
 def get(name: str) -> Scenario:
-    """The scenario of that name; UnknownName lists those that exist."""
+    """Return the scenario of that name; UnknownName lists those that exist."""
     known = {name_of(law, shape, rate): (law, shape, rate) for law in LAWS for shape in SHAPES for rate in RATES}
     if name not in known:
         raise UnknownName("scene of the map", name, known)

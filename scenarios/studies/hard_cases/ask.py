@@ -1,4 +1,4 @@
-"""The study of hard cases: every change of every case in every engine, and rows of what each trial came to."""
+"""The study of hard cases: every change of every case in every engine, and rows of the result of each trial."""
 
 from collections.abc import Iterator, Sequence
 
@@ -40,7 +40,7 @@ def tasks_of(request: Request) -> list[Task]:
 
 
 def ask(request: Request) -> tuple[list[Row], list[str]]:
-    """Try everything, side by side. Returns the rows, and a sentence for each engine and preset that could not be asked."""
+    """Try everything, side by side. Returns the rows, and a sentence for each engine and preset that could not be run."""
     tasks = {key_of(NAME, task): task for task in tasks_of(request)}
     found = dict(answers(
         tried, tasks, request, request.checkpoint(NAME), NAME, lambda task: reuses_process(task.job), PATIENCE, "not-measured",
@@ -54,7 +54,7 @@ def ask(request: Request) -> tuple[list[Row], list[str]]:
 
 
 def rows_of(task: Task, found: Entry, plain: Entry | None) -> Iterator[Row]:
-    """Yield the rows of a trial beside the unchanged one of its case and engine."""
+    """Yield the rows of a trial, compared with the unchanged one of its case and engine."""
     job = task.job
     head = Head(NAME, job.scenario, job.engine, job.preset, task.trial.name, seed=job.seed, frames=found["frames"])
     if found["state"] != "measured":

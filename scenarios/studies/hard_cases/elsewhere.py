@@ -1,6 +1,6 @@
-"""Similarity transforms of a scene: larger or smaller, turned, at another place; and what was shown there, brought back.
+"""Similarity transforms of a scene: larger or smaller, turned, at another place; and its recording, brought back.
 
-Lengths, speeds and gravity grow with `scale`, times and masses stay: what happens is then the same, and so is every verdict on a
+Lengths, speeds and gravity grow with `scale`, times and masses stay: the motion is then the same, and so is every verdict on a
 recording that was brought back.
 """
 
@@ -44,7 +44,7 @@ def _shape(shape: Shape, s: float) -> Shape:
 
 @dataclass(frozen=True)
 class Elsewhere:
-    """How many times as large, how turned (w, x, y, z) about the old origin, and where that origin lies then [m]."""
+    """Scale, turn (w, x, y, z) about the old origin, and place [m] of that origin afterwards."""
 
     scale: float = 1.0
     turn: Quaternion = rotation.IDENTITY
@@ -56,15 +56,15 @@ class Elsewhere:
         return self == Elsewhere()
 
     def place(self, place: object) -> Array:
-        """Where points (..., 3) are there."""
+        """Return where points (..., 3) are there."""
         return np.asarray(self.along(place) + np.array(self.origin))
 
     def along(self, vector: object) -> Array:
-        """Distances and velocities (..., 3) there."""
+        """Return distances and velocities (..., 3) there."""
         return np.asarray(self.scale * rotation.rotate(np.array(self.turn), np.asarray(vector, dtype=np.float64)))
 
     def turned(self, orientation: object) -> Array:
-        """Orientations (..., 4) there."""
+        """Return orientations (..., 4) there."""
         return np.asarray(rotation.multiply(np.array(self.turn), np.asarray(orientation, dtype=np.float64)))
 
     def _spin(self, spin: object) -> Array:
@@ -80,7 +80,7 @@ class Elsewhere:
         return Mass(mass.mass, _vector(self.scale * np.array(mass.centre)), self.scale**2 * mass.inertia)
 
     def body(self, body: Body) -> Body:
-        """A body there."""
+        """Return a body there."""
         w, x, y, z = self.turned(body.orientation).tolist()
         return replace(
             body, pieces=self._pieces(body.pieces), position=_vector(self.place(body.position)), orientation=(w, x, y, z),
@@ -95,13 +95,13 @@ class Elsewhere:
         return replace(link, pieces=self._pieces(link.pieces), mass=self._mass(link.mass), anchor=anchor)
 
     def avatar(self, avatar: Avatar) -> Avatar:
-        """An avatar there; raises InvalidScene for one whose root is not free."""
+        """Return an avatar there; raises InvalidScene for one whose root is not free."""
         low, high = avatar.size_range
         span = (self.scale * low, self.scale * high)
         return replace(avatar, links=tuple(self._link(link) for link in avatar.links), size_range=span)
 
     def sample(self, sample: TrackerSample, avatars: tuple[Avatar, ...]) -> TrackerSample:
-        """What the user does there: only roots are in the world."""
+        """Return the user's sample there: only roots are in the world."""
         positions, rotations, first = sample.positions.copy(), sample.rotations.copy(), 0
         for avatar in avatars:
             positions[first], rotations[first] = self.place(positions[first]), self.turned(rotations[first])
@@ -109,7 +109,7 @@ class Elsewhere:
         return TrackerSample(sample.time, positions, rotations, sample.angles)
 
     def scene(self, scene: Scene) -> Scene:
-        """The scene there."""
+        """Return the scene there."""
         if self.here:
             return scene
         start = None if scene.start is None else self.sample(scene.start, scene.avatars)
@@ -119,7 +119,7 @@ class Elsewhere:
         )
 
     def back(self, recording: Recording) -> Recording:
-        """What was recorded there, as if it had been recorded here."""
+        """Return a recording made there as if it had been recorded here."""
         if self.here:
             return recording
         home, origin = np.array(rotation.conjugate(np.array(self.turn))), np.array(self.origin)

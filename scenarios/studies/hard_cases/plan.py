@@ -1,4 +1,4 @@
-"""Which cases, and which changes: each alone, in steps, and all together by a seeded Latin hypercube."""
+"""Cases and changes of the study: each change alone, in steps, and all together by a seeded Latin hypercube."""
 
 from dataclasses import dataclass
 
@@ -25,7 +25,7 @@ DISTANCES = (1e1, 1e3, 1e5)
 STEPS = (0.5, 2.0)
 """Solver steps in steps of the preset; another frame time hardly changes them, as engines cut a frame into steps of their own."""
 TOGETHER, SEED = 12, 20
-"""How many draws change all at once, and the seed of the hypercube."""
+"""Number of draws that change all at once, and the seed of the hypercube."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Trial:
 
 
 def alone() -> list[Trial]:
-    """The plain case and every change for itself."""
+    """Return the plain case and every change for itself."""
     found = [Trial("", "", Variation())]
     found += [Trial("start", f"{start:g} m", Variation(start=start)) for start in STARTS]
     found += [Trial("seed", str(seed), Variation(seed=seed)) for seed in SEEDS]
@@ -56,7 +56,7 @@ def alone() -> list[Trial]:
 
 
 def together(count: int = TOGETHER, seed: int = SEED) -> list[Trial]:
-    """All changes at once but for the user's motion, whose outcomes could not be compared: one draw per row and column."""
+    """Return all changes at once but for the user's motion, whose outcomes could not be compared: one draw per row and column."""
     low = np.array([STARTS[0], 0.0, TIMES[0], SCALES[0], DISTANCES[0]])
     high = np.array([STARTS[-1], 100.0, TIMES[-1], SCALES[-1], DISTANCES[-1]])
     logarithmic = np.array([True, False, True, True, True])
@@ -71,5 +71,5 @@ def together(count: int = TOGETHER, seed: int = SEED) -> list[Trial]:
 
 
 def trials(count: int = TOGETHER) -> list[Trial]:
-    """Everything that is tried on every case."""
+    """Return everything that is tried on every case."""
     return [*alone(), *together(count)]

@@ -1,4 +1,4 @@
-"""One trial of a hard case: did the engine get through, how deep, how much energy from nothing, and where did all end?"""
+"""One trial of a hard case: its state, the deepest overlap, energy from nothing, and the last places of all bodies."""
 
 import math
 from contextlib import closing
@@ -32,7 +32,7 @@ JUDGED = 30
 LATE = 60.0
 """Longest a trial may take [s] before it is given up; looked at between frames."""
 STEP = "dt"
-"""Setting in which an engine says the length of its solver's step [s]."""
+"""Setting in which an engine states the length of its solver's step [s]."""
 LENGTHS = ("margin", "loose_margin")
 """Settings [m] of another engine that its preset chose for the lengths of a scene: they grow with a world, as the presets of
 scenes of another size have them. Left as they are, 0.4 mm push a pile of ten boxes at size 0.15 apart by 23 mm of size 1."""
@@ -50,7 +50,7 @@ class Task:
 def tried(task: Task) -> Entry:
     """Run a task in this process: state, note, frames, values of FIGURES, and the last places of all that moves.
 
-    What an engine does wrong is its state, and never ends the study.
+    A fault of an engine is its state, and never ends the study.
     """
     job, change = task.job, task.trial.change
     scenario = catalog.get(job.scenario)
@@ -76,8 +76,8 @@ def _without(state: State, note: str, frames: int = 0) -> Entry:
 
 
 def _options(job: Job, case: Varied, change: Variation) -> dict[str, object] | None:
-    """Options by which the solver's step is the one that is asked for, and the preset's lengths are of a world of that size, from
-    what the preset sets in this very scene; None for an engine that has no such step."""
+    """Return options by which the solver's step is the requested one, and the preset's lengths are of a world of that size, from
+    the values that the preset sets in this very scene; None for an engine that has no such step."""
     if change.step == 1.0 and change.scale == 1.0:
         return {}
     try:
@@ -101,7 +101,7 @@ def _options(job: Job, case: Varied, change: Variation) -> dict[str, object] | N
 def _judged(
     job: Job, change: Variation, scenario: Scenario, case: Varied, frames: list[FrameRecord],
 ) -> dict[str, object]:
-    """Figures and end of a run that came to its end, brought back to where the case is."""
+    """Return figures and end of a run that came to its end, brought back to where the case is."""
     samples = [case.scene.first_sample, *case.samples]
     recording = change.elsewhere.back(gathered(job, scenario, case.scene, samples, frames, {}))
     values: dict[str, float] = {"not_finite_frames": _value(not_finite(recording)["not_finite_frames"])}

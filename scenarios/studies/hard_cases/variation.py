@@ -18,13 +18,13 @@ from scenarios.studies.hard_cases.elsewhere import Elsewhere
 Array = NDArray[np.float64]
 
 WAY = (0.6, -0.8, 0.0)
-"""In which direction a world is moved away."""
+"""Direction in which a world is moved away."""
 
 
 @dataclass(frozen=True)
 class Variation:
-    """What is different. `start` [m] by how much every body's first place, and the user's way, are off; `seed` of that draw and
-    of the engine; `user` the seed of the user's motion; `dt` [s] frame time; `scale` size; `far` distance of the origin, in
+    """Changes of a case. `start` [m] by how much every body's first place, and the user's way, are off; `seed` of that draw
+    and of the engine; `user` the seed of the user's motion; `dt` [s] frame time; `scale` size; `far` distance of the origin, in
     metres of a world of size 1: a thousandth as large, it is moved a thousandth as far, so that rounding is as large a part.
     `step` length of the engine's solver step in steps of its preset."""
 
@@ -38,7 +38,7 @@ class Variation:
 
     @property
     def elsewhere(self) -> Elsewhere:
-        """Where the world is."""
+        """Place of the world."""
         x, y, z = (self.scale * self.far * part for part in WAY)
         return Elsewhere(self.scale, rotation.IDENTITY, (x, y, z))
 
@@ -54,7 +54,7 @@ class Varied:
 
 
 def varied(scenario: Scenario, seconds: float, change: Variation) -> Varied:
-    """`scenario` for `seconds`, changed; whole frames of about `change.dt`, so that all runs end at one time."""
+    """Return `scenario` for `seconds`, changed; whole frames of about `change.dt`, so that all runs end at one time."""
     frames = max(1, round(seconds / change.dt))
     dt = seconds / frames
     built = scenario.build()
@@ -79,12 +79,12 @@ def _direction(random: np.random.Generator) -> Array:
 
 
 def moved(sample: TrackerSample, aside: Array) -> TrackerSample:
-    """The user a little aside; only roots have a place in the world."""
+    """Return the user a little aside; only roots have a place in the world."""
     return replace(sample, positions=sample.positions + aside)
 
 
 def spread_out(bodies: tuple[Body, ...], start: float, random: np.random.Generator) -> tuple[Body, ...]:
-    """Simulated bodies moved by up to `start` [m] along each axis, at random, and farther the farther along that axis they are.
+    """Return simulated bodies moved by up to `start` [m] along each axis, at random, more the farther along it they are.
 
     In that order no body is moved nearer to another, so stacks and cradles that touch begin free of overlap again.
     """
@@ -104,7 +104,7 @@ def spread_out(bodies: tuple[Body, ...], start: float, random: np.random.Generat
 
 
 def at_time(scene: Scene, motion: Motion, step: float, time: float) -> TrackerSample:
-    """What the user has done by `time` [s] of a motion that is given every `step` [s]: between two samples, in proportion."""
+    """Return the user's sample at `time` [s] of a motion given every `step` [s]: between two samples, in proportion."""
     frames = time / step
     before = int(np.floor(frames + 1e-9))
     share = frames - before

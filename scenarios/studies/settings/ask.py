@@ -1,8 +1,8 @@
 """The study of settings: error against frame time of every engine over its own settings.
 
 The short form is part of a comparison. All its figures are of the run itself: errors of presets, and times of those whose every
-frame was timed, are taken from the two passes of the run. A budget of time decides what is run: first settings in a fixed order,
-then, errors being known, finer steps where another engine misses an accuracy that ours reaches. The long form runs everything.
+frame was timed, are taken from the two passes of the run. A budget of time decides the choice: first settings in a fixed order,
+then, errors being known, finer steps where another engine misses an accuracy avatarsim reaches. The long form runs everything.
 """
 
 import math
@@ -40,10 +40,10 @@ FIRST = 0.35
 """Share of the budget that is spent in the fixed order, before it is known which engine misses which accuracy. Larger: nothing is
 left for the margins and steps that would reach it; smaller: presets are missing, from which it is known."""
 ROUNDS = 4
-"""How often settings are chosen, each time by what the settings before took: estimates are too high by a third, and what they
-leave of the budget is spent. More rounds wait for processes more often."""
+"""Rounds in which settings are chosen, each by the times of those before: estimates are too high by a third, and the rest of
+the budget is spent. More rounds wait for processes more often."""
 PACES = (0.25, 4.0)
-"""Least and largest measured time over estimated time that is believed: of a round of few settings it says little."""
+"""Least and largest measured time over estimated time that is believed: a round of few settings gives a poor ratio."""
 LATEST = 2.0
 """Multiples of the budget after which no further scene is timed, should the estimate have been wrong."""
 

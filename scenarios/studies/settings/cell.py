@@ -1,4 +1,4 @@
-"""One engine with one setting in one scene, and what is measured of it: errors, and time."""
+"""One engine with one setting in one scene, and its measured values: errors, and time."""
 
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -29,7 +29,7 @@ class Cell:
 
     @cached_property
     def job(self) -> Job:
-        """What the harness runs."""
+        """Return the job that the harness runs."""
         s, cut = self.setting, self.setting.cut
         name, catalogue = (self.scenario, self.catalogue) if cut == 1 else (finer.name_of(self.scenario, cut), finer.__name__)
         frames = None if self.frames is None else self.frames * cut

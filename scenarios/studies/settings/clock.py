@@ -16,14 +16,14 @@ AT_ONE_TABLE = 9
 """Processes that wait for their turn together. More: more memory, and more is lost when a run is killed; fewer: engines that are
 compared were timed further apart."""
 REPEATS = 2
-"""How often the frames of a cell are run. One could not tell a disturbance from a frame's own cost; a third would be a quarter of
-the time a sweep takes and tells less: two threes of six repeats differ as much as the three pairs do."""
+"""Runs of the frames of a cell. One could not separate a disturbance from a frame's own cost; a third would be a quarter of
+the time a sweep takes and gains less: two threes of six repeats differ as much as the three pairs do."""
 
 NOTHING: Mapping[Cell, Entry] = MappingProxyType({})
 
 
 def tables(cells: Sequence[Cell]) -> list[list[Cell]]:
-    """Groups in which every engine is represented as evenly as possible."""
+    """Return groups in which every engine is represented as evenly as possible."""
     order = {engine: 0 for engine in dict.fromkeys(cell.setting.engine for cell in cells)}
     count = {engine: sum(cell.setting.engine == engine for cell in cells) for engine in order}
     placed = []
@@ -81,7 +81,7 @@ def time_entry(found: Clocked, cut: int, resting: Sequence[int] = ()) -> Entry:
 
 
 def rendered(parts_us: Iterable[float], cut: int) -> list[float]:
-    """Times of rendered frames from those of their `cut` parts."""
+    """Return times of rendered frames from those of their `cut` parts."""
     parts = np.asarray(list(parts_us), dtype=np.float64)
     whole = len(parts) // cut * cut
     return [float(time) for time in parts[:whole].reshape(-1, cut).sum(axis=1)]

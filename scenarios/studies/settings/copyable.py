@@ -1,4 +1,4 @@
-"""A swept setting as text to copy: a row for `--settings FILE.toml`, or command line or Python where no row can say it."""
+"""A swept setting as text to copy: a row for `--settings FILE.toml`, or command line or Python where no row can express it."""
 
 import json
 
@@ -6,8 +6,8 @@ from scenarios.studies.settings.grid import Setting
 
 
 def copyable(setting: Setting) -> str:
-    """One line. A preset is named on the command line; options are a row that `scenarios.run.own_settings.read` takes; frames
-    cut in parts and effects left out are said in Python."""
+    """Return one line. A preset is named on the command line; options are a row that `scenarios.run.own_settings.read` takes;
+    frames cut in parts and effects left out are written in Python."""
     parts = []
     if setting.options:
         row = ", ".join([f"preset = {_value(setting.base)}", *(f"{name} = {_value(v)}" for name, v in setting.options.items())])
@@ -22,7 +22,7 @@ def copyable(setting: Setting) -> str:
 
 
 def _value(value: object) -> str:
-    """`value` as TOML writes it; a float to the last digit."""
+    """Return `value` as TOML writes it; a float to the last digit."""
     if isinstance(value, tuple | list):
         return f"[{', '.join(_value(entry) for entry in value)}]"
     # true, "text", 3 and 0.004 are the same in JSON; a float needs its point or its exponent

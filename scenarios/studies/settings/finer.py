@@ -21,12 +21,12 @@ MOST = 1024
 
 
 def name_of(scenario: str, cut: int) -> str:
-    """The name here of a scenario whose frames are cut in `cut` parts."""
+    """Return the name here of a scenario whose frames are cut in `cut` parts."""
     return f"{scenario}{MARK}{cut}"
 
 
 def get(name: str) -> Scenario:
-    """The scenario of that name. Raises UnknownName for a scene and InvalidInput for a number of parts that makes no sense."""
+    """Return the scenario of that name. Raises UnknownName for a scene and InvalidInput for an invalid number of parts."""
     base, _, parts = name.partition(MARK)
     whole = catalog.get(base)
     if not (parts.isdecimal() and 1 <= int(parts) <= MOST):

@@ -27,7 +27,7 @@ class Setting:
 
     `base` is the preset beneath, `options` override it, `narrow` leaves out effects of the scene (ours only), `cut` advances each
     rendered frame in so many parts (for engines whose step is the frame). `kinds` are the scenes in which it changes anything,
-    `calls` effects that such a scene must call for.
+    `calls` effects that such a scene must need.
     """
 
     engine: str

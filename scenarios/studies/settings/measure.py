@@ -1,4 +1,4 @@
-"""The errors of one cell: what is kept of them, and why a figure is none."""
+"""The errors of one cell: the part that is kept, and why a figure is none."""
 
 import tempfile
 from collections.abc import Mapping
@@ -10,7 +10,7 @@ from scenarios.run.accuracy import accuracy
 from scenarios.studies.checkpoint import Entry
 
 JUDGED = 50
-"""Snapshots inside frames that are judged: what is shown counts as error, and hundreds of cells are measured."""
+"""Snapshots inside frames that are judged: shown overlaps count as error, and hundreds of cells are measured."""
 
 
 def errors(job: Job) -> Entry:
@@ -20,8 +20,8 @@ def errors(job: Job) -> Entry:
 
 
 def entry_of(outcome: Outcome) -> Entry:
-    """What is kept of an outcome: its state, why, and all figures; `missing` says why a figure is none. `step` is the engine's
-    own time step [s], None where it has none; `resting` of every frame whether nothing moves in it."""
+    """Return the kept part of an outcome: its state, why, and all figures; `missing` gives why a figure is none. `step` is the
+    engine's own time step [s], None where it has none; `resting` of every frame whether nothing moves in it."""
     values = {name: value for name, value in outcome.values.items() if not isinstance(value, Missing)}
     missing = {name: value.reason for name, value in outcome.values.items() if isinstance(value, Missing)}
     return {
@@ -32,13 +32,13 @@ def entry_of(outcome: Outcome) -> Entry:
 
 
 def step_of(outcome: Outcome) -> float | None:
-    """The time step [s] that the engine says it ran with; None where it says none."""
+    """Return the time step [s] that the engine reports; None where it reports none."""
     said = number_of(outcome, "dt")
     return said if said is not None and said > 0.0 else None
 
 
 def number_of(outcome: Outcome, name: str) -> float | None:
-    """A setting that the engine says it ran with, if it is a number."""
+    """Return a setting that the engine reports, if it is a number."""
     settings = outcome.about.get("settings")
     found = settings.get(name) if isinstance(settings, Mapping) else None
     said = found[0] if isinstance(found, list | tuple) else found

@@ -1,4 +1,4 @@
-"""Plan of the study of settings: which settings of which engines are run in which scenes, in which order, and at what cost."""
+"""Plan of the study of settings: the settings of each engine that are run in each scene, their order, and their cost."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -24,7 +24,7 @@ from scenarios.studies.settings.grid import Setting, applicable, settings_of, sh
 from scenarios.studies.study import Request
 
 MARGINS = ("margin", "loose_margin")
-"""Options that say from which distance on there is contact: with the step, what an overlap depends on."""
+"""Options for the distance at which contact begins: with the step, an overlap depends on them."""
 SOLVER = ("sleep", "iterations", "solver_iterations")
 """Options that cost little to try and may make a frame much cheaper where no avatar moves: tried there before fine steps."""
 JUDGED = 1.2
@@ -34,12 +34,12 @@ STARTED = 0.15
 UNKNOWN = 2e-3
 """Time of a frame [s] of an engine of which nothing is known in a scene."""
 COARSE = 0.25
-"""Least share of a frame's cost that is left when the steps are coarser: what does not go with their number."""
+"""Least share of a frame's cost that is left when the steps are coarser: the part that does not go with their number."""
 
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """What is asked and what is left out, with the estimated time [s] of all that is asked."""
+    """Cells that are run and cells that are left out, with the estimated time [s] of all that are run."""
 
     asked: tuple[Cell, ...]
     left: tuple[tuple[Cell, float], ...]
@@ -97,7 +97,7 @@ def variants_of(scenario: str, engine: str, request: Request) -> tuple[Setting, 
 
 
 class Turn(IntEnum):
-    """Turns in which cells are asked."""
+    """Turns in which cells are run."""
 
     PRESETS = 0
     COARSE_STEPS = 1
@@ -108,7 +108,7 @@ class Turn(IntEnum):
 
 def _turn(cell: Cell, rank: int, request: Request) -> tuple[int, float]:
     """Return the turn of a cell: presets and the user's rows, coarse rungs of the ladder from the coarsest on, fine rungs by
-    what they cost, so that as many fit as can, options of the solver where there is no avatar, all else by its `rank` in the
+    their cost, so that as many fit as can, options of the solver where there is no avatar, all else by its `rank` in the
     engine's list."""
     setting = cell.setting
     if ladder.is_rung(setting.name):
@@ -127,7 +127,7 @@ def turns_solver(cell: Cell) -> bool:
 
 
 def _tells(cell: Cell, request: Request) -> bool:
-    """Return True if a setting says more than the preset beneath it."""
+    """Return True if a setting adds something to the preset beneath it."""
     setting, base = cell.setting, _base(cell, request)
     if base is None or setting.is_preset:
         return True
@@ -148,13 +148,13 @@ def _number(value: object) -> float:
 
 
 def _base(cell: Cell, request: Request) -> Outcome | None:
-    """What the accuracy pass of the run says of the preset beneath a cell."""
+    """Return the outcome of the preset beneath a cell in the accuracy pass of the run."""
     setting = cell.setting
     return request.outcomes.get(stem(cell.scenario, setting.engine, setting.base, cell.seed))
 
 
 def step(cell: Cell, request: Request) -> float:
-    """The time step [s] of a cell; nan where the engine has none, or where it is not known."""
+    """Return the time step [s] of a cell; nan where the engine has none, or where it is not known."""
     if "dt" in cell.setting.options:
         return _number(cell.setting.options["dt"])
     base = _base(cell, request)
@@ -163,7 +163,7 @@ def step(cell: Cell, request: Request) -> float:
 
 def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Request) -> list[Cell]:
     """Return the same cells, presets and coarse rungs of the ladder first; then finer steps, the cheapest first, of engines that
-    miss an accuracy in what was measured so far; then options of the solver, other rungs, margins, and the rest."""
+    miss an accuracy in the errors measured so far; then options of the solver, other rungs, margins, and the rest."""
     worst = [
         Reached(
             cell.scenario, cell.setting.engine,
@@ -188,8 +188,8 @@ def refined(cells: Sequence[Cell], errors: Mapping[Cell, Entry], request: Reques
 
 
 def frame_cost(cell: Cell, request: Request) -> tuple[float, float]:
-    """Estimated time [s] of a rendered frame, recorded and bare: what the preset beneath took in both passes, by how much finer
-    the setting steps."""
+    """Return the estimated time [s] of a rendered frame, recorded and bare: the time of the preset beneath in both passes, by how
+    much finer the setting steps."""
     setting = cell.setting
     beneath = stem(cell.scenario, setting.engine, setting.base, cell.seed)
     base, clocked = _base(cell, request), request.clocked.get(beneath)
@@ -203,7 +203,7 @@ def frame_cost(cell: Cell, request: Request) -> tuple[float, float]:
 
 
 def _finer(setting: Setting, base: Outcome) -> float:
-    """How many times as many steps a frame has as with the preset beneath; 1 where that is not known."""
+    """Return the ratio of a frame's steps to those with the preset beneath; 1 where that is not known."""
     before, after = measure.step_of(base), setting.options.get("dt")
     if before is None or not isinstance(after, int | float) or not after > 0.0:
         return 1.0
@@ -211,7 +211,7 @@ def _finer(setting: Setting, base: Outcome) -> float:
 
 
 def cost(cell: Cell, request: Request) -> float:
-    """Estimated time [s] of what is still to be measured of a cell."""
+    """Return the estimated time [s] of the measurements of a cell that are still missing."""
     frames = frames_of(cell, request)
     (recorded, bare), workers = frame_cost(cell, request), max(request.workers, 1) if isinstance(request.workers, int) else 1
     few = min(frames, cell.most)
@@ -234,12 +234,12 @@ def repeats_in(cell: Cell, request: Request) -> int:
 
 
 def frames_of(cell: Cell, request: Request) -> int:
-    """Rendered frames of the cell's scene at the length that is run."""
+    """Return rendered frames of the cell's scene at the length that is run."""
     return request.scenarios[cell.scenario].as_run(request.full).frames
 
 
 def known_errors(cell: Cell, request: Request) -> Entry | None:
-    """What the accuracy pass of the run measured of a cell: the same job by the same judge."""
+    """Return the errors of a cell from the accuracy pass of the run: the same job by the same judge."""
     outcome = request.outcomes.get(cell.recorded_as)
     return None if outcome is None else measure.entry_of(outcome)
 
@@ -257,7 +257,7 @@ def known_times(cell: Cell, request: Request) -> Entry | None:
 
 
 def chosen(cells: Sequence[Cell], request: Request, budget: float) -> Choice:
-    """Each cell in turn that still fits into `budget` [s]; what does not fit is left out, and a cheaper one after it may fit."""
+    """Choose each cell in turn that still fits into `budget` [s]; others are left out, and a cheaper one after them may fit."""
     asked, left, spent = list[Cell](), list[tuple[Cell, float]](), 0.0
     for cell in cells:
         each = cost(cell, request)

@@ -1,4 +1,4 @@
-"""Rows of one setting in one scene: its errors, its times, and what they stand on."""
+"""Rows of one setting in one scene: its errors, its times, and their basis."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ NAME = "settings"
 SPOILS = ("wrong_side_frames", "not_finite_frames")
 """Metrics that must be 0, or a small error means nothing: something went through a wall, or became no number."""
 ALSO = (*SPOILS, "contact_gap_p50")
-"""Metrics beside the errors of a scene."""
+"""Metrics in addition to the errors of a scene."""
 TIMES = {
     "p50": "frame_time_p50", "p95": "frame_time_p95", "p99": "frame_time_p99", "slowest": "frame_time_max",
     "moving": "frame_time_moving_p50", "at_rest": "frame_time_resting_p50", "rests": "resting_frames",
