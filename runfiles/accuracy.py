@@ -8,7 +8,7 @@ from typing import Any
 from runfiles.metrics import unit
 
 LEVELS = (1e-2, 1e-3, 1e-4, 1e-6)
-"""Accuracies that are asked for [m]."""
+"""Accuracies [m] that a sweep compares engines at."""
 RELATIVE: Mapping[str, float] = {"stop_distance_error_max": 0.01}
 """Errors that are a share of a way, and the length [m] of one of their units if that way is a metre: 1 % counts as 10 mm."""
 FOLLOWING = ("tracker_offset_rms", "tracker_offset_rms_free")

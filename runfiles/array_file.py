@@ -1,7 +1,7 @@
 """Arrays by name in one .npz file: numbers as byte planes of their differences in time, deflated, and read with a bound.
 
-What bodies do from frame to frame is smooth, so of a difference between two numbers, taken as integers of their 64 bits, the
-upper bytes are nearly always zero: beside each other they deflate to nearly nothing. Not a bit is lost. Files come from elsewhere
+The motion of bodies from frame to frame is smooth, so of a difference between two numbers, taken as integers of their 64 bits,
+the upper bytes are nearly always zero: put together they deflate to nearly nothing. Not a bit is lost. Files come from elsewhere
 too: a member is read only if its header and the archive declare one and the same size, and all together stay below MOST.
 """
 
@@ -24,7 +24,7 @@ WHOLE = "a whole .npz file from this runner"
 LEVEL = 1
 """Of deflate. A higher one takes three times as long and saves a tenth."""
 PLANES = {"@float64": np.dtype(np.float64), "@int64": np.dtype(np.int64)}
-"""Endings of the names of members that hold byte planes (8, ..., n) of an array (n, ...), and what it is an array of."""
+"""Endings of the names of members that hold byte planes (8, ..., n) of an array (n, ...), and the type of that array."""
 TIME = 0
 """The axis along which differences are taken."""
 
@@ -41,7 +41,7 @@ def write(file: IO[bytes], arrays: Mapping[str, NDArray[np.generic]]) -> None:
 
 
 def planes(array: NDArray[np.generic]) -> NDArray[np.uint8]:
-    """Return bytes (8, ..., n) of an array (n, ...) of 64-bit numbers: those of equal weight beside each other, time last."""
+    """Return bytes (8, ..., n) of an array (n, ...) of 64-bit numbers: those of equal weight together, time last."""
     bits = np.moveaxis(array, TIME, -1).copy(order="C").view(np.int64)
     bits[..., 1:] = np.diff(bits, axis=-1)
     # the sign goes to the lowest bit: a small step down has zeros above as a small step up has

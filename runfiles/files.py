@@ -1,4 +1,4 @@
-"""Files that are whole or absent: written beside their place, then moved there, so that a killed run leaves no halves."""
+"""Files that are whole or absent: written to a temporary place, then moved, so that a killed run leaves no halves."""
 
 import json
 import math
@@ -40,7 +40,7 @@ HALF = re.compile(r"\.(.+)\.([0-9]+)")
 
 
 def clear_halves(folder: Path) -> None:
-    """Remove, in and below `folder`, what processes were writing when they were killed; halves of a living one stay."""
+    """Remove, in and below `folder`, files that processes were writing when they were killed; halves of a living one stay."""
     for path in folder.rglob(".*"):
         match = HALF.fullmatch(path.name)
         if match and path.is_file() and not _runs(int(match.group(2))):
@@ -48,7 +48,7 @@ def clear_halves(folder: Path) -> None:
 
 
 def _runs(process: int) -> bool:
-    """Return whether a process of that number exists, so far as the system tells."""
+    """Return whether a process of that number exists, so far as the system can report."""
     if os.name != "posix":
         # where the question itself would end it
         return True
@@ -125,13 +125,13 @@ def latest(out: Path, command: str = COMPARE) -> Path:
 
 
 def last_comparison(out: Path, otherwise: str) -> Path:
-    """Return the link to the last comparison in the folder `out`, or, before the first one, the folder `otherwise` beside it: a
+    """Return the link to the last comparison in the folder `out`, or, before the first one, the sibling folder `otherwise`: a
     folder that is made in the place of the link would keep its name for ever."""
     return latest(out) if latest(out).exists() else out / otherwise
 
 
 def point_latest(folder: Path, command: str = COMPARE) -> None:
-    """Let the link `latest` of `command`, beside `folder`, lead to it. A folder that was put there by hand is left alone."""
+    """Let the link `latest` of `command`, in the parent of `folder`, lead to it. A folder put there by hand is left alone."""
     link = latest(folder.parent, command)
     if link.exists() and not link.is_symlink():
         return

@@ -17,12 +17,12 @@ class Metric:
     name        of the metric in tables and files
     unit        of its values
     label       name on pages
-    definition  what is measured
+    definition  the measured quantity
     kind        group of metrics that measure one quality
     level       difference up to which two values are equal; None where the metric ranks no engine
     share       difference, as a share of the smaller value, up to which two values are equal
     inside      flag: an engine that left its region cannot be best
-    optional    flag: a missing value says nothing about the engine
+    optional    flag: a missing value is no statement about the engine
     truth       flag: a distance from a closed form
     watched     flag: compared with the committed baseline
     unranked    reason why the metric ranks no engine

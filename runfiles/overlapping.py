@@ -1,4 +1,4 @@
-"""Overlapping pairs of bodies in each state shown, as the judge found them, in a file beside the recording."""
+"""Overlapping pairs of bodies in each state shown, as found by the judge, in a file next to the recording."""
 
 import math
 import os

@@ -1,5 +1,5 @@
-"""A recording: everything one engine showed in one scene, and what the user did, as one file, or as one beside the user's motion,
-which is the same in all recordings of a scene: a run keeps it once, under a name that follows from its bytes."""
+"""A recording: the output of one engine in one scene, and the user's motion, as one file, or as two, since that motion is the
+same in all recordings of a scene: a run keeps it once, under a name that follows from its bytes."""
 
 import hashlib
 import json
@@ -24,7 +24,7 @@ SCHEMA_VERSION = 2
 """Layout of the file. A reader refuses every other one, so raise it with any change of a field's meaning."""
 WHOLE = "the whole file that a run wrote"
 EVENTS = ("step", "approach", "impact")
-"""Names of what a snapshot inside a frame can be (`avatarsim.engine.Snapshot.event`); codes are places in this tuple."""
+"""Kinds of a snapshot inside a frame (`avatarsim.engine.Snapshot.event`); codes are places in this tuple."""
 MOTIONS = "motions"
 """Where users' motions lie in a run's folder, named by MOTION."""
 MOTION = "motion"
