@@ -1,4 +1,4 @@
-"""A tracker in ten lines: says 60 times a second where one link is to be, to `avatarsim live --udp 9870 --ws 9871`.
+"""A tracker in ten lines: sends the pose of one link 60 times a second to `avatarsim live --udp 9870 --ws 9871`.
 
 Shows: goals by UDP and by WebSocket. It needs no avatarsim, and by UDP nothing but Python.
 Run: python examples/drive_from_a_tracker.py palm --udp 9870, or --ws 9871

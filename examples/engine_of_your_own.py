@@ -25,11 +25,11 @@ class MyEngine:
     name, version, presets = "mine", "1", ("default",)
 
     def cannot_say(self, scene: av.Scene) -> Mapping[str, str]:
-        """Features that this engine lacks, with the consequence."""
+        """Return features that this engine lacks, with the consequence."""
         return {"contact": "everything passes through everything"}
 
     def settings_as_run(self) -> Mapping[str, object]:
-        """Settings in force."""
+        """Return settings in force."""
         return {}
 
     def load(self, scene: av.Scene, settings: av.Settings, dt: float) -> av.FrameRecord:
@@ -65,7 +65,7 @@ class MyEngine:
         return self.record(sample, dt)
 
     def record(self, sample: av.TrackerSample, dt: float) -> av.FrameRecord:
-        """Bodies first, then links; velocities of centres of mass, in world axes. Link velocities are left out here."""
+        """Return bodies first, then links; velocities of centres of mass, in world axes. Link velocities are left out here."""
         angles = np.clip(sample.angles, *self.limits)
         places, turns = av.link_poses(self.scene.avatars, replace(sample, angles=angles))
         still = np.zeros_like(places)

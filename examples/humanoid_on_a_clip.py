@@ -1,6 +1,6 @@
 """A humanoid walks into a wall: its user goes on through it, the body that is shown stops, and then finds a way around.
 
-Shows: ball joints with swing and twist limits, a clip as one tracker sample per frame, and what a record says of waiting.
+Shows: ball joints with swing and twist limits, a clip as one tracker sample per frame, and the record of waiting.
 Run: python examples/humanoid_on_a_clip.py
 """
 
@@ -14,7 +14,7 @@ DT = 1.0 / 60.0
 """[s] time of a frame."""
 DOWN = (0.0, 0.0, -1.0)
 """Direction of hanging limbs."""
-# name, parent, joint's centre in the parent [m], length [m], radius [m], weight [kg]; limbs hang down, the trunk stands up
+# name, parent, joint's centre in the parent [m], length [m], radius [m], weight [kg]; limbs hang down, the trunk is upright
 LIMBS = (
     ("upper arm", "trunk", (0.0, 0.21, 0.42), 0.28, 0.045, 2.0), ("forearm", "upper arm", (0.0, 0.0, -0.3), 0.24, 0.035, 1.5),
     ("thigh", "pelvis", (0.0, 0.1, -0.08), 0.38, 0.07, 8.0), ("shin", "thigh", (0.0, 0.0, -0.42), 0.38, 0.05, 4.0),
@@ -22,7 +22,7 @@ LIMBS = (
 
 
 def humanoid() -> av.Avatar:
-    """A body of eleven links: pelvis, trunk, head, and two arms and two legs of two links each."""
+    """Return a body of eleven links: pelvis, trunk, head, and two arms and two legs of two links each."""
     cone = av.SwingTwist(DOWN, DOWN, swing=2.0, twist=(-1.0, 1.0))
     upright = av.SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), swing=0.6, twist=(-0.7, 0.7))
     pelvis, trunk, head = ((av.Piece(shape, (0.0, 0.0, z)),) for shape, z in (
@@ -44,7 +44,7 @@ def humanoid() -> av.Avatar:
 
 
 def clip(avatar: av.Avatar, frame: int) -> av.TrackerSample:
-    """A walk along x at 1 m/s: thighs and arms swing against each other, knees and elbows bend a little."""
+    """Return a walk along x at 1 m/s: thighs and arms swing against each other, knees and elbows bend a little."""
     time = frame * DT
     swing = 0.45 * math.sin(2.0 * math.pi * 0.9 * time)
     sample = av.rest((avatar,), time)
@@ -58,7 +58,7 @@ def clip(avatar: av.Avatar, frame: int) -> av.TrackerSample:
 
 
 def room(avatar: av.Avatar, start: av.TrackerSample) -> av.Scene:
-    """The body before a wall that stands across its way at x = 1.5 m."""
+    """Return the body before a wall across its way at x = 1.5 m."""
     wall = av.fixed("wall", (av.Piece(av.Box((0.1, 3.0, 2.5))),), "wood", (1.5, 0.0, 1.25))
     return av.Scene("walk", (wall,), (avatar,), start=start)
 

@@ -19,7 +19,7 @@ BEND = math.radians(80.0)
 
 
 def finger(name: str, y: float, thickness: float) -> list[av.Link]:
-    """Three bones along x, each of which bends towards -z, about y."""
+    """Return three bones along x, each of which bends towards -z, about y."""
     links, parent, anchor = [], "palm", (0.05, y, 0.0)
     for number, length in enumerate(BONES):
         bone = (av.capsule_between((0.0, 0.0, 0.0), (length, 0.0, 0.0), thickness),)
@@ -31,7 +31,7 @@ def finger(name: str, y: float, thickness: float) -> list[av.Link]:
 
 
 def hand() -> av.Avatar:
-    """A palm with four fingers."""
+    """Return a palm with four fingers."""
     palm = (av.Piece(av.Box((0.09, 0.09, 0.025))),)
     links = [av.Link("palm", None, av.Free(), palm, av.solid(palm, 0.4))]
     for name, y in (("index", 0.034), ("middle", 0.011), ("ring", -0.011), ("little", -0.034)):
@@ -41,7 +41,7 @@ def hand() -> av.Avatar:
 
 
 def tracked(avatar: av.Avatar, time: float, share: float) -> av.TrackerSample:
-    """The user's hand with every joint bent by a share of a fist."""
+    """Return the user's hand with every joint bent by a share of a fist."""
     sample = av.rest((avatar,), time)
     return av.TrackerSample(time, sample.positions, sample.rotations, np.full(avatar.hinge_count, share * BEND))
 

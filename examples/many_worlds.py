@@ -22,7 +22,7 @@ Way = Callable[[Sequence[av.AvatarsimEngine], Sequence[av.TrackerSample]], objec
 
 
 def scenes(worlds: int, frames: int, hands: bool) -> tuple[list[av.Scene], Motion]:
-    """A scene for each world, and for each frame the samples of all worlds; worlds are up to 45 frames ahead."""
+    """Return a scene for each world, and for each frame the samples of all worlds; worlds are up to 45 frames ahead."""
     avatar = humanoid()
     ahead = [0 if hands else 5 * k % 50 for k in range(worlds)]
     known = [tracked(frame) if hands else clip(avatar, frame) for frame in range(frames + 46)]
@@ -31,17 +31,17 @@ def scenes(worlds: int, frames: int, hands: bool) -> tuple[list[av.Scene], Motio
 
 
 def one_by_one(engines: Sequence[av.AvatarsimEngine], samples: Sequence[av.TrackerSample]) -> list[av.FrameRecord]:
-    """A frame of each world, as one writes it by hand."""
+    """Return a frame of each world, as one writes it by hand."""
     return [engine.advance(sample, DT) for engine, sample in zip(engines, samples, strict=True)]
 
 
 def together(threads: int) -> Way:
-    """A frame of all worlds in one call."""
+    """Return a frame of all worlds in one call."""
     return lambda engines, samples: av.advance_many(engines, samples, DT, threads)
 
 
 def rate(engines: Sequence[av.AvatarsimEngine], motion: Motion, way: Way) -> float:
-    """Frames of avatars a second, Python included: the best of three runs, each from the start."""
+    """Return frames of avatars a second, Python included: the best of three runs, each from the start."""
     best = 0.0
     for _ in range(3):
         for engine in engines:
@@ -59,7 +59,7 @@ def main(frames: int = 120, worlds: int = 128, threads: int | None = None, hands
     described, motion = scenes(worlds, frames, hands)
     engines = [av.AvatarsimEngine() for _ in described]
     for engine, scene in zip(engines, described, strict=True):
-        # a body waits behind what holds it off: to search for a way around takes ten times as long
+        # a body waits behind its obstacle: to search for a way around takes ten times as long
         engine.load(scene, av.Settings(options={"around": 0}), DT)
     ways = {"one by one": one_by_one, "together, 1 thread": together(1), f"together, {many} threads": together(many)}
     found = {name: rate(engines, motion, way) for name, way in ways.items()}

@@ -18,13 +18,13 @@ EDGE = 0.06
 
 
 def tracked(frame: int, reach: float) -> av.TrackerSample:
-    """Where the user's hand is; a program with a tracker returns what that has just sent. `reach` [m] is how far it goes."""
+    """Return where the user's hand is; a program with a tracker returns its last sample. `reach` [m] is how far it goes."""
     x = -0.3 + reach * 0.5 * (1.0 - math.cos(0.5 * math.pi * frame * DT))
     return av.TrackerSample(frame * DT, np.array([[x, 0.0, 0.2]]), av.from_xyzw([[0.0, 0.0, 0.0, 1.0]]), np.zeros(0))
 
 
 def world() -> av.Scene:
-    """Five bricks on a table, and a fist."""
+    """Return five bricks on a table, and a fist."""
     brick, fist = (av.Piece(av.Box((EDGE, EDGE, EDGE))),), (av.Piece(av.Sphere(0.04)),)
     table = av.fixed("table", (av.Piece(av.Box((1.0, 1.0, 0.04)), (0.0, 0.0, -0.02)),), "wood")
     tower = [

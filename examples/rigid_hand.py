@@ -1,6 +1,6 @@
 """A rigid hand over a table: it stops where it touches, and pushes a ball off.
 
-Shows: bodies, a driven body without joints, one frame after the other, and what a frame says of its contacts.
+Shows: bodies, a driven body without joints, one frame after the other, and the contacts of a frame.
 Run: python examples/rigid_hand.py
 """
 
@@ -13,7 +13,7 @@ DT = 1.0 / 60.0
 
 
 def world() -> av.Scene:
-    """A hand of two pieces above a wooden table, on which a metal ball lies."""
+    """Return a hand of two pieces above a wooden table, on which a metal ball lies."""
     hand = (av.Piece(av.Box((0.09, 0.1, 0.03))), av.capsule_between((0.03, 0.04, 0.0), (0.09, 0.04, 0.0), 0.012))
     ball = (av.Piece(av.Sphere(0.05)),)
     table = av.fixed("table", (av.Piece(av.Box((1.0, 1.0, 0.04))),), "wood", position=(0.0, 0.0, -0.02))
@@ -22,14 +22,14 @@ def world() -> av.Scene:
 
 
 def tracked(frame: int) -> av.TrackerSample:
-    """Where the user's hand is: down into the table within a second, then along it towards the ball."""
+    """Return where the user's hand is: down into the table within a second, then along it towards the ball."""
     down, along = min(frame, 60) / 60.0, max(frame - 60, 0) / 60.0
     place = np.array([[-0.2 + 0.3 * along, 0.0, 0.3 - 0.35 * down]])
     return av.TrackerSample(frame * DT, place, np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
 
 
 def main(frames: int = 180) -> av.FrameRecord:
-    """Play the scene, and print where the user's hand was, where it was shown, and what touched."""
+    """Play the scene, and print where the user's hand was, where it was shown, and the bodies that touched."""
     scene = world()
     with av.AvatarsimEngine() as engine:
         record = engine.load(scene, av.Settings(), DT)

@@ -31,7 +31,7 @@ RATE, SPEED, ACCELERATION = 250.0, 2.0, 10.0
 
 
 def main(seconds: float = 3.0) -> list[np.ndarray]:
-    """Lead the tool down through the table and along it; print how low it went, how fast joints were, what a call took."""
+    """Lead the tool down through the table and along it; print its lowest height, the speed of joints, the time of a call."""
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "arm.xml").write_text(ARM, encoding="utf-8")
         model = av.load_avatar(str(Path(folder, "arm.xml")))

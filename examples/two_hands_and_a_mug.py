@@ -17,19 +17,19 @@ RADIUS, HEIGHT = 0.04, 0.1
 
 
 def prism(radius: float, height: float) -> av.Piece:
-    """An upright prism of 24 sides that stands on z = 0."""
+    """Return an upright prism of 24 sides with its base on z = 0."""
     turns = 2.0 * math.pi * np.arange(24) / 24.0
     rim = np.stack([radius * np.cos(turns), radius * np.sin(turns)], axis=-1)
     return av.Piece(av.ConvexHull(np.vstack([np.column_stack([rim, np.full(24, z)]) for z in (0.0, height)])))
 
 
 def thing(name: str, pieces: tuple[av.Piece, ...], weight: float, x: float) -> av.Body:
-    """A loose body of clay that stands on the table."""
+    """Return a loose body of clay on the table."""
     return av.simulated(name, pieces, "clay", av.solid(pieces, weight), position=(x, 0.0, 1e-4))
 
 
 def world(*bodies: av.Body) -> av.Scene:
-    """A hand on each side above a table, and what stands on it."""
+    """Return a hand on each side above a table, and the bodies on it."""
     palm = (av.Piece(av.Box((0.1, 0.02, 0.09))),)
     hands = tuple(av.rigid_avatar(name, palm, av.solid(palm, 0.5)) for name in ("left", "right"))
     pairs = ("clay", "wood"), ("clay", "human"), ("human", "wood"), ("clay", "clay"), ("human", "human")
@@ -45,7 +45,7 @@ def tracked(frame: int) -> av.TrackerSample:
 
 
 def main(frames: int = 150) -> av.FrameRecord:
-    """Push the mug, and print where it is, what touches it, and where the hand is that pushes; then change it for a bowl."""
+    """Push the mug, and print where it is, the bodies in contact, and where the pushing hand is; then change it for a bowl."""
     handle = av.Piece(av.Box((0.03, 0.012, 0.06)), (RADIUS + 0.015, 0.0, 0.5 * HEIGHT))
     mug = thing("mug", (prism(RADIUS, HEIGHT), handle), 0.3, 0.0)
     with av.AvatarsimEngine() as engine:

@@ -1,4 +1,4 @@
-"""Limits that a robot cell has to keep in every simulator of this machine: copy this file and two of your own beside it.
+"""Limits that a robot cell has to keep in every simulator of this machine: copy this file and two of your own next to it.
 
 Shows: the fixture `compare`, which `pip install 'avatarsim[compare]'` brings; a table with a row per engine and preset.
 Run: pytest examples/ci
