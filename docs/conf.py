@@ -40,7 +40,7 @@ myst_heading_anchors = 4
 autodoc_typehints = "signature"
 maximum_signature_line_length = 100
 
-# Docstrings are plain text, and quote what is typed.
+# Docstrings are plain text, and quote commands as they are typed.
 smartquotes = False
 
 html_theme = "furo"
@@ -48,6 +48,6 @@ html_title = "avatarsim"
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False
-# The pages lie in docs/ of the output, as their sources do: what opens the folder itself is led there.
+# The pages lie in docs/ of the output, as their sources do: a request for the folder itself is led there.
 templates_path = ["templates"]
 html_additional_pages = {"index": "to_the_first_page.html"}

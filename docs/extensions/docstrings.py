@@ -1,6 +1,6 @@
 """Docstrings of this project, which are plain text, as reStructuredText for autodoc.
 
-What plain text uses stays what it says: paragraphs, names in backticks, tables of `name  meaning`, sections such as `Returns:`,
+Marks of plain text keep their meaning: paragraphs, names in backticks, tables of `name  meaning`, sections such as `Returns:`,
 lists with hyphens, indented blocks. Everything else that reStructuredText would take for markup is escaped.
 """
 
@@ -20,15 +20,15 @@ Lines = list[str]
 
 
 def escaped(text: str) -> str:
-    """Plain text in which nothing is markup."""
+    """Return plain text in which nothing is markup."""
     return MARKUP.sub(r"\\\1", text)
 
 
 def inline(text: str) -> str:
-    """A paragraph: names in backticks as literals, all else escaped, nothing at its begin that would open a list."""
+    """Return a paragraph: names in backticks as literals, all else escaped, nothing at its begin that would open a list."""
     found, end = "", 0
     for span in SPAN.finditer(text):
-        # markup wants a space or nothing beside it: an escaped space is none when it is shown
+        # markup wants a space or nothing next to it: an escaped space is none when it is shown
         found += escaped(text[end : span.start()]) + rf"\ ``{(span[1] or span[2]).strip()}``\ "
         end = span.end()
     return rf"\ {found}{escaped(text[end:])}"
@@ -46,17 +46,17 @@ def blocks(lines: Iterable[str]) -> Iterator[Lines]:
 
 
 def joined(lines: Iterable[str]) -> str:
-    """Lines as one."""
+    """Return lines as one."""
     return " ".join(line.strip() for line in lines)
 
 
 def indent_of(line: str) -> int:
-    """Spaces at the begin of a line."""
+    """Return spaces at the begin of a line."""
     return len(line) - len(line.lstrip())
 
 
 def items(block: Lines) -> list[Lines]:
-    """Lines with those below them that are indented farther than the first."""
+    """Return lines with those below them that are indented farther than the first."""
     least, found = indent_of(block[0]), list[Lines]()
     for line in block:
         if indent_of(line) <= least or not found:
@@ -67,7 +67,7 @@ def items(block: Lines) -> list[Lines]:
 
 
 def definitions(block: Lines, row: re.Pattern[str]) -> Lines:
-    """A definition list of rows, all of which match; empty if one does not."""
+    """Return a definition list of rows, all of which match; empty if one does not."""
     found: Lines = []
     for item in items(block):
         entry = row.fullmatch(item[0].strip())
@@ -78,13 +78,13 @@ def definitions(block: Lines, row: re.Pattern[str]) -> Lines:
 
 
 def section(block: Lines) -> Lines:
-    """A section: its name, and rows of arguments or a text."""
+    """Return a section: its name, and rows of arguments or a text."""
     name, rest = block[0].strip().removesuffix(":"), block[1:]
     return [f"**{name}**", "", *((rest and definitions(rest, ARGUMENT)) or [inline(joined(rest)), ""])]
 
 
 def written(block: Lines) -> Lines:
-    """One block as reStructuredText, with an empty line at its end."""
+    """Return one block as reStructuredText, with an empty line at its end."""
     if SECTION.fullmatch(block[0].strip()) and len(block) > 1:
         return section(block)
     if rows := definitions(block, ENTRY):
@@ -101,7 +101,7 @@ def written(block: Lines) -> Lines:
 
 
 def restructured(lines: Iterable[str]) -> Lines:
-    """A docstring as reStructuredText."""
+    """Return a docstring as reStructuredText."""
     return [line for block in blocks(lines) for line in written(block)]
 
 

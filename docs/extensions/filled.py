@@ -1,6 +1,6 @@
 """Parts of pages that are made from the sources while the site is built, so that nothing is written twice.
 
-A page holds the place with a comment, such as `<!-- public names -->`; `PARTS` says what comes there. Links to folders, which a
+A page marks the place with a comment, such as `<!-- public names -->`; `PARTS` maps it to its text. Links to folders, which a
 repository's pages on the web can show and a site of files cannot, are left as their words.
 """
 
@@ -17,19 +17,19 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def first_example() -> str:
-    """The first program of the README, which a test runs."""
+    """Return the first program of the README, which a test runs."""
     code, *_ = re.findall(r"^```python\n.*?^```$", (ROOT / "README.md").read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
     return str(code)
 
 
 def terms_of_the_report() -> str:
-    """The metrics of a run's report as a table."""
+    """Return the metrics of a run's report as a table."""
     rows = [f"| {one.label} | {one.definition.replace('|', chr(92) + '|')} |" for one in METRICS.values()]
     return "\n".join(["| metric | means |", "|---|---|", *rows])
 
 
 def api() -> str:
-    """The reference of the public names."""
+    """Return the reference of the public names."""
     return "\n".join(public_names.page())
 
 
@@ -44,12 +44,12 @@ LINK = re.compile(r"(?<!!)\[([^\[\]]+)\]\(([\w./-]+)\)")
 
 
 def filled(text: str) -> str:
-    """A page with its parts."""
+    """Return a page with its parts."""
     return PLACE.sub(lambda place: PARTS[place[1]](), text)
 
 
 def without_folders(text: str, folder: Path) -> str:
-    """A page, which lies in a folder, with the words of a link alone where that leads to a folder."""
+    """Return a page, which lies in a folder, with the words of a link alone where that leads to a folder."""
     return LINK.sub(lambda link: link[1] if (folder / link[2]).is_dir() else link[0], text)
 
 

@@ -15,13 +15,13 @@ LOG = logging.getLogger(__name__)
 
 
 def mathml(latex: str, *, is_block: bool) -> str:
-    """One `<math>` element. Raises an error of docutils, a ValueError or SyntaxError, for what it cannot translate."""
+    """Return one `<math>` element. Raises an error of docutils, a ValueError or SyntaxError, where it cannot translate."""
     found: str = tex2mathml(latex, as_block=is_block)
     return found
 
 
 def written(node: nodes.math | nodes.math_block, *, is_block: bool) -> str:
-    """The formula of a node; a warning, which ends the build, and its LaTeX if that cannot be translated."""
+    """Return the formula of a node; a warning, which ends the build, and its LaTeX if that cannot be translated."""
     try:
         return mathml(node.astext(), is_block=is_block)
     except (ValueError, SyntaxError) as error:

@@ -1,4 +1,4 @@
-"""A built page fetches nothing: scripts, styles, fonts and images are files beside it. The build fails if one is elsewhere."""
+"""A built page fetches nothing: its scripts, styles, fonts and images are local files. The build fails if one is elsewhere."""
 
 import re
 from html.parser import HTMLParser
@@ -13,12 +13,12 @@ LOADED = {"src", "srcset", "poster", "data", "background"}
 LINKED = {
     "stylesheet", "icon", "preload", "prefetch", "modulepreload", "preconnect", "dns-prefetch", "manifest", "apple-touch-icon",
 }
-"""Kinds of `<link>` that make a browser ask for something; others only say how pages belong together."""
+"""Kinds of `<link>` that make a browser request something; others only relate pages to each other."""
 IN_STYLES = re.compile(r"(?:url\(|@import)\s*[\"']?([^\"')\s;]+)")
 
 
 class Loads(HTMLParser):
-    """Collects what a page makes a browser load from elsewhere."""
+    """Collects the addresses that a page makes a browser load from elsewhere."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -49,12 +49,12 @@ class Loads(HTMLParser):
 
 
 def from_styles(text: str) -> list[str]:
-    """Addresses elsewhere that a style sheet names."""
+    """Return addresses elsewhere that a style sheet names."""
     return [value for value in IN_STYLES.findall(text) if ELSEWHERE.match(value)]
 
 
 def from_page(text: str) -> list[str]:
-    """Addresses elsewhere that a page loads."""
+    """Return addresses elsewhere that a page loads."""
     parser = Loads()
     parser.feed(text)
     parser.close()
@@ -62,7 +62,7 @@ def from_page(text: str) -> list[str]:
 
 
 def from_site(folder: Path) -> list[str]:
-    """The same of all pages and style sheets of a folder, each with its file."""
+    """Return the same of all pages and style sheets of a folder, each with its file."""
     found = []
     for file in sorted(folder.rglob("*")):
         if file.suffix in (".html", ".css", ".svg"):

@@ -45,14 +45,14 @@ RARER = (
     "avatarsim.errors.MissingPackage",
     "avatarsim.errors.UnsupportedVersion",
 )
-"""Names that the public ones return, raise or take, and that stand in their modules."""
+"""Names that the public ones return, raise or take, and that are defined in their modules."""
 
 PLACES = {"avatarsim.simulator": 0, "avatarsim.engine": 1, "avatarsim.settings": 3, "avatarsim.errors": 4}
-"""Where modules stand on the page; all others between, by name."""
+"""Where modules are on the page; all others between, by name."""
 
 
 class Public(NamedTuple):
-    """A public name: `dotted`, as users write it; `found`, what it is; `home`, the module that defines it."""
+    """A public name: `dotted`, as users write it; `found`, its object; `home`, the module that defines it."""
 
     dotted: str
     found: object
@@ -65,7 +65,7 @@ class Public(NamedTuple):
 
 
 def home_of(dotted: str, found: object) -> ModuleType:
-    """The module that defines an object: what it says itself, else the one of avatarsim that assigns it."""
+    """Return the module that defines an object: the one that it names itself, else the one of avatarsim that assigns it."""
     said = getattr(found, "__module__", None)
     if isinstance(said, str) and said.startswith("avatarsim") and said in sys.modules:
         return sys.modules[said]
@@ -78,7 +78,7 @@ def home_of(dotted: str, found: object) -> ModuleType:
 
 @cache
 def assigned(module: ModuleType) -> Mapping[str, str]:
-    """Names that a module assigns at its top level, each with the docstring below it."""
+    """Return names that a module assigns at its top level, each with the docstring below it."""
     if not getattr(module, "__file__", None):
         return {}
     body, found = ast.parse(inspect.getsource(module)).body, dict[str, str]()
@@ -92,18 +92,18 @@ def assigned(module: ModuleType) -> Mapping[str, str]:
 
 @cache
 def public_names() -> tuple[Public, ...]:
-    """Names of `avatarsim.__all__`, then the rarer ones; what has two names has its first."""
+    """Return names of `avatarsim.__all__`, then the rarer ones; an object of two names has its first."""
     said = [f"avatarsim.{name}" for name in avatarsim.__all__ if not name.startswith("__")]
     things: dict[int, tuple[str, object]] = {}
     for name in (*said, *RARER):
         thing = pkgutil.resolve_name(name)
         things.setdefault(id(thing), (name, thing))
-    # where they are defined is asked when all of them are imported
+    # the modules that define them are looked up when all of them are imported
     return tuple(Public(name, thing, home_of(name, thing)) for name, thing in things.values())
 
 
 def directive(public: Public) -> list[str]:
-    """The directive that documents a name, in reStructuredText."""
+    """Return the directive that documents a name, in reStructuredText."""
     found = public.found
     if isinstance(found, ModuleType):
         return [f".. automodule:: {public.dotted}", "   :members:"]
@@ -118,7 +118,7 @@ def directive(public: Public) -> list[str]:
 
 
 def page() -> Iterator[str]:
-    """Lines of Markdown: a heading for each module that defines public names, its first sentence, and its names."""
+    """Yield lines of Markdown: a heading for each module that defines public names, its first sentence, and its names."""
     modules: dict[str, list[Public]] = {}
     for public in public_names():
         modules.setdefault(public.home.__name__, []).append(public)
@@ -131,7 +131,7 @@ def page() -> Iterator[str]:
 
 
 def signature_of(found: object, is_method: bool) -> tuple[str, str | None]:
-    """Arguments in parentheses, as they stand in the source, and what is returned; both empty where there is nothing to write.
+    """Return arguments in parentheses, as in the source, and the returned type; both empty where there is nothing to write.
 
     Python's own words for a default may be a page long: that of a scene's materials is all of Table 1."""
     try:
@@ -146,7 +146,7 @@ def signature_of(found: object, is_method: bool) -> tuple[str, str | None]:
 
 
 def of_function(node: ast.FunctionDef, is_method: bool) -> tuple[str, str | None]:
-    """Of a function or a method."""
+    """Return the signature of a function or a method."""
     is_bound = is_method and not any(ast.unparse(one) == "staticmethod" for one in node.decorator_list)
     if is_bound and node.args.args:
         del node.args.args[0]
@@ -158,7 +158,7 @@ def of_function(node: ast.FunctionDef, is_method: bool) -> tuple[str, str | None
 
 
 def of_class(node: ast.ClassDef, found: type) -> str:
-    """Of what makes an object of a class."""
+    """Return the signature that makes an object of a class."""
     for part in node.body:
         if isinstance(part, ast.FunctionDef) and part.name == "__init__":
             return of_function(part, True)[0]
@@ -170,7 +170,7 @@ def of_class(node: ast.ClassDef, found: type) -> str:
 
 
 def field_of(field: ast.AnnAssign) -> str:
-    """A field as an argument; what a factory makes is called `...`."""
+    """Return a field as an argument; the value of a factory is written `...`."""
     said = f"{ast.unparse(field.target)}: {unquoted(field.annotation)}"
     if field.value is None:
         return said
@@ -183,7 +183,7 @@ def field_of(field: ast.AnnAssign) -> str:
 
 
 def unquoted(annotation: ast.expr) -> str:
-    """An annotation without the quotes of what is defined later."""
+    """Return an annotation without the quotes around names defined later."""
     if isinstance(annotation, ast.Constant) and isinstance(annotation.value, str):
         return annotation.value
     return ast.unparse(annotation)
@@ -199,7 +199,7 @@ def process_signature(
 
 
 def skip_member(app: Sphinx, what: str, name: str, found: object, skip: bool, options: object) -> bool | None:
-    """Called by autodoc for each member: Python's own docstrings for fields of named tuples say nothing."""
+    """Skip fields of named tuples when autodoc calls this for each member: Python's own docstrings for them are empty."""
     return True if type(found).__name__ == "_tuplegetter" else None
 
 

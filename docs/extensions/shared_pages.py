@@ -1,6 +1,6 @@
 """Pages of the site that play a drive, made while it is built, of sessions that scripts drive and record, the same each time.
 
-A page is what *Share* of `avatarsim live` gives: one file that needs no network, no server and no Python.
+A page is the output of *Share* in `avatarsim live`: one file that needs no network, no server and no Python.
 """
 
 import tempfile
@@ -20,7 +20,7 @@ from avatarsim.live.stages import stage
 from avatarsim.scene.checks import Vector
 
 FOLDER = "live"
-"""Folder of the pages, beside that of live.md."""
+"""Folder of the pages, next to live.md."""
 RATE = 60.0
 """[1/s] frames of a drive."""
 REPEAT = 6
@@ -50,7 +50,7 @@ class Drive:
             self._pass(REPEAT)
 
     def take(self) -> None:
-        """Take what the avatar touches, or let go. Raises ExtensionError where there is nothing to take."""
+        """Take the objects that the avatar touches, or let go. Raises ExtensionError where there is nothing to take."""
         command = Command(Order.TAKE)
         if refused := self._world.apply(command):
             raise ExtensionError(refused)
@@ -108,7 +108,7 @@ DRIVES: Mapping[str, tuple[str, str, Callable[[Drive], None]]] = {
 
 
 def links() -> str:
-    """Return the list of the pages. They are not there yet when Sphinx looks for what a link leads to, so that it is HTML."""
+    """Return the list of the pages. They are not there yet when Sphinx looks for a link's target, so that it is HTML."""
     return "\n".join(f'- <a href="{FOLDER}/{name}.html">{title}</a>' for name, (title, _, _) in DRIVES.items())
 
 
