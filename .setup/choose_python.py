@@ -1,7 +1,7 @@
 """Finds a Python that can hold the virtual environment, and starts install.py with it.
 
-`make` runs this file with whatever Python comes first, however old. Nothing newer than Python 2.7 may be
-written here: an old Python must get to the sentence that says so, not stop at a line it cannot read.
+`make` runs this file with the first Python it finds, however old. Nothing newer than Python 2.7 may be
+written here: an old Python must reach the message about it, not stop at a line it cannot read.
 """
 
 import os
@@ -30,7 +30,7 @@ print(" ".join([".".join(map(str, sys.version_info[:3]))] + lacking))
 
 def probe(path, modules=("venv", "ensurepip")):
     # type: (str, tuple[str, ...]) -> tuple[str, tuple[int, ...], list[str]] | None
-    """(path, version, missing modules) of an interpreter, or None if it does not run."""
+    """Return (path, version, missing modules) of an interpreter, or None if it does not run."""
     try:
         command = [path, "-c", QUESTION] + list(modules)
         process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -44,26 +44,26 @@ def probe(path, modules=("venv", "ensurepip")):
 
 def on_path(names, path):
     # type: (tuple[str, ...], str) -> list[str]
-    """Every executable file of these names in the folders of `path`: name by name, then folder by folder."""
+    """Return every executable file of these names in the folders of `path`: name by name, then folder by folder."""
     places = [os.path.join(folder, name) for name in names for folder in path.split(os.pathsep) if folder]
     return [place for place in places if os.path.isfile(place) and os.access(place, os.X_OK)]
 
 
 def supported(version):
     # type: (tuple[int, ...]) -> bool
-    """Whether the locked packages exist for this version."""
+    """Return whether the locked packages exist for this version."""
     return OLDEST <= version[:2] <= NEWEST
 
 
 def spell(version):
     # type: (tuple[int, ...]) -> str
-    """(3, 11, 7) as 3.11.7."""
+    """Return (3, 11, 7) as 3.11.7."""
     return ".".join(str(part) for part in version)
 
 
 def choose(found):
     # type: (list[tuple[str, tuple[int, ...], list[str]]]) -> tuple[str, str]
-    """(path, "") of the first usable interpreter, or ("", one sentence that says what is in the way)."""
+    """Return (path, "") of the first usable interpreter, or ("", one sentence on the obstacle)."""
     for path, version, lacking in found:
         if supported(version) and not lacking:
             return path, ""

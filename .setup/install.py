@@ -1,7 +1,7 @@
 """Makes .venv and fills it from requirements.lock; every failure is one plain sentence.
 
 Started by choose_python.py with a supported Python; uses the standard library only. The project itself is installed in editable
-mode: it runs from the checkout, from any folder, and .venv/bin/avatarsim is its command. What pip prints goes to
+mode: it runs from the checkout, from any folder, and .venv/bin/avatarsim is its command. The output of pip goes to
 .venv/set-up.log.
 """
 
@@ -33,7 +33,7 @@ HERE = f"{sys.version_info[0]}.{sys.version_info[1]}"
 # How often a sign of life is printed while pip works [s]; shorter floods the logs of a CI run.
 SIGN_OF_LIFE = 20.0
 
-# What pip prints when it cannot reach an index, as opposed to an index that answers and lacks the package.
+# Messages of pip when it cannot reach an index, as opposed to an index that answers and lacks the package.
 NO_NETWORK = re.compile(
     r"NewConnectionError|NameResolutionError|ConnectTimeout|ReadTimeout|ProxyError|Max retries exceeded"
     r"|connection broken|Connection (?:refused|reset|aborted)|Network is unreachable|name resolution",
@@ -51,14 +51,14 @@ def say(line: str) -> None:
 
 
 def split_lock(text: str) -> tuple[str, str]:
-    """(every other pin, pybullet's pin): pybullet is the one package that may be impossible to install."""
+    """Return (every other pin, pybullet's pin): pybullet is the one package that may be impossible to install."""
     blocks = re.split(r"(?m)^(?=[A-Za-z0-9])", text)
     alone = [block for block in blocks if block.startswith("pybullet==")]
     return "".join(block for block in blocks if block not in alone), "".join(alone)
 
 
 def pip_sentence(output: str) -> str:
-    """Why pip failed, in one sentence."""
+    """Return why pip failed, in one sentence."""
     if "DO NOT MATCH THE HASHES" in output:
         return "a downloaded package differs from its hash in requirements.lock; it was not installed."
     if "No space left on device" in output:
@@ -72,7 +72,7 @@ def pip_sentence(output: str) -> str:
 
 
 def compiler_obstacle() -> str:
-    """What keeps a C++ extension from being compiled here, or nothing."""
+    """Return the obstacle to compiling a C++ extension here, or nothing."""
     if not any(shutil.which(name) for name in (os.environ.get("CXX", "c++"), "g++", "clang++")):
         return "there is no C++ compiler (g++ or clang++)."
     compiler = os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc"
@@ -84,7 +84,7 @@ def compiler_obstacle() -> str:
 
 
 def build_obstacle(pin: str) -> str:
-    """Why pybullet could not be built from its source, or nothing once it is built."""
+    """Return why pybullet could not be built from its source, or nothing once it is built."""
     # Without isolation the locked setuptools builds it against the locked numpy; both are there since step 2.
     output = pip_install(pin, "--no-build-isolation", "--use-pep517")
     if output and "Building wheel" in output:
@@ -93,7 +93,7 @@ def build_obstacle(pin: str) -> str:
 
 
 def pip_install(requirements: str, *options: str) -> str | None:
-    """Install these pins with their hashes; None, or what pip printed when it failed."""
+    """Install these pins with their hashes; return None, or the output of pip when it failed."""
     pins = VENV / "set-up-pins.txt"
     pins.write_text(requirements, encoding="utf-8")
     wanted = len(re.findall(r"(?m)^[A-Za-z0-9]", requirements))
@@ -103,7 +103,7 @@ def pip_install(requirements: str, *options: str) -> str | None:
 
 
 def pip(*options: str, wanted: int = 1) -> str | None:
-    """Run `pip install` in .venv; None, or what it printed when it failed. `wanted`: number of packages, for the progress."""
+    """Run `pip install` in .venv; return None, or its output on failure. `wanted`: number of packages, for the progress."""
     command = [str(VENV_PYTHON), "-I", "-m", "pip", "install", "--no-deps", "--no-input", "--progress-bar", "off"]
     command += ["--disable-pip-version-check", *options]
     with LOG.open("w", encoding="utf-8") as log:
@@ -126,7 +126,7 @@ def pip(*options: str, wanted: int = 1) -> str | None:
 
 
 def venv_version() -> str | None:
-    """The version (such as 3.11) of the Python in .venv, or None if there is none that runs and has pip."""
+    """Return the version (such as 3.11) of the Python in .venv, or None if there is none that runs and has pip."""
     question = "import pip, sys; print('%d.%d' % sys.version_info[:2])"
     try:
         answer = subprocess.run([VENV_PYTHON, "-c", question], capture_output=True, text=True, check=False)
@@ -211,7 +211,7 @@ def extract_pybullet_data(pin: str) -> bool:
 
 
 def set_up() -> None:
-    """The four steps; those that the stamp says were done for this very lock and pyproject.toml are left out."""
+    """Run the four steps; skip those that the stamp lists as done for this very lock and pyproject.toml."""
     others, pybullet = split_lock(LOCK.read_text(encoding="utf-8"))
     packages = {"lock": digest(others + pybullet), "python": HERE, "pybullet": True}
     project = {"project": digest(PROJECT.read_text(encoding="utf-8"))}
@@ -232,7 +232,7 @@ def set_up() -> None:
 
 
 def digest(text: str) -> str:
-    """SHA-256 of a text."""
+    """Return SHA-256 of a text."""
     return hashlib.sha256(text.encode()).hexdigest()
 
 
@@ -246,7 +246,7 @@ def wait_for_turn(latch: int) -> None:
 
 
 def main() -> int:
-    """0 when the environment is ready, with or without pybullet; 1 after one sentence otherwise."""
+    """Return 0 when the environment is ready, with or without pybullet; 1 after one sentence otherwise."""
     # Two makes at once must not fill the same folder; the lock file serves as the latch and is only read.
     with LOCK.open(encoding="utf-8") as latch:
         try:

@@ -24,7 +24,7 @@ HEADER = """\
 
 
 def pins(upgrade: bool, folder: Path) -> str:
-    """The resolved pins. Raises CalledProcessError when pip or the resolver fails (both have said why)."""
+    """Return the resolved pins. Raises CalledProcessError when pip or the resolver fails (both have printed the reason)."""
     venv.create(folder, with_pip=True)
     subprocess.run([folder / "bin" / "pip", "install", "--quiet", RESOLVER], check=True)
     wanted = folder / "requirements.lock"
@@ -37,7 +37,7 @@ def pins(upgrade: bool, folder: Path) -> str:
     command += ["--universal", "--python-version", "3.11", "--fork-strategy", "fewest"]
     command += [f"--extra={extra}" for extra in EXTRAS] + (["--upgrade"] if upgrade else [])
     subprocess.run(command, cwd=ROOT, check=True)
-    # users of later Pythons are not asked for it; in a checkout `make setup` builds it from source there, if it can
+    # users of later Pythons do not need it; in a checkout `make setup` builds it from source there, if it can
     return re.sub(r"(?m)^(pybullet==\S+) ; [^\\]+ \\$", r"\1 \\", wanted.read_text(encoding="utf-8"))
 
 
