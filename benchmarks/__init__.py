@@ -1,1 +1,1 @@
-"""Measurements of single algorithms and of growth, each beside other methods: `python -m benchmarks NAME`."""
+"""Measurements of single algorithms and of growth, each compared with other methods: `python -m benchmarks NAME`."""

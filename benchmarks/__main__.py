@@ -23,7 +23,7 @@ COMMANDS = {
 
 
 def parser() -> argparse.ArgumentParser:
-    """All commands and their options."""
+    """Return all commands and their options."""
     made = argparse.ArgumentParser(
         prog="python -m benchmarks", description="Measure, write CSV files into a run's folder, print tables.",
         epilog="Exit codes: 0 done, 2 usage or a file that cannot be used, 3 something could not be measured.",

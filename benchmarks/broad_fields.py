@@ -39,7 +39,7 @@ class Field:
 
 
 def field(layout: str, motion: str, count: int, seed: int = 0) -> Field:
-    """`count` objects, numbered at random: neighbours in space are not neighbours in memory."""
+    """Return `count` objects, numbered at random: neighbours in space are not neighbours in memory."""
     rng = np.random.default_rng(seed)
     extra = HUGE if layout == "mixed" else 0
     small = count - extra
@@ -55,7 +55,7 @@ def field(layout: str, motion: str, count: int, seed: int = 0) -> Field:
     way = rng.normal(size=(count, 3))
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     moves = rng.random(count) < share
-    # near pairs move alike; floor and wall stand
+    # near pairs move alike; floor and wall are fixed
     way[-NEAR:], moves[-NEAR:] = way[extra : extra + NEAR], moves[extra : extra + NEAR]
     moves[: min(extra, 2)] = False
     family = np.full(count, OPEN)
@@ -66,7 +66,7 @@ def field(layout: str, motion: str, count: int, seed: int = 0) -> Field:
 
 
 def _places(layout: str, count: int) -> Array:
-    """The first `count` places of a lattice of 1 m."""
+    """Return the first `count` places of a lattice of 1 m."""
     axes = {"cube": 3, "mixed": 3, "plane": 2, "line": 1}[layout]
     edge = int(np.ceil(count ** (1.0 / axes) - 1e-9))
     lattice = np.stack(np.meshgrid(*[np.arange(edge)] * axes, indexing="ij"), axis=-1).reshape(-1, axes)[:count]
@@ -74,6 +74,6 @@ def _places(layout: str, count: int) -> Array:
 
 
 def _huge(edge: float) -> Array:
-    """Floor and wall 1 m from the nearest place, and three slabs over everything, one above the other."""
+    """Return floor and wall 1 m from the nearest place, and three slabs over everything, one above the other."""
     floor, wall = [-1.0, -1.0, -2.0, edge, edge, -1.0], [-2.0, -1.0, 0.0, -1.0, edge, edge]
     return np.array([floor, wall, *[[0.0, 0.0, edge + k, edge, edge, edge + k + 0.5] for k in (1.0, 2.0, 3.0)]])

@@ -56,7 +56,7 @@ class Row:
 
 @kernel
 def widest_axis(boxes: Array) -> int:
-    """The axis along which box centres vary most."""
+    """Return the axis along which box centres vary most."""
     best, widest = 0, -1.0
     for axis in range(3):
         total, squares, base = 0.0, 0.0, boxes[0, axis] + boxes[0, axis + 3]
@@ -72,7 +72,7 @@ def widest_axis(boxes: Array) -> int:
 
 @kernel
 def one_axis(boxes: Array, wanted: PairFilter, order_out: Index, pairs_out: Index) -> int:
-    """The plain sweep: number of pairs that meet; ``order_out`` (n) is a permutation that stays from call to call."""
+    """Return the plain sweep: number of pairs that meet; ``order_out`` (n) is a permutation that stays from call to call."""
     axis, count = widest_axis(boxes), 0
     for k in range(1, order_out.shape[0]):
         box, at = order_out[k], k
@@ -130,7 +130,7 @@ class Course:
         self.frames = swings * field.period if what == SWEEP else max(1, work // SLOWER // count)
 
     def seconds(self, what: int, count: int) -> float:
-        """Time of this process that so many frames take."""
+        """Return the time of this process that so many frames take."""
         here = self.field
         boxes, speed = self.moved if what == NOTHING else self.swept
         begun = process_time()
@@ -138,12 +138,12 @@ class Course:
         return process_time() - begun
 
     def sample(self) -> tuple[float, float]:
-        """Seconds with and without the sweep."""
+        """Return seconds with and without the sweep."""
         moved = self.seconds(NOTHING, self.frames) if len(self.field.moving) else 0.0
         return self.seconds(self.what, self.frames), moved
 
     def near(self) -> tuple[int, bool]:
-        """Number of near pairs after one more frame, and whether all were found."""
+        """Return the number of near pairs after one more frame, and whether all were found."""
         self.seconds(self.what, 1)
         everything = np.zeros((PAIRS_ROOM, 2), np.int64)
         count = int(all_pairs(self.swept[0], self.field.wanted, everything)[1])
@@ -151,7 +151,7 @@ class Course:
 
 
 def measure(layout: str, motion: str, name: str, sizes: Sequence[int], plan: tuple[int, int, int]) -> list[Row]:
-    """Microseconds per object and frame for fields that differ in their number of objects.
+    """Return microseconds per object and frame for fields that differ in their number of objects.
 
     A figure is the median over the samples, after warm-up frames and at least a swing, less the median of moving alone. Time of
     this process only, so that other programs count less.

@@ -70,14 +70,14 @@ class Row:
 
 
 def motion_of(played: Played) -> Motion:
-    """The clip at its own rate, at its place in the gallery."""
+    """Return the clip at its own rate, at its place in the gallery."""
     clip = placed(load_clip(played.clip), played.x, played.y, float(np.radians(played.heading)))
     track = track_of(clip, humanoid())
     return Motion(clip.times, track.positions, track.rotations, track.angles)
 
 
 def depths(judge: Judge, motion: Motion) -> Array:
-    """(F,) deepest overlap [m] of each posture, by the judge."""
+    """Return (F,) deepest overlap [m] of each posture, by the judge."""
     scene = judge.scene
     links, turns = poses_of_links(scene.avatars, motion.positions, motion.rotations, motion.angles)
     at = np.array([body.position for body in scene.bodies]).reshape(-1, 3)
@@ -89,7 +89,7 @@ def depths(judge: Judge, motion: Motion) -> Array:
 
 
 def between(motion: Motion) -> Motion:
-    """The inner ones of STEPS equal steps from each frame to the next."""
+    """Return the inner ones of STEPS equal steps from each frame to the next."""
     found = [motion.between(k, n / STEPS) for k in range(len(motion) - 1) for n in range(1, STEPS)]
     arrays = ([getattr(sample, name) for sample in found] for name in ("time", "positions", "rotations", "angles"))
     return Motion(*(np.array(array) for array in arrays))
@@ -105,7 +105,7 @@ def row(played: Played, room: str, options: Options) -> Row:
 
 
 def judged(clip: str, room: str, motion: Motion, cleaned: Cleaned, judge: Judge, seconds: float) -> Row:
-    """The figures of one clip that took `seconds` to clean."""
+    """Return the figures of one clip that took `seconds` to clean."""
     before, after, free, duration = cleaned.before, cleaned.after, ~cleaned.held, float(motion.times[-1] - motion.times[0])
     found, left, inside = (depths(judge, one) for one in (motion, cleaned.motion, between(cleaned.motion)))
     overlaps, stay, come = (int(np.sum(~(one <= OVERLAP))) for one in (found, left, inside))
@@ -122,7 +122,7 @@ def judged(clip: str, room: str, motion: Motion, cleaned: Cleaned, judge: Judge,
 
 
 def ratio(after: float, before: float) -> float:
-    """Ratio of two figures: 1 where they are equal, nan where the first was 0."""
+    """Return the ratio of two figures: 1 where they are equal, nan where the first was 0."""
     return 1.0 if after == before else after / before if before > 0.0 else nan
 
 

@@ -45,7 +45,7 @@ class Row:
 
 
 def jobs_of(kind: str, size: int, mode: str, engines: dict[str, tuple[str, ...]]) -> list[Job]:
-    """Every engine and preset that takes part in a scene; objects also with the other engines' own sleeping switched on."""
+    """Return every engine and preset that takes part in a scene; objects also with the other engines' own sleeping."""
     name = f"{kind}_{size}_{mode}"
     jobs = [
         Job(name, engine, preset, full=True, catalogue=scenes.__name__) for engine, presets in engines.items()
@@ -59,7 +59,7 @@ def jobs_of(kind: str, size: int, mode: str, engines: dict[str, tuple[str, ...]]
 
 
 def row(kind: str, mode: str, size: int, clocked: Clocked, smaller: Row | None) -> Row:
-    """The times of one engine."""
+    """Return the times of one engine."""
     head = (kind, mode, size, len(scenes.get(clocked.job.scenario).build().links), clocked.job.run)
     if clocked.timed is None:
         return Row(*head, note=clocked.note)

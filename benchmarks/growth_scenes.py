@@ -38,12 +38,12 @@ PITCH, SIDE, HAND, WAY, ABOVE = 0.3, 0.1, 0.06, 0.12, 1.0
 
 
 def ground(wide: float) -> Body:
-    """A slab whose top is z = 0."""
+    """Return a slab whose top is z = 0."""
     return fixed("floor", (Piece(Box((wide, wide, 0.2))),), "wood", (0.0, 0.0, -0.1))
 
 
 def comb(links: int) -> Avatar:
-    """A free back along x and limbs of three links hanging from it, in two rows."""
+    """Return a free back along x and limbs of three links hanging from it, in two rows."""
     limbs = (links - 1) // JOINTED
     long = NEXT_LIMB * ((limbs + 1) // 2)
     back = (Piece(Box((long, 0.2, 0.06))),)
@@ -57,14 +57,14 @@ def comb(links: int) -> Avatar:
             name = f"limb_{limb}_{k}"
             found.append(Link(name, parent, hinge, bar, solid(bar, 0.2), anchor=anchor))
             parent, anchor = name, (0.0, 0.0, -LONG - 2.0 * THICK - 0.005)
-    # a limb bends beside the back and may rub along it at its root
+    # a limb bends next to the back and may rub along it at its root
     beside = tuple(("back", f"limb_{limb}_{k}") for limb in range(limbs) for k in (0, 1))
     tips = tuple(f"limb_{limb}_{JOINTED - 1}" for limb in range(limbs))
     return Avatar("comb", tuple(found), tips, beside, size_range=(0.01, 60.0))
 
 
 def combs(count: int, links: int, mode: str, name: str) -> Scene:
-    """Combs side by side, 2 cm above the floor or half a metre higher."""
+    """Return combs side by side, 2 cm above the floor or half a metre higher."""
     one = comb(links)
     avatars = tuple(replace(one, name=f"comb_{k}") for k in range(count))
     start = rest(avatars)
@@ -89,7 +89,7 @@ def comb_motion(scene: Scene, seed: int) -> Motion:
 
 
 def gallery(count: int, mode: str, name: str) -> Scene:
-    """Boxes and balls on a square grid, at rest on the floor, and a hand high above or a centimetre beside one of them."""
+    """Return boxes and balls on a square grid, at rest on the floor, and a hand high above or a centimetre from one of them."""
     side, palm = ceil(sqrt(count)), (Piece(Sphere(HAND)),)
     shapes = (Piece(Box((SIDE, SIDE, SIDE))),), (Piece(Sphere(0.5 * SIDE)),)
     objects = []
@@ -110,7 +110,7 @@ def hand_motion(scene: Scene, seed: int) -> Motion:
 
 @cache
 def get(name: str) -> Scenario:
-    """The scenario called `name`: kind, size and mode. UnknownName for anything else."""
+    """Return the scenario called `name`: kind, size and mode. UnknownName for anything else."""
     known = [f"{kind}_{size}_{mode}" for kind, sizes in SIZES.items() for size in sizes for mode in MODES[kind]]
     if name not in known:
         raise UnknownName("scene of growing size", name, known)

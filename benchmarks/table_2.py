@@ -1,4 +1,4 @@
-"""Table 2 and Figures 7 and 8 of the paper again: the paper's own rows beside those of a run that has timed the four scenes."""
+"""Table 2 and Figures 7 and 8 of the paper again: the paper's own rows, and those of a run that has timed the four scenes."""
 
 import argparse
 import sys
@@ -33,7 +33,7 @@ QUICK_FRAMES = 12
 PRINTED = "printed in the paper"
 OWN = "avatarsim/"
 AWAY = 1e-4
-"""Angle [rad] from the user's from which a joint counts as moved: far below what can be seen, far above rounding."""
+"""Angle [rad] from the user's from which a joint counts as moved: far below the visible, far above rounding."""
 WHOLE = "the whole file of a run"
 
 
@@ -94,13 +94,13 @@ class Run:
     overlap: float
 
     def mean(self, name: str) -> float:
-        """Mean of a count over all frames run; nan where the engine does not count it."""
+        """Return the mean of a count over all frames run; nan where the engine does not count it."""
         numbers = self.recording.counts.get(name)
         return float(numbers[1:].mean()) if numbers is not None and len(numbers) > 1 else nan
 
 
 def runs(folder: Path) -> list[Run]:
-    """Every engine and preset with times in the run, in the scenes of Table 2, seed 0. InvalidFile for damaged results."""
+    """Return every engine and preset with times in the run, in the scenes of Table 2, seed 0. InvalidFile for damaged results."""
     path = folder / "results.json"
     results: Any = read_json(path, f"results {path}", WHOLE, MOST_BYTES)
     try:
@@ -124,7 +124,7 @@ def _numbers(values: Iterable[float | str | None]) -> list[float]:
 
 
 def row(run: Run) -> Row:
-    """One line of the table. Where no joint is solved by itself, joints are those that are not where the user's are."""
+    """Return one line of the table. Where no joint is solved by itself, joints are those that are not where the user's are."""
     made = Row(run.scene, run.name, run.recording.frames, len(run.times), float(run.times.mean()) / 1e3, overlap=run.overlap)
     if not run.name.startswith(OWN):
         return made
@@ -136,7 +136,7 @@ def row(run: Run) -> Row:
 
 
 def table_2(found: list[Run]) -> list[Row]:
-    """The paper's rows and those of the runs, scene by scene."""
+    """Return the paper's rows and those of the runs, scene by scene."""
     rows = []
     for printed in AS_PRINTED:
         if own := [row(run) for run in found if run.scene == printed.scene]:
@@ -145,7 +145,7 @@ def table_2(found: list[Run]) -> list[Row]:
 
 
 def figure_8(found: list[Run]) -> list[FrameRow]:
-    """Frame time and iterations of each timed frame of the two arms, by method."""
+    """Return frame time and iterations of each timed frame of the two arms, by method."""
     return [
         FrameRow(run.name, k + 1, us, float(iterations)) for run in found if run.scene == FIGURE_8 and run.name.startswith(OWN)
         for k, (us, iterations) in enumerate(zip(run.times.tolist(), run.recording.counts["iterations"][1:], strict=False))
@@ -153,7 +153,7 @@ def figure_8(found: list[Run]) -> list[FrameRow]:
 
 
 def figure_7(frames: int | None = None, repeats: int = REPEATS) -> tuple[list[FrameRow], list[ShareRow]]:
-    """Time of each frame of the hand over the table, or of the first `frames`, and the share of each stage."""
+    """Return the time of each frame of the hand over the table, or of the first `frames`, and the share of each stage."""
     rows: list[FrameRow] = []
     shares: list[ShareRow] = []
     for preset in PRESETS:

@@ -73,5 +73,5 @@ class Contender:
         raise NotImplementedError
 
     def answers(self) -> Array:
-        """Signed distances (n,) [m] found by the last `query`; inf where a pair got no answer."""
+        """Return signed distances (n,) [m] found by the last `query`; inf where a pair got no answer."""
         return np.array(self.found)

@@ -89,7 +89,7 @@ class CompiledPairs:
         place_pairs(self.words, 0, self.count)
 
     def cold(self) -> Array:
-        """Signed distances (n,) [m] of all pairs."""
+        """Return signed distances (n,) [m] of all pairs."""
         cold_queries(self.words, 0, self.count)
         return np.array(self.table.gaps)
 
@@ -123,5 +123,5 @@ class Avatarsim(Contender):
 
 
 def contenders() -> tuple[Contender, ...]:
-    """All three."""
+    """Return all three."""
     return tuple(Avatarsim(name, "avatarsim", name == CALLED) for name in (WITHIN, PLACED, CALLED))

@@ -18,7 +18,7 @@ tolerances of 1e-6; and at 1e-9, since the default leaves up to a micrometre on 
 
 @lru_cache(maxsize=128)
 def geometry(shape: Shape) -> coal.CollisionGeometry:
-    """`shape` as coal's own kind of it, boxes too: here the library's own choice is timed, exact or not."""
+    """Return `shape` as coal's own kind of it, boxes too: here the library's own choice is timed, exact or not."""
     made = coal.Box(*shape.size) if isinstance(shape, Box) else coal_geometry(shape)
     made.computeLocalAABB()
     return made
@@ -48,7 +48,7 @@ class Coal(Contender):
             request.gjk_variant = coal.GJKVariant.NesterovAcceleration
             request.gjk_initial_guess = coal.GJKInitialGuess.BoundingVolumeGuess
         if self._trial.mode == "coherent":
-            # what coal has for coherence; its EPA starts anew
+            # coal's own means for coherence; its EPA starts anew
             request.gjk_initial_guess = coal.GJKInitialGuess.CachedGuess
         if self.name == EXACT:
             # at the default of 64 iterations, concentric hulls of a hundred triangles are off by 1 mm
@@ -67,7 +67,7 @@ class Coal(Contender):
     def pose(self, frame: int) -> None:
         for place, turn, at in zip(self._places, self._trial.turns[frame], self._trial.at[frame], strict=True):
             place.setTransform(turn, at)
-        # a result keeps the smaller of the old and the new distance unless told to forget
+        # a result keeps the smaller of the old and the new distance unless the old one is reset
         for result in self._results:
             result.clear()
 
@@ -85,5 +85,5 @@ class Coal(Contender):
 
 
 def contenders() -> tuple[Contender, ...]:
-    """All three."""
+    """Return all three."""
     return tuple(Coal(name, "coal", True) for name in (DEFAULT, FAST, EXACT))

@@ -31,5 +31,5 @@ class Fcl(Contender):
 
 
 def contenders() -> tuple[Contender, ...]:
-    """The one there is."""
+    """Return the one there is."""
     return (Fcl("fcl", "python-fcl", True),)

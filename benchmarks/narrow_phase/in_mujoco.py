@@ -16,7 +16,7 @@ CCD_TOLERANCE, CCD_ITERATIONS = 1e-10, 200
 
 
 def _geom(spec: mujoco.MjSpec, shape: Shape, name: str) -> dict[str, object]:
-    """Arguments of one geom; hulls vertex for vertex."""
+    """Return arguments of one geom; hulls vertex for vertex."""
     if isinstance(shape, Sphere):
         return {"type": mujoco.mjtGeom.mjGEOM_SPHERE, "size": [shape.radius, 0.0, 0.0]}
     if isinstance(shape, Capsule):
@@ -28,7 +28,7 @@ def _geom(spec: mujoco.MjSpec, shape: Shape, name: str) -> dict[str, object]:
 
 
 def model_of(shapes: tuple[Shape, ...]) -> mujoco.MjModel:
-    """A free body per shape and an explicit contact pair for each two in a row, and no other pairs."""
+    """Return a free body per shape and an explicit contact pair for each two in a row, and no other pairs."""
     spec = mujoco.MjSpec()
     for k, shape in enumerate(shapes):
         body = spec.worldbody.add_body(name=f"b{k}")
@@ -78,7 +78,7 @@ class MuJoCo(Contender):
 
 
 def contenders() -> tuple[Contender, ...]:
-    """All four."""
+    """Return all four."""
     return tuple(
         MuJoCo(name, "mujoco", name in (GEOM_DEFAULT, GEOM)) for name in (GEOM_DEFAULT, GEOM, COLLISION_DEFAULT, COLLISION)
     )

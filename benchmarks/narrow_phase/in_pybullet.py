@@ -81,5 +81,5 @@ class PyBullet(Contender):
 
 
 def contenders() -> tuple[Contender, ...]:
-    """All three."""
+    """Return all three."""
     return tuple(PyBullet(name, "pybullet", name != DETECTION) for name in (CLOSEST_DEFAULT, CLOSEST, DETECTION))

@@ -76,7 +76,7 @@ class Summary:
 
 
 def contenders(libraries: Sequence[str] = LIBRARIES) -> tuple[list[Contender], dict[str, str]]:
-    """All contenders there are, and of each library that cannot be used the reason."""
+    """Return all contenders there are, and of each library that cannot be used the reason."""
     found: list[Contender] = []
     absent: dict[str, str] = {}
     for library in libraries:
@@ -89,7 +89,7 @@ def contenders(libraries: Sequence[str] = LIBRARIES) -> tuple[list[Contender], d
 
 
 def measure(taking_part: Sequence[Contender], cell: Cell, mode: Mode, plan: Plan) -> list[Row]:
-    """One row per contender. A first pass, untimed, gives the answers; a contender that fails there has no row."""
+    """Return one row per contender. A first pass, untimed, gives the answers; a contender that fails there has no row."""
     trial = make_trial(cell, mode, plan.pairs, plan.frames)
     judged = range(0, plan.frames, plan.judge_every)
     truth = truths(trial, judged)
@@ -111,7 +111,7 @@ def measure(taking_part: Sequence[Contender], cell: Cell, mode: Mode, plan: Plan
 
 
 def errors_of(answers: Array, truth: Array) -> Array:
-    """Distance of answers from the truth [m]; inf for an answer that is missing or is no number."""
+    """Return the distance of answers from the truth [m]; inf for an answer that is missing or is no number."""
     return np.where(np.isfinite(answers), np.abs(answers - truth), inf)
 
 
@@ -128,7 +128,7 @@ def answers(one: Contender, trial: Trial, judged: range) -> Array:
 
 
 def times(one: Contender, trial: Trial) -> Array:
-    """Microseconds (frames,) per query."""
+    """Return microseconds (frames,) per query."""
     clock, spent = time.perf_counter_ns, []
     for frame in range(min(WARM_FRAMES, len(trial.at))):
         one.pose(frame)
@@ -143,7 +143,7 @@ def times(one: Contender, trial: Trial) -> Array:
 
 
 def summaries(rows: Sequence[Row]) -> list[Summary]:
-    """One row per contender that was measured."""
+    """Return one row per contender that was measured."""
     found = []
     for engine in dict.fromkeys(row.engine for row in rows):
         own = [row for row in rows if row.engine == engine]

@@ -33,14 +33,14 @@ HALVINGS = 20
 
 
 def cells() -> Iterator[Cell]:
-    """Every cell, kinds in their order, regimes from apart to deep."""
+    """Yield every cell, kinds in their order, regimes from apart to deep."""
     for a, b in combinations_with_replacement(KINDS, 2):
         for regime in REGIMES:
             yield Cell(a, b, regime)
 
 
 def drawn(kind: str, rng: np.random.Generator) -> Shape:
-    """A shape of the kind, about 1 m across."""
+    """Return a shape of the kind, about 1 m across."""
     if kind == "sphere":
         return Sphere(float(rng.uniform(0.25, 0.5)))
     if kind == "capsule":
@@ -58,13 +58,13 @@ def drawn(kind: str, rng: np.random.Generator) -> Shape:
 
 @lru_cache(maxsize=1)
 def shapes_of(shape_a: str, shape_b: str, pairs: int) -> tuple[Shape, ...]:
-    """The shapes of all regimes and modes of two kinds: two in a row are a pair."""
+    """Return the shapes of all regimes and modes of two kinds: two in a row are a pair."""
     rng = np.random.default_rng([SEED, KINDS.index(shape_a), KINDS.index(shape_b)])
     return tuple(drawn(kind, rng) for _ in range(pairs) for kind in (shape_a, shape_b))
 
 
 def make_trial(cell: Cell, mode: Mode, pairs: int, frames: int) -> Trial:
-    """The pairs of a cell through all frames, each moved along one direction to a gap or depth of its regime."""
+    """Return the pairs of a cell through all frames, each moved along one direction to a gap or depth of its regime."""
     shapes = shapes_of(cell.shape_a, cell.shape_b, pairs)
     rng = np.random.default_rng([SEED, *(k.index(v) for k, v in zip((KINDS, KINDS, REGIMES), cell, strict=True)), len(mode)])
     if mode == "cold":
@@ -86,7 +86,7 @@ def make_trial(cell: Cell, mode: Mode, pairs: int, frames: int) -> Trial:
 
 
 def truths(trial: Trial, frames: range) -> Array:
-    """Signed distances (len(frames), pairs) [m] by the hull of all differences of vertices (qhull), exact to rounding."""
+    """Return signed distances (len(frames), pairs) [m] by the hull of all differences of vertices (qhull), exact to rounding."""
     points = [rounded_points(shape) for shape in trial.shapes]
     found = np.zeros((len(frames), trial.pairs))
     for row, frame in enumerate(frames):
@@ -101,7 +101,7 @@ def _unit(rows: Array) -> Array:
 
 
 def _placed(pairs: CompiledPairs, turns: Array, along: Array, regime: str, share: Array) -> Array:
-    """Positions (n, 3) [m] of the first shapes, on rays from the second ones, at the wanted gaps.
+    """Return positions (n, 3) [m] of the first shapes, on rays from the second ones, at the wanted gaps.
 
     Along a ray the signed distance of convex shapes is convex: beyond the centre there is one such place. The engine's query
     finds it; `truths` are computed afterwards, without the engine.
