@@ -1,8 +1,8 @@
-"""Tests hand named tuples to the engine's kernels by reference, as the engine does.
+"""Tests pass named tuples to the engine's kernels by reference, as the engine does.
 
 By value, a kernel that Python calls is compiled once more, with all that it calls: for another kind of arguments, and with code
 that takes hundreds of arrays out of tuples one by one. A third of the tests' time went there. Here the tuple is laid out in
-memory as compiled code keeps it, and the kernel that is there already is told where it lies.
+memory as compiled code keeps it, and the kernel compiled before gets its address.
 """
 
 import sys
@@ -27,11 +27,11 @@ KEPT = 16
 """Tuples whose images are kept, since the next call often has the same ones; more: the memory of worlds of earlier tests."""
 
 TESTS = __name__.split(".")[0] + "."
-"""What the names of modules of tests begin with."""
+"""Beginning of the names of modules of tests."""
 
 
 class Lying:
-    """A named tuple, laid out in memory, as a kernel is handed it."""
+    """A named tuple, laid out in memory, as a kernel gets it."""
 
     def __init__(self, tree: Any) -> None:
         self.tree, starts, image = tree, {}, Image()
@@ -55,8 +55,8 @@ def collect(tree: Any, starts: dict[int, int]) -> None:
 
 
 def opened(kinds: tuple[Reference | None, ...]) -> Any:
-    """The function, for kernels, that takes arguments of which some are addresses, and returns them with references in their
-    place, each of the type in `kinds`."""
+    """Return the function, for kernels, that takes arguments of which some are addresses, and returns them with references in
+    their place, each of the type in `kinds`."""
 
     @intrinsic
     def put(_context: Any, args: Any) -> Any:
@@ -76,7 +76,7 @@ def opened(kinds: tuple[Reference | None, ...]) -> Any:
 
 
 class Referring:
-    """How tests call kernels: `call` hands on by reference what `by_value` would take apart."""
+    """The way in which tests call kernels: `call` passes by reference the tuples that `by_value` would take apart."""
 
     def __init__(self, by_value: Any) -> None:
         self.by_value = by_value
@@ -84,7 +84,7 @@ class Referring:
         self.entries: dict[Any, CalledKernel | None] = {}
 
     def call(self, kernel: KernelDispatcher, args: tuple[Any, ...]) -> Any:
-        """Call a kernel of the engine that a test calls; any other call, and what takes tuples apart itself, by value."""
+        """Call a kernel of the engine for a test; make any other call, and one that takes tuples apart itself, by value."""
         named = [self.lying(one) if isinstance(one, tuple) and hasattr(one, "_fields") else None for one in args]
         key = (kernel, *(lying and lying.number for lying in named))
         if not any(named) or self.entries.get(key, True) is None:
@@ -99,7 +99,7 @@ class Referring:
             return self.by_value(kernel, *args)
 
     def lying(self, tree: Any) -> Lying | None:
-        """A tuple in memory, as it was laid out for the last calls if it was; None if it cannot be laid out."""
+        """Return a tuple in memory, as it was laid out for the last calls if it was; None if it cannot be laid out."""
         found = self.images.pop(id(tree), None)
         if found is None:
             try:

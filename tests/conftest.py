@@ -1,5 +1,5 @@
-"""What holds for all tests: one hypothesis profile without deadlines (the first call compiles) and with the same examples in
-every run, kernels called by reference, and the longest files first."""
+"""Setup of all tests: one hypothesis profile without deadlines (the first call compiles) and with the same examples in every
+run, kernels called by reference, and the longest files first."""
 
 import pytest
 from hypothesis import HealthCheck, settings

@@ -1,6 +1,6 @@
 """Typical commands, each run in a fresh process, and the kernels that each of them compiles: `python -m tests.late_commands DIR`.
 
-Prints a JSON object per command: its name, its exit code, the kernels that it added to the cache, and what it printed. See
+Prints a JSON object per command: its name, its exit code, the kernels that it added to the cache, and its output. See
 test_compile_ahead.
 """
 
@@ -33,12 +33,12 @@ CUT_SHORT = ("--frames", "20", "--jobs", "1")
 
 
 def kept() -> set[str]:
-    """Files of compiled kernels."""
+    """Return files of compiled kernels."""
     return {f"{path.parent.parent.name}/{path.name}" for base in current().read for path in base.rglob(f"*{SUFFIX}")}
 
 
 def frames() -> int:
-    """Scenes of all kinds, and every call between frames."""
+    """Run scenes of all kinds, and every call between frames."""
     for case in CASES.values():
         engine = AvatarsimEngine()
         engine.load(case.scene, case.settings, case.dt)
@@ -55,7 +55,7 @@ def frames() -> int:
 
 
 def touching() -> int:
-    """A scene that begins with a contact, and an avatar that is put elsewhere."""
+    """Run a scene that begins with a contact, and an avatar that is put elsewhere."""
     scene, posed = part_scene("motion")[0], part_scene("posture")[0]
     bodies = tuple(replace(body, position=(0.0, 0.0, 0.05)) if body.name == "ball" else body for body in scene.bodies)
     with AvatarsimEngine() as engine:
@@ -67,7 +67,7 @@ def touching() -> int:
 
 
 def shield() -> int:
-    """A stream of postures between a wall and a floor."""
+    """Filter a stream of postures between a wall and a floor."""
     motion = lowered(swinging(30, 0.4, along=1.0), np.linspace(0.2, -0.2, 30))
     cleaned = Shield(model(), (FLOOR, wall(0.8)), RATE)
     for row in cleaned.coordinates.rows(motion):
@@ -76,7 +76,7 @@ def shield() -> int:
 
 
 def commands(folder: Path) -> dict[str, Callable[[], int]]:
-    """What a user does first, by name; files are written into `folder`."""
+    """Return the first commands of a user, by name; files are written into `folder`."""
     for seed in range(2):
         bvh(folder / "clips" / f"{seed}.bvh", frames=40, seed=seed)
     clips, out = str(folder / "clips"), str(folder / "run")
@@ -95,7 +95,7 @@ def commands(folder: Path) -> dict[str, Callable[[], int]]:
 
 
 def in_a_child(command: Callable[[], int], printed: Path) -> int:
-    """The exit code of a command in a child of this process, which has imported everything and loaded no kernel."""
+    """Return the exit code of a command in a child of this process, which has imported everything and loaded no kernel."""
     child = os.fork()
     if child:
         return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])

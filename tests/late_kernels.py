@@ -17,7 +17,7 @@ from tests.worlds.traps import BEFORE, BEHIND, limbed, pocket
 
 @dataclass(frozen=True)
 class Case:
-    """A scene, how it is loaded, what the user does, and what happens meanwhile: counts, statuses, events, or "sleep"."""
+    """A scene, how it is loaded, the user's motion, and the events meanwhile: counts, statuses, events, or "sleep"."""
 
     scene: Scene
     settings: Settings
@@ -26,7 +26,7 @@ class Case:
     dt: float = DT
 
     def sleeps(self, record: FrameRecord) -> bool:
-        """Whether no simulated body had a segment to fly in this frame."""
+        """Return whether no simulated body had a segment to fly in this frame."""
         return self.scene.effects.dynamics and record.counts["segments"] == 0
 
 
@@ -36,18 +36,18 @@ BALL, CRATE, EGG = (Piece(Sphere(0.05)),), (Piece(Box((0.1, 0.1, 0.1))),), (Piec
 
 
 def loose(name: str, pieces: tuple[Piece, ...], x: float, height: float) -> Scene:
-    """One loose body above a floor."""
+    """Return one loose body above a floor."""
     return Scene(name, (FLOOR, simulated(name, pieces, "metal", solid(pieces, 0.2), (x, 0.0, height))))
 
 
 def downwards(scene: Scene, frames: int) -> list[TrackerSample]:
-    """The first avatar goes down to the floor and into it, beside and onto what lies there."""
+    """Move the first avatar down to the floor and into it, next to and onto the bodies there."""
     x, y, z = scene.first_sample.positions[0]
     return [at(scene.first_sample, (x, y, max(z - 0.02 * k, -0.1))) for k in range(frames)]
 
 
 def among_things(avatar: Avatar, height: float) -> Scene:
-    """An avatar above a ball, a crate and an egg on a floor."""
+    """Return an avatar above a ball, a crate and an egg on a floor."""
     things = tuple(body for k, pieces in enumerate((BALL, CRATE, EGG))
                    for body in loose(("ball", "crate", "egg")[k], pieces, 0.3 * k, 0.2).bodies[1:])
     return Scene("things", (FLOOR, *things), (avatar,), start=at(rest((avatar,)), (0.3, 0.0, height)))

@@ -1,4 +1,4 @@
-"""Which files of tests take longest?"""
+"""Order of the test files: the longest first."""
 
 LONGEST = (
     "test_compile_ahead", "test_linking", "test_bad_engines", "test_judge_accuracy", "test_contact_times", "test_exact",

@@ -1,4 +1,4 @@
-"""A cache of convex pieces that belongs to one test: what earlier runs kept in any of the usual places is not seen."""
+"""A cache of convex pieces that belongs to one test: files that earlier runs kept in any of the usual places are not seen."""
 
 import tempfile
 from pathlib import Path

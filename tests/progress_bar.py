@@ -1,4 +1,4 @@
-"""How far a long test has come, on the error stream."""
+"""Progress of a long test, on the error stream."""
 
 import sys
 from collections.abc import Iterable, Iterator
@@ -15,13 +15,13 @@ OFTEN = 0.1
 
 
 def bar(total: int, unit: str) -> "tqdm[None]":
-    """A bar of so many steps, smoothed as they differ in length."""
+    """Return a bar of so many steps, smoothed as they differ in length."""
     pause = OFTEN if sys.stderr.isatty() else SELDOM
     return tqdm(total=total, unit=unit, unit_scale=True, smoothing=0.05, mininterval=pause, maxinterval=pause)
 
 
 def told(steps: Iterable[Step], total: int, unit: str) -> Iterator[Step]:
-    """The steps, of which each moves a bar."""
+    """Yield the steps, of which each moves a bar."""
     with bar(total, unit) as shown:
         for step in steps:
             yield step

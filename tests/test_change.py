@@ -1,4 +1,4 @@
-"""Bodies come and go between frames: what two scenes share goes on as if nothing had happened, all else begins as it is told."""
+"""Bodies come and go between frames: bodies of both scenes go on as if nothing had happened, all else begins as it is given."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -29,13 +29,13 @@ START = at(rest((HAND,)), (0.0, 0.0, 0.5))
 
 
 def loose(name: str, place: tuple[float, float, float], shape: tuple[Piece, ...] = BALL) -> Body:
-    """A body that flies through the air, turning."""
+    """Return a body that flies through the air, turning."""
     speed, spin = (0.1, 0.0, 0.0), (1.0, 2.0, 3.0)
     return simulated(name, shape, "wood", solid(shape, 1.0), place, velocity=speed, angular_velocity=spin)
 
 
 def rows(engine: AvatarsimEngine, *names: str) -> list[list[bytes]]:
-    """The bits of what is shown of some bodies."""
+    """Return the bits of the shown state of some bodies."""
     shown, order = engine._record({}, {}, ()).shown, engine._running().world.scene.names
     arrays = shown.positions, shown.orientations, shown.velocities, shown.angular_velocities
     return [[array[order.index(name)].tobytes() for array in arrays] for name in names]
@@ -85,7 +85,7 @@ def _both(one: TrackerSample, other: TrackerSample) -> TrackerSample:
 
 
 def test_a_hand_whose_table_is_taken_away_comes_back_at_its_own_pace() -> None:
-    """Not at once: its user had asked for that place before, so that no frame's own motion is as long as the way there."""
+    """Not at once: its user was at that place before, so that no frame's own motion is as long as the way there."""
     engine = loaded(Scene("a", (TABLE,), (HAND,), start=START))
     for k in range(60):
         record = engine.advance(at(START, (0.0, 0.0, 0.5 - 0.02 * k)), DT)
@@ -128,7 +128,7 @@ def test_a_stack_at_rest_that_dips_goes_on_through_a_change() -> None:
     engine, names = loaded(scene), [body.name for body in scene.bodies]
     for _ in range(120):
         engine.advance(scene.first_sample, DT)
-    # resting bodies may be deeper in each other than a start may, by fractions of what is judged
+    # resting bodies may be deeper in each other than a start may, by fractions of the judged depth
     world = engine._running().world
     while not overlapping_pairs(world):
         world.poses.position[-1, 2] -= 1e-7
@@ -154,7 +154,7 @@ def test_a_body_with_another_centre_of_mass_keeps_its_frame() -> None:
 
 
 def hinged(low: float, high: float) -> Avatar:
-    """A limb on a root, with limits."""
+    """Return a limb on a root, with limits."""
     limb = Link("limb", "root", Hinges((Hinge(X, low, high),)), BALL, solid(BALL, 1.0), anchor=(0.0, 0.0, 0.5))
     return Avatar("a", (Link("root", None, Free(), BALL, solid(BALL, 1.0)), limb))
 

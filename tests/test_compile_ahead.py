@@ -64,7 +64,7 @@ def test_no_command_compiles_a_kernel_after_all_were_compiled_into_an_empty_fold
     for answer in answers:
         assert answer["code"] in (0, 1, 3) and "Traceback" not in answer["printed"], answer
         assert answer["late"] == [] and "compiling" not in answer["printed"], answer
-    # and what is printed of a compilation is printed of none
+    # and a command that compiles nothing prints nothing of it
     again = subprocess.run([sys.executable, "-m", "avatarsim"], stdout=subprocess.PIPE, check=True, **options)
     assert again.stdout == ""
 

@@ -99,7 +99,7 @@ def test_a_fault_of_the_program_has_a_code_that_is_no_answer() -> None:
 
 
 def test_commands_of_the_harness_end_so_too() -> None:
-    """What is printed here is longer than a buffer."""
+    """The output here is longer than a buffer."""
     with open("/dev/full", "wb") as full:
         code, said = ran(["-m", "scenarios", "metrics"], full.fileno())
     assert code == UNSAID and len(said.splitlines()) == 1

@@ -28,13 +28,13 @@ Long = np.longdouble
 
 
 def flier(shape: Shape, x: float, speed: float, **more: object) -> Body:
-    """A body of 1 kg at (x, 0, 0) that flies towards -x."""
+    """Return a body of 1 kg at (x, 0, 0) that flies towards -x."""
     pieces = (Piece(shape),)
     return simulated("flier", pieces, "m", solid(pieces, 1.0), position=(x, 0.0, 0.0), velocity=(-speed, 0.0, 0.0), **more)
 
 
 def first_impact(body: Body, gravity: tuple[float, float, float]) -> tuple[Snapshot, Snapshot, list[Snapshot]]:
-    """(approach, impact, all that was shown) of the body at a wall of THICK across x = 0, by the engine alone."""
+    """Return (approach, impact, all that was shown) of the body at a wall of THICK across x = 0, by the engine alone."""
     wall = fixed("wall", (Piece(Box((THICK, 20.0, 20.0))),), "m")
     scene = Scene("test", (wall, body), materials=PairTable({("m", "m"): ContactLaw(0.5, 0.0)}), gravity=gravity)
     engine = AvatarsimEngine()
@@ -74,7 +74,7 @@ def test_a_ball_is_stopped_at_the_exact_time(speed: float, gravity: tuple[float,
 
 
 def first_root(gap: Callable[[np.ndarray], np.ndarray], end: float, samples: int = 20_001) -> Long:
-    """First t in [0, end] with gap(t) <= 0: the dumb way, in extended precision."""
+    """Return the first t in [0, end] with gap(t) <= 0: by brute force, in extended precision."""
     t = np.linspace(Long(0), Long(end), samples)
     below = np.flatnonzero(gap(t) <= 0)
     assert len(below) and below[0] > 0

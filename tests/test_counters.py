@@ -1,4 +1,4 @@
-"""A tally is what the dictionary of its names and numbers is."""
+"""A tally equals the dictionary of its names and numbers."""
 
 import pickle
 
@@ -26,7 +26,7 @@ def test_two_stand_beside_each_other() -> None:
 
 
 def test_the_bytes_of_an_array_are_its_numbers() -> None:
-    """What the array becomes later is not what was counted."""
+    """Later changes of the array are not counted."""
     counted = np.array(NUMBERS)
     tally = Tally(NAMES, counted.tobytes())
     counted[:] = 0

@@ -1,4 +1,4 @@
-"""Messages name the thing, the value and what is valid; of very many names those that were probably meant."""
+"""Messages name the thing, the value and the valid range; of very many names those that were probably meant."""
 
 import resource
 from errno import ENOMEM

@@ -1,4 +1,4 @@
-"""Starts that overlap: where avatars and loose bodies begin, what the record says, and what is refused."""
+"""Starts that overlap: where avatars and loose bodies begin, the record's report, and refused starts."""
 
 from dataclasses import replace
 
@@ -176,7 +176,7 @@ def test_put_and_reset_begin_at_the_nearest_free_posture() -> None:
         record = begin(low)
         assert record.shown.positions[1, 2] == pytest.approx(0.1, abs=3e-4) and free(engine)
         assert [moved.name for moved in record.moved] == ["hand"]
-    # the user was put into the floor, and what it moves from there is followed
+    # the user was put into the floor, and its motion from there is followed
     record = engine.advance(at(high, (0.01, 0.0, 0.02)), DT)
     assert record.shown.positions[1] == pytest.approx((0.01, 0.0, 0.1), abs=1e-3)
 

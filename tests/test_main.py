@@ -1,4 +1,4 @@
-"""The command line of the engine: what is refused is refused in a sentence with exit code 2, and nothing is compiled twice."""
+"""The command line of the engine: refusals are a sentence with exit code 2, and nothing is compiled twice."""
 
 import os
 import re

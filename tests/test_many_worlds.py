@@ -39,7 +39,7 @@ WAYS = {
 
 
 def sample(scene: Scene, frame: int, seed: int) -> TrackerSample:
-    """Somewhere in the room, at a walking pace: into walls, floors and loose bodies too."""
+    """Return a place in the room, at a walking pace: into walls, floors and loose bodies too."""
     rng, first = np.random.default_rng(seed), scene.first_sample
     if not scene.avatars:
         return first
@@ -61,7 +61,7 @@ def engines(count: int) -> tuple[list[Scene], list[AvatarsimEngine], list[Avatar
 
 
 def same(one: FrameRecord, other: FrameRecord) -> bool:
-    """Whether two records say the same, times of stages aside."""
+    """Return whether two records are equal, times of stages aside."""
     inside = [(step.time, step.event, step.positions.tobytes(), step.velocities.tobytes()) for step in one.inside]
     return (
         one.state_hash() == other.state_hash() and one.shown.time == other.shown.time

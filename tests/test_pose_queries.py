@@ -1,4 +1,4 @@
-"""Contacts of the shown state against dumb twins, and their forces, which balance weights and springs."""
+"""Contacts of the shown state against plain twins, and their forces, which balance weights and springs."""
 
 from dataclasses import replace
 from itertools import combinations
@@ -26,7 +26,7 @@ FREE = Scene("hand", (panel(),), hand_scene((-0.5, 0.0, 0.0)).avatars, start=han
 
 
 def of_balls(centres: np.ndarray, radii: np.ndarray, within: float) -> dict[tuple[str, str], tuple]:
-    """Contacts of balls with each other and with a floor up to z = 0, by the distances of centres: gap, normal, point."""
+    """Return contacts of balls with each other and with a floor up to z = 0, by the distances of centres: gap, normal, point."""
     found = {}
     for k, (c, r) in enumerate(zip(centres, radii, strict=True)):
         if c[2] - r <= within:
@@ -42,7 +42,7 @@ def of_balls(centres: np.ndarray, radii: np.ndarray, within: float) -> dict[tupl
 
 
 def told(contacts: tuple[Contact, ...]) -> dict[tuple[str, str], tuple]:
-    """Contacts by pair, of which there is one each."""
+    """Return contacts by pair, of which there is one each."""
     found = {(one.a, one.b): (one.gap, one.normal, one.point) for one in contacts}
     assert len(found) == len(contacts)
     return found
@@ -124,7 +124,7 @@ K, SAME = 1000.0, 1e-6
 
 
 def on(name: str, contacts: tuple[Contact, ...], *others: str) -> np.ndarray:
-    """Force on a body [N], of all or of some others."""
+    """Return the force on a body [N], of all or of some others."""
     total = np.zeros(3)
     for one in contacts:
         for body, other, force in ((one.a, one.b, one.force), (one.b, one.a, -one.force)):
@@ -134,7 +134,7 @@ def on(name: str, contacts: tuple[Contact, ...], *others: str) -> np.ndarray:
 
 
 def hands(*places: tuple[float, float, float]) -> TrackerSample:
-    """Samples of rigid hands."""
+    """Return samples of rigid hands."""
     return TrackerSample(0.0, np.array(places), np.tile((1.0, 0.0, 0.0, 0.0), (len(places), 1)), np.zeros(0))
 
 

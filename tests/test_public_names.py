@@ -1,4 +1,4 @@
-"""`import avatarsim as av`: which names there are, that each says what it is, and that the example of its page runs."""
+"""`import avatarsim as av`: its names, that each has a docstring, and that the example of its page runs."""
 
 import ast
 import doctest
@@ -15,7 +15,7 @@ NAMES = [name for name in av.__all__ if name != "__version__"]
 
 
 def declared() -> set[str]:
-    """The names that a type checker is told of."""
+    """Return the names that a type checker sees."""
     tree = ast.parse(SOURCE.read_text(encoding="utf-8"))
     (block,) = (node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")
     return {f"{node.module}.{alias.name}" for node in block.body if isinstance(node, ast.ImportFrom) for alias in node.names}

@@ -1,4 +1,4 @@
-"""Postures in and out of an engine, at a start and between frames: what cannot be shown is refused and changes nothing."""
+"""Postures in and out of an engine, at a start and between frames: invalid ones are refused and change nothing."""
 
 from dataclasses import replace
 
@@ -22,7 +22,7 @@ FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05)
 
 
 def above_a_floor(preset: str = "default", start: str = "nearest") -> tuple[AvatarsimEngine, Scene]:
-    """An engine with an avatar of every kind of joint above a floor."""
+    """Return an engine with an avatar of every kind of joint above a floor."""
     avatar = mixed_avatar()
     engine, scene = AvatarsimEngine(), Scene("put", (FLOOR,), (avatar,), start=within(0.0, 0.5))
     engine.load(scene, Settings(preset, start=start), DT)
@@ -30,7 +30,7 @@ def above_a_floor(preset: str = "default", start: str = "nearest") -> tuple[Avat
 
 
 def within(turn: float, height: float) -> TrackerSample:
-    """A posture within limits, turned about the vertical, at a height [m]."""
+    """Return a posture within limits, turned about the vertical, at a height [m]."""
     sample = at(rest((mixed_avatar(),)), (0.1 * turn, 0.0, height))
     ball = rotation.between(LIMITS.axis, LIMITS.centre)
     turns = sample.rotations.copy()
@@ -39,7 +39,7 @@ def within(turn: float, height: float) -> TrackerSample:
 
 
 def alike(one: TrackerSample, other: TrackerSample) -> bool:
-    """Whether the links of both are at the same places."""
+    """Return whether the links of both are at the same places."""
     avatars = (mixed_avatar(),)
     return all(
         np.allclose(np.abs(a), np.abs(b), atol=1e-12)

@@ -37,7 +37,7 @@ def repository(tmp_path: Path) -> Path:
 
 
 def asked(repository: Path, *words: str) -> tuple[int, str]:
-    """Exit code and output of pytest in the repository of the user, as where the package is installed."""
+    """Return exit code and output of pytest in the repository of the user, as where the package is installed."""
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "PYTEST_ADDOPTS": "", "PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1"}
     command = [sys.executable, "-P", "-m", "pytest", "-q", "-p", "avatarsim.pytest_plugin", "-p", "no:cacheprovider", *words]
     done = subprocess.run(command, cwd=repository, env=environment, capture_output=True, text=True, check=False)

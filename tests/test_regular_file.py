@@ -1,4 +1,4 @@
-"""What is parsed is nested no deeper than what comes after can follow, whatever the parser itself can; equal in every format."""
+"""Parsed values are nested no deeper than later code can follow, whatever the parser itself can; equal in every format."""
 
 import io
 import json

@@ -1,4 +1,4 @@
-"""What `load` does ahead of the first frame: it brings every kernel into memory, and leaves no trace in what is shown."""
+"""Work of `load` ahead of the first frame: it brings every kernel into memory, and leaves no trace in shown states."""
 
 import json
 import os
@@ -36,14 +36,14 @@ CASES = [(name, preset) for name in SCENES for preset in PRESETS]
 
 
 def lively(scene: Scene, frames: int) -> Iterator[TrackerSample]:
-    """The first avatar goes down onto the floor; any ball falls by itself."""
+    """Move the first avatar down onto the floor; any ball falls by itself."""
     first = scene.first_sample
     for k in range(frames):
         yield at(first, (0.5, 0.5, 0.5 - 0.02 * k)) if scene.avatars else first
 
 
 def leaves(value: object, seen: dict[int, bytes]) -> dict[int, bytes]:
-    """The bits of every array in nested tuples, by identity."""
+    """Return the bits of every array in nested tuples, by identity."""
     if isinstance(value, np.ndarray):
         seen[id(value)] = value.tobytes()
     elif isinstance(value, tuple):
@@ -53,7 +53,7 @@ def leaves(value: object, seen: dict[int, bytes]) -> dict[int, bytes]:
 
 
 def state(parts: tuple[object, ...]) -> list[tuple[dict[str, int], dict[int, bytes], dict[str, object]]]:
-    """Of every part: which object each attribute is, the bits of its arrays, its plain numbers."""
+    """Return for every part which object each attribute is, the bits of its arrays, its plain numbers."""
     found = []
     for part in parts:
         names = getattr(type(part), "__slots__", None) or vars(part)
@@ -84,7 +84,7 @@ def test_a_frame_run_again_and_again_is_undone_by_what_it_changed_first(name: st
 
 
 def test_only_what_changed_is_written_again() -> None:
-    """Writing all of it would leave the caches full of what no frame looks at."""
+    """Writing all of it would leave the caches full of memory that no frame reads."""
     world = build(TOGETHER)
     undo = Undo((world,))
     changed, other = (array.ravel()[:1] for array in (world.poses.position, world.velocities.linear))
@@ -98,7 +98,7 @@ def test_only_what_changed_is_written_again() -> None:
 
 @pytest.mark.parametrize(("name", "preset"), CASES)
 def test_what_is_shown_does_not_know_of_the_rehearsal(name: str, preset: str) -> None:
-    """Frames that were never rehearsed, beside an engine that has been loaded."""
+    """Frames that were never rehearsed, compared with an engine that has been loaded."""
     scene = SCENES[name]
     engine = AvatarsimEngine()
     engine.load(scene, Settings(preset, seed=3, record_inside=True), DT)
@@ -111,13 +111,13 @@ def test_what_is_shown_does_not_know_of_the_rehearsal(name: str, preset: str) ->
         assert record.angles.tobytes() == twin.posture.angle[twin.hinges].tobytes()
         assert record.shown.velocities.tobytes() == twin.velocities.linear.tobytes()
         passed, steps = alone.passed, record.inside[:-1]
-        # the last step is left out where it is what is shown
+        # the last step is left out where it is the shown one
         assert len(passed) - len(steps) in (0, 1)
         assert [one.positions.tobytes() for one in steps] == [one.positions.tobytes() for one in passed[: len(steps)]]
 
 
 def test_an_error_is_left_to_the_frame_that_meets_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """And what the failed rehearsal changed is undone all the same."""
+    """And the changes of the failed rehearsal are undone all the same."""
     whole = Frames.frame
 
     def fails(self: Frames, sample: TrackerSample, dt: float) -> None:

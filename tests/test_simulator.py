@@ -27,14 +27,14 @@ DROP = Scene("drop", (simulated("ball", BALL, "wood", solid(BALL, 1.0), (0.0, 0.
 
 
 def loaded(scene: Scene = SCENE, **options: object) -> AvatarsimEngine:
-    """An engine that has loaded a scene."""
+    """Return an engine that has loaded a scene."""
     engine = AvatarsimEngine()
     engine.load(scene, Settings(options=options), DT)
     return engine
 
 
 def same(a: FrameRecord, b: FrameRecord) -> bool:
-    """Two records show the same bits."""
+    """Return whether two records show the same bits."""
     return a.state_hash() == b.state_hash()
 
 
@@ -86,7 +86,7 @@ def test_a_load_that_fails_leaves_the_loaded_scene_running() -> None:
 
 
 def bad_samples(good: TrackerSample) -> list[object]:
-    """One of every kind of bad sample: numbers that are none, wrong shapes, and other types."""
+    """Return one of every kind of bad sample: numbers that are none, wrong shapes, and other types."""
     lost, wrong, places = good.positions.copy(), good.rotations.copy(), good.positions
     lost[0, 1], wrong[0] = math.nan, (2.0, 0.0, 0.0, 0.0)
     crooked = good.angles.copy()
@@ -194,7 +194,7 @@ def test_every_preset_runs_and_says_its_settings(preset: str) -> None:
 
 
 def test_a_link_without_pieces_is_a_point_that_meets_nobody() -> None:
-    """Beside something that moves, where every frame sweeps the boxes of all bodies."""
+    """Next to a moving body, where every frame sweeps the boxes of all bodies."""
     tip = Link("tip", "palm", Hinges((Hinge((0.0, 1.0, 0.0), -1.0, 1.0),)), (), solid(BALL, 1.0), anchor=(0.2, 0.0, 0.0))
     palm = Link("palm", None, Free(), BALL, solid(BALL, 1.0))
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
@@ -222,7 +222,7 @@ def test_events_that_found_no_room_are_counted() -> None:
 
 
 def test_the_spring_does_not_run_away_where_nothing_moves_by_itself() -> None:
-    """Without dynamics nothing gives back what a hand that presses on a loose box took."""
+    """Without dynamics nothing returns the energy that a hand pressing on a loose box took."""
     box, hand = (Piece(Box((0.4, 0.4, 0.4))),), (Piece(Sphere(0.05)),)
     loose = simulated("box", box, "wood", solid(box, 5.0), (0.0, 0.0, 0.2))
     scene = replace(hand_scene((0.0, 0.0, 0.6), loose, shape=hand), narrow=("dynamics",))
@@ -236,7 +236,7 @@ def test_the_spring_does_not_run_away_where_nothing_moves_by_itself() -> None:
 
 @pytest.mark.parametrize("preset", ["default", "paper"])
 def test_records_that_are_kept_are_few_objects_for_the_collector(preset: str) -> None:
-    """A record, what it shows, what it counted; all else is arrays, which the collector does not track. With nine objects a frame
+    """A record, its shown state, its counts; all else is arrays, which the collector does not track. With nine objects a frame
     it went through all of numba's again after some hundreds of frames, a pause as long as five of them."""
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.2))),), "wood", (0.0, 0.0, -0.1))
     scene = hand_scene((0.0, 0.0, 0.3), floor, simulated("ball", BALL, "wood", solid(BALL, 1.0), (0.5, 0.0, 0.5)))

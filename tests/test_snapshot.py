@@ -1,4 +1,4 @@
-"""State as bytes: what goes on from a snapshot goes on to the bit, and bytes that are none of this engine's are refused."""
+"""State as bytes: a run from a snapshot goes on to the bit, and bytes of another origin are refused."""
 
 import copy
 import hashlib
@@ -37,7 +37,7 @@ FLOOR = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05)
 
 
 def heap() -> Scene:
-    """Bricks that fall onto each other, and a fist that comes by when all are asleep."""
+    """Return bricks that fall onto each other, and a fist that comes by when all are asleep."""
     loose = [
         simulated(f"{k}", BRICK, "wood", solid(BRICK, 0.2), (0.03 * (k % 2), 0.02 * (k % 3), 0.1 + 0.12 * k))
         for k in range(8)
@@ -47,12 +47,12 @@ def heap() -> Scene:
 
 
 def past_the_heap(scene: Scene) -> Callable[[int], TrackerSample]:
-    """The fist waits for seven seconds and then sweeps to and fro."""
+    """Return a motion: the fist waits for seven seconds and then sweeps to and fro."""
     return lambda k: at(scene.first_sample, (-0.6 + (0.5 - 0.5 * np.cos(0.02 * max(0, k - 420))), 0.0, 0.1))
 
 
 def trapped() -> Scene:
-    """An avatar with a joint in a dead end."""
+    """Return an avatar with a joint in a dead end."""
     avatar = limbed()
     return Scene("pocket", pocket(), (avatar,), start=at(rest((avatar,)), (-0.5, 0.0, 0.0)))
 
@@ -63,14 +63,14 @@ def out_of_the_pocket(scene: Scene) -> Callable[[int], TrackerSample]:
 
 
 def room() -> tuple[Scene, Callable[[int], TrackerSample]]:
-    """Sixteen links in a room of thin walls, thrown about."""
+    """Return sixteen links in a room of thin walls, thrown about."""
     trial = hinged_trial()
     motion = [sample for _, sample in islice(hostile_motion(trial, 5, 40, 40), LATEST + FRAMES)]
     return trial.scene, lambda k: motion[k]
 
 
 def as_said(found: FrameRecord) -> tuple[object, ...]:
-    """All that a record says, but for what only those miss that record."""
+    """Return hash, time, counts and statuses of a record, without statuses on frames that were not recorded."""
     statuses = {name: count for name, count in found.statuses.items() if "not recorded" not in name}
     return found.state_hash(), found.shown.time, dict(found.counts), statuses
 
@@ -83,7 +83,7 @@ MOMENTS: dict[str, Moment] = {
     "walking": lambda record: "following" in record.statuses,
     "pushed": lambda record: record.counts.get("rows", record.counts.get("pushes", 0)) > 0,
 }
-"""What was seen in the frame before a snapshot: bodies in the air, all at rest, a path that is looked for, one that is walked,
+"""State of the frame before a snapshot: bodies in the air, all at rest, a path that is looked for, one that is walked,
 and an avatar that something holds back."""
 
 
@@ -98,7 +98,7 @@ class Case:
     options: Mapping[str, float] = field(default_factory=dict)
 
     def engine(self, **settings: object) -> AvatarsimEngine:
-        """An engine that has loaded the scene."""
+        """Return an engine that has loaded the scene."""
         return loaded(self.scene, self.method, options=self.options, **settings)
 
 
@@ -108,7 +108,7 @@ LATEST = 460
 
 @cache
 def cases() -> dict[str, Case]:
-    """All of them."""
+    """Return all of them."""
     bricks, dead_end, hall = heap(), trapped(), room()
     return {
         "a heap": Case(bricks, past_the_heap(bricks), ("falling", "asleep")),
@@ -185,7 +185,7 @@ def _taken() -> tuple[AvatarsimEngine, bytes]:
 
 
 def refused(engine: AvatarsimEngine, data: object, match: str) -> None:
-    """The engine refuses the bytes, and is what it was."""
+    """Check that the engine refuses the bytes, and is unchanged."""
     before = engine.snapshot()
     with pytest.raises(InvalidSnapshot, match=match):
         engine.restore(data)
@@ -236,7 +236,7 @@ def test_where_the_avatar_began_and_what_is_recorded_are_no_part_of_it(taken: tu
 
 
 def resealed(data: bytes, body: bytes, size: int | None = None) -> bytes:
-    """A snapshot with another body, under a checksum that is right."""
+    """Return a snapshot with another body, under a checksum that is right."""
     *head, _ = HEAD.unpack_from(data)
     whole = HEAD.pack(*head, len(body) if size is None else size) + zlib.compress(body, 1)
     return whole + hashlib.blake2b(whole, digest_size=DIGEST).digest()
@@ -252,12 +252,12 @@ def test_arrays_of_another_size_are_refused_before_they_are_unpacked(taken: tupl
 
 
 FORGED = [-(2**63), -(10**12), -2, -1, 0, 1, 5, 63, 10**6, 2**40, 2**63 - 1, 0x7FF0000000000000, 0x7FF8000000000000]
-"""Words that are laid in: far too small and too large, nearly right, and the bits of infinity and of what is no number."""
+"""Words that are laid in: far too small and too large, nearly right, and the bits of infinity and of nan."""
 
 
 @pytest.mark.parametrize("name", ["a heap", "a path", "a heap, method paper", "thrown about"])
 def test_a_forged_number_is_refused_or_harmless(name: str) -> None:
-    """A checksum keeps no forger out. Whatever number stands in a state, no kernel leaves its memory."""
+    """A checksum keeps no forger out. With any number in a state, no kernel leaves its memory."""
     case = cases()[name]
     engine, rng, outcomes = case.engine(), np.random.default_rng(3), set()
     begun, data = run_up(case, engine)[1][case.moments[0]]
@@ -280,7 +280,7 @@ def test_a_forged_number_is_refused_or_harmless(name: str) -> None:
 
 
 def forged(engine: AvatarsimEngine, data: bytes, name: str, change: Callable[[np.ndarray], None]) -> bytes:
-    """A snapshot with one array changed, under a checksum that is right."""
+    """Return a snapshot with one array changed, under a checksum that is right."""
     body, at = bytearray(zlib.decompress(data[HEAD.size : -DIGEST])), 0
     for kept in kept_by(engine._running().parts()):
         if kept.name == name:
@@ -292,7 +292,7 @@ def forged(engine: AvatarsimEngine, data: bytes, name: str, change: Callable[[np
 
 
 def test_a_posture_that_could_not_be_shown_is_refused() -> None:
-    """Beyond a joint limit; a link moved whole, vertices and boxes too, into what does not move."""
+    """Beyond a joint limit; a link moved whole, vertices and boxes too, into a body at rest."""
     case = cases()["thrown about"]
     engine = case.engine()
     data = run_up(case, engine)[1]["pushed"][1]

@@ -25,7 +25,7 @@ def mine(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 
 def shown(change: Callable[[Any], dict[str, Any]]) -> Callable[[Any], Any]:
-    """The skeleton with a change of what it shows: arrays of a snapshot by name."""
+    """Return the skeleton with a change of its shown state: arrays of a snapshot by name."""
 
     def of(engine: Any) -> Any:
         class Broken(engine):  # type: ignore[misc]

@@ -1,4 +1,4 @@
-"""Frames without a sample: avatars stay, the record says so, and what is found again is caught up with."""
+"""Frames without a sample: avatars stay, the record reports it, and they catch up with tracking once it is back."""
 
 from dataclasses import replace
 

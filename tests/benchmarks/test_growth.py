@@ -1,4 +1,4 @@
-"""Scenes of growing size: valid, free at the start, in contact where their names say so; every engine is timed and written."""
+"""Scenes of growing size: valid, free at the start, in contact where their names have it; every engine is timed and written."""
 
 import csv
 from pathlib import Path

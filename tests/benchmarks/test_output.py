@@ -1,4 +1,4 @@
-"""Rows of figures as CSV: digits, what is no number, and columns even without a row."""
+"""Rows of figures as CSV: digits, entries that are no number, and columns even without a row."""
 
 import csv
 import math

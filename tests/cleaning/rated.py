@@ -29,12 +29,12 @@ WALL_AND_TABLE = (((0.1, 3.0, 3.0), (0.55, 0.0, 0.5)), ((0.4, 0.6, 0.04), (0.3, 
 
 
 def room() -> tuple[Body, ...]:
-    """The wall and the table as bodies."""
+    """Return the wall and the table as bodies."""
     return tuple(fixed(f"body {k}", (Piece(Box(size)),), "wood", at) for k, (size, at) in enumerate(WALL_AND_TABLE))
 
 
 def two_arms_text(with_room: bool = False) -> str:
-    """MJCF of a torso that stands, with two arms of four hinges."""
+    """Return the MJCF of an upright torso with two arms of four hinges."""
     arms = "".join(ARM.format(s=side, y=y) for side, y in (("left", 0.22), ("right", -0.22)))
     boxes = "".join(
         f'<geom type="box" size="{0.5 * x} {0.5 * y} {0.5 * z}" pos="{at[0]} {at[1]} {at[2]}"/>'
@@ -44,20 +44,20 @@ def two_arms_text(with_room: bool = False) -> str:
 
 
 def two_arms(folder: Path) -> Model:
-    """The robot of two arms."""
+    """Return the robot of two arms."""
     path = folder / "arms.xml"
     path.write_text(two_arms_text())
     return load_avatar(path)
 
 
 def mixed() -> Model:
-    """A free root with a ball with limits, and hinges."""
+    """Return a free root with a ball with limits, and hinges."""
     avatar = mixed_avatar()
     return Model(avatar, coordinates_of(avatar), (), ())
 
 
 def home(model: Model) -> np.ndarray:
-    """Coordinates at rest, quaternions of length 1."""
+    """Return coordinates at rest, quaternions of length 1."""
     return np.concatenate([
         {"free": np.array([0.0, 0.0, 0.8, 1.0, 0.0, 0.0, 0.0]), "ball": np.eye(4)[0]}.get(slot.kind, np.zeros(1))
         for slot in coordinates(model).slots
@@ -65,14 +65,14 @@ def home(model: Model) -> np.ndarray:
 
 
 def coordinates(model: Model) -> Coordinates:
-    """The coordinates of a model that has some."""
+    """Return the coordinates of a model that has some."""
     assert model.coordinates is not None
     return model.coordinates
 
 
 def driven(model: Model, frames: int, rate: float, hold: int, size: float, seed: int) -> np.ndarray:
-    """Coordinates (frames, width) of a user: sines where `hold` is 0, else another posture every so many frames; joints go to
-    `size` [rad], roots half as far [m]."""
+    """Return coordinates (frames, width) of a user: sines where `hold` is 0, else another posture every so many frames; joints go
+    to `size` [rad], roots half as far [m]."""
     rng, times, base = np.random.default_rng(seed), np.arange(frames) / rate, home(model)
     found, first = np.tile(base, (frames, 1)), 0
     for slot in coordinates(model).slots:
@@ -95,8 +95,8 @@ def driven(model: Model, frames: int, rate: float, hold: int, size: float, seed:
 
 
 def steps_of(model: Model, rows: np.ndarray) -> list[np.ndarray]:
-    """Of each group of degrees the steps (F-1, d) from row to row: angles, translations, rotation vectors in the frames of their
-    links."""
+    """Return for each group of degrees the steps (F-1, d) between rows: angles, translations, rotation vectors in the frames of
+    their links."""
     found, first = [], 0
     for slot in coordinates(model).slots:
         own = rows[:, first : first + WIDTHS[slot.kind]]
@@ -115,7 +115,7 @@ def steps_of(model: Model, rows: np.ndarray) -> list[np.ndarray]:
 
 
 def largest_rates(model: Model, rows: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
-    """The largest speed and acceleration (groups) of rows that begin at rest."""
+    """Return the largest speed and acceleration (groups) of rows that begin at rest."""
     speeds, accelerations = [], []
     for steps in steps_of(model, rows):
         speed = steps * rate
@@ -126,8 +126,8 @@ def largest_rates(model: Model, rows: np.ndarray, rate: float) -> tuple[np.ndarr
 
 
 def plain_twin(angles: np.ndarray, speed: float, acceleration: float, rate: float) -> np.ndarray:
-    """The filter of hinges where nothing is in the way: the target's own step, and as much of what it lags behind as half of the
-    acceleration can brake; cut to the limits."""
+    """Filter hinges without obstacles: the target's own step, and as much of its lag as half of the acceleration can brake; cut
+    to the limits."""
     most, change = speed / rate * (1.0 - 1e-6), acceleration / rate**2 * (1.0 - 1e-6)
     shown, step, before, found = angles[0].copy(), np.zeros(angles.shape[1]), angles[0], [angles[0]]
     for target in angles[1:]:

@@ -16,7 +16,7 @@ FLOOR = fixed("floor", (Piece(Box((20.0, 20.0, 0.2))),), "stone", (0.0, 0.0, -0.
 
 
 def walker() -> Avatar:
-    """A ball on two legs: one by a ball joint, one by a hinge with limits."""
+    """Return a ball on two legs: one by a ball joint, one by a hinge with limits."""
     trunk, leg = (Piece(Sphere(0.1)),), (Piece(Capsule(0.03, 0.3), (0.0, 0.0, -0.2)),)
     return Avatar(
         "walker",
@@ -29,13 +29,13 @@ def walker() -> Avatar:
 
 
 def model() -> Model:
-    """The walker, with coordinates in the order free joint, hinge, ball."""
+    """Return the walker, with coordinates in the order free joint, hinge, ball."""
     slots = Slot("trunk", "free", 0), Slot("right", "hinge", 2, 0), Slot("left", "ball", 1)
     return Model(walker(), Coordinates(slots, 3, 1), (), ())
 
 
 def swinging(frames: int, height: float, along: float = 0.0, swing: float = 0.6) -> Motion:
-    """The walker with its trunk at a height [m], going `along` [m] in all, legs to and fro once a second."""
+    """Return the walker with its trunk at a height [m], going `along` [m] in all, legs to and fro once a second."""
     times = np.arange(frames) / RATE
     angle = swing * np.sin(2.0 * np.pi * times)
     positions, rotations = np.zeros((frames, 3, 3)), np.tile(rotation.IDENTITY, (frames, 3, 1))
@@ -45,12 +45,12 @@ def swinging(frames: int, height: float, along: float = 0.0, swing: float = 0.6)
 
 
 def lowered(motion: Motion, heights: np.ndarray) -> Motion:
-    """The motion with its root moved by heights (F,) [m]."""
+    """Return the motion with its root moved by heights (F,) [m]."""
     positions = motion.positions.copy()
     positions[:, 0, 2] += heights
     return Motion(motion.times, positions, motion.rotations, motion.angles)
 
 
 def wall(x: float, thickness: float = 0.2) -> Body:
-    """A wall across the way."""
+    """Return a wall across the way."""
     return fixed("wall", (Piece(Box((thickness, 8.0, 8.0))),), "wood", (x, 0.0, 0.0))

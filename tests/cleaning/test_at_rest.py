@@ -18,7 +18,7 @@ OPTIONS = Options(opinion=False)
 
 
 def of_angles(angles: np.ndarray) -> Motion:
-    """The two outer links with these angles (F, 5), at 30 Hz."""
+    """Return the two outer links with these angles (F, 5), at 30 Hz."""
     frames, still = len(angles), bent(np.zeros(5))
     return Motion(
         np.arange(frames) / 30.0, np.tile(still.positions, (frames, 1, 1)), np.tile(still.rotations, (frames, 1, 1)), angles

@@ -24,7 +24,7 @@ CUBE = (Piece(Box((0.3, 0.3, 0.3))),)
 
 
 def carried(motion: Motion, x: np.ndarray | float, turn: np.ndarray | float = 0.0) -> Carried:
-    """A cube beside the right leg of the walker, at x (F,) [m], turned about the vertical by (F,) [rad]."""
+    """Return a cube next to the right leg of the walker, at x (F,) [m], turned about the vertical by (F,) [rad]."""
     frames = len(motion)
     positions = np.stack([np.broadcast_to(value, frames) for value in (x, -0.12, 0.3)], axis=1)[:, None]
     turns = rotation.from_axis_angle((0.0, 0.0, 1.0), np.broadcast_to(turn, frames).astype(np.float64))[:, None]
@@ -62,7 +62,7 @@ def test_a_box_that_sweeps_through_is_flagged_where_no_way_is_found() -> None:
 
 def test_an_audit_tells_a_box_in_motion_from_one_that_stands() -> None:
     motion = swinging(30, 1.0)
-    # beside the leg in all frames, through it between two
+    # next to the leg in all frames, through it between two
     jumps = np.where(np.arange(30) < 15, 0.8, -0.8)
     box = carried(motion, jumps)
     box = replace(box, motion=replace(box.motion, positions=box.motion.positions + np.array([0.0, 0.0, 0.5])))

@@ -16,7 +16,7 @@ SOLE = 0.38
 
 
 def standing(frames: int = 30, slide: float = 0.0, height: float = 0.0) -> Motion:
-    """The walker with its legs down, its soles at a height [m] above the floor, sliding at a speed [m/s]."""
+    """Return the walker with its legs down, its soles at a height [m] above the floor, sliding at a speed [m/s]."""
     return swinging(frames, SOLE + height, slide * (frames - 1) / RATE, swing=0.0)
 
 

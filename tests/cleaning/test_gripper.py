@@ -1,4 +1,4 @@
-"""Grippers: fingers that slide stop at what they close on, open again, and leave the arm where its user has it."""
+"""Grippers: sliding fingers stop at the bodies they close on, open again, and leave the arm where its user has it."""
 
 from pathlib import Path
 
@@ -28,7 +28,7 @@ CLOSES = np.concatenate([np.linspace(OPEN, 0.0, 40), np.zeros(30), np.linspace(0
 
 
 def arm(folder: Path) -> Model:
-    """An arm of four hinges with a gripper of two fingers, straight along x; closed fingers are 2 mm apart."""
+    """Return an arm of four hinges with a gripper of two fingers, straight along x; closed fingers are 2 mm apart."""
     path = folder / "arm.xml"
     path.write_text(ARM, encoding="utf-8")
     return av.load_avatar(path)
@@ -115,7 +115,7 @@ def test_coupled_fingers_never_come_apart(aside: float, tmp_path: Path) -> None:
 
 
 def test_a_wild_operator_keeps_a_chain_of_couplings(tmp_path: Path) -> None:
-    """Gears of two and ten to one, hinge to slide, whose followers stand before their leaders, between a wall and itself."""
+    """Gears of two and ten to one, hinge to slide, whose followers come before their leaders, between a wall and itself."""
     path = tmp_path / "gears.xml"
     coupled = (
         '<equality><joint joint1="shoulder" joint2="elbow" polycoef="0 -1 0 0 0"/>'

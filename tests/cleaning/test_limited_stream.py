@@ -35,7 +35,7 @@ def arms(tmp_path_factory: pytest.TempPathFactory) -> Model:
 
 
 def motion_of(model: Model, rows: np.ndarray) -> Motion:
-    """The rows as a motion."""
+    """Return the rows as a motion."""
     return coordinates(model).motion(rows, np.arange(len(rows)) / RATE)
 
 
@@ -55,7 +55,7 @@ def require_limited(model: Model, rows: np.ndarray, speed: np.ndarray, accelerat
 
 
 def drive(shield: Shield, given: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """What comes out, and before each fourth row the ways to rest, with the two rows before them."""
+    """Return the output, and before each fourth row the ways to rest, with the two rows before them."""
     out: list[np.ndarray] = []
     ways: list[np.ndarray] = []
     for k, q in enumerate(given):
@@ -254,7 +254,7 @@ PART = """<link name="l{k}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" 
 
 
 def urdf(folder: Path, *velocities: str) -> Model:
-    """A chain of hinges with these limits of speed."""
+    """Return a chain of hinges with these limits of speed."""
     parts = [
         PART.format(k=k, above=f"l{k - 1}" if k else "world", velocity=f' velocity="{one}"' if one else "")
         for k, one in enumerate(velocities)

@@ -12,7 +12,7 @@ OPTIONS = Options(opinion=False)
 
 
 def with_reference(motion: Motion, place: float) -> Motion:
-    """The motion with a posture before it whose legs are spread, at a place [m] to the side."""
+    """Return the motion with a posture before it whose legs are spread, at a place [m] to the side."""
     first = lowered(swinging(1, 0.9, swing=0.0), np.zeros(1))
     first = replace(first, positions=first.positions + np.array([0.0, place, 0.0]), angles=first.angles + 1.0)
     parts = (np.concatenate([getattr(one, name) for one in (first, motion)]) for name in ("positions", "rotations", "angles"))

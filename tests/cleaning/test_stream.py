@@ -12,7 +12,7 @@ from tests.cleaning.rooms import FLOOR, RATE, lowered, model, swinging, walker
 
 
 def rows(heights: np.ndarray) -> np.ndarray:
-    """Coordinates (F, 12) of the swinging walker at these heights."""
+    """Return coordinates (F, 12) of the swinging walker at these heights."""
     coordinates = model().coordinates
     return coordinates.rows(lowered(swinging(len(heights), 0.0), heights))
 

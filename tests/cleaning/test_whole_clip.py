@@ -1,4 +1,4 @@
-"""Cleaning of whole clips: nothing overlaps in frames or between, what was free stays to the bit, the rest is said."""
+"""Cleaning of whole clips: nothing overlaps in frames or between, free frames stay to the bit, the rest is reported."""
 
 import sys
 from dataclasses import replace
@@ -34,13 +34,13 @@ def require_clean(cleaned: Cleaned, *bodies: object) -> None:
 
 
 def same(one: Motion, other: Motion) -> np.ndarray:
-    """(F,) frames that are equal to the bit."""
+    """Return (F,) frames that are equal to the bit."""
     pairs = (one.positions, other.positions), (one.rotations, other.rotations), (one.angles, other.angles)
     return np.all([(a == b).reshape(len(a), -1).all(axis=1) for a, b in pairs], axis=0)
 
 
 def dipping() -> Motion:
-    """Free for a second, into the floor for half a second, free again."""
+    """Return a motion: free for a second, into the floor for half a second, free again."""
     times = np.arange(90)
     return lowered(swinging(90, 0.5), -0.2 * np.exp(-(((times - 45) / 8.0) ** 2)))
 
@@ -79,7 +79,7 @@ def test_a_start_that_overlaps_is_left_backwards_from_the_first_free_frame() -> 
     cleaned = clean(motion, model(), (FLOOR,), OPTIONS)
     require_clean(cleaned, FLOOR)
     assert cleaned.before.depths[0] > 0.1 and cleaned.changed[0] and not cleaned.changed[-1]
-    # near the input, not merely free: the first frame stands on the floor
+    # near the input, not merely free: in the first frame it is upright on the floor
     assert 0.0 < cleaned.motion.positions[0, 0, 2] < 0.45
 
 
@@ -164,7 +164,7 @@ def test_pairs_that_the_file_excludes_may_overlap_and_only_those() -> None:
 
 
 def bolted() -> Model:
-    """An arm of two links on the ground, without a root that could be lifted."""
+    """Return an arm of two links on the ground, without a root that could be lifted."""
     rod = (Piece(Capsule(0.04, 0.4), (0.0, 0.0, 0.25)),)
     upper = Link("upper", None, Hinges((Hinge((0.0, 1.0, 0.0), -2.0, 2.0),)), rod, solid(rod, 1.0), anchor=(0.0, 0.0, 0.1))
     lower = Link("lower", "upper", Hinges((Hinge((0.0, 1.0, 0.0), -2.0, 2.0),)), rod, solid(rod, 1.0), anchor=(0.0, 0.0, 0.5))
@@ -172,7 +172,7 @@ def bolted() -> Model:
 
 
 def bent(angles: np.ndarray) -> Motion:
-    """The arm with these angles (F, 2)."""
+    """Return the arm with these angles (F, 2)."""
     frames = len(angles)
     return Motion(np.arange(frames) / 30.0, np.zeros((frames, 2, 3)), np.tile((1.0, 0.0, 0.0, 0.0), (frames, 2, 1)), angles)
 
@@ -188,12 +188,12 @@ def test_an_arm_that_is_bolted_down_slides_along_a_wall(first: float) -> None:
 
 
 def ignoring() -> Model:
-    """The walker, whose legs are said never to meet."""
+    """Return the walker, with legs that are declared never to meet."""
     return Model(replace(walker(), ignore=(("left", "right"),)), None, (), ())
 
 
 def crossed() -> Motion:
-    """Legs that swing into each other."""
+    """Return legs that swing into each other."""
     motion = swinging(30, 1.0, swing=0.0)
     rotations = motion.rotations.copy()
     rotations[:, 1] = (np.cos(0.3), np.sin(-0.3), 0.0, 0.0)

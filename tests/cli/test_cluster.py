@@ -19,7 +19,7 @@ def test_clips_on_a_cluster_are_of_the_same_bytes(tmp_path: Path, monkeypatch: p
     (tmp_path / "in" / "cut.bvh").write_text("HIERARCHY")
     words = ["clean", str(tmp_path / "in"), "--room", "floor"]
     assert main([*words, "-o", str(tmp_path / "here"), "--workers", "0"]) == 3
-    # what a nanny looks after may start processes of its own only by this setting
+    # processes that a nanny looks after may start processes of their own only by this setting
     with dask.config.set({"distributed.worker.daemon": False}), monkeypatch.context() as patch:
         patch.setenv("PYTHONPATH", os.pathsep.join([str(ROOT), os.environ.get("PYTHONPATH", "")]))
         with LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address=None) as local:

@@ -22,7 +22,7 @@ def command(folder: Path, out: str, workers: int) -> list[str]:
 
 
 def of_session(session: int) -> list[int]:
-    """Processes of a session that are not over."""
+    """Return processes of a session that are not over."""
     found = []
     for path in Path("/proc").glob("[0-9]*/stat"):
         try:
@@ -35,7 +35,7 @@ def of_session(session: int) -> list[int]:
 
 
 def killed(line: list[str], out: Path, after: int) -> None:
-    """Run a command, kill it by SIGKILL once so many clips are done, and wait until what it had started is over."""
+    """Run a command, kill it by SIGKILL once so many clips are done, and wait until the processes it started are over."""
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     with subprocess.Popen(line, cwd=ROOT, start_new_session=True, **quiet) as running:
         until = time.monotonic() + 120.0
@@ -63,7 +63,7 @@ def test_a_killed_command_goes_on_and_ends_with_the_same_bytes(tmp_path: Path, w
     assert whole.returncode == 0, whole.stderr
     line, out = command(tmp_path, "out", workers), tmp_path / "out"
     killed(line, out, 2)
-    # what is there is whole, and as it will be, but for what says that the clips are not done
+    # the files that are there are whole and final, but for those that mark the clips as not done
     wanted, halves = content(tmp_path / "whole"), [name for name in content(out) if ".avatarsim-" in name]
     open_ = {one["name"] for one in json.loads((out / "certificate.json").read_text())["not_done"]}
     assert open_ == {f"c{k:02}.bvh" for k in range(CLIPS)}

@@ -1,4 +1,4 @@
-"""The commands `avatarsim live` and `avatarsim replay`: exit codes, and what they refuse."""
+"""The commands `avatarsim live` and `avatarsim replay`: exit codes, and refused input."""
 
 import json
 import socket
@@ -21,7 +21,7 @@ URDF = """<robot name="stick"><link name="base"><collision><geometry><box size="
 
 
 def recording(folder: Path, wrong: int = 0) -> Path:
-    """A recording of thirty frames; one of them, by its number, with another hash than was shown."""
+    """Return a recording of thirty frames; one of them, by its number, with another hash than was shown."""
     world = World(plan())
     recorder = Recorder(folder / "a.live", world.plan, world.shown.state_hash())
     for frame in range(1, 31):

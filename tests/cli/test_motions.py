@@ -1,4 +1,4 @@
-"""`avatarsim clean` and `avatarsim audit`: what they leave, exit codes, and folders of anything at all."""
+"""`avatarsim clean` and `avatarsim audit`: their output, exit codes, and folders of anything at all."""
 
 import json
 import os
@@ -26,7 +26,7 @@ def clean(*words: object) -> int:
 
 
 def ended(*words: object) -> int:
-    """The exit code, also where argparse ends the process."""
+    """Return the exit code, also where argparse ends the process."""
     try:
         return main([*map(str, words)])
     except SystemExit as end:
@@ -53,7 +53,7 @@ def test_a_folder_is_cleaned_with_its_layout_certificate_and_pages(tmp_path: Pat
         assert one["is_clean"] and one["overlap"]["before"]["frames"] > 0 and one["overlap"]["after"]["frames"] == 0
         assert 0 < one["changed_frames"] < one["frames"] and one["flagged"]
         json.loads((tmp_path / "out" / f"certificates/{one['motion']}.json").read_text())
-    # in the format that it came in, and what was free is what it was
+    # in the format that it came in, and free frames are unchanged
     before, after = (load_motion(tmp_path / folder / "b.bvh") for folder in ("in", "out"))
     model = before.model()
     old, new = before.motion(model), after.motion(model)
@@ -134,7 +134,7 @@ def test_what_is_done_is_not_done_again_unless_something_changed(tmp_path: Path,
     first = content(out)
 
     def again(*more: str) -> set[str]:
-        """Clips that were done anew."""
+        """Return clips that were done anew."""
         capsys.readouterr()
         assert clean(tmp_path / "in", "-o", out, *more) == 0
         lines = capsys.readouterr().out.splitlines()[1:-1]
@@ -162,7 +162,7 @@ def test_what_earlier_commands_left_undone_stays_until_it_is_done(tmp_path: Path
     out, bad = tmp_path / "out", tmp_path / "bad.bvh"
     bad.write_text("cut off")
     assert clean(bvh(tmp_path / "a.bvh", frames=4), bad, "-o", out) == 3
-    # this command has done all that it was asked for
+    # this command has done all its clips
     assert clean(bvh(tmp_path / "b.bvh", frames=4), "-o", out) == 0
     assert [(one["name"], one["kind"]) for one in certified(out)["not_done"]] == [("bad.bvh", "unreadable")]
     bvh(bad, frames=4)
@@ -187,7 +187,7 @@ def test_the_shortest_clips_are_cleaned_too(tmp_path: Path, frames: int, sinks: 
 
 
 def rubbish(folder: Path) -> dict[str, str]:
-    """Files that no reader takes, and what is said of each."""
+    """Return files that no reader takes, with the message for each."""
     good = bvh(folder / "good.bvh").read_text()
     (folder / "cut.bvh").write_text(good[: len(good) // 3])
     (folder / "empty.bvh").write_bytes(b"")
@@ -338,7 +338,7 @@ def test_an_audit_tells_limits_from_overlap_and_names_the_deepest_pair(tmp_path:
 
 
 def test_a_home_is_a_frame_as_it_was_recorded_or_a_file(tmp_path: Path) -> None:
-    """Also at another rate, where what is written has no such frame."""
+    """Also at another rate, where the output has no such frame."""
     clip, other = written(tmp_path, "a.bvh", rows()), written(tmp_path, "b.bvh", rows()[:9])
     for home, word in (("29", "29"), (f"{other}:4", "b.bvh:4")):
         out = tmp_path / f"out{len(home)}"

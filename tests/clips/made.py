@@ -34,7 +34,7 @@ ROBOT = """\
 
 
 def bvh(path: Path, frames: int = 12, sinks: float = 0.15, seed: int = 0) -> Path:
-    """A clip of the figure, which sinks by `sinks` [m] into the floor in its middle; `seed` sways it a little."""
+    """Return a clip of the figure, which sinks by `sinks` [m] into the floor in its middle; `seed` sways it a little."""
     rows = np.zeros((frames, COLUMNS))
     share = np.arange(frames) / max(frames - 1, 1)
     rows[:, 0] = 0.01 * seed
@@ -47,14 +47,14 @@ def bvh(path: Path, frames: int = 12, sinks: float = 0.15, seed: int = 0) -> Pat
 
 
 def robot(folder: Path) -> Path:
-    """The robot's model file."""
+    """Return the robot's model file."""
     path = folder / "robot.xml"
     path.write_text(ROBOT, encoding="utf-8")
     return path
 
 
 def csv(path: Path, frames: int = 10) -> Path:
-    """A trajectory of the robot, quaternions w last: its trunk goes down to the floor and 5 cm into it."""
+    """Return a trajectory of the robot, quaternions w last: its trunk goes down to the floor and 5 cm into it."""
     share = np.linspace(0.0, 1.0, frames)
     rows = np.zeros((frames, 8))
     rows[:, 2] = 0.4 - 0.35 * np.sin(np.pi * share)
@@ -65,7 +65,7 @@ def csv(path: Path, frames: int = 10) -> Path:
 
 
 def carrying(path: Path, frames: int = 12, **entries: object) -> Path:
-    """A trajectory of the robot, and the poses of a cube of 0.1 m that comes into its arm."""
+    """Return a trajectory of the robot, and the poses of a cube of 0.1 m that comes into its arm."""
     share = np.linspace(0.0, 1.0, frames)
     rows = np.zeros((frames, 8))
     rows[:, 2], rows[:, 3] = 0.6, 1.0
@@ -76,5 +76,5 @@ def carrying(path: Path, frames: int = 12, **entries: object) -> Path:
 
 
 def content(folder: Path) -> dict[str, bytes]:
-    """All files below a folder, by their paths."""
+    """Return all files below a folder, by their paths."""
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}

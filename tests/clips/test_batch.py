@@ -1,4 +1,4 @@
-"""What a folder's certificate says is not done: of the last command, and of all that were asked for before."""
+"""Clips that a folder's certificate lists as not done: of the last command, and of all commands before."""
 
 import json
 from pathlib import Path
@@ -18,21 +18,21 @@ BROKEN = ("x.bvh", "unreadable", "cut off")
 
 
 def done(out: Path, place: str) -> Outcome:
-    """A clip with a result in the folder."""
+    """Return a clip with a result in the folder."""
     one: dict[str, Any] = entry() | {"motion": place}
     write_whole(out / CERTIFICATES / f"{place}.json", certificate.text(one))
     return Outcome(place, one)
 
 
 def undone(out: Path) -> dict[str, str]:
-    """What the folder's certificate says: kinds by names."""
+    """Return the list of the folder's certificate: kinds by names."""
     whole = json.loads((out / WHOLE).read_text())
     jsonschema.validate(whole, certificate.schema())
     return {one["name"]: one["kind"] for one in whole["not_done"]}
 
 
 def command(out: Path, *clips: str) -> Batch:
-    """A command into the folder that asks for these clips, of which none is done yet."""
+    """Return a command into the folder with these clips, of which none is done yet."""
     batch = Batch(clips=frozenset(clips), earlier=left_undone(out, frozenset(clips)))
     leave(out, batch)
     return batch
@@ -61,7 +61,7 @@ def test_a_second_command_keeps_what_the_first_left_undone(tmp_path: Path) -> No
     ended(tmp_path, command(tmp_path, "a.bvh", "x.bvh"), "a.bvh", broken=BROKEN)
     ended(tmp_path, command(tmp_path, "b.bvh"), "b.bvh")
     assert undone(tmp_path) == {"x.bvh": "unreadable"}
-    # asked for again, it is what becomes of it now
+    # requested again, the clip has its new result
     ended(tmp_path, command(tmp_path, "x.bvh"), broken=("x.bvh", "no free posture", "deep"))
     assert undone(tmp_path) == {"x.bvh": "no free posture"}
     ended(tmp_path, command(tmp_path, "x.bvh"), "x.bvh")

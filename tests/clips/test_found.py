@@ -1,4 +1,4 @@
-"""Folders are taken whole, sorted, with their layout; what is no motion is left alone; no result takes another file's place."""
+"""Folders are taken whole, sorted, with their layout; files without motion are left alone; no result replaces another file."""
 
 import os
 from collections.abc import Iterator
@@ -74,7 +74,7 @@ def test_no_result_takes_the_place_of_another_file(tmp_path: Path, named: list[s
         assert len(found(paths, tmp_path / out).clips) == 1
         return
     if named == ["x"]:
-        # what lies in the output folder is no input
+        # files in the output folder are no input
         assert found(paths, tmp_path / "x" / "deeper").clips != ()
     with pytest.raises(InvalidInput, match=said):
         found(paths, tmp_path / out)

@@ -26,7 +26,7 @@ URDF = """<robot name="some"><link name="base"><collision><geometry><mesh filena
 
 
 def small_cube() -> str:
-    """An OBJ file."""
+    """Return an OBJ file."""
     vertices, triangles = cube()
     return obj_text((0.1 * vertices, triangles))
 

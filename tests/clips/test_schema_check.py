@@ -1,4 +1,4 @@
-"""The small validator of certificates says what a whole one says, of certificates and of what becomes of them by damage."""
+"""The small validator of certificates agrees with a whole one, on certificates and on damaged ones."""
 
 import copy
 import random
@@ -22,14 +22,14 @@ VALUES = st.recursive(
 
 
 def agree(value: object, schema: dict[str, Any]) -> bool:
-    """Whether both find a value right; they have to say the same."""
+    """Return whether both find a value right; they have to agree."""
     ours, theirs = not fault(value, schema, schema), jsonschema.Draft202012Validator(schema).is_valid(value)
     assert ours == theirs, value
     return ours
 
 
 def damaged(value: Any, rng: random.Random) -> Any:
-    """A certificate of which one part is missing, is more, or is something else."""
+    """Return a certificate of which one part is missing, is more, or is something else."""
     found = copy.deepcopy(value)
     part, key = found, None
     while isinstance(part, dict | list) and part and (key is None or rng.random() < 0.75):

@@ -1,4 +1,4 @@
-"""The dumb twin of the search for contact: exact motion sampled densely, separation by trying every axis, then bisection."""
+"""A brute-force twin of the contact search: exact motion sampled densely, separation by trying every axis, then bisection."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -31,11 +31,11 @@ class Flying:
     inertia: Array | None = None
 
     def centres(self, t: Array) -> Array:
-        """(T, 3) centres of mass."""
+        """Return (T, 3) centres of mass."""
         return np.asarray(self.position + t[:, None] * self.velocity + 0.5 * t[:, None] ** 2 * self.pull)
 
     def turns(self, t: Array) -> Array:
-        """(T, 3, 3) rotations."""
+        """Return (T, 3, 3) rotations."""
         if self.inertia is None:
             return np.asarray((Rotation.from_rotvec(t[:, None] * self.spin) * self.turn).as_matrix())
         inertia, start = self.inertia, self.turn.as_matrix()
@@ -60,12 +60,12 @@ class Pair:
         self._normals, self._edges = zip(*(_features(x.points) for x in (a, b)), strict=True)
 
     def separation(self, t: Array) -> Array:
-        """(T,) largest gap over all axes: of the sign of the true gap, and equal to it except between corners."""
+        """Return (T,) largest gap over all axes: of the sign of the true gap, and equal to it except between corners."""
         turns, points = self._poses(t)
         return np.maximum(_gap(points, self._faces(turns)), _gap(points, self._crossed(turns)))
 
     def apart(self, t: Array) -> NDArray[np.bool_]:
-        """(T,) whether the gap is positive; pairs of edges are tried only where no facet settles it."""
+        """Return (T,) whether the gap is positive; pairs of edges are tried only where no facet settles it."""
         turns, points = self._poses(t)
         settled = np.asarray(_gap(points, self._faces(turns)) > 0.0)
         rest = np.flatnonzero(~settled)
@@ -86,14 +86,14 @@ class Pair:
 
 
 def _features(points: Array) -> tuple[Array, Array]:
-    """Facet normals (k, 3) and edges (m, 3) of the hull."""
+    """Return facet normals (k, 3) and edges (m, 3) of the hull."""
     hull = ConvexHull(points)
     ends = np.unique(np.sort(np.concatenate([hull.simplices[:, [i, i - 1]] for i in range(3)]), axis=1), axis=0)
     return hull.equations[:, :3], points[ends[:, 1]] - points[ends[:, 0]]
 
 
 def _gap(points: list[Array], axes: Array) -> Array:
-    """(T,) largest gap between two sets of points (T, n, 3) along any of the axes (T, k, 3)."""
+    """Return (T,) largest gap between two sets of points (T, n, 3) along any of the axes (T, k, 3)."""
     size = np.linalg.norm(axes, axis=2)
     on_a, on_b = (axes @ x.swapaxes(1, 2) for x in points)
     gaps = np.maximum(on_a.min(axis=2) - on_b.max(axis=2), on_b.min(axis=2) - on_a.max(axis=2))
@@ -101,7 +101,7 @@ def _gap(points: list[Array], axes: Array) -> Array:
 
 
 def first_touch(apart: Callable[[Array], NDArray[np.bool_]], end: float, samples: int = 400, within: float = 0.0) -> float | None:
-    """First t in [0, end] at which they are not apart, late by ``within`` or rounding at most; None if no sample is."""
+    """Return first t in [0, end] at which they are not apart, late by ``within`` or rounding at most; None if no sample is."""
     t = np.linspace(0.0, end, samples)
     below = np.flatnonzero(~apart(t))
     if len(below) == 0:

@@ -16,7 +16,7 @@ from tests.collision.strata import BATCH, STRATA, draw
 from tests.progress_bar import bar
 
 BATCHES_AT_ONCE = 5
-"""Batches handed to a process at a time: larger makes the progress bar coarse, smaller spends more on handing over."""
+"""Batches sent to a process at a time: larger makes the progress bar coarse, smaller spends more on sending."""
 QHULL_EVERY = 19
 """Of the overlapping polytope pairs every 19th also goes through qhull's Minkowski difference, and all large ones do. Prime to
 the 15 pairs of kinds, which are drawn in turn."""
@@ -25,7 +25,7 @@ SHOWN = 40
 
 
 def chunks(pairs: int, large: int, seed: int) -> Iterator[tuple[str, int, range, int, int]]:
-    """Arguments of `tally` that together are `pairs` pairs, shared out evenly over the strata, and `large` large ones."""
+    """Yield arguments of `tally` that together are `pairs` pairs, shared out evenly over the strata, and `large` large ones."""
     strata = [s for s in STRATA if s != "large"]
     wanted = {s: pairs // len(strata) + (k < pairs % len(strata)) for k, s in enumerate(strata)} | {"large": large}
     for stratum, count in wanted.items():
@@ -37,12 +37,12 @@ def chunks(pairs: int, large: int, seed: int) -> Iterator[tuple[str, int, range,
 
 
 def named(chunk: tuple[str, int, range, int, int]) -> tuple[str, Tally]:
-    """The tally of a chunk, with its stratum."""
+    """Return the tally of a chunk, with its stratum."""
     return chunk[0], tally(*chunk)
 
 
 def table(found: dict[str, Tally]) -> str:
-    """One row per stratum: pairs, worst figures relative to size, statuses, failures, and the pairs of each oracle."""
+    """Return one row per stratum: pairs, worst figures relative to size, statuses, failures, and the pairs of each oracle."""
     head = f"{'stratum':12} {'pairs':>8} {'gap':>8} {'points':>8} {'swapped':>8} {'signs':>5} {'lost':>5} {'failed':>6}"
     return "\n".join([head, *(
         f"{name:12} {t.pairs:8} {t.error:8.1e} {t.witness:8.1e} {t.swapped:8.1e} {t.wrong_signs:5} {t.statuses.total():5} "
@@ -59,7 +59,7 @@ def show(label: str) -> bool:
 
 
 def main() -> int:
-    """The command."""
+    """Run the command."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--pairs", type=int, default=1_000_000, help="pairs of shapes of up to 64 corners")
     parser.add_argument("--large", type=int, default=2_000, help="pairs of hulls of up to 300 corners on top")

@@ -1,4 +1,4 @@
-"""Pairs of batches asked of the query, and its answers judged by oracles that share no code with it."""
+"""Batches of pairs put to the query, and its answers judged by oracles that share no code with it."""
 
 from collections import Counter
 from collections.abc import Iterable
@@ -29,15 +29,15 @@ coordinate, and the query's own tolerance for a polytope is this."""
 SMOOTH_SIGN_BAND = 1e-9
 """The same for ellipsoids: a surface that facets only approach."""
 ULPS = 8
-"""Units in the last place of the largest coordinate [m] by which an answer may be off on top: what the coordinates
-themselves are worth. 1e5 m from the origin that is 1.2e-10 m, and it exceeds RELATIVE for shapes below 0.12 m."""
+"""Units in the last place of the largest coordinate [m] by which an answer may be off on top: the precision of the
+coordinates themselves. 1e5 m from the origin that is 1.2e-10 m, and it exceeds RELATIVE for shapes below 0.12 m."""
 MOST_TRIANGLES = 300_000
 """Effort for one proof of a depth: typical are 200 to 5,000; only where nearly every direction is equally deep, as in two
 concentric balls written as ellipsoids, it ends undecided."""
 
 TURNED = np.array([[0.0, 0.02, -0.01], [-0.02, 0.0, 0.03], [0.01, -0.03, 0.0]])
-"""By what [rad] the second shape lies turned a frame before, for the coherent query; it lies shifted by about as much of its
-size. A memory may be of anything, so that the turn is one of first order does not matter."""
+"""Turn [rad] of the second shape a frame before, for the coherent query; it is shifted by about as much of its size. A memory
+may be of anything, so that the turn may be one of first order."""
 
 SCRATCH, STACK, MEMORY = make_scratch(), make_stack(), make_pair_memory(1)
 
@@ -47,7 +47,7 @@ ENUMERATED, BOUNDED, PROVEN, UNPROVED = "enumerated", "bounded", "proved", "unde
 
 @dataclass(frozen=True)
 class Verdict:
-    """One pair judged; lengths are relative to the size of the larger shape, beyond what rounding of coordinates explains."""
+    """One pair judged; lengths are relative to the size of the larger shape, beyond the rounding of coordinates."""
 
     label: str
     status: int
@@ -60,7 +60,7 @@ class Verdict:
     """Difference of the gap with a and b exchanged, with a margin, and with the memory of a frame before, from this one."""
     wrong_sign: bool
     lost: str
-    """What went wrong besides figures; empty: nothing."""
+    """Faults besides figures; empty: none."""
 
     @property
     def failures(self) -> list[str]:
@@ -75,7 +75,7 @@ class Verdict:
 
 
 def judge(batch: Batch, k: int, by_qhull: bool = False) -> Verdict:
-    """Pair k of the batch; `by_qhull` adds the Minkowski difference to the oracles of a polytope pair."""
+    """Judge pair k of the batch; `by_qhull` adds the Minkowski difference to the oracles of a polytope pair."""
     a, b, shapes = 2 * k, 2 * k + 1, batch.shapes
     seed: Vec3 = tuple(batch.seed[k].tolist())
     size = float(max(shapes.extent[a], shapes.extent[b]))
@@ -129,14 +129,14 @@ def _outside(batch: Batch, s: int, p: Array) -> float:
 
 
 def _exact_core_gap(batch: Batch, a: int, b: int) -> float:
-    """Signed distance [m] of polytope cores; if A - B is flat the distance, at least 0."""
+    """Return the signed distance [m] of polytope cores; if A - B is flat the distance, at least 0."""
     features = batch.centred, batch.shapes.start, batch.face, batch.face_start, batch.edge, batch.edge_start
     gap = greatest_gap(*features, a, b)
     return gap if -np.inf < gap <= 0.0 else least_distance(*features, a, b)
 
 
 def _smooth_depth(batch: Batch, a: int, b: int, core: float, proved: float, size: float) -> tuple[str, float, float]:
-    """(oracle, error at most, greatest gap known of any direction) of overlapping cores, one of them an ellipsoid."""
+    """Return (oracle, error at most, greatest gap known of any direction) of overlapping cores, one of them an ellipsoid."""
     shapes, tolerance = batch.shapes, 0.2 * RELATIVE * size
     certain, least = proved_depth(
         batch.centred, shapes.kind, shapes.start, a, b, -proved, tolerance, MOST_TRIANGLES, STACK
@@ -158,7 +158,7 @@ def _checked_by_qhull(batch: Batch, a: int, b: int, truth: float, core: float, e
 def _other_doors(
     batch: Batch, k: int, gap: float, seed: Vec3, size: float, rounding: float, smooth: bool
 ) -> tuple[float, str]:
-    """Difference after exchanging a and b; and whether the queries with a margin contradict the full one."""
+    """Return the difference after exchanging a and b; and whether the queries with a margin contradict the full one."""
     a, b, v, shapes = 2 * k, 2 * k + 1, batch.vertices, batch.shapes
     back = signed_distance(v, shapes, b, a, (-seed[0], -seed[1], -seed[2]), SCRATCH)
     difference = abs(back[1] - gap)
@@ -183,7 +183,7 @@ def _other_doors(
 
 
 def _coherent(batch: Batch, k: int, size: float, moved: bool) -> tuple[float, str]:
-    """The gap with the memory of where b was a frame before, or as it is left from then, and what is wrong with the answer."""
+    """Return the gap with the memory of b's place a frame before, or as it is left from then, and the answer's fault."""
     a, b, v, shapes = 2 * k, 2 * k + 1, batch.vertices, batch.shapes
     if moved:
         here = slice(shapes.start[b], shapes.start[b + 1])
@@ -231,7 +231,7 @@ class Tally:
             self.failures.append(f"{verdict.label}: {', '.join(verdict.failures)}")
 
     def join(self, other: "Tally") -> None:
-        """Add what another process found."""
+        """Add the counts of another process."""
         self.pairs += other.pairs
         self.error, self.witness = max(self.error, other.error), max(self.witness, other.witness)
         self.swapped = max(self.swapped, other.swapped)

@@ -23,7 +23,7 @@ only costs time; smaller: flush and parallel pairs lose their edges to rounding.
 
 @kernel
 def gap_along_rows(rows: Rows, a: int, a_end: int, b: int, b_end: int, n: Vec3) -> float:
-    """min_A n.x - max_B n.x over rows a .. a_end and b .. b_end."""
+    """Return min_A n.x - max_B n.x over rows a .. a_end and b .. b_end."""
     low, high = inf, -inf
     for i in range(a, a_end):
         low = min(low, dot(row(rows, i), n))
@@ -34,7 +34,7 @@ def gap_along_rows(rows: Rows, a: int, a_end: int, b: int, b_end: int, n: Vec3) 
 
 @kernel
 def face_normal(rows: Rows, start: int, face: Ints, f: int) -> Vec3:
-    """Outward unit normal of face f."""
+    """Return the outward unit normal of face f."""
     a, b = row(rows, start + face[f, 0]), row(rows, start + face[f, 1])
     n = cross(sub(b, a), sub(row(rows, start + face[f, 2]), a))
     return scale(n, 1.0 / norm(n))
@@ -42,7 +42,7 @@ def face_normal(rows: Rows, start: int, face: Ints, f: int) -> Vec3:
 
 @kernel
 def below(rows: Rows, start: int, edge: Ints, e: int, d: Vec3, slack: float) -> bool:
-    """Whether the faces at edge e lie below the plane through it with normal d, which then touches the whole body."""
+    """Return whether the faces at edge e lie below the plane through it with normal d, which then touches the whole body."""
     end = row(rows, start + edge[e, 0])
     for k in range(2, 4):
         if edge[e, k] >= 0 and dot(d, sub(row(rows, start + edge[e, k]), end)) > slack:
@@ -54,7 +54,7 @@ def below(rows: Rows, start: int, edge: Ints, e: int, d: Vec3, slack: float) -> 
 def greatest_gap(
     rows: Rows, start: Ints, face: Ints, face_start: Ints, edge: Ints, edge_start: Ints, a: int, b: int
 ) -> float:
-    """Greatest gap [m] of cores a and b along the normals that a facet of A - B can have; -inf if A - B is flat."""
+    """Return the greatest gap [m] of cores a and b along the normals that a facet of A - B can have; -inf if A - B is flat."""
     row_a, end_a, row_b, end_b = start[a], start[a + 1], start[b], start[b + 1]
     best = -inf
     for f in range(face_start[a], face_start[a + 1]):
@@ -76,7 +76,7 @@ def greatest_gap(
             for _ in range(2):
                 # d out of b into a: a's faces at its edge are above, b's below
                 if below(rows, row_a, edge, e, neg(d), slack) and below(rows, row_b, edge, g, d, slack):
-                    # nearly parallel edges: the cross product lost digits, but it must stand on both
+                    # nearly parallel edges: the cross product lost digits, but it must be at right angles to both
                     n = scale(d, 1.0 / length)
                     for _ in range(2):
                         n = along(n, -dot(n, u) / uu, u)
@@ -89,7 +89,7 @@ def greatest_gap(
 
 @kernel
 def point_to_segment(p: Vec3, a: Vec3, u: Vec3) -> float:
-    """Distance of p from the segment a .. a + u, which may be a point."""
+    """Return the distance of p from the segment a .. a + u, which may be a point."""
     w, uu = sub(p, a), dot(u, u)
     share = 0.0 if uu == 0.0 else min(1.0, max(0.0, dot(w, u) / uu))
     return norm(along(w, -share, u))
@@ -97,7 +97,7 @@ def point_to_segment(p: Vec3, a: Vec3, u: Vec3) -> float:
 
 @kernel
 def segment_to_segment(a: Vec3, u: Vec3, b: Vec3, v: Vec3) -> float:
-    """Distance of the segments a .. a + u and b .. b + v: the least over the four ends and the inner points."""
+    """Return the distance of the segments a .. a + u and b .. b + v: the least over the four ends and the inner points."""
     best = min(point_to_segment(a, b, v), point_to_segment(along(a, 1.0, u), b, v))
     best = min(best, min(point_to_segment(b, a, u), point_to_segment(along(b, 1.0, v), a, u)))
     uu = dot(u, u)
@@ -120,7 +120,7 @@ def segment_to_segment(a: Vec3, u: Vec3, b: Vec3, v: Vec3) -> float:
 
 @kernel
 def point_over_face(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
-    """Distance of p from the plane of triangle a b c if its foot is inside; else inf, as an edge is nearer."""
+    """Return the distance of p from the plane of triangle a b c if its foot is inside; else inf, as an edge is nearer."""
     n = cross(sub(b, a), sub(c, a))
     if (
         dot(cross(sub(b, a), sub(p, a)), n) < 0.0
@@ -135,7 +135,7 @@ def point_over_face(p: Vec3, a: Vec3, b: Vec3, c: Vec3) -> float:
 def least_distance(
     rows: Rows, start: Ints, face: Ints, face_start: Ints, edge: Ints, edge_start: Ints, a: int, b: int
 ) -> float:
-    """Least distance [m] of any features of cores a and b; their distance if they do not overlap."""
+    """Return the least distance [m] of any features of cores a and b; their distance if they do not overlap."""
     best = inf
     for e in range(edge_start[a], edge_start[a + 1]):
         p = row(rows, start[a] + edge[e, 0])
@@ -154,7 +154,7 @@ def least_distance(
 
 @kernel
 def outside_polytope(rows: Rows, start: int, face: Ints, face_first: int, face_end: int, p: Vec3) -> bool:
-    """Whether p is beyond any face."""
+    """Return whether p is beyond any face."""
     for f in range(face_first, face_end):
         a = row(rows, start + face[f, 0])
         n = cross(sub(row(rows, start + face[f, 1]), a), sub(row(rows, start + face[f, 2]), a))
@@ -165,7 +165,7 @@ def outside_polytope(rows: Rows, start: int, face: Ints, face_first: int, face_e
 
 @kernel
 def ellipsoid_norm(rows: Rows, start: int, p: Vec3) -> tuple[float, Vec3]:
-    """|D^-1 R^T (p - c)|, 1 on the surface, and its gradient there."""
+    """Return |D^-1 R^T (p - c)|, 1 on the surface, and its gradient there."""
     w, square, gradient = sub(p, row(rows, start)), 0.0, (0.0, 0.0, 0.0)
     for k in range(1, 4):
         axis = row(rows, start + k)
@@ -196,7 +196,7 @@ def outside_ellipsoid(rows: Rows, start: int, p: Vec3) -> float:
 def outside(
     rows: Rows, kind: Ints, start: Ints, face: Ints, face_start: Ints, edge: Ints, edge_start: Ints, s: int, p: Vec3
 ) -> float:
-    """Distance [m] of p from the core of shape s, 0 inside; for an ellipsoid at least that."""
+    """Return the distance [m] of p from the core of shape s, 0 inside; for an ellipsoid at least that."""
     first = start[s]
     if kind[s] != POINTS:
         return outside_ellipsoid(rows, first, p)

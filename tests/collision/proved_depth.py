@@ -37,13 +37,13 @@ def rounder(rows: Rows, kind: Ints, start: Ints, a: int, b: int) -> Rows:
 
 
 def make_stack() -> Rows:
-    """Memory for the triangles still to be looked at."""
+    """Return memory for the triangles still to be looked at."""
     return np.zeros((STACK_ROWS, 10))
 
 
 @kernel
 def farthest(rows: Rows, kind: int, start: int, end: int, d: Vec3) -> Vec3:
-    """The point of a core farthest along d."""
+    """Return the point of a core farthest along d."""
     if kind == POINTS:
         best, found = -inf, start
         for i in range(start, end):
@@ -62,7 +62,7 @@ def farthest(rows: Rows, kind: int, start: int, end: int, d: Vec3) -> Vec3:
 
 @kernel
 def farthest_of_difference(rows: Rows, kind: Ints, start: Ints, a: int, b: int, d: Vec3) -> Vec3:
-    """The point of A - B farthest along d."""
+    """Return the point of A - B farthest along d."""
     p = farthest(rows, kind[a], start[a], start[a + 1], d)
     return sub(p, farthest(rows, kind[b], start[b], start[b + 1], neg(d)))
 
@@ -78,28 +78,28 @@ def push(stack: Rows, at: int, x: Vec3, y: Vec3, z: Vec3, cuts: float) -> int:
 
 @kernel
 def direction(spread: Rows, m: Vec3) -> Vec3:
-    """The unit vector along spread m."""
+    """Return the unit vector along spread m."""
     d = (dot(row(spread, 0), m), dot(row(spread, 1), m), dot(row(spread, 2), m))
     return scale(d, 1.0 / norm(d))
 
 
 @kernel
 def middle(x: Vec3, y: Vec3) -> Vec3:
-    """The unit vector half-way."""
+    """Return the unit vector half-way."""
     m = add(x, y)
     return scale(m, 1.0 / norm(m))
 
 
 @kernel
 def depth_along(rows: Rows, kind: Ints, start: Ints, a: int, b: int, spread: Rows, m: Vec3) -> float:
-    """h of the direction that m stands for."""
+    """Return h of the direction at the parameter m."""
     d = direction(spread, m)
     return dot(farthest_of_difference(rows, kind, start, a, b, d), d)
 
 
 @kernel
 def descend(rows: Rows, kind: Ints, start: Ints, a: int, b: int, spread: Rows, m: Vec3) -> float:
-    """A small depth near the direction that m stands for, by trying steps both ways along two tangents, halved in vain."""
+    """Return a small depth near the direction at m, by trying steps both ways along two tangents, halved where none helps."""
     m = scale(m, 1.0 / norm(m))
     least, step = depth_along(rows, kind, start, a, b, spread, m), 0.1
     while step > 1e-9:
@@ -122,7 +122,7 @@ def descend(rows: Rows, kind: Ints, start: Ints, a: int, b: int, spread: Rows, m
 
 @kernel
 def least_on_grid(rows: Rows, kind: Ints, start: Ints, a: int, b: int, spread: Rows, steps: int) -> Vec3:
-    """What stands for the direction of least depth on a grid of 6 steps^2 directions."""
+    """Return the parameter of the direction of least depth on a grid of 6 steps^2 directions."""
     least, best = inf, (1.0, 0.0, 0.0)
     for side in range(6):
         for i in range(steps):
@@ -142,7 +142,7 @@ def least_on_grid(rows: Rows, kind: Ints, start: Ints, a: int, b: int, spread: R
 
 @kernel
 def best_of_mixture(p: Vec3, q: Vec3, x: Vec3, y: Vec3, z: Vec3) -> float:
-    """Greatest over t in 0 .. 1 of the least of (p + t (q - p)).corner over three corners."""
+    """Return the greatest over t in 0 .. 1 of the least of (p + t (q - p)).corner over three corners."""
     at_p = (dot(p, x), dot(p, y), dot(p, z))
     at_q = (dot(q, x), dot(q, y), dot(q, z))
     best = max(min(min(at_p[0], at_p[1]), at_p[2]), min(min(at_q[0], at_q[1]), at_q[2]))
@@ -173,7 +173,7 @@ def least_depth(
     most: int,
     stack: Rows,
 ) -> tuple[bool, float, int]:
-    """Depth [m] of the overlapping cores a and b, radii left out.
+    """Return the depth [m] of the overlapping cores a and b, radii left out.
 
     claim: the depth along some direction, to start from: far above the least it takes long; spread: from `rounder`, or any
     invertible matrix; most: triangles to look at before giving up. Returns (whether proved, least, triangles looked at): the

@@ -1,4 +1,4 @@
-"""Bodies to collide in the tests, and exact or dumb answers to compare with."""
+"""Bodies to collide in the tests, and exact or brute-force answers to compare with."""
 
 from dataclasses import dataclass
 from itertools import product
@@ -44,27 +44,27 @@ class Solid:
 
 
 def ball(radius: float) -> Solid:
-    """A sphere about the origin."""
+    """Return a sphere about the origin."""
     return Solid(np.zeros((1, 3)), radius)
 
 
 def capsule(radius: float, half_length: float) -> Solid:
-    """A capsule along x."""
+    """Return a capsule along x."""
     return Solid(np.array([[-half_length, 0.0, 0.0], [half_length, 0.0, 0.0]]), radius)
 
 
 def box(*half: float) -> Solid:
-    """A box about the origin."""
+    """Return a box about the origin."""
     return Solid(np.array(list(product(*((-h, h) for h in half)))))
 
 
 def ellipsoid(*axes: float) -> Solid:
-    """A smooth ellipsoid about the origin."""
+    """Return a smooth ellipsoid about the origin."""
     return Solid(np.vstack([np.zeros(3), np.diag(axes)]), 0.0, ELLIPSOID)
 
 
 def hull_of_ellipsoid(axes: tuple[float, float, float], turns: int = 10, rings: int = 5) -> Solid:
-    """A polytope with 52 corners on an ellipsoid, as the links of an avatar are."""
+    """Return a polytope with 52 corners on an ellipsoid, as the links of an avatar are."""
     points = [(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)]
     for ring in range(1, rings + 1):
         polar = np.pi * ring / (rings + 1)
@@ -75,14 +75,14 @@ def hull_of_ellipsoid(axes: tuple[float, float, float], turns: int = 10, rings: 
 
 
 def random_hull(rng: np.random.Generator, count: int = 30) -> Solid:
-    """Corners of the hull of random points in a stretched ball of about 1 m."""
+    """Return corners of the hull of random points in a stretched ball of about 1 m."""
     points = rng.normal(size=(count, 3))
     points *= rng.uniform(0.3, 1.0, 3) * 0.5 / np.linalg.norm(points, axis=1, keepdims=True)
     return Solid(np.ascontiguousarray(points[np.unique(ConvexHull(points).simplices)]))
 
 
 def as_arrays(*solids: Solid) -> tuple[Array, Shapes]:
-    """Vertex rows and shape arrays of several solids."""
+    """Return vertex rows and shape arrays of several solids."""
     starts = np.cumsum([0, *(len(s.rows) for s in solids)]).astype(np.int64)
     rows = np.ascontiguousarray(np.vstack([s.rows for s in solids]))
     return rows, make_shapes([s.kind for s in solids], starts, [s.radius for s in solids], [s.size for s in solids])
@@ -91,20 +91,20 @@ def as_arrays(*solids: Solid) -> tuple[Array, Shapes]:
 def ask(
     a: Solid, b: Solid, seed: tuple[float, float, float] = NO_SEED
 ) -> tuple[int, float, Array, Array, Array]:
-    """`signed_distance` of two solids, vectors as arrays."""
+    """Return `signed_distance` of two solids, vectors as arrays."""
     vertices, shapes = as_arrays(a, b)
     status, gap, n, on_a, on_b = signed_distance(vertices, shapes, 0, 1, seed, SCRATCH)
     return status, gap, np.array(n), np.array(on_a), np.array(on_b)
 
 
 def exact_core_depth(a: Solid, b: Solid) -> float:
-    """Depth of two polytopes from qhull's facets of their Minkowski difference; negative: apart."""
+    """Return the depth of two polytopes from qhull's facets of their Minkowski difference; negative: apart."""
     differences = (a.rows[:, None, :] - b.rows[None, :, :]).reshape(-1, 3)
     return float(-ConvexHull(differences).equations[:, 3].max())
 
 
 def dumb_core_distance(a: Solid, b: Solid) -> float:
-    """Distance of two polytopes as a least-squares problem over convex combinations: min |A^T x - B^T y|,
+    """Return the distance of two polytopes as a least-squares problem over convex combinations: min |A^T x - B^T y|,
     sums 1.
 
     Solved as non-negative least squares with the two sums weighted heavily, then corrected by projecting once

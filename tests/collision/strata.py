@@ -26,7 +26,7 @@ NONE = -1
 class Form:
     """A shape about the origin, size about 1 m.
 
-    rows (n, 3) as `Shapes` wants them; faces (f, 3) counter-clockwise from outside; edges (e, 4): two ends, then the
+    rows (n, 3) as `Shapes` takes them; faces (f, 3) counter-clockwise from outside; edges (e, 4): two ends, then the
     third corners of the two faces that meet there.
     """
 
@@ -38,7 +38,7 @@ class Form:
 
     @property
     def code(self) -> int:
-        """What `Shapes.kind` says."""
+        """Return the code of `Shapes.kind`."""
         return ELLIPSOID if self.kind == "ellipsoid" else POINTS
 
     @property
@@ -50,7 +50,7 @@ class Form:
 
 
 def draw_form(kind: str, outline: str, rng: np.random.Generator, corners: tuple[int, int] = (4, 64)) -> Form:
-    """A random form; a hull has a log-uniform number of corners within `corners`."""
+    """Return a random form; a hull has a log-uniform number of corners within `corners`."""
     stretch = rng.uniform(0.3, 1.0, 3)
     stretch[rng.permutation(3)[: OUTLINES.index(outline)]] *= THIN
     if kind == "sphere":
@@ -78,7 +78,7 @@ def _rounded(kind: str, rows: Array, radius: float) -> Form:
 
 
 def _faces_and_edges(points: Array) -> tuple[Ints, Ints]:
-    """Triangles, counter-clockwise from outside, and edges of the hull of points that are all its corners."""
+    """Return triangles, counter-clockwise from outside, and edges of the hull of points that are all its corners."""
     hull = ConvexHull(points)
     if len(hull.vertices) != len(points):
         raise ValueError(f"{len(points) - len(hull.vertices)} points are no corners")
@@ -104,7 +104,7 @@ class Spot:
 
 
 def draw_spot(form: Form, feature: str, rng: np.random.Generator) -> Spot:
-    """A random spot on a 'face', 'edge' or 'corner'; on the nearest thing that the form has."""
+    """Return a random spot on a 'face', 'edge' or 'corner'; on the nearest thing that the form has."""
     normal, tangent = _unit(rng.normal(size=3)), rng.normal(size=3)
     rows = form.rows
     if form.kind == "ellipsoid":
@@ -139,7 +139,7 @@ def _unit(vector: Array) -> Array:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Vector product."""
+    """Return the vector product."""
     # Ten times as fast as numpy's for two vectors; a million pairs need several each.
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
@@ -163,7 +163,7 @@ class Batch(NamedTuple):
     """Pair k is the shapes 2 k and 2 k + 1."""
 
     vertices: Array
-    """(nv, 3) what the kernels get [m]."""
+    """(nv, 3) vertices passed to the kernels [m]."""
     centred: Array
     """(nv, 3) the same, both shapes of a pair moved, without rounding, to where the origin is near [m]."""
     centre: Array
@@ -176,13 +176,13 @@ class Batch(NamedTuple):
     """(ne, 4), likewise."""
     edge_start: Ints
     seed: Array
-    """(np, 3) the direction that the query is told to start with."""
+    """(np, 3) the direction that the query starts with."""
     label: list[str]
     """(np,) stratum/seed/number of the batch/k, place and kinds."""
 
 
 def draw(stratum: str, seed: int, number: int) -> Batch:
-    """Batch `number` of a stratum: BATCH pairs, the pairs of kinds in turn. The same arguments give the same bits."""
+    """Return batch `number` of a stratum: BATCH pairs, the pairs of kinds in turn. The same arguments give the same bits."""
     rng = np.random.default_rng([STRATA.index(stratum), seed, number])
     modes = {"plates": "plate", "needles": "needle", "smooth-deep": OUTLINES[number % 3]}
     corners = (65, 300) if stratum == "large" else (4, 64)
@@ -224,7 +224,7 @@ def draw(stratum: str, seed: int, number: int) -> Batch:
 
 
 def belongs(stratum: str, kinds: tuple[str, str]) -> bool:
-    """Whether pairs of these kinds are in the stratum."""
+    """Return whether pairs of these kinds are in the stratum."""
     if stratum == "large":
         return "hull" in kinds
     smooth = "ellipsoid" in kinds
@@ -232,19 +232,19 @@ def belongs(stratum: str, kinds: tuple[str, str]) -> bool:
 
 
 def scaled(form: Form, factor: float) -> Form:
-    """The same form, larger."""
+    """Return the same form, larger."""
     return Form(form.kind, form.rows * factor, form.radius * factor, form.faces, form.edges)
 
 
 def at(form: Form, rows: Array, shift: Array) -> Array:
-    """Rows moved by `shift`; the semi-axes of an ellipsoid are directions and stay."""
+    """Return rows moved by `shift`; the semi-axes of an ellipsoid are directions and stay."""
     moved = rows.copy()
     moved[slice(0, 1) if form.kind == "ellipsoid" else slice(None)] += shift
     return moved
 
 
 def laid(a: Form, b: Form, place: str, rng: np.random.Generator) -> tuple[Array, Array]:
-    """World rows of both, b about the origin."""
+    """Return world rows of both, b about the origin."""
     if place in ("deep", "concentric"):
         turns = Rotation.from_quat(rng.normal(size=(2, 4))).as_matrix()
         if rng.integers(3) == 0:
@@ -285,7 +285,7 @@ def laid(a: Form, b: Form, place: str, rng: np.random.Generator) -> tuple[Array,
 
 
 def packed(pairs: list[tuple[Array, Form, Array, Form]], seeds: Array, labels: list[str]) -> Batch:
-    """Pairs of world rows and forms as one batch."""
+    """Return pairs of world rows and forms as one batch."""
     rows = [r for rows_a, _, rows_b, _ in pairs for r in (rows_a, rows_b)]
     forms = [f for _, form_a, _, form_b in pairs for f in (form_a, form_b)]
     centre = np.array([rows_b[0] if np.abs(rows_b[0]).max() > 0.1 * FAR else np.zeros(3) for _, _, rows_b, _ in pairs])

@@ -1,4 +1,4 @@
-"""Sweep and prune and its grid against dumb twins, bit for bit."""
+"""Sweep and prune and its grid against brute-force twins, bit for bit."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def some_filter(rng, count):
 
 
 def both(boxes, wanted, memory, cap=4000):
-    """What both find, which must be the same to the last bit."""
+    """Return the pairs that both find, which must be the same to the last bit."""
     found, dumb = np.full((cap, 2), -1), np.full((cap, 2), -1)
     answer = sweep_and_prune(boxes, wanted, memory, found)
     assert answer == all_pairs(boxes, wanted, dumb)
@@ -244,7 +244,7 @@ def test_a_large_box_finds_everybody_once(length: float, portions: int, corner: 
 
 
 def test_boxes_that_touch_meet_and_one_that_is_no_number_meets_all() -> None:
-    """Bodies that cannot be told apart from others are not apart."""
+    """Bodies that comparisons cannot separate from others are not apart."""
     boxes = np.array([[0.0, 0, 0, 1, 1, 1], [1.0, 1, 1, 2, 2, 2], [0.0, 0, 0, 0, 0, 0], [0.5, 0.5, np.nextafter(1, 2), 1, 1, 2]])
     for i, j, meet in ((0, 1, True), (0, 2, True), (1, 2, False), (0, 3, False), (1, 3, True)):
         assert boxes_meet(boxes, i, j) == boxes_meet(boxes, j, i) == meet

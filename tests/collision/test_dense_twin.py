@@ -1,4 +1,4 @@
-"""First contacts of tumbling solids against the dumb twin: every axis tried at densely sampled instants, then bisection."""
+"""First contacts of tumbling solids and a brute-force twin: every axis tried at densely sampled instants, then bisection."""
 
 import numpy as np
 import pytest
@@ -20,12 +20,12 @@ END = 0.2
 
 
 def quaternion(turn: Rotation) -> tuple[float, ...]:
-    """Scalar first."""
+    """Return the quaternion scalar first."""
     return tuple(turn.as_quat()[[3, 0, 1, 2]])
 
 
 def pair_of_hulls(seed: int, corners: int = 10) -> tuple[list[Body], list[Flying]]:
-    """Two random hulls that fly at each other and tumble, for the engine and for the twin."""
+    """Return two random hulls that fly at each other and tumble, for the engine and for the twin."""
     rng = np.random.default_rng(seed)
     bodies, twins = [], []
     for side in (-1.0, 1.0):
@@ -133,7 +133,7 @@ VECTORS = st.lists(st.floats(-1.0, 1.0), min_size=3, max_size=3).map(np.array)
 
 @st.composite
 def meetings(draw: st.DrawFn) -> tuple[list[Body], list[Array]]:
-    """Two solids that meet at 20 m/s or more, off centre, spinning slowly against that; and their accelerations.
+    """Return two solids that meet at 20 m/s or more, off centre, spinning slowly against that; and their accelerations.
 
     Slower, a pull to the side of 10 m/s^2 can take one past the other.
     """
@@ -149,12 +149,12 @@ def meetings(draw: st.DrawFn) -> tuple[list[Body], list[Array]]:
 
 
 def search(bodies: list[Body], pulls: list[Array]) -> Found:
-    """First contact of the two."""
+    """Return the first contact of the two."""
     return TwoBodies(*bodies).first_contact(END, acceleration_a=tuple(pulls[0]), acceleration_b=tuple(pulls[1]))
 
 
 def changed(body: Body, turn: Rotation, shift: Array, drift: Array) -> Body:
-    """The body as seen from elsewhere: turned, shifted, drifting."""
+    """Return the body as seen from elsewhere: turned, shifted, drifting."""
     assert body.mass is not None
     now = turn * Rotation.from_quat(np.array(body.orientation)[[1, 2, 3, 0]])
     position, velocity = turn.apply(body.position) + shift, turn.apply(body.velocity) + drift

@@ -69,7 +69,7 @@ def test_deep_hulls_equal_qhull():
 
 
 def grown(points):
-    """The hull of points, grown from the first four, one point at a time."""
+    """Return the hull of points, grown from the first four, one point at a time."""
     scratch = make_scratch()
     points = np.array(points, float)
     if np.linalg.det(points[1:4] - points[0]) > 0.0:

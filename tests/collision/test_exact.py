@@ -74,7 +74,7 @@ def test_the_places_overlap_or_not_as_named():
 
 
 def gap_of(batch, k):
-    """What the query says of pair k."""
+    """Return the query's answer for pair k."""
     return judged.signed_distance(batch.vertices, batch.shapes, 2 * k, 2 * k + 1, (0.0, 0.0, 0.0), judged.SCRATCH)[1]
 
 
@@ -113,13 +113,13 @@ PLACED = ("apart", "shallow", "deep", "concentric", "flush", "grazing")
 
 
 def one_pair(stratum, number, k):
-    """Rows, shapes of a batch and where pair k lies in it."""
+    """Return rows, shapes of a batch and where pair k lies in it."""
     batch = draw(stratum, 3, number)
     return batch.vertices, batch.shapes, 2 * k, 2 * k + 1
 
 
 def moved(vertices, shapes, a, b, turn, shift, factor):
-    """Vertices of the batch with one pair turned, scaled and shifted, and the shapes scaled."""
+    """Return vertices of the batch with one pair turned, scaled and shifted, and the shapes scaled."""
     rows = vertices.copy()
     for s in (a, b):
         here = slice(shapes.start[s], shapes.start[s + 1])
@@ -132,7 +132,7 @@ def moved(vertices, shapes, a, b, turn, shift, factor):
 
 
 def answer_for(vertices, shapes, a, b):
-    """Gap and normal; the status has to be CONVERGED."""
+    """Return the gap and normal; the status has to be CONVERGED."""
     status, gap, n, _, _ = signed_distance(vertices, shapes, a, b, (0.0, 0.0, 0.0), SCRATCH)
     assert status == CONVERGED
     return gap, np.array(n)

@@ -33,7 +33,7 @@ LATE = 1e-15
 
 
 def wall(thick: float = 0.01, x: float = 0.0) -> Body:
-    """A fixed wall across x."""
+    """Return a fixed wall across x."""
     return fixed("wall", (Piece(Box((thick, 20.0, 20.0))),), "m", (x, 0.0, 0.0))
 
 
@@ -155,7 +155,7 @@ def test_hardly_any_motion(speed: float) -> None:
 
 
 def test_a_spin_of_many_turns_costs_little_until_it_matters() -> None:
-    """1e4 rad/s, 26 turns in the frame: past the wall in a few rounds; into it at the instant the ball around it tells."""
+    """1e4 rad/s, 26 turns in the frame: past the wall in a few rounds; into it at the instant that the ball around it gives."""
     rod = Capsule(0.005, 0.19)
     flier = thing("rod", rod, (0.2, 0.0, 0.0), velocity=(-5.0, 0.0, 0.0), angular_velocity=(0.0, 1e4, 0.0))
     past = TwoBodies(wall(), flier, gyroscopic=False)
@@ -168,7 +168,7 @@ def test_a_spin_of_many_turns_costs_little_until_it_matters() -> None:
 
 
 def test_a_spent_budget_is_a_status_and_its_time_is_safe() -> None:
-    """A disc that spins flat over the floor at 1e4 rad/s never comes nearer, but no bound can tell: the budget ends."""
+    """A disc that spins flat over the floor at 1e4 rad/s never comes nearer, but no bound proves it: the budget ends."""
     angle = np.linspace(0.0, 2.0 * np.pi, 12, endpoint=False)
     ring = np.stack([0.2 * np.cos(angle), 0.2 * np.sin(angle), np.full(12, 0.05)], axis=1)
     disc = thing("disc", ConvexHull(np.vstack([ring, ring * [1, 1, -1]])), (0.0, 0.0, 0.06), angular_velocity=(0.0, 0.0, 1e4))
@@ -262,7 +262,7 @@ def test_earliest_touch_is_the_first_root(gap: float, v: float, a: float) -> Non
 
 
 def search(world: World, h: float) -> tuple[int, float]:
-    """First event of the two bodies in free flight within h seconds."""
+    """Return the first event of the two bodies in free flight within h seconds."""
     m = world.memory
     m.paths.kind[:] = np.where(world.dynamics.role == 1, FREE, 0)
     m.paths.linear[:] = np.where((world.dynamics.role == 1)[:, None], world.dynamics.gravity, 0.0)

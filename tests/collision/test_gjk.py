@@ -1,4 +1,4 @@
-"""GJK and the closest points of its simplices, against dumb twins: exact distances, proofs, and statuses."""
+"""GJK and the closest points of its simplices, against brute-force twins: exact distances, proofs, and statuses."""
 
 from itertools import combinations
 from math import inf
@@ -77,7 +77,7 @@ point = st.one_of(st.tuples(grid, grid, grid), st.tuples(fine, fine, fine))
 
 
 def dumb_distance(*corners):
-    """Smallest distance from the origin over every sub-simplex whose own affine minimum lies inside it."""
+    """Return the smallest distance from the origin over every sub-simplex whose own affine minimum lies inside it."""
     found = []
     for count in range(1, len(corners) + 1):
         for some in combinations(np.array(corners, float), count):

@@ -1,4 +1,4 @@
-"""Contact manifolds of resting solids against a dumb twin: both faces as half-planes, every two lines crossed."""
+"""Contact manifolds of resting solids against a brute-force twin: both faces as half-planes, every two lines crossed."""
 
 from itertools import combinations
 
@@ -35,14 +35,14 @@ EXACT = 2e-8
 
 
 def standing(name: str, shape: Shape, position: Array, turn: Rotation) -> Body:
-    """A body of one shape, placed."""
+    """Return a body of one shape, placed."""
     pieces = (Piece(shape),)
     quaternion = tuple(turn.as_quat()[[3, 0, 1, 2]])
     return simulated(name, pieces, "m", solid(pieces, 1.0), tuple(position), quaternion)
 
 
 def contact(bodies: list[Body]) -> tuple[Array, Array, Array, Array]:
-    """(points on the first, points on the second, gaps, normal out of the second into the first)."""
+    """Return (points on the first, points on the second, gaps, normal out of the second into the first)."""
     world = World(bodies)
     vertices, shapes, found = world.poses.vertices, world.geometry.shapes, make_manifold()
     status, gap, n, on_a, on_b = signed_distance(vertices, shapes, 0, 1, (0.0, 0.0, 0.0), make_scratch())
@@ -53,7 +53,7 @@ def contact(bodies: list[Body]) -> tuple[Array, Array, Array, Array]:
 
 
 def half_planes(corners: Array) -> Array:
-    """Rows (a, b, c), a x + b y <= c, of a polygon; of a segment, its line from both sides and both ends."""
+    """Return rows (a, b, c), a x + b y <= c, of a polygon; of a segment, its line from both sides and both ends."""
     if len(corners) == 2:
         d = (corners[1] - corners[0]) / np.linalg.norm(corners[1] - corners[0])
         side = np.array([-d[1], d[0]])
@@ -71,7 +71,7 @@ def half_planes(corners: Array) -> Array:
 
 
 def common(one: Array, two: Array) -> tuple[Array, Array]:
-    """(corners of the common part of two polygons or segments, all their half-planes), by crossing every two lines."""
+    """Return (corners of the common part of two polygons or segments, all their half-planes), by crossing every two lines."""
     planes = np.vstack([half_planes(one), half_planes(two)])
     found: list[Array] = []
     for i, k in combinations(range(len(planes)), 2):
@@ -84,7 +84,7 @@ def common(one: Array, two: Array) -> tuple[Array, Array]:
 
 
 def area(points: Array) -> float:
-    """Area of the convex hull of points in the plane."""
+    """Return the area of the convex hull of points in the plane."""
     return float(Qhull(points).volume) if len(points) > 2 and np.linalg.matrix_rank(points - points[0], tol=1e-6) == 2 else 0.0
 
 
@@ -111,7 +111,7 @@ def compare(points: Array, one: Array, two: Array) -> None:
 
 
 def rectangle(size: Array, yaw: float, at: Array) -> Array:
-    """Corners of a face (4, 2)."""
+    """Return corners of a face (4, 2)."""
     c, s = np.cos(yaw), np.sin(yaw)
     corners = 0.5 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) * size[:2]
     return np.asarray(corners @ np.array([[c, s], [-s, c]]) + at)
@@ -171,7 +171,7 @@ def test_an_edge_or_a_lying_capsule_on_a_face(gap: float, capsule: bool) -> None
 
 
 def footed(rng: np.random.Generator, corners: int) -> tuple[ConvexHull, Array]:
-    """A hull with a flat foot at z = 0 (corners, 2) and a smaller top."""
+    """Return a hull with a flat foot at z = 0 (corners, 2) and a smaller top."""
     angle = np.sort(rng.uniform(0.0, 2.0 * np.pi, size=corners))
     foot = np.stack([0.3 * np.cos(angle), 0.2 * np.sin(angle)], axis=1)
     top = np.column_stack([0.5 * foot + 0.02 * rng.normal(size=foot.shape), rng.uniform(0.1, 0.2, size=corners)])
@@ -242,20 +242,20 @@ def test_the_same_manifold_from_everywhere(gap: float) -> None:
 
 
 def over_slab(shape: Shape, height: float, orientation: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)) -> tuple[Array, Array]:
-    """Manifold of a body over a slab of 2 m by 2 m: points on the body, gaps."""
+    """Return manifold of a body over a slab of 2 m by 2 m: points on the body, gaps."""
     body = thing("body", shape, (0.0, 0.0, height), orientation=orientation)
     return contact([slab((2.0, 2.0, 1.0)), body])[1:3]
 
 
 @pytest.mark.parametrize("corners", [FEATURE_ROOM, FEATURE_ROOM + 1, 128, 400])
 def test_a_disc_of_many_corners_stands_on_all_of_its_rim(corners: int) -> None:
-    """With the first 64 corners of 128 it stood on half of its base, and fell over."""
+    """With the first 64 corners of 128 it rested on half of its base, and fell over."""
     angles = 2.0 * np.pi * np.arange(corners) / corners
     rim = 0.2 * np.stack([np.cos(angles), np.sin(angles), np.zeros(corners)], axis=1)
     points, gaps = over_slab(ConvexHull(np.concatenate([rim - [0.0, 0.0, 0.3], rim + [0.0, 0.0, 0.3]])), 0.3 + 2e-8)
     np.testing.assert_allclose(gaps, 2e-8, atol=1e-15)
     around = np.sort(np.arctan2(points[:, 1], points[:, 0]))
-    # eight points, evenly but for what a corner takes
+    # eight points, evenly but for those that a corner takes
     assert len(points) == MANIFOLD_POINTS
     assert np.diff(np.append(around, around[0] + 2.0 * np.pi)).max() < np.pi / 4.0 + 4.0 * np.pi / FEATURE_ROOM
     assert np.linalg.norm(points[:, :2], axis=1).min() > 0.199
@@ -286,14 +286,14 @@ def test_crossed_edges_touch_in_one_point() -> None:
 
 
 def rows(points: np.ndarray, room: int = 40) -> np.ndarray:
-    """Points (n, 2) as rows (u, v, 0) with room to grow."""
+    """Return points (n, 2) as rows (u, v, 0) with room to grow."""
     out = np.zeros((room, 3))
     out[: len(points), :2] = points
     return out
 
 
 def signed_area(corners: np.ndarray) -> float:
-    """Signed area by the shoelace formula."""
+    """Return the signed area by the shoelace formula."""
     x, y = corners[:, 0], corners[:, 1]
     return float(0.5 * np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)))
 

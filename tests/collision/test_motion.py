@@ -17,12 +17,12 @@ INERTIA = np.array([[0.8, 0.1, 0.0], [0.1, 1.1, -0.05], [0.0, -0.05, 0.6]])
 
 
 def as_columns(m: np.ndarray):
-    """A matrix as the kernels want it."""
+    """Return a matrix as the kernels take it."""
     return tuple(tuple(column) for column in m.T)
 
 
 def step(turn: np.ndarray, w: np.ndarray, t: float, inertia: np.ndarray = INERTIA) -> tuple[np.ndarray, np.ndarray]:
-    """`tumbled` in numpy's terms."""
+    """Return `tumbled` in numpy's terms."""
     c, rate = tumbled(as_columns(inertia), as_columns(np.linalg.inv(inertia)), as_columns(turn), tuple(w), t, make_series())
     return np.array(c).T, np.array(rate)
 
@@ -72,7 +72,7 @@ def test_constant_spin_is_a_rotation_vector() -> None:
 
 
 def rates(t: float, w: np.ndarray, alpha: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Angular velocity and acceleration after t seconds of the path exp(w t + alpha t^2 / 2)."""
+    """Return the angular velocity and acceleration after t seconds of the path exp(w t + alpha t^2 / 2)."""
     theta = w * t + 0.5 * alpha * t * t
     spin, twist = of_rotation_vector(tuple(theta), tuple(w + alpha * t), tuple(alpha))
     return np.array(spin), np.array(twist)
@@ -103,12 +103,12 @@ STEP = 1e-4
 
 
 def of_vector(theta: np.ndarray) -> np.ndarray:
-    """The rotation matrix exp(theta)."""
+    """Return the rotation matrix exp(theta)."""
     return rotation.to_matrix(rotation.from_rotation_vector(theta))
 
 
 def body(kind: int, round_: bool, spin, twist, time: float = 0.0):
-    """One body's path."""
+    """Return one body's path."""
     paths = make_paths(np.eye(3)[None], np.eye(3)[None], np.array([int(round_)]))
     paths.kind[0], paths.w[0], paths.angular[0], paths.time[0] = kind, spin, twist, time
     return paths

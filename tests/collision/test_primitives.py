@@ -35,7 +35,7 @@ point = st.tuples(coordinate, coordinate, coordinate)
 
 
 def closed_form(vertices, shapes, a, b):
-    """What the queries do: the answer of the formula that there is for this pair."""
+    """Return the answer of the formula for this pair, as the queries compute it."""
     kind = form(shapes, a, b)
     if kind == BOX_AND_POINT:
         known, distance, n, on_b, on_a = point_and_box(vertices, shapes, b, a)
@@ -45,7 +45,7 @@ def closed_form(vertices, shapes, a, b):
 
 
 def segment(p, q, radius=0.0):
-    """A capsule between two points."""
+    """Return a capsule between two points."""
     return Solid(np.array([p, q]), radius)
 
 
@@ -106,7 +106,7 @@ def test_a_sheared_box_is_answered_inside_only_and_everywhere_rightly():
 
 
 def inside(point, solid, slack):
-    """Whether a point is in a box given by its corners, but for some slack [m]."""
+    """Return whether a point is in a box given by its corners, but for some slack [m]."""
     low, edges = solid.rows[0], solid.rows[[4, 2, 1]] - solid.rows[0]
     shares = np.linalg.solve(edges.T, np.asarray(point) - low)
     return (np.abs(shares - 0.5) <= 0.5 + slack / np.linalg.norm(edges, axis=1).min()).all()

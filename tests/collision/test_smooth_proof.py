@@ -1,4 +1,4 @@
-"""What is proved about directions that were not looked in, against looking in many of them."""
+"""Proofs about directions that were not sampled, against sampling many of them."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ DIRECTIONS = 400
 
 
 def two_shapes(rng: np.random.Generator) -> tuple[Solid, Solid]:
-    """An ellipsoid, needles and plates among them, and another, a ball or a hull in it, somewhat off its centre."""
+    """Return an ellipsoid, needles and plates among them, and another, a ball or a hull in it, somewhat off its centre."""
     axes = 10.0 ** rng.uniform(-2.0, 0.0, 3)
     a = ellipsoid(*axes).moved(Rotation.from_quat(rng.normal(size=4)))
     b = [ellipsoid(*rng.uniform(0.01, 0.5, 3)), ball(0.1), random_hull(rng, 12).moved(scale=0.1)][rng.integers(3)]
@@ -25,7 +25,7 @@ def two_shapes(rng: np.random.Generator) -> tuple[Solid, Solid]:
 
 
 def unit_near(rng: np.random.Generator, m: np.ndarray, angle: float) -> np.ndarray:
-    """A unit vector at most `angle` [rad] from m, often just that."""
+    """Return a unit vector at most `angle` [rad] from m, often just that."""
     across = np.cross(m, rng.normal(size=3))
     t = angle * rng.choice([1.0, rng.uniform()])
     return np.cos(t) * m + np.sin(t) * across / np.linalg.norm(across)
@@ -77,7 +77,7 @@ def test_no_direction_of_a_settled_cone_is_lower(seed):
     cos = float(np.cos(angle))
     below, size = height - lowest, max(a.size, b.size)
     assert not bends_out(vertices, shapes, 0, 1, vec(m), vec(w), cos, lowest + 1e-9 * size)
-    # Far enough below it is settled: what the point at m alone leaves, with no bend at all.
+    # Far enough below it is settled: the bound of the point at m alone, with no bend at all.
     across = float(np.linalg.norm(w - height * m))
     flat = height * cos - across * np.sqrt(1.0 - cos * cos)
     assert bends_out(vertices, shapes, 0, 1, vec(m), vec(w), cos, min(flat, -across, height) - below - 1e-9 * size)

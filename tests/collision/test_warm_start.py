@@ -36,7 +36,7 @@ SAME = 1e-12
 
 
 def coherent(a, b, memory, pair=0, margin=inf):
-    """The query of two solids with the memory of one pair."""
+    """Return the query of two solids with the memory of one pair."""
     vertices, shapes = as_arrays(a, b)
     return signed_distance_coherent(vertices, shapes, 0, 1, margin, SCRATCH, memory, pair)
 
@@ -56,7 +56,7 @@ def check_equals_cold(a, b, memory, pair=0):
 
 
 def some_pair(kind, rng):
-    """Two solids of one kind of pair."""
+    """Return two solids of one kind of pair."""
     return {
         "hulls": lambda: (random_hull(rng, 20), hull_of_ellipsoid((0.5, 0.3, 0.4), 6, 3)),
         "boxes": lambda: (box(0.5, 0.3, 0.2), box(0.2, 0.6, 0.4)),
@@ -159,7 +159,7 @@ UP = (0.0, 0.0, 1.0)
 
 
 def remembered(shift=(0.1, 0.05, 0.2)):
-    """A pair, its memory after a query, and the scratch that the query left, with its points and face slots."""
+    """Return a pair, its memory after a query, and the scratch that the query left, with its points and face slots."""
     rng = np.random.default_rng(51)
     vertices, shapes = as_arrays(box(0.1, 0.1, 0.1), random_hull(rng, 20), random_hull(rng, 20).moved(shift=shift))
     scratch, memory = make_scratch(), make_pair_memory(2)
@@ -170,14 +170,14 @@ def remembered(shift=(0.1, 0.05, 0.2)):
 
 
 def make_again(vertices, shapes, kept):
-    """A fresh scratch with the points of A - B that are kept, and nothing else."""
+    """Return a fresh scratch with the points of A - B that are kept, and nothing else."""
     scratch = make_scratch()
     assert recall_differences(vertices, shapes, 1, 2, kept, scratch) == kept.used[0]
     return scratch
 
 
 def planes(scratch, faces):
-    """Planes of the living faces, sorted."""
+    """Return planes of the living faces, sorted."""
     alive = scratch.alive[:faces] == 1
     found = np.hstack([scratch.normal[:faces][alive], scratch.height[:faces][alive, None]])
     return found[np.lexsort(found.T.round(9))]

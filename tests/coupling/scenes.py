@@ -1,4 +1,4 @@
-"""Floors, cubes and fists for the tests of what hands hold, push and carry."""
+"""Floors, cubes and fists for the tests of bodies that hands hold, push and carry."""
 
 import numpy as np
 
@@ -16,17 +16,17 @@ FIST = (Piece(Sphere(0.05)),)
 
 
 def cube(mass: float, place: Vector = (0.0, 0.0, 0.05), name: str = "cube", size: float = 0.1) -> Body:
-    """A cube, of 10 cm unless said otherwise."""
+    """Return a cube, of 10 cm by default."""
     pieces = (Piece(Box((size, size, size))),)
     return simulated(name, pieces, "m", solid(pieces, mass), place)
 
 
 def fist(name: str = "fist") -> Avatar:
-    """A rigid hand: a ball of 10 cm and 0.5 kg."""
+    """Return a rigid hand: a ball of 10 cm and 0.5 kg."""
     return rigid_avatar(name, FIST, solid(FIST, 0.5), "m")
 
 
 def deepest(scene: Scene, records: list[FrameRecord]) -> float:
-    """Largest overlap [m] by the judge."""
+    """Return the largest overlap [m] by the judge."""
     positions = np.array([one.shown.positions for one in records])
     return Judge(scene).deepest(positions, np.array([one.shown.orientations for one in records]))

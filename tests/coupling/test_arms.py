@@ -48,7 +48,7 @@ class Judge:
 
 
 def drawn_lift(seed: int) -> Lift:
-    """A box of 0.1 to 2 kg that friction can hold with a third to spare."""
+    """Return a box of 0.1 to 2 kg that friction can hold with a third to spare."""
     random = np.random.default_rng(seed)
     friction, into = random.uniform(0.5, 1.0), random.uniform(0.02, 0.05)
     mass = min(random.uniform(0.1, 2.0), 2.0 * friction * 1000.0 * into / 9.81 / 1.5)
@@ -103,8 +103,8 @@ def test_clips_go_through_loose_things_without_overlap(seed: int) -> None:
 
 
 def brushed(sample: TrackerSample, seconds: float, wall: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """Positions of the links (frames, nl, 3) of a person led into a posture within half a second and kept there, and flags of
-    frames in which a load moves it; a ball of 10 g falls on the head in the meantime."""
+    """Return positions of the links (frames, nl, 3) of a person led into a posture within half a second and kept there, and flags
+    of frames in which a load moves it; a ball of 10 g falls on the head in the meantime."""
     human = humanoid()
     pieces = (Piece(Sphere(0.05)),)
     ball = simulated("ball", pieces, "wood", solid(pieces, 0.01), (0.02, 0.0, 2.4))
@@ -146,7 +146,7 @@ def test_a_leg_beyond_its_reach_rests(hip: tuple[float, float, float]) -> None:
 
 
 def hand(random: np.random.Generator) -> Avatar:
-    """A palm and two to four fingers of one to three hinges, which may bend into each other."""
+    """Return a palm and two to four fingers of one to three hinges, which may bend into each other."""
     palm = (Piece(Box((0.1, 0.1, 0.02))),)
     links = [Link("palm", None, Free(), palm, solid(palm, random.uniform(0.2, 1.0)), "m")]
     for finger in range(int(random.integers(2, 5))):
@@ -165,7 +165,7 @@ def hand(random: np.random.Generator) -> Avatar:
 
 
 def things(random: np.random.Generator) -> list[Body]:
-    """One to three balls, boxes and hulls of 10 g to 2 kg above each other."""
+    """Return one to three balls, boxes and hulls of 10 g to 2 kg above each other."""
     found = []
     for k in range(int(random.integers(1, 4))):
         corners = random.normal(size=(14, 3))

@@ -1,4 +1,4 @@
-"""Bodies attached to links: they keep their place, weigh on the drive, stop the link at what they meet, fly on when released."""
+"""Bodies attached to links: they keep their place, weigh on the drive, stop the link at obstacles, fly on when released."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -33,25 +33,25 @@ SLIPS = 1e-9
 
 
 def led(place: tuple[float, float, float], angle: float = 0.0) -> TrackerSample:
-    """A hand at a place, turned about y."""
+    """Return a hand at a place, turned about y."""
     return TrackerSample(0.0, np.array([place]), rotation.from_axis_angle((0.0, 1.0, 0.0), angle)[None], np.zeros(0))
 
 
 def begun(*bodies: Body, place: tuple[float, float, float] = (0.0, 0.0, 0.1502)) -> tuple[AvatarsimEngine, Scene]:
-    """An engine with a floor, these bodies and a hand."""
+    """Return an engine with a floor, these bodies and a hand."""
     scene = Scene("attached", (FLOOR, *bodies), (fist(),), materials=LAW, start=led(place))
     engine = loaded(scene)
     return engine, scene
 
 
 def place_on(record: FrameRecord, body: int, link: int) -> np.ndarray:
-    """Position of a body in the frame of a link [m]."""
+    """Return the position of a body in the frame of a link [m]."""
     shown = record.shown
     return rotation.rotate(rotation.conjugate(shown.orientations[link]), shown.positions[body] - shown.positions[link])
 
 
 def waved(k: int) -> TrackerSample:
-    """A hand that rises, is led to and fro and turned, and holds still after two seconds."""
+    """Return a hand that rises, is led to and fro and turned, and holds still after two seconds."""
     t = min(k * DT, 2.0)
     return led((0.3 * np.sin(2.0 * t), 0.1 * np.sin(4.0 * t), 0.1502 + 0.3 * min(1.0, t)), 0.6 * np.sin(3.0 * t))
 
@@ -107,7 +107,7 @@ def test_it_pushes_loose_bodies_as_a_part_of_the_hand_would() -> None:
 def walked(
     mass: float, aside: tuple[float, float], way: Callable[[float], float], frames: int, *walls: Body
 ) -> tuple[Scene, list[FrameRecord], np.ndarray]:
-    """A person goes along x with a cube attached beside the right wrist: scene, frames, places of the cube on the wrist."""
+    """Return a person's walk along x with a cube at the right wrist: scene, frames, places of the cube on the wrist."""
     person = replace(humanoid(), name="person")
     person = replace(person, links=tuple(replace(link, material="m") for link in person.links))
     start, wrist = standing(person), "person/right_wrist"

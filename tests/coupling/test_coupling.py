@@ -28,7 +28,7 @@ PALM = (Piece(Box((0.1, 0.08, 0.03)), (-0.06, 0.0, 0.0)),)
 
 
 def pointing() -> Avatar:
-    """A palm of 5 kg and a finger of 20 g along x, which bends down."""
+    """Return a palm of 5 kg and a finger of 20 g along x, which bends down."""
     bend = Hinges((Hinge((0.0, 1.0, 0.0), -1.5, 1.5),))
     return Avatar("hand", (
         Link("palm", None, Free(), PALM, solid(PALM, 5.0)), Link("finger", "palm", bend, FINGER, solid(FINGER, 0.02)),
@@ -36,7 +36,7 @@ def pointing() -> Avatar:
 
 
 def block(mass: float, x: float, velocity: float = 0.0, role: str = "simulated") -> Body:
-    """A cube of 0.2 m whose near face is at x."""
+    """Return a cube of 0.2 m whose near face is at x."""
     pieces = (Piece(Box((0.2, 0.2, 0.2))),)
     at = (x + 0.1, 0.0, 0.0)
     if role == "fixed":
@@ -45,7 +45,7 @@ def block(mass: float, x: float, velocity: float = 0.0, role: str = "simulated")
 
 
 def at(avatar: Avatar, x: float) -> TrackerSample:
-    """The avatar's root at x, all joints at zero."""
+    """Return the avatar's root at x, all joints at zero."""
     sample = rest((avatar,))
     positions = sample.positions.copy()
     positions[0, 0] = x
@@ -93,7 +93,7 @@ def test_a_finger_that_meets_a_heavy_block_does_not_throw_its_hand_away(preset: 
 
 
 def pressed_against(body: Body, *more: Body) -> np.ndarray:
-    """Impulse on a hand of 0.5 kg that a user holds 5 cm inside a body, over half a second [N s]."""
+    """Return the impulse on a hand of 0.5 kg that a user holds 5 cm inside a body, over half a second [N s]."""
     avatar = rigid_avatar("hand", (Piece(Box((0.04, 0.1, 0.1))),), solid(PALM, 0.5))
     engine = loaded(Scene("press", (body, *more), (avatar,), gravity=NO_GRAVITY))
     total = np.zeros(3)
@@ -130,7 +130,7 @@ def test_a_hand_strikes_whether_or_not_it_is_struck_back(narrow: tuple[str, ...]
 
 
 CUBE, COMING = 0.1, -0.1
-"""Edge of what the hand is high and thick [m], and the velocity of a ball that comes its way [m/s]."""
+"""Edge of the hand's height and thickness [m], and the velocity of a ball that comes its way [m/s]."""
 
 
 def stood(x: float, z: float = 0.0) -> TrackerSample:
@@ -157,7 +157,7 @@ def post(y: float) -> Body:
 
 
 def speeds(scene: Scene, speed: float, down: float = 0.0) -> NDArray[np.float64]:
-    """Velocities along x (90) of the first body, while the user goes on and ``down`` [m] lower than the start."""
+    """Return velocities along x (90) of the first body, while the user goes on and ``down`` [m] lower than the start."""
     engine, found = AvatarsimEngine(), []
     engine.load(scene, Settings(), DT)
     for k in range(1, 91):

@@ -1,4 +1,4 @@
-"""Hands and grippers with hinges under load: what they hold comes along and does not slip, within the limits of joints."""
+"""Hands and grippers with hinges under load: held bodies come along and do not slip, within the limits of joints."""
 
 from dataclasses import dataclass
 
@@ -31,13 +31,13 @@ from scenarios.motion.keyframes import posed
 
 DT = 1.0 / 60.0
 HIGH = 0.09
-"""Height of what is held [m]."""
+"""Height of the held body [m]."""
 LIFT, TILT = 0.15, np.radians(60.0)
-"""How far a hand lifts, and turns [m], [rad]."""
+"""Lift [m] and turn [rad] of a hand."""
 
 
 def eased(time: float, begin: float, end: float) -> float:
-    """Share gone of a smooth way from rest to rest."""
+    """Return the share gone of a smooth way from rest to rest."""
     s = float(np.clip((time - begin) / (end - begin), 0.0, 1.0))
     return s * s * s * (10.0 + s * (6.0 * s - 15.0))
 
@@ -54,7 +54,7 @@ class Grip:
     closing: np.ndarray
 
     def sample(self, time: float) -> TrackerSample:
-        """Close, lift, tilt, turn back, set down, open."""
+        """Return the user's sample: close, lift, tilt, turn back, set down, open."""
         closed = eased(time, 0.1, 0.7) - eased(time, 4.6, 5.0)
         height = self.palm + LIFT * (eased(time, 0.9, 1.7) - eased(time, 3.7, 4.5))
         turn = rotation.from_axis_angle((0.0, 1.0, 0.0), TILT * (eased(time, 1.9, 2.6) - eased(time, 2.8, 3.5)))
@@ -64,14 +64,14 @@ class Grip:
 
 
 def prism(radius: float, sides: int = 24) -> Piece:
-    """A standing prism."""
+    """Return a standing prism."""
     angle = 2.0 * np.pi * np.arange(sides) / sides
     ring = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return Piece(ConvexHull(np.vstack([np.hstack([ring, np.full((sides, 1), z)]) for z in (-0.5 * HIGH, 0.5 * HIGH)])))
 
 
 def mug_grip(seed: int) -> Grip:
-    """Three to five fingers of one hinge around a mug: radius, mass and friction are drawn."""
+    """Return three to five fingers of one hinge around a mug: radius, mass and friction are drawn."""
     random = np.random.default_rng(seed)
     fingers, radius, mass = int(random.integers(3, 6)), random.uniform(0.028, 0.04), random.uniform(0.1, 0.5)
     reach, bone = radius + 0.027, (Piece(Capsule(0.009, 0.08), (0.0, 0.0, -0.05)),)
@@ -88,7 +88,7 @@ def mug_grip(seed: int) -> Grip:
 
 
 def gripper(seed: int) -> Grip:
-    """A robot's gripper: two fingers of two hinges and flat pads, whose tips come together first, around a box."""
+    """Return a robot's gripper: two fingers of two hinges and flat pads, whose tips come together first, around a box."""
     random = np.random.default_rng(seed)
     edge, mass = random.uniform(0.04, 0.06), random.uniform(0.1, 0.4)
     wrist, upper, pad = (Piece(Box((0.12, 0.04, 0.02))),), (Piece(Box((0.012, 0.03, 0.04)), (0.0, 0.0, -0.024)),), (
@@ -144,8 +144,8 @@ def test_a_gripper_of_hinges_does_the_same(seed: int) -> None:
 
 
 def linkage_of(avatar: Avatar, start: TrackerSample, h: float) -> tuple[World, Memory, np.ndarray, np.ndarray, np.ndarray]:
-    """An avatar with random velocities of its links, weighed for h seconds: world, memory, Jacobian of its links (6 nl, nd) by
-    differences, weights and velocities (6 nl) of them."""
+    """Return an avatar with random velocities of its links, weighed for h seconds: world, memory, Jacobian of its links (6 nl,
+    nd) by differences, weights and velocities (6 nl) of them."""
     table = PairTable(dict.fromkeys([("m", "m"), ("human", "human")], ContactLaw(0.0, 0.5)))
     world = build(Scene("linkage", (), (avatar,), materials=table, start=start))
     skel, poses, drive = world.skeleton, world.poses, world.drive
@@ -174,7 +174,7 @@ def linkage_of(avatar: Avatar, start: TrackerSample, h: float) -> tuple[World, M
 
 
 def avatars() -> list[tuple[Avatar, TrackerSample]]:
-    """A gripper of hinges, and a person with ball joints in a posture off their zero."""
+    """Return a gripper of hinges, and a person with ball joints in a posture off their zero."""
     grip, human = gripper(1), humanoid()
     turned = {"right_shoulder": (-5.0, -60.0, 20.0), "chest": (10.0, 20.0, 5.0)}
     bent = posed(human, standing(human), turned, {"right_elbow": (40.0,)})
@@ -183,7 +183,7 @@ def avatars() -> list[tuple[Avatar, TrackerSample]]:
 
 @pytest.mark.parametrize("which", [0, 1])
 def test_joints_leave_the_nearest_velocities_that_they_allow(which: int) -> None:
-    """Weighted least squares with the Jacobian by differences; a contact pushes all links as J M^-1 J' says."""
+    """Weighted least squares with the Jacobian by differences; a contact pushes all links by J M^-1 J'."""
     world, memory, jacobian, weights, wanted = linkage_of(*avatars()[which], 1e-6)
     links, root, contacts = np.arange(len(world.skeleton.kind)), np.sqrt(weights), memory.contacts
     rates = np.linalg.lstsq(root[:, None] * jacobian, root * wanted, rcond=None)[0]

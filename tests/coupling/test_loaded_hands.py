@@ -1,4 +1,4 @@
-"""Rigid hands under load: what lies on them lowers them by m g / K, what they press feels K times the lag, and no K shakes."""
+"""Rigid hands under load: bodies on them lower them by m g / K, pressed bodies feel K times the lag, and no K shakes."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -27,16 +27,16 @@ from tests.worlds.loaded import loaded
 DT = 1.0 / 60.0
 PALM = (Piece(Box((0.2, 0.2, 0.02))),)
 HELD = 0.3
-"""Mass [kg] of what is held."""
+"""Mass [kg] of the held body."""
 
 
 def table(restitution: float) -> PairTable:
-    """One contact law for all."""
+    """Return one contact law for all."""
     return PairTable({("m", "m"): ContactLaw(restitution, 0.6)})
 
 
 def box(name: str, z: float, mass: float = HELD) -> Body:
-    """A cube of 8 cm whose lower face is at z."""
+    """Return a cube of 8 cm whose lower face is at z."""
     pieces = (Piece(Box((0.08, 0.08, 0.08))),)
     return simulated(name, pieces, "m", solid(pieces, mass), (0.0, 0.0, z + 0.04))
 
@@ -93,7 +93,7 @@ def test_a_hand_that_is_led_up_and_down_carries_what_lies_on_it() -> None:
     shown, users = carry([box("box", 0.011)], lambda time: (0.1 * np.sin(3.0 * time), 0.0, 0.1 * np.sin(5.0 * time)), 3.0)
     apart = (shown[:, 0] - shown[:, 1])[30:]
     assert np.ptp(apart, axis=0) == pytest.approx(0.0, abs=1e-4)
-    # by m g / K and what accelerates the box, at most m a / K
+    # by m g / K and the force that accelerates the box, at most m a / K
     most = HELD * (G + 0.1 * 5.0**2) / CouplingSettings().spring
     assert abs(users - shown[:, 1])[30:].max() < 1.2 * most
 
@@ -113,7 +113,7 @@ def test_where_nothing_leans_on_it_a_hand_is_at_its_user() -> None:
 
 
 def aimed(spring: float, damping: float, lag: float, rate: float, steps: int, seconds: float, force: float = np.inf) -> float:
-    """Lag [m] of a body of 2 kg after so many implicit steps without contact."""
+    """Return the lag [m] of a body of 2 kg after so many implicit steps without contact."""
     world = World([], avatars=[hand()])
     drive = make_drive(world.scene, np.array([0.5]))
     drive.stiffness[:], drive.damping[:], drive.largest_force[:] = spring, damping, force
@@ -149,7 +149,7 @@ def test_the_spring_pulls_no_harder_than_the_largest_force() -> None:
 
 
 def test_what_lies_on_a_turning_hand_stays_where_it_lies() -> None:
-    """3 rad/s at 8 cm asks for a friction of 0.07 of 0.6; straight steps would let it drift 20 mm outwards in 10 s."""
+    """3 rad/s at 8 cm needs a friction of 0.07 of 0.6; straight steps would let it drift 20 mm outwards in 10 s."""
     avatar = rigid_avatar("palm", (Piece(Box((0.3, 0.3, 0.02))),), solid(PALM, 0.5), "m")
     shape = (Piece(Box((0.05, 0.05, 0.05))),)
     load = simulated("box", shape, "m", solid(shape, HELD), (0.08, 0.0, 0.0361))

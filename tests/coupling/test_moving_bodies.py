@@ -1,4 +1,4 @@
-"""Moving bodies: they follow given poses, carry what lies on them, give way where they would crush, stay where they are put."""
+"""Moving bodies: they follow given poses, carry their loads, give way where they would crush, stay where they are put."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -29,24 +29,24 @@ LEFT = Hinges((Hinge((0.0, 0.0, 1.0), -2.0, 2.0),))
 
 
 def pieces(shape: Shape) -> tuple[Piece, ...]:
-    """One shape."""
+    """Return one shape."""
     return (Piece(shape),)
 
 
 def turned(angle: float) -> tuple[float, float, float, float]:
-    """About z."""
+    """Return the turn about z."""
     return float(np.cos(0.5 * angle)), 0.0, 0.0, float(np.sin(0.5 * angle))
 
 
 @dataclass
 class Run:
-    """What frames have shown: positions (frames, n, 3), orientations, angles, and records."""
+    """Frames that were shown: positions (frames, n, 3), orientations, angles, and records."""
 
     scene: Scene
     records: list[FrameRecord]
 
     def place(self, name: str) -> np.ndarray:
-        """Positions (frames, 3) of a body."""
+        """Return positions (frames, 3) of a body."""
         k = self.scene.names.index(name)
         return np.array([record.shown.positions[k] for record in self.records])
 
@@ -56,7 +56,7 @@ class Run:
         return deepest(self.scene, self.records)
 
     def blocked(self) -> np.ndarray:
-        """Number of blocked bodies in each frame."""
+        """Return the number of blocked bodies in each frame."""
         return np.array([record.statuses.get("blocked", 0) for record in self.records])
 
 
@@ -67,7 +67,7 @@ def run(
     bodies: list[Body], avatars: list[Avatar], frames: int, given: Given,
     users: Callable[[int], list[tuple[float, ...]]] | None = None,
 ) -> Run:
-    """Frames in which moving bodies are given poses, and rigid hands are where ``users`` has them."""
+    """Return frames in which moving bodies are given poses, and rigid hands are where ``users`` has them."""
     persons = [avatar for avatar in avatars if not avatar.moves]
 
     def sample(k: int) -> TrackerSample:
@@ -85,17 +85,17 @@ def run(
 
 
 def lift(**options: float) -> Avatar:
-    """A platform whose top is at 0.1 m."""
+    """Return a platform whose top is at 0.1 m."""
     return moving("lift", pieces(Box((1.0, 1.0, 0.08))), "m", position=(0.0, 0.0, 0.06), **options)
 
 
 def rising(k: int) -> float:
-    """Height of the lift [m]: after 20 frames 0.5 m in a second."""
+    """Return the height of the lift [m]: after 20 frames 0.5 m in a second."""
     return 0.06 + 0.5 * min(1.0, max(0.0, (k - 20) * DT))
 
 
 def lifted(load: Body, frames: int, high: Callable[[int], float] = rising, **options: float) -> Run:
-    """A load on the lift, which is given its height in every frame."""
+    """Return a load on the lift, which is given its height in every frame."""
     return run([FLOOR, load], [lift(**options)], frames, lambda k: {"lift": ((0.0, 0.0, high(k)), UPRIGHT)})
 
 
@@ -145,23 +145,23 @@ def test_a_belt_brings_a_box_to_its_speed() -> None:
 
 
 def door(**options: float) -> Avatar:
-    """A door in hinges."""
+    """Return a door in hinges."""
     return moving("door", LEAF, "m", joint=LEFT, **options)
 
 
 def closing(k: int) -> float:
-    """Angle of a door [rad]: to -1.2 and back."""
+    """Return the angle of a door [rad]: to -1.2 and back."""
     return -min(0.8 * k * DT, 1.2) if k < 150 else -1.2 + min(0.8 * (k - 150) * DT, 1.2)
 
 
 WALL = fixed("wall", pieces(Box((1.0, 0.1, 1.0))), "m", (0.5, -0.6, 0.5))
 STOP = fixed("stop", pieces(Box((0.1, 0.4, 1.0))), "m", (0.3, -0.5, 0.5))
-"""Behind a hand that a door closes on, and beside it."""
+"""Behind a hand that a door closes on, and at its side."""
 BEHIND = (0.5, -0.4, 0.5)
 
 
 def closed(bodies: list[Body], frames: int, **options: float) -> Run:
-    """A door that closes on a hand whose user stays."""
+    """Return a door that closes on a hand whose user stays."""
     return run([FLOOR, *bodies], [door(**options), fist()], frames, lambda k: {"door": closing(k)}, lambda k: [BEHIND])
 
 
@@ -217,7 +217,7 @@ def test_a_door_without_a_spring_stays_where_a_hand_left_it() -> None:
 
 
 def test_hands_that_a_door_pushes_push_others() -> None:
-    """Two hands in a row; neither hops when it passes on what it gets."""
+    """Two hands in a row; neither hops when it passes the push on."""
     users = [(0.6, -0.3, 0.5), (0.6, -0.42, 0.5)]
     seen = run([FLOOR], [door(), fist("one"), fist("other")], 330, lambda k: {"door": closing(k)}, lambda k: users)
     assert seen.deepest <= JUDGED

@@ -1,4 +1,4 @@
-"""Slides and couplings under load: a lift carries, coupled jaws squeeze what is loose, snapshots go on with both."""
+"""Slides and couplings under load: a lift carries, coupled jaws squeeze loose bodies, snapshots go on with both."""
 
 from dataclasses import replace
 
@@ -19,12 +19,12 @@ PLATE, JAW, CRATE = (Piece(Box((0.4, 0.4, 0.04))),), (Piece(Box((0.04, 0.2, 0.2)
 
 
 def crate(x: float, z: float) -> Body:
-    """A loose crate of 1 kg."""
+    """Return a loose crate of 1 kg."""
     return simulated("crate", CRATE, "wood", solid(CRATE, 1.0), (x, 0.0, z))
 
 
 def lift() -> Avatar:
-    """A plate that goes up and down, on a drive that sags by 2 mm under a kilogram."""
+    """Return a plate that goes up and down, on a drive that sags by 2 mm under a kilogram."""
     links = (
         Link("post", None, Rigid(), (), solid(PLATE, 1.0)),
         Link("plate", "post", Slide((0.0, 0.0, 1.0), 0.0, 0.5), PLATE, solid(PLATE, 2.0), "wood"),
@@ -33,7 +33,7 @@ def lift() -> Avatar:
 
 
 def vice() -> Avatar:
-    """Two jaws on one screw: the right one goes as far as the left one, the other way."""
+    """Return two jaws on one screw: the right one goes as far as the left one, the other way."""
     links = (
         Link("bed", None, Rigid(), (), solid(JAW, 1.0)),
         Link("left", "bed", Slide((1.0, 0.0, 0.0), 0.0, 0.3), JAW, solid(JAW, 0.5), "wood", anchor=(-0.3, 0.0, 0.5)),
@@ -57,7 +57,7 @@ def test_a_lift_carries_a_crate_up_and_sags_by_its_weight() -> None:
 
 
 def closing(frame: int) -> float:
-    """How far the left jaw is asked to be: shut within a second, then open again."""
+    """Return the target of the left jaw: shut within a second, then open again."""
     return 0.25 * min(1.0, frame / 60.0) if frame < 150 else max(0.0, 0.25 - 0.25 * (frame - 150) / 60.0)
 
 

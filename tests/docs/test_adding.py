@@ -1,4 +1,4 @@
-"""`docs/adding.md`: the scene that it shows is a scenario whose every part the harness takes, and which does what it says."""
+"""`docs/adding.md`: its scene is a scenario whose every part the harness takes, and which behaves as the page describes."""
 
 import re
 from pathlib import Path
@@ -19,7 +19,7 @@ PAGE = (Path(__file__).parents[2] / "docs" / "adding.md").read_text(encoding="ut
 
 
 def shown() -> Scenario:
-    """The scenario of the page's Python block."""
+    """Return the scenario of the page's Python block."""
     (code,) = re.findall(r"^```python\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
     names: dict[str, Any] = {}
     exec(code, names)
@@ -29,7 +29,7 @@ def shown() -> Scenario:
 
 
 def recorded(scenario: Scenario) -> tuple[list[FrameRecord], Prepared]:
-    """Every frame that the engine shows of the scenario, and what it was asked."""
+    """Return every frame that the engine shows of the scenario, and its input."""
     scene = scenario.build()
     asked = Prepared(scenario, scene, scenario.motion(scene, 0))
     with AvatarsimEngine() as engine:

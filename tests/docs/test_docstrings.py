@@ -11,12 +11,12 @@ from docs.extensions.public_names import Public, assigned, public_names
 
 
 def parsed(lines: list[str]) -> docutils.nodes.document:
-    """The document of some reStructuredText; any complaint is an error."""
+    """Return the document of some reStructuredText; any complaint is an error."""
     return docutils.core.publish_doctree("\n".join(lines), settings_overrides={"report_level": 1, "halt_level": 1})
 
 
 def docstrings(public: Public) -> list[str]:
-    """Those of a name and of its members."""
+    """Return the docstrings of a name and of its members."""
     found = [assigned(public.home).get(public.short)]
     if isinstance(public.found, type) or inspect.isroutine(public.found):
         # any other object has the docstring of its type

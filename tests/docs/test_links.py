@@ -18,7 +18,7 @@ FILE = re.compile(
     r"(?!reports/out/)(?:[\w.-]+(?:/[\w.-]+)+\.(?:py|toml|md|json|js|csv)"
     r"|(?:avatarsim|docs|reference|reports|scenarios|tests)/(?:[\w.-]+/)*)"
 )
-"""Files with their folders, and folders of the repository; what a run leaves in reports/out is in no checkout."""
+"""Files with their folders, and folders of the repository; the files of a run in reports/out are in no checkout."""
 DOTTED = re.compile(r"avatarsim(?:\.\w+)+")
 GROUP = "avatarsim.engines"
 """Of entry points, and no module."""
@@ -27,18 +27,18 @@ FOLDERS = ("", "avatarsim", "scenarios", "reports")
 
 
 def prose(text: str) -> str:
-    """A page without its fenced blocks."""
+    """Return a page without its fenced blocks."""
     return re.sub(r"^```.*?^```$", "", text, flags=re.DOTALL | re.MULTILINE)
 
 
 def anchors(text: str) -> set[str]:
-    """Anchors of a page's headings, as GitHub and MyST make them."""
+    """Return anchors of a page's headings, as GitHub and MyST make them."""
     headings = re.findall(r"^#+ (.*)$", prose(text), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).strip().replace(" ", "-") for heading in headings}
 
 
 def broken_links(page: Path) -> list[str]:
-    """Links inside the repository that lead nowhere."""
+    """Return links inside the repository that lead nowhere."""
     found = []
     for link in LINK.findall(prose(page.read_text(encoding="utf-8"))):
         if re.match(r"[a-z]+:", link):
@@ -54,7 +54,7 @@ def broken_links(page: Path) -> list[str]:
 
 @cache
 def defined(module: Path) -> frozenset[str]:
-    """Names that a module or package defines at its top level."""
+    """Return names that a module or package defines at its top level."""
     names: set[str] = set()
     for node in ast.parse(module.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.FunctionDef | ast.ClassDef):
@@ -67,7 +67,7 @@ def defined(module: Path) -> frozenset[str]:
 
 
 def is_there(dotted: str) -> bool:
-    """Whether a dotted name is a module, or a name that one defines; what stands below that name is not looked at."""
+    """Return whether a dotted name is a module, or a name that one defines; parts below that name are not looked at."""
     place, parts = ROOT, dotted.split(".")
     for k, part in enumerate(parts):
         if (place / part).is_dir():
@@ -80,7 +80,7 @@ def is_there(dotted: str) -> bool:
 
 
 def broken_names(page: Path) -> list[str]:
-    """Files, folders and dotted names in code spans that are not there."""
+    """Return files, folders and dotted names in code spans that are not there."""
     found = []
     for span in SPAN.findall(prose(page.read_text(encoding="utf-8"))):
         if FILE.fullmatch(span) and not any((ROOT / folder / span).exists() for folder in FOLDERS):

@@ -1,4 +1,4 @@
-"""What the docs site is made with: formulas without scripts, places that are filled, pages that load nothing from elsewhere."""
+"""Parts that make the docs site: formulas without scripts, places that are filled, pages that load nothing from elsewhere."""
 
 import re
 from pathlib import Path
@@ -24,7 +24,7 @@ def test_all_pages_are_sources_of_the_site_and_reached_from_the_first() -> None:
 
 
 def latex() -> list[tuple[str, bool]]:
-    """All formulas of all pages, and whether they stand on lines of their own."""
+    """Return all formulas of all pages, and whether they are on lines of their own."""
     found = []
     for page in PAGES:
         text = re.sub(r"^```.*?^```$|`[^`\n]*`", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)

@@ -1,4 +1,4 @@
-"""The page of state lists what frames keep."""
+"""The page of state lists all that frames keep."""
 
 import re
 from itertools import pairwise
@@ -16,7 +16,7 @@ NAMES = ("a heap", "a path", "thrown about, method paper")
 
 
 def listed() -> dict[str, set[str]]:
-    """Fields that the page has, by part."""
+    """Return fields that the page has, by part."""
     found = {}
     for text, after in pairwise([*re.finditer(r"^## (\w+)$|\Z", PAGE, re.MULTILINE)]):
         found[text[1]] = set(re.findall(r"^\| `([\w.]+)` \|", PAGE[text.end() : after.start()], re.MULTILINE))

@@ -26,13 +26,13 @@ AXES = {
     "unity": {"forward": (0, 0, 1), "left": (-1, 0, 0), "up": (0, 1, 0)},
     "ros": {"forward": (1, 0, 0), "left": (0, 1, 0), "up": (0, 0, 1)},
 }
-"""What the systems themselves say of their axes."""
+"""Axes as the systems' own documentation states them."""
 NOTHING = np.array([0.0, 0.0, 0.0, 1.0])
 """The identity, scalar last."""
 
 
 def page() -> dict[str, Any]:
-    """Names that all blocks of the page define, run in order."""
+    """Return names that all blocks of the page define, run in order."""
     names: dict[str, Any] = {}
     for block in BLOCKS:
         exec(block, names)
@@ -43,17 +43,17 @@ NAMES = page()
 
 
 def pair(system: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """Conversion from a system, and back."""
+    """Return conversion from a system, and back."""
     return NAMES[f"from_{system}"], NAMES[f"to_{system}"]
 
 
 def turned(quaternion: np.ndarray, vector: np.ndarray) -> np.ndarray:
-    """`vector` turned by a quaternion x, y, z, w: Hamilton's formula, which is the same in systems of both hands."""
+    """Return `vector` turned by a quaternion x, y, z, w: Hamilton's formula, which is the same in systems of both hands."""
     return rotation.rotate(np.roll(quaternion, 1, axis=-1), vector)
 
 
 def drawn(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Random positions (count, 3) and unit quaternions (count, 4), the same in every run."""
+    """Return random positions (count, 3) and unit quaternions (count, 4), the same in every run."""
     rng = np.random.default_rng(20)
     q = rng.normal(size=(count, 4))
     return rng.normal(size=(count, 3)), q / np.linalg.norm(q, axis=-1, keepdims=True)

@@ -16,13 +16,13 @@ PYTHON = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
 
 def section(title: str) -> str:
-    """What stands under a heading of the page, up to the next."""
+    """Return the text under a heading of the page, up to the next."""
     [found] = re.findall(rf"^## {title}\n(.*?)(?=^## |\Z)", PAGE, re.DOTALL | re.MULTILINE)
     return str(found)
 
 
 def rows(title: str) -> set[str]:
-    """First cells of the table of a section."""
+    """Return first cells of the table of a section."""
     return set(re.findall(r"^\| `(\w+)` \|", section(title), re.MULTILINE))
 
 
@@ -42,7 +42,7 @@ def test_blocks_run_in_their_order_and_do_what_is_said(
     shown, cup = (json.loads(found) for found in re.findall(r"\[.*?\]", in_room))
     # the table's top, half a palm and the stand-off; the cup is ahead of the palm, to its right
     assert shown[2] == pytest.approx(0.72 + 0.015 + 2e-4, abs=1e-3) and cup[1] < -0.3
-    # what was moved, the records and the contacts of the page are printed: half the table, the fist, the gap that is asked for
+    # moved bodies, records and contacts of the page are printed: half the table, the fist, the requested gap
     moved, placed, touching = others
     assert moved.startswith("hand ") and "table" in moved
     height = float(placed.partition("]")[0].split()[-1])

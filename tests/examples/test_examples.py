@@ -1,4 +1,4 @@
-"""Every example runs in a short form, says what it shows, and shows it."""
+"""Every example runs in a short form, states its subject, and shows it."""
 
 import ast
 import importlib

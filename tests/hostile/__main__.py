@@ -12,7 +12,7 @@ from tests.hostile.campaign import Batch, ask, batches, campaign, doors
 
 
 def parser() -> argparse.ArgumentParser:
-    """The options."""
+    """Return the options."""
     options = argparse.ArgumentParser(prog="python -m tests.hostile", description=(__doc__ or "").split("\n\n")[1])
     options.add_argument("--cases", type=int, default=100_000, metavar="N", help="cases of all doors together (default 100000)")
     options.add_argument("--seed", type=int, default=1, metavar="S", help="equal seeds, equal cases (default 1)")

@@ -24,7 +24,7 @@ BATCH, SLOW_BATCH = 2000, 250
 PATIENCE = 3.0 * SILENCE
 """Longest [s] that a process may stay with one case; its own alarm, which native code does not hear, comes first."""
 START = 900.0
-"""Longest [s] until a process asks its first case: the engine's kernels may have to be compiled."""
+"""Longest [s] until a process runs its first case: the engine's kernels may have to be compiled."""
 CRASHES = 20
 """Crashes and hangs of one batch after which it is left: a door that crashes every time takes hours otherwise."""
 SPAWN = multiprocessing.get_context("spawn")
@@ -32,7 +32,7 @@ SPAWN = multiprocessing.get_context("spawn")
 
 @cache
 def doors() -> dict[str, Door]:
-    """Doors for files, for values and for command lines, by name."""
+    """Return doors for files, for values and for command lines, by name."""
     # only here: they import all that is tested, which takes a second
     from tests.hostile import constructors, readers, words
 
@@ -41,7 +41,7 @@ def doors() -> dict[str, Door]:
 
 @dataclass(frozen=True)
 class Batch:
-    """Some cases of a door, given by its name; `own` is a door beside those of all readers."""
+    """Some cases of a door, given by its name; `own` is a door that is not one of the readers'."""
 
     door: str
     seed: int
@@ -51,7 +51,7 @@ class Batch:
 
 @dataclass
 class Report:
-    """How many cases were asked, per door, and findings: (door, kind, place, words) -> how often, and the first of them."""
+    """Number of cases run, per door, and findings: (door, kind, place, words) -> how often, and the first of them."""
 
     asked: Counter[str] = field(default_factory=Counter)
     found: dict[tuple[str, str, str, str], tuple[int, str]] = field(default_factory=dict)
@@ -64,7 +64,7 @@ class Report:
         self.found[key] = count + 1, first
 
     def text(self) -> str:
-        """All of it, most frequent first."""
+        """Return all of it, most frequent first."""
         lines = [f"{self.asked.total()} cases, {len(self.found)} findings"]
         for (door, kind, place, _), (count, first) in sorted(self.found.items(), key=lambda entry: -entry[1][0]):
             lines.append(f"{count:6} x {door}: {kind} {place}: {first}")
@@ -72,7 +72,7 @@ class Report:
 
 
 def batches(cases: int, seed: int, only: str) -> Iterator[Batch]:
-    """Batches of all doors that match, by their weights among these; every door gets one case at least."""
+    """Yield batches of all doors that match, by their weights among these; every door gets one case at least."""
     chosen = [door for door in doors().values() if fnmatch(door.name, only)]
     whole = sum(door.weight for door in chosen)
     for door in chosen:
@@ -82,8 +82,8 @@ def batches(cases: int, seed: int, only: str) -> Iterator[Batch]:
 
 
 def ask(batch: Batch, first: int, last: int) -> Iterator[tuple[int, str, Finding | None]]:
-    """(number, text, finding) of cases from `first` to `last`, first without a finding, as they are asked in this process."""
-    # what numpy says of overflow on a hostile number is no answer; its result is judged
+    """Yield (number, text, finding) of cases from `first` to `last`, first without a finding, as they run in this process."""
+    # numpy's warning of overflow on a hostile number is no answer; its result is judged
     warnings.simplefilter("ignore")
     door = batch.own or doors()[batch.door]
     door.warm()
@@ -91,7 +91,7 @@ def ask(batch: Batch, first: int, last: int) -> Iterator[tuple[int, str, Finding
     with tempfile.TemporaryDirectory(prefix="hostile-") as folder:
         for k, case in enumerate(door.cases(batch.seed, batch.count, Path(folder))):
             if first <= k <= last:
-                # once the valid files have been made, and what makes them is imported
+                # once the valid files have been made, and their makers are imported
                 judge = judge or Judge(door.reserves)
                 yield k, case.text[:400], None
                 finding = judge.verdict(case)
@@ -100,14 +100,14 @@ def ask(batch: Batch, first: int, last: int) -> Iterator[tuple[int, str, Finding
 
 
 def send_findings(batch: Batch, first: int, send: Connection) -> None:
-    """Ask a batch in a process of its own: every case is sent before it is asked, so that a crash is known by its case."""
+    """Run a batch in a process of its own: every case is sent before it runs, so that a crash is known by its case."""
     for told in ask(batch, first, batch.count):
         send.send(told)
     send.send(None)
 
 
 def watch(batch: Batch, report: Report, stop: threading.Event) -> None:
-    """Ask a batch in processes that are watched; after a crash or a hang another one asks the rest."""
+    """Run a batch in processes that are watched; after a crash or a hang another one runs the rest."""
     first, crashes = 0, 0
     while first < batch.count and crashes < CRASHES and not stop.is_set():
         receive, send = SPAWN.Pipe(duplex=False)

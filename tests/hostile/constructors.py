@@ -39,7 +39,7 @@ CHUNK = 250
 
 
 def told(value: object) -> str:
-    """A value in few words, whatever its own answer to that is."""
+    """Return a value in few words, whatever its own answer to that is."""
     try:
         return reprlib.repr(value)
     except Exception as error:
@@ -63,7 +63,7 @@ def drawn(strategy: SearchStrategy[Asked], seed: int, count: int) -> list[Asked]
 
 def cases(strategy: Callable[[], SearchStrategy[Asked]], check: Callable[[object], object], seed: int, count: int, folder: Path
           ) -> Iterator[Case]:
-    """Calls whose arguments hypothesis draws; `check` judges what is returned."""
+    """Yield calls whose arguments hypothesis draws; `check` judges the returned value."""
     made = 0
     while made < count:
         examples = drawn(strategy(), seed * 100_003 + made, min(CHUNK, count - made))
@@ -73,12 +73,12 @@ def cases(strategy: Callable[[], SearchStrategy[Asked]], check: Callable[[object
 
 
 def called(make: Callable[..., object], arguments: dict[str, object], check: Callable[[object], object]) -> object:
-    """What a call returns, once `check` has passed it."""
+    """Return the result of a call, once `check` has passed it."""
     return check(make(**arguments))
 
 
 def shape_doors() -> list[SearchStrategy[Asked]]:
-    """Shapes, pieces, masses."""
+    """Return shapes, pieces, masses."""
     size = st.tuples(v.lengths, v.lengths, v.lengths)
     return [
         v.asked(Sphere, radius=v.lengths), v.asked(Capsule, radius=v.lengths, length=v.lengths), v.asked(Box, size=size),
@@ -90,7 +90,7 @@ def shape_doors() -> list[SearchStrategy[Asked]]:
 
 
 def joint_doors() -> list[SearchStrategy[Asked]]:
-    """Materials and joints."""
+    """Return materials and joints."""
     pairs = st.dictionaries(st.tuples(v.materials, v.materials), v.contacts, max_size=3)
     return [
         v.asked(ContactLaw, restitution=st.floats(0.0, 1.0), friction=st.floats(0.0, 1.0)), v.asked(PairTable, pairs=pairs),
@@ -104,7 +104,7 @@ def joint_doors() -> list[SearchStrategy[Asked]]:
 
 
 def body_doors() -> list[SearchStrategy[Asked]]:
-    """Links, avatars, bodies, samples, scenes."""
+    """Return links, avatars, bodies, samples, scenes."""
     placed = {"pieces": v.piece_tuples, "position": v.vectors, "orientation": v.quaternions}
     moving = {"mass": v.masses, "velocity": v.vectors, "angular_velocity": v.vectors}
     link = {"parent": st.none() | st.just("a"), "joint": v.roots, "pieces": v.piece_tuples, "mass": v.masses}
@@ -126,7 +126,7 @@ def body_doors() -> list[SearchStrategy[Asked]]:
 
 
 def sample_checked(known: tuple[TrackerSample, tuple[Avatar, ...]], **replaced: object) -> object:
-    """A sample with some of its parts replaced, as the engine checks it."""
+    """Return a sample with some of its parts replaced, as the engine checks it."""
     if not (isinstance(known, tuple) and len(known) == 2 and isinstance(known[0], TrackerSample)):
         return checked(known, ())  # type: ignore[arg-type]
     base, avatars = known
@@ -135,7 +135,7 @@ def sample_checked(known: tuple[TrackerSample, tuple[Avatar, ...]], **replaced: 
 
 
 def mesh_doors() -> list[SearchStrategy[Asked]]:
-    """Meshes as arrays, with all wishes; one hull, since to decompose takes seconds."""
+    """Return meshes as arrays, with all wishes; one hull, since to decompose takes seconds."""
     from tests.assets.meshes.solids import cube, ell
 
     meshes = st.sampled_from((cube(), ell()))
@@ -148,12 +148,12 @@ def mesh_doors() -> list[SearchStrategy[Asked]]:
 
 
 def hull_of_mesh(**arguments: Any) -> object:
-    """One convex piece."""
+    """Return one convex piece."""
     return pieces_of_mesh(**arguments, kept=False, quiet=True, hull=True)
 
 
 COUNTS = ("steps", "corrections", "attempts", "sweeps", "work", "search_work", "leap_search", "rounds", "patience")
-"""Options that say how long an engine may work. They may ask for hours, which settings are trusted with: here up to 50."""
+"""Options for the time that an engine may work. They may allow hours, which settings are trusted with: here up to 50."""
 LENGTHS = (
     "stand_off", "least_gap", "wedged_gap", "turn_cap", "move_cap", "stray_turn", "merit", "root_weight", "stiffness_floor",
     "turn_share", "turn_alone", "catch_up_turn", "catch_up_move", "natural_frequency", "settle_time", "stall_time", "near",
@@ -163,7 +163,7 @@ LENGTHS = (
 
 
 def engine_doors() -> list[SearchStrategy[Asked]]:
-    """A hand above a table, with any settings, frame time and sample; and generated scenes."""
+    """Return a hand above a table, with any settings, frame time and sample; and generated scenes."""
     options = st.one_of(
         st.dictionaries(st.sampled_from(COUNTS), st.integers(0, 50) | v.numbers.filter(small), max_size=2),
         st.dictionaries(st.sampled_from(LENGTHS), v.numbers, max_size=2), st.just({}),
@@ -180,7 +180,7 @@ def engine_doors() -> list[SearchStrategy[Asked]]:
 
 
 def cleaning_doors() -> list[SearchStrategy[Asked]]:
-    """Options, clips of random postures of random avatars among random bodies, and streams of coordinates."""
+    """Return options, clips of random postures of random avatars among random bodies, and streams of coordinates."""
     options = st.builds(Options, margin=st.floats(1e-5, 0.05), blend=st.floats(0.0, 0.3), opinion=st.just(False))
     rows = st.lists(st.builds(lambda seed: np.random.default_rng(seed).normal(size=12), v.seeds), min_size=1, max_size=4)
     return [
@@ -193,7 +193,7 @@ def cleaning_doors() -> list[SearchStrategy[Asked]]:
 
 
 def cleaned(avatar: Avatar, bodies: list[Body], moves: list[int], step: float, options: Options) -> object:
-    """A clip of random postures, cleaned. Raises Unsound where something overlaps in what is written."""
+    """Clean a clip of random postures. Raises Unsound where something overlaps in the output."""
     known = [move for move in (moves if isinstance(moves, list) else [moves]) if isinstance(move, int) and 0 <= move < 1000]
     samples = [v.sample((avatar,), move, 0.3) for move in known] if isinstance(avatar, Avatar) else []
     arrays = ([getattr(sample, name) for sample in samples] for name in ("positions", "rotations", "angles"))
@@ -207,7 +207,7 @@ def cleaned(avatar: Avatar, bodies: list[Body], moves: list[int], step: float, o
 
 
 def shielded(rows: list[object], rate: float, options: Options, speed: Rates, acceleration: Rates) -> object:
-    """A stream of coordinates that goes on after a row that is refused. Raises Unsound for what comes out and is no posture."""
+    """Filter a stream of coordinates that goes on after a refused row. Raises Unsound for an output that is no posture."""
     shield, shown = Shield(model(), (FLOOR,), rate, options, speed, acceleration), np.zeros(12)
     for row in rows if isinstance(rows, list) else [rows]:
         with suppress(AvatarsimError):
@@ -216,12 +216,12 @@ def shielded(rows: list[object], rate: float, options: Options, speed: Rates, ac
 
 
 def small(value: object) -> bool:
-    """Whether a number asks for little work."""
+    """Return whether a number causes little work."""
     return not (isinstance(value, int | float | np.number) and abs(float(min(max(value, -1e9), 1e9))) > 50.0)
 
 
 def hand_over_table() -> Scene:
-    """A fist over a table, a ball on it."""
+    """Return a fist over a table, a ball on it."""
     fist, ball = (Piece(Sphere(0.04)),), (Piece(Sphere(0.05)),)
     table = fixed("table", (Piece(Box((1.0, 1.0, 0.05))),), "wood")
     start = TrackerSample(0.0, np.array([[0.0, 0.0, 0.3]]), np.array([[1.0, 0.0, 0.0, 0.0]]), np.zeros(0))
@@ -230,11 +230,11 @@ def hand_over_table() -> Scene:
 
 
 ENGINE = AvatarsimEngine()
-"""One for all cases: what an input leaves behind in it, the next case meets."""
+"""One for all cases: a state that an input leaves behind in it meets the next case."""
 
 
 def shown(scene: Scene, preset: str, options: dict[str, object], seed: int, dt: float, record: bool, moves: list[int]) -> object:
-    """What the engine shows of a scene after some moves of the user."""
+    """Return the states that the engine shows of a scene after some moves of the user."""
     shown_first = ENGINE.load(scene, Settings(preset, options, seed, record), dt)
     records = [shown_first]
     for place in moves if isinstance(moves, list) else [moves]:
@@ -248,7 +248,7 @@ def shown(scene: Scene, preset: str, options: dict[str, object], seed: int, dt: 
 
 
 def doors() -> tuple[Door, ...]:
-    """All of them; each constructor's strategy is drawn as often as its neighbours in a group."""
+    """Return all of them; each constructor's strategy is drawn as often as its neighbours in a group."""
     groups: tuple[tuple[str, float, Callable[[], list[SearchStrategy[Asked]]]], ...] = (
         ("shapes", 90.0, shape_doors), ("joints", 70.0, joint_doors), ("bodies", 80.0, body_doors),
         ("mesh arrays", 2.0, mesh_doors), ("engine", 10.0, engine_doors), ("cleaning", 5.0, cleaning_doors),
@@ -261,12 +261,12 @@ def doors() -> tuple[Door, ...]:
 
 
 def one_of(made: Callable[[], list[SearchStrategy[Asked]]]) -> SearchStrategy[Asked]:
-    """Any of the strategies of a group."""
+    """Return any of the strategies of a group."""
     return st.one_of(made())
 
 
 def compiled(made: Callable[[], list[SearchStrategy[Asked]]]) -> None:
-    """Let both methods show what the first scenes of a seed ask, so that no case waits for a kernel to be compiled or read."""
+    """Let both methods run the first scenes of a seed, so that no case waits for a kernel to be compiled or read."""
     for make, arguments in drawn(one_of(made), 0, 60):
         with suppress(Exception):
             make(**arguments)

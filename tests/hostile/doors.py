@@ -1,4 +1,4 @@
-"""What a door is: a way in for values or files from elsewhere, the cases that it is asked, and which answers count."""
+"""Doors: ways in for values or files from elsewhere, the cases of each, and the answers that count."""
 
 import math
 import random
@@ -13,20 +13,20 @@ Damage = Callable[[bytes, random.Random], bytes]
 
 
 class Unsound(Exception):
-    """An answer that was given and is none: a number that is not finite, a value of another type than is declared. What the
-    message says before a colon is the same for equal findings."""
+    """An answer that was given and is none: a number that is not finite, a value of another type than is declared. The part of
+    the message before a colon is the same for equal findings."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """One input: a `text` that describes it, and the question that is asked of it."""
+    """One input: a `text` that describes it, and the call that uses it."""
 
     text: str
     ask: Callable[[], object]
 
 
 def nothing() -> None:
-    """What a door needs before it is asked: most need nothing."""
+    """Prepare a door before its first case: most need nothing."""
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Door:
     weight    its share of all cases, relative to the others'
     cases     the first so many cases of a seed, each made when it is its turn, in a folder of its own
     slow      one case takes milliseconds, so batches are shorter
-    warm      what takes long once and belongs to no case: compiling
-    reserves  its libraries reserve far more memory than they use, so that only what is resident can be limited
+    warm      the steps that take long once and belong to no case: compiling
+    reserves  its libraries reserve far more memory than they use, so that only resident memory can be limited
     files     where its cases are damaged files: the files before that
     """
 
@@ -54,7 +54,7 @@ class Door:
 class FileDoor:
     """Cases of a reader: one of its valid `files` (path below the folder -> content) is damaged and `ask` reads it.
 
-    `ask` gets the folder and the path that was damaged. `also` are files that stay whole beside it."""
+    `ask` gets the folder and the path that was damaged. `also` are files next to it that stay whole."""
 
     files: Callable[[], Mapping[str, bytes]]
     damage: Damage
@@ -62,7 +62,7 @@ class FileDoor:
     also: Callable[[], Mapping[str, bytes]] = dict
 
     def cases(self, seed: int, count: int, folder: Path) -> Iterator[Case]:
-        """Damaged files, written one after the other over the valid ones."""
+        """Yield damaged files, written one after the other over the valid ones."""
         files = dict(self.files())
         for name, content in {**files, **self.also()}.items():
             place(folder, name, content)
@@ -76,7 +76,7 @@ class FileDoor:
 
 
 def of_files(name: str, weight: float, files: FileDoor, slow: bool = False, reserves: bool = False) -> Door:
-    """The door of a reader."""
+    """Return the door of a reader."""
     return Door(name, weight, files.cases, slow, reserves=reserves, files=files)
 
 
@@ -89,7 +89,7 @@ def place(folder: Path, name: str, content: bytes) -> Path:
 
 
 def sound(value: object, name: str = "answer", deep: int = 6) -> object:
-    """`value`, if no number in it is nan. Raises Unsound with where one is."""
+    """Return `value`, if no number in it is nan. Raises Unsound with where one is."""
     if isinstance(value, float) and math.isnan(value):
         raise Unsound(f"{name} is nan")
     if isinstance(value, np.ndarray) and value.dtype.kind == "f" and np.isnan(value).any():
@@ -107,7 +107,7 @@ def sound(value: object, name: str = "answer", deep: int = 6) -> object:
 
 
 def finite(value: object, name: str = "answer") -> object:
-    """`value`, if each array and number in it is finite."""
+    """Return `value`, if each array and number in it is finite."""
     sound(value, name)
     for entry in fields(value) if is_dataclass(value) else ():
         part = getattr(value, entry.name)
@@ -117,7 +117,7 @@ def finite(value: object, name: str = "answer") -> object:
 
 
 def kept_to_one_of(code: object, codes: frozenset[int]) -> object:
-    """An exit code, if it is one of those that a command has."""
+    """Return an exit code, if it is one of those that a command has."""
     if code not in codes or isinstance(code, bool | Enum):
         raise Unsound(f"exit code {code!r}, none of {sorted(codes)}")
     return code

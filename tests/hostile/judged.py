@@ -20,7 +20,7 @@ SECONDS = 5.0
 SILENCE = 20.0
 """Longest that it may take by the clock [s]; a case that waits for something uses no processor and never ends."""
 MEMORY = 2 * 2**30
-"""Bytes that a case may take beyond what its process has when it begins."""
+"""Bytes that a case may take in addition to those of its process at the start."""
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -67,7 +67,7 @@ class Judge:
 
 
 def peak() -> int:
-    """Most bytes that were ever resident."""
+    """Return most bytes that were ever resident."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 

@@ -22,15 +22,15 @@ INTEGERS = tuple(struct.pack(kind, value) for kind, value in (
     ("<I", 0), ("<I", 1), ("<I", 0x7FFFFFFF), ("<I", 0xFFFFFFFF), ("<H", 0xFFFF), ("<q", -1), ("<q", 2**62), (">I", 0x7FFFFFFF),
     ("<d", float("nan")), ("<d", float("inf")), ("<d", 1e308), ("<f", float("nan")), ("<f", 3e38),
 ))
-"""What counts, offsets and coordinates of binary formats become."""
+"""Replacements of counts, offsets and coordinates of binary formats."""
 DEEP = 200_000
-"""Levels of nesting beyond what a parser that calls itself can follow."""
+"""Levels of nesting that no recursive parser can follow."""
 NESTED = (65, 200, 850)
-"""Levels that a parser can follow, and what comes after it perhaps not."""
+"""Levels that a parser can follow, and the code after it perhaps not."""
 
 
 def flip(data: bytes, rng: Rng) -> bytes:
-    """Some bytes changed."""
+    """Return some bytes changed."""
     found = bytearray(data)
     for _ in range(rng.choice((1, 1, 2, 8, 64))):
         if found:
@@ -39,31 +39,31 @@ def flip(data: bytes, rng: Rng) -> bytes:
 
 
 def cut(data: bytes, rng: Rng) -> bytes:
-    """The end cut off."""
+    """Return the end cut off."""
     return data[: rng.randrange(len(data) + 1)]
 
 
 def drop(data: bytes, rng: Rng) -> bytes:
-    """A stretch left out."""
+    """Return a stretch left out."""
     begin, end = stretch(data, rng)
     return data[:begin] + data[end:]
 
 
 def repeat(data: bytes, rng: Rng) -> bytes:
-    """A stretch said again, a few times."""
+    """Repeat a stretch a few times."""
     begin, end = stretch(data, rng)
     return data[:end] + data[begin:end] * rng.choice((1, 2, 30)) + data[end:]
 
 
 def insert(data: bytes, rng: Rng) -> bytes:
-    """Random bytes, or a word, in between."""
+    """Return random bytes, or a word, in between."""
     at = rng.randrange(len(data) + 1)
     word = rng.choice(TOKENS) if rng.random() < 0.6 else rng.randbytes(rng.randrange(1, 40))
     return data[:at] + word + data[at:]
 
 
 def word(data: bytes, rng: Rng) -> bytes:
-    """A number or name replaced."""
+    """Return a number or name replaced."""
     found = list(WORDS.finditer(data[:100_000]))
     if not found:
         return insert(data, rng)
@@ -72,7 +72,7 @@ def word(data: bytes, rng: Rng) -> bytes:
 
 
 def count(data: bytes, rng: Rng) -> bytes:
-    """Four or eight bytes that may be a count, an offset or a coordinate."""
+    """Return four or eight bytes that may be a count, an offset or a coordinate."""
     value = rng.choice(INTEGERS)
     # headers, which hold most of the counts, are short and come first
     at = rng.randrange(max(1, min(len(data), 128 if rng.random() < 0.5 else len(data))))
@@ -80,7 +80,7 @@ def count(data: bytes, rng: Rng) -> bytes:
 
 
 def lines(data: bytes, rng: Rng) -> bytes:
-    """Lines in another order, or with other ends."""
+    """Return lines in another order, or with other ends."""
     found = data.split(b"\n")
     if rng.random() < 0.3:
         return rng.choice((b"\r", b"\r\n", b"\x0b", b"\x00")).join(found)
@@ -90,7 +90,7 @@ def lines(data: bytes, rng: Rng) -> bytes:
 
 
 def extreme(data: bytes, rng: Rng) -> bytes:
-    """What has little to do with the file: nothing, noise, another encoding, brackets without end, one endless line."""
+    """Return content unlike the file: nothing, noise, another encoding, brackets without end, one endless line."""
     return rng.choice((
         lambda: b"", lambda: rng.randbytes(rng.randrange(1, 4000)), lambda: b"\xef\xbb\xbf" + data, lambda: data + data,
         lambda: b"\xff\xfe" + data.decode("latin-1").encode("utf-16-le"), lambda: b"\x00" * len(data),
@@ -103,13 +103,13 @@ BYTES: tuple[Callable[[bytes, Rng], bytes], ...] = (flip, cut, drop, repeat, ins
 
 
 def stretch(data: bytes, rng: Rng) -> tuple[int, int]:
-    """Where a random stretch, more often a short one, begins and ends."""
+    """Return where a random stretch, more often a short one, begins and ends."""
     begin = rng.randrange(len(data) + 1)
     return begin, min(len(data), begin + rng.choice((1, 4, 16, 100, 2000)))
 
 
 def damaged(data: bytes, rng: Rng) -> bytes:
-    """A file damaged byte by byte, in one place or a few."""
+    """Return a file damaged byte by byte, in one place or a few."""
     if rng.random() < 0.03:
         return extreme(data, rng)
     for _ in range(rng.choice((1, 1, 1, 2, 5))):
@@ -118,7 +118,7 @@ def damaged(data: bytes, rng: Rng) -> bytes:
 
 
 def hostile_value(rng: Rng, deep: int = 2) -> object:
-    """A value that JSON can hold and that a reader may not expect."""
+    """Return a value that JSON can hold and that a reader may not expect."""
     made: object = rng.choice((
         None, True, False, 0, -1, 1.5, -0.0, 1e308, 10**400, -(10**30), 2**63, float("nan"), float("inf"), "", "NaN",
         "-Infinity", "x", "a" * 300, "\ud800", "<script>", "../x", "\x00", "1e400", [], {}, [[]], [None], {"": None},
@@ -133,7 +133,7 @@ def hostile_value(rng: Rng, deep: int = 2) -> object:
 
 
 def places(value: object) -> list[tuple[object, object]]:
-    """(container, key) of everything below a value."""
+    """Return (container, key) of everything below a value."""
     found: list[tuple[object, object]] = []
     open_ = [value]
     while open_:
@@ -145,7 +145,7 @@ def places(value: object) -> list[tuple[object, object]]:
 
 
 def damaged_json(data: bytes, rng: Rng) -> bytes:
-    """A JSON file in which values were replaced, left out or moved; now and then damaged byte by byte."""
+    """Return a JSON file in which values were replaced, left out or moved; now and then damaged byte by byte."""
     if rng.random() < 0.3:
         return damaged(data, rng)
     value = json.loads(data)
@@ -215,7 +215,7 @@ def damaged_zip(data: bytes, rng: Rng) -> bytes:
 
 
 def header_damaged(content: bytes, rng: Rng) -> bytes:
-    """An .npy file whose header says another kind, shape or order of what follows."""
+    """Return an .npy file whose header gives another kind, shape or order than its data."""
     header = content[:128]
     for old, new in rng.sample((
         (b"<f8", b"<c8"), (b"<f8", b"|O8"), (b"<f8", b"<i8"), (b"<i8", b"<f8"), (b"<U", b"|V"), (b"|u1", b"|b1"), (b"(", b"["),
@@ -227,7 +227,7 @@ def header_damaged(content: bytes, rng: Rng) -> bytes:
 
 
 def damaged_glb(data: bytes, rng: Rng) -> bytes:
-    """A binary glTF file whose JSON was damaged and whose lengths then fit again; now and then damaged byte by byte."""
+    """Return a binary glTF file whose JSON was damaged and whose lengths then fit again; now and then damaged byte by byte."""
     if rng.random() < 0.4 or len(data) < 20:
         return damaged(data, rng)
     length = struct.unpack("<I", data[12:16])[0]

@@ -1,4 +1,4 @@
-"""Doors for files: meshes, motion clips, models, settings, what a run leaves behind, what the caches keep."""
+"""Doors for files: meshes, motion clips, models, settings, the files of a run, the contents of the caches."""
 
 import random
 from collections.abc import Callable, Mapping
@@ -54,7 +54,7 @@ TABLES: Mapping[str, tuple[Callable[[Path], object], tuple[str, ...]]] = {
 
 
 def hull(folder: Path, path: Path) -> object:
-    """One hull of a mesh, at a scale at which it is believed."""
+    """Return one hull of a mesh, at a scale at which it is accepted."""
     found = pieces_of_mesh(path, hull=True, kept=False, quiet=True)
     for piece in found.pieces:
         finite(piece.shape)
@@ -62,18 +62,18 @@ def hull(folder: Path, path: Path) -> object:
 
 
 def certified(folder: Path, path: Path) -> object:
-    """A clip's certificate: one from which the page of a folder is made, or none."""
+    """Return a clip's certificate: one from which the page of a folder is made, or none."""
     found = certificate.read(path)
     return None if found is None else index_page(certificate.summary("clean", [found], []))
 
 
 def certified_folder(folder: Path, path: Path) -> object:
-    """A folder's certificate: one whose list of what is not done makes a page."""
+    """Read a folder's certificate: one whose list of clips not done makes a page."""
     return index_page(certificate.summary("clean", [], certificate.not_done(path)))
 
 
 def whole_mesh(folder: Path, path: Path) -> object:
-    """A mesh as it was read: finite, each triangle among its vertices."""
+    """Return a mesh as it was read: finite, each triangle among its vertices."""
     found = finite_mesh(read_mesh(path))
     if not (0 <= found.triangles.min() <= found.triangles.max() < len(found.vertices)):
         raise Unsound("a triangle beyond the vertices")
@@ -81,13 +81,13 @@ def whole_mesh(folder: Path, path: Path) -> object:
 
 
 def clip(folder: Path, path: Path) -> object:
-    """A clip, at equal steps where it is not years long."""
+    """Return a clip, at equal steps where it is not years long."""
     found = read_clip(path)
     return finite(retimed(found) if found.times[-1] < 1e3 else found)
 
 
 def trajectory(folder: Path, path: Path) -> object:
-    """The motion of a small robot, and the file again."""
+    """Return the motion of a small robot, and the file again."""
     found = load_motion(path)
     motion = finite(found.motion(robot()))
     assert isinstance(motion, Motion)
@@ -96,7 +96,7 @@ def trajectory(folder: Path, path: Path) -> object:
 
 
 def body(folder: Path, path: Path) -> object:
-    """The avatar and the motion of a body of the SMPL family, and the file again."""
+    """Return the avatar and the motion of a body of the SMPL family, and the file again."""
     found = load_motion(path)
     own = found.model()
     motion = finite(found.motion(own))
@@ -106,7 +106,7 @@ def body(folder: Path, path: Path) -> object:
 
 
 def recorded(folder: Path, path: Path) -> object:
-    """A clip on its skeleton: its avatar, its motion, and the file again."""
+    """Return a clip on its skeleton: its avatar, its motion, and the file again."""
     file = load_motion(next(folder.glob("*.amc"), path))
     found = file.model()
     motion = file.motion(found)
@@ -115,7 +115,7 @@ def recorded(folder: Path, path: Path) -> object:
 
 
 def model(folder: Path, path: Path) -> object:
-    """The avatar of the first body of a model."""
+    """Return the avatar of the first body of a model."""
     root = parsed(path).find("worldbody/body")
     if root is None:
         return None
@@ -125,14 +125,14 @@ def model(folder: Path, path: Path) -> object:
 
 
 def own_settings(folder: Path, path: Path) -> object:
-    """Rows, each for an engine that there is."""
+    """Return rows, each for an engine that there is."""
     rows = read_settings(path, ENGINES)
     assert rows and all(row.engine in ENGINES for row in rows)
     return rows
 
 
 def cached(folder: Path, path: Path) -> object:
-    """Kept pieces, or a sentence on why they are computed anew."""
+    """Return kept pieces, or a sentence on why they are computed anew."""
     with valid.cache_in(folder):
         answer, said = cache.load(valid.PIECES)
     assert answer is not None or said
@@ -140,7 +140,7 @@ def cached(folder: Path, path: Path) -> object:
 
 
 def finished(folder: Path, path: Path) -> object:
-    """What a study has finished before: nothing, or what it was."""
+    """Return the entries that a study has finished before: none, or the original ones."""
     found = Checkpoint(path, "0").known
     if found and found != {"key": ANSWER}:
         raise Unsound("an answer that was changed")
@@ -152,14 +152,14 @@ JOBS = tuple(Job("ball_drop", "mujoco", preset, seed=1, options={"iterations": 5
 
 
 def made(write: Callable[[Path], object]) -> valid.Files:
-    """Files that a function writes into a folder."""
+    """Return files that a function writes into a folder."""
     with TemporaryDirectory() as folder:
         write(Path(folder))
         return {path.name: path.read_bytes() for path in Path(folder).iterdir()}
 
 
 def table_2(folder: Path, path: Path) -> object:
-    """What Table 2 takes from a run."""
+    """Return the values that Table 2 takes from a run."""
     found = rows_of_table_2.runs(folder)
     assert not found or found[0].scene == valid.TABLE_2
     return found
@@ -170,25 +170,25 @@ EARLIER = {"results.json": b'{"schema_version": 1, "provenance": {"command": "py
 
 
 def chosen(files: Callable[[], valid.Files], holds: Callable[[str], bool]) -> valid.Files:
-    """Some of these files."""
+    """Return some of these files."""
     return {name: content for name, content in files().items() if holds(name)}
 
 
 def run_files(*names: str) -> Callable[[], valid.Files]:
-    """Some files of the whole run."""
+    """Return some files of the whole run."""
     return partial(chosen, valid.run, names.__contains__)
 
 
 def reader(
     name: str, weight: float, damage: Damage, ask: Callable[[Path, Path], object], also: str = "", slow: bool = False
 ) -> Door:
-    """The door of one of the small texts; `also` names files that stay whole beside it."""
+    """Return the door of one of the small texts; `also` names files next to it that stay whole."""
     files = FileDoor(lambda: valid.texts()[name], damage, ask, (lambda: valid.texts()[also]) if also else dict)
     return of_files(name, weight, files, slow=slow)
 
 
 def doors() -> tuple[Door, ...]:
-    """All of them; weights are cases in a thousand."""
+    """Return all of them; weights are cases in a thousand."""
     found = []
     for ending, damage in (("obj", damaged), ("stl", damaged), ("stl_ascii", damaged), ("ply", damaged), ("off", damaged),
                            ("dae", damaged), ("glb", damaged_glb), ("gltf", damaged_json)):
@@ -248,39 +248,39 @@ def doors() -> tuple[Door, ...]:
 
 
 def public_model(folder: Path, path: Path) -> object:
-    """Avatar, room and loose bodies of an MJCF or URDF file."""
+    """Return avatar, room and loose bodies of an MJCF or URDF file."""
     return sound(load_avatar(folder / ("robot.urdf" if path.suffix == ".urdf" else "robot.xml"), fix="all"))
 
 
 def looked_at(folder: Path, path: Path) -> object:
-    """The same by the shapes to be looked at, finely, from its first keyframe."""
+    """Return the same by the shapes to be looked at, finely, from its first keyframe."""
     keyed = {} if path.suffix == ".urdf" else {"keyframe": 0}
     name = "robot.urdf" if path.suffix == ".urdf" else "robot.xml"
     return sound(load_avatar(folder / name, fix="all", collide="visual", fit=1e-4, **keyed))
 
 
 def damaged_of_run(data: bytes, rng: random.Random) -> bytes:
-    """A file of JSON or an archive, told apart by its first byte."""
+    """Damage a file of JSON or an archive, distinguished by its first byte."""
     return (damaged_json if data[:1] == b"{" else damaged_zip)(data, rng)
 
 
 def damaged_line(data: bytes, rng: random.Random) -> bytes:
-    """A file of a JSON object a line, of which the first was damaged; now and then byte by byte."""
+    """Return a file of a JSON object a line, of which the first was damaged; now and then byte by byte."""
     first, _, rest = data.partition(b"\n")
     return damaged(data, rng) if rng.random() < 0.4 else damaged_json(first, rng) + b"\n" + rest
 
 
 def damaged_by_name(data: bytes, rng: random.Random) -> bytes:
-    """A table or a JSON file, told apart by its first byte."""
+    """Damage a table or a JSON file, distinguished by its first byte."""
     return (damaged_json if data[:1] in b"{[" else damaged_words)(data, rng)
 
 
 def kept_in(*folders: str) -> valid.Files:
-    """Files of a scene in some folders of a run."""
+    """Return files of a scene in some folders of a run."""
     return chosen(valid.kept, lambda name: name.split("/")[0] in folders)
 
 
 def committed(name: str) -> valid.Files:
-    """The first lines of a committed table."""
+    """Return the first lines of a committed table."""
     content = (Path(__file__).parents[2] / "reports" / name).read_bytes()
     return {name: b"\n".join(content.splitlines()[:20]) + b"\n"}

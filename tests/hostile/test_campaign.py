@@ -1,4 +1,4 @@
-"""A campaign finds bad doors, each by its bad case; all other cases are asked."""
+"""A campaign finds bad doors, each by its bad case; all other cases are run."""
 
 import os
 import signal
@@ -41,7 +41,7 @@ DEEDS: dict[str, tuple[Callable[[], object], str]] = {
 
 
 def cases(deed: Callable[[], object], seed: int, count: int, folder: Path) -> Iterator[Case]:
-    """Cases of which one is bad."""
+    """Yield cases of which one is bad."""
     for k in range(count):
         yield Case(f"case {k}", deed if k == BAD else int)
 

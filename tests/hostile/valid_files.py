@@ -1,4 +1,4 @@
-"""Small valid files of every format that is read: what damage begins from."""
+"""Small valid files of every format that is read: the originals of the damaged ones."""
 
 import io
 import json
@@ -28,7 +28,7 @@ Files = Mapping[str, bytes]
 
 @cache
 def meshes(ending: str) -> Files:
-    """A cube, an L and a ring in one format."""
+    """Return a cube, an L and a ring in one format."""
     import trimesh
 
     found: dict[str, bytes] = {}
@@ -80,7 +80,7 @@ URDF = """<robot name="arm"><material name="grey"><color rgba="1 1 1 1"/></mater
 
 @cache
 def clip() -> Files:
-    """A motion clip of four frames."""
+    """Return a motion clip of four frames."""
     still = [0.03, 0.0, 0.9, 0.0]
     for width in (4, 4, 4, 4, 1, 4, 4, 1, 4, 1, 4, 4, 1):
         still += [1.0, 0.0, 0.0, 0.0] if width == 4 else [0.1]
@@ -90,7 +90,7 @@ def clip() -> Files:
 
 @cache
 def trajectory() -> Files:
-    """A robot's trajectory with names, and one of GMR's without."""
+    """Return a robot's trajectory with names, and one of GMR's without."""
     q, stream, other = walk(4), io.BytesIO(), io.BytesIO()
     bodies = np.tile(q[:, None, :3], (1, 2, 1)), np.tile(q[:, None, 3:7], (1, 2, 1))
     np.savez(
@@ -104,7 +104,7 @@ def trajectory() -> Files:
 
 @cache
 def texts() -> Mapping[str, Files]:
-    """Small files of one text each, by what reads them."""
+    """Return small files of one text each, by their reader."""
     lines = b"".join(b",".join(repr(value).encode() for value in row) + b"\n" for row in walk(4).tolist())
     names = ("root_x", "root_y", "root_z", "root_qw", "root_qx", "root_qy", "root_qz", *JOINTS)
     troubles = [("cut.bvh", "unreadable", "cut off"), ("deep/", "unreadable", "Permission denied")]
@@ -125,7 +125,7 @@ def texts() -> Mapping[str, Files]:
 
 @cache
 def body() -> Files:
-    """A body of the SMPL family, of 24 joints."""
+    """Return a body of the SMPL family, of 24 joints."""
     stream = io.BytesIO()
     poses = np.linspace(-0.3, 0.3, 3 * 72).reshape(3, 72)
     np.savez(stream, poses=poses, trans=np.zeros((3, 3)), mocap_framerate=np.array(120.0), betas=np.zeros(16), gender="neutral")
@@ -157,7 +157,7 @@ solimp = [0.9, 0.95, 0.001]
 
 
 JUDGED = {"pairs": 1000, "largest_depth_error": 1e-9, "misses": 0, "false_alarms": 0}
-"""What the judge's own test found."""
+"""Results of the judge's own test."""
 
 
 @cache
@@ -181,7 +181,7 @@ SCENE, RUN, TABLE_2 = "arm_wall", "avatarsim/default", "two_arms"
 
 @cache
 def kept() -> Files:
-    """What a run keeps of a scene: its look, a recording as pages read it, pairs that overlap."""
+    """Return the files that a run keeps of a scene: its look, a recording as pages read it, pairs that overlap."""
     with TemporaryDirectory() as made:
         folder = Path(made)
         recorded.scene(folder, SCENE)
@@ -191,7 +191,7 @@ def kept() -> Files:
 
 @cache
 def recording() -> Files:
-    """A recording with everything in it, as later questions read it."""
+    """Return a recording with everything in it, as later questions read it."""
     states, bodies, links, inside = 6, 3, 2, 4
     turns = np.zeros((states, bodies, 4))
     turns[..., 0] = 1.0
@@ -214,7 +214,7 @@ def recording() -> Files:
 
 @cache
 def recorded_apart() -> Files:
-    """A recording of a scene of Table 2 as a run keeps it: its user's motion beside it."""
+    """Return a recording of a scene of Table 2 as a run keeps it: its user's motion in a file next to it."""
     scenario = catalog.get(TABLE_2)
     scene = scenario.build()
     motion = scenario.motion(scene, 0)
@@ -233,7 +233,7 @@ PIECES = "0123456789abcdef"
 
 @contextmanager
 def cache_in(folder: Path) -> Iterator[None]:
-    """Let this process keep pieces of meshes below a folder, whatever its environment says."""
+    """Let this process keep pieces of meshes below a folder, whatever its environment sets."""
     places = ("XDG_CACHE_HOME", "AVATARSIM_CACHE_DIR")
     before = {name: os.environ.pop(name, None) for name in places}
     os.environ["XDG_CACHE_HOME"] = str(folder)
@@ -248,7 +248,7 @@ def cache_in(folder: Path) -> Iterator[None]:
 
 @cache
 def pieces() -> Files:
-    """What the cache of convex pieces keeps of one mesh."""
+    """Return the files that the cache of convex pieces keeps of one mesh."""
     from avatarsim.assets.meshes import cache as kept_pieces
     from avatarsim.assets.meshes.hausdorff import Deviation
 

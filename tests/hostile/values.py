@@ -90,7 +90,7 @@ seeds = st.integers(0, 999)
 
 
 def units(size: int) -> SearchStrategy[tuple[float, ...]]:
-    """Vectors of length 1."""
+    """Return vectors of length 1."""
 
     def made(seed: int) -> tuple[float, ...]:
         drawn = np.random.default_rng(seed).normal(size=size)
@@ -116,7 +116,7 @@ swings = st.builds(SwingTwist, directions, directions, st.floats(0.1, 2.0), st.t
 
 
 def ring(count: int, wide: float) -> np.ndarray:
-    """Corners of a reach cone about z."""
+    """Return corners of a reach cone about z."""
     turn = 2.0 * np.pi * np.arange(count) / count
     return np.stack([np.sin(wide) * np.cos(turn), np.sin(wide) * np.sin(turn), np.full(count, np.cos(wide))], axis=-1)
 
@@ -130,7 +130,7 @@ roots: SearchStrategy[Joint] = st.one_of(st.just(Free()), joints)
 
 
 def chain(joints_below: list[Joint], shapes_of: list[tuple[Piece, ...]], root: Joint) -> Avatar:
-    """An avatar of one limb: links half a metre apart."""
+    """Return an avatar of one limb: links half a metre apart."""
     links = [Link("0", None, root, shapes_of[0], solid(shapes_of[0], 1.0))]
     for k, (joint, own) in enumerate(zip(joints_below, shapes_of[1:], strict=False), start=1):
         links.append(Link(f"{k}", f"{k - 1}", joint, own, solid(own, 1.0), anchor=(0.0, 0.0, 0.5)))
@@ -145,7 +145,7 @@ avatars = st.one_of(
 
 def body(kind: int, name: str, own: tuple[Piece, ...], material: str, place: tuple[float, float, float], kg: float,
          velocity: tuple[float, float, float]) -> Body:
-    """A fixed or a simulated body."""
+    """Return a fixed or a simulated body."""
     return fixed(name, own, material, place) if kind else simulated(name, own, material, solid(own, kg), place, velocity=velocity)
 
 
@@ -154,7 +154,7 @@ bodies = st.builds(body, st.integers(0, 1), names.filter(lambda text: bool(text.
 
 
 def sample(of: tuple[Avatar, ...], seed: int, reach: float) -> TrackerSample:
-    """Any posture of avatars."""
+    """Return any posture of avatars."""
     drawn, links = np.random.default_rng(seed), sum(len(avatar.links) for avatar in of)
     turns = drawn.normal(size=(links, 4))
     turns /= np.linalg.norm(turns, axis=1, keepdims=True)
@@ -170,7 +170,7 @@ Asked = tuple[Callable[..., object], dict[str, object]]
 
 
 def asked(make: Callable[..., object], **parts: SearchStrategy[object]) -> SearchStrategy[Asked]:
-    """A constructor and its arguments: valid ones, of which some were replaced by any number or by anything."""
+    """Return a constructor and its arguments: valid ones, of which some were replaced by any number or by anything."""
     valid = st.fixed_dictionaries(parts)
     replaced = st.dictionaries(st.sampled_from(sorted(parts)), st.one_of(anything, numbers, some_numbers), max_size=2)
     return st.tuples(st.just(make), st.builds(lambda a, b: {**a, **b}, valid, replaced))

@@ -49,7 +49,7 @@ LINES: dict[str, tuple[Callable[[list[str]], int], frozenset[int], tuple[str, ..
 
 
 def files() -> dict[str, bytes]:
-    """Files that the lines name."""
+    """Return files that the lines name."""
     run = valid.run()["results.json"]
     return {
         **valid.texts()["settings"], "earlier/results.json": run, "run/results.json": run,
@@ -60,7 +60,7 @@ def files() -> dict[str, bytes]:
 
 
 def cases(name: str, seed: int, count: int, folder: Path) -> Iterator[Case]:
-    """Command lines, each asked in this process; names of files are those below the case's folder."""
+    """Yield command lines, each run in this process; names of files are those below the case's folder."""
     main, codes, lines, last = LINES[name]
     whole = {**files(), **{f"some.{end}": make(folder / f"made.{end}", frames=3).read_bytes()
                            for end, make in (("bvh", made_clips.bvh), ("csv", made_clips.csv))}}
@@ -79,7 +79,7 @@ def cases(name: str, seed: int, count: int, folder: Path) -> Iterator[Case]:
 
 
 def asked(main: Callable[[list[str]], int], words: list[str], codes: frozenset[int]) -> object:
-    """The exit code of a command line, one of those that its help names."""
+    """Return the exit code of a command line, one of those that its help names."""
     try:
         code: object = main(words)
     except SystemExit as end:
@@ -89,5 +89,5 @@ def asked(main: Callable[[list[str]], int], words: list[str], codes: frozenset[i
 
 
 def doors() -> tuple[Door, ...]:
-    """The commands that read files."""
+    """Return the commands that read files."""
     return tuple(Door(f"words of {name}", 1.0 if name == "pieces" else 25.0, partial(cases, name), slow=True) for name in LINES)

@@ -18,7 +18,7 @@ from tests.worlds.little_worlds import at, block, hand, mixed_avatar
 
 
 def corner() -> tuple[Body, ...]:
-    """A floor, a thin wall and a post."""
+    """Return a floor, a thin wall and a post."""
     return (
         block("floor", (0.0, 0.0, -0.6), (4.0, 4.0, 0.1)), block("wall", (0.7, 0.0, 0.5), (0.01, 4.0, 2.4)),
         fixed("post", (Piece(Capsule(0.03, 1.0)),), "metal", (-0.5, 0.4, 0.0)),
@@ -35,19 +35,19 @@ def both_hands(names: tuple[str, ...]) -> Scene:
 
 
 def standing_hinged(bodies: tuple[Body, ...] = ()) -> Scene:
-    """Sixteen hulls among bodies, a metre above the origin."""
+    """Return sixteen hulls among bodies, a metre above the origin."""
     avatar = hinged_avatar()
     return Scene("hinged", bodies, (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 1.1)))
 
 
 @cache
 def free_hinged() -> Scene:
-    """Sixteen hulls with nothing around them."""
+    """Return sixteen hulls with nothing around them."""
     return standing_hinged()
 
 
 def two_of_them() -> Scene:
-    """A tree with every kind of joint and a hand in its way, in the corner."""
+    """Return a tree with every kind of joint and a hand in its way, in the corner."""
     pair: tuple[Avatar, ...] = (mixed_avatar(), hand((Piece(Box((0.1, 0.08, 0.06))),), "other"))
     start = rest(pair)
     start.positions[5] = (0.3, 0.5, 0.0)
@@ -55,13 +55,13 @@ def two_of_them() -> Scene:
 
 
 def alone() -> Scene:
-    """A box in the corner."""
+    """Return a box in the corner."""
     box = hand((Piece(Box((0.1, 0.08, 0.06))),))
     return Scene("hand", corner(), (box,), start=at(rest((box,)), (0.2, 0.0, 0.0)))
 
 
 def walled_hinged() -> Scene:
-    """Sixteen hulls on a floor before a thin wall."""
+    """Return sixteen hulls on a floor before a thin wall."""
     floor, wall = block("floor", (0.0, 0.0, 0.0), (4.0, 4.0, 0.1)), block("wall", (0.7, 0.0, 1.0), (0.01, 4.0, 2.4))
     return standing_hinged((floor, wall))
 
@@ -86,7 +86,7 @@ def posed(scene: Scene, rng: np.random.Generator, spread: float, room: float) ->
 
 
 def drawn(scene: Scene, seed: int, frames: int) -> Iterator[TrackerSample]:
-    """A motion that drifts, twitches, rests and jumps, into whatever stands around and beyond the limits of joints."""
+    """Yield a motion that drifts, twitches, rests and jumps, into any obstacles around and beyond the limits of joints."""
     rng, sample = np.random.default_rng(seed), scene.first_sample
     roots = np.array([isinstance(link.joint, Free) for link in scene.links])
     balls = np.array([isinstance(link.joint, Ball) for link in scene.links])

@@ -21,7 +21,7 @@ TREES = Scene("trees", (), (sliding_avatar(), hand(), sliding_avatar("n")))
 
 @dataclass(frozen=True)
 class Solver:
-    """A world with what the solver keeps of it."""
+    """A world with the solver's state of it."""
 
     world: World
     avatars: Avatars
@@ -30,7 +30,7 @@ class Solver:
 
     @property
     def count(self) -> int:
-        """How many avatars there are."""
+        """Return the number of avatars."""
         return len(self.avatars.first_link) - 1
 
     def take(self, posture: Posture) -> None:
@@ -49,7 +49,7 @@ class Solver:
                 place_avatar(geo, skel, self.avatars, avatar, there)
 
     def after(self, step: Array) -> Posture:
-        """The posture that a step (nd) leads to."""
+        """Return the posture that a step (nd) leads to."""
         found = copied(self.world.posture)
         for avatar in range(self.count):
             take_step(self.world.skeleton, self.avatars, avatar, step, found)
@@ -74,7 +74,7 @@ class Solver:
 
 
 def solver_of(scene: Scene) -> Solver:
-    """The arrays of a scene at its first posture."""
+    """Return the arrays of a scene at its first posture."""
     world = build(scene)
     made = make_solver(world.geometry, world.skeleton, world.posture, world.poses, 0, world.link_friction())
     found = Solver(world, *made)
@@ -83,12 +83,12 @@ def solver_of(scene: Scene) -> Solver:
 
 
 def copied(posture: Posture) -> Posture:
-    """A posture of its own."""
+    """Return a posture of its own."""
     return Posture(*(array.copy() for array in posture))
 
 
 def random_posture(found: Solver, seed: int) -> Posture:
-    """A posture anywhere, its hinges so far within their limits that small steps both ways are taken whole."""
+    """Return a posture anywhere, its hinges so far within their limits that small steps both ways are taken whole."""
     skel = found.world.skeleton
     posture = posture_of(skel, found.world.hinges, random_sample(found.world.scene.avatars, seed))
     posture.angle[:] = np.clip(posture.angle, skel.limits[:, 0] + 0.2, skel.limits[:, 1] - 0.2)
@@ -96,7 +96,7 @@ def random_posture(found: Solver, seed: int) -> Posture:
 
 
 def apart(seed: int, by: float, scene: Scene = TREES) -> Solver:
-    """A solver at a random posture whose target is a random step of spread `by` away."""
+    """Return a solver at a random posture whose target is a random step of spread `by` away."""
     found = solver_of(scene)
     found.take(random_posture(found, seed))
     nd = int(found.world.skeleton.first_dof[-1])
@@ -105,7 +105,7 @@ def apart(seed: int, by: float, scene: Scene = TREES) -> Solver:
 
 
 def metric_of(found: Solver) -> Array:
-    """M (nd, nd) as its factor has it."""
+    """Return M (nd, nd) as its factor has it."""
     factor, path, depth = found.working.objective.factor, found.avatars.path, found.avatars.depth
     lower = np.zeros((len(depth), len(depth)))
     for j, deep in enumerate(depth):
@@ -114,7 +114,7 @@ def metric_of(found: Solver) -> Array:
 
 
 def point_rates(found: Solver, link: int, arm: Array) -> Array:
-    """How a point (3) at `arm` from a link's origin moves with every degree of freedom (3, nd), written densely."""
+    """Return the motion of a point (3) at `arm` from a link's origin with every degree of freedom (3, nd), written densely."""
     skel, poses, axes = found.world.skeleton, found.world.poses, found.state.axes
     rates = np.zeros((3, len(axes)))
     point = poses.position[skel.first + link] + arm

@@ -27,7 +27,7 @@ SHAPES: tuple[Shape, ...] = (Box((0.1, 0.08, 0.06)), ellipsoid_hull((0.05, 0.04,
 
 
 def jointed(shape: Shape, depth: float = HOME, allowed: float | None = None) -> Avatar:
-    """Two equal links that overlap by about `depth` [m] along x, each on a hinge of a post between them."""
+    """Return two equal links that overlap by about `depth` [m] along x, each on a hinge of a post between them."""
     long = 0.1
     apart = 0.5 * (long - depth)
     mass = solid((Piece(Box((0.05, 0.05, 0.05))),), 1.0)
@@ -42,14 +42,14 @@ def jointed(shape: Shape, depth: float = HOME, allowed: float | None = None) -> 
 
 
 def depth_by_directions(avatar: Avatar, samples: list[TrackerSample]) -> float:
-    """The deepest overlap [m] of the outer links by another way: brute force over directions, in the judge's library."""
+    """Return the deepest overlap [m] of the outer links by another way: brute force over directions, in the judge's library."""
     judge = Judge(Scene("judged", (), (replace(avatar, at_rest=()),)))
     places = [link_poses((avatar,), sample) for sample in samples]
     return judge.deepest(np.array([at for at, _ in places]), np.array([turned for _, turned in places]))
 
 
 def bent(angles: np.ndarray) -> TrackerSample:
-    """A posture with these angles (5)."""
+    """Return a posture with these angles (5)."""
     still = rest((jointed(SHAPES[0]),))
     return replace(still, angles=np.asarray(angles, dtype=np.float64))
 

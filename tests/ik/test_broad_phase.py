@@ -21,7 +21,7 @@ AMONG = solver_of(Scene("among", BODIES, (mixed_avatar(),)))
 
 
 def components(count: int, edges: set[tuple[int, int]]) -> list[int]:
-    """The least member of each one's component."""
+    """Return the least member of each one's component."""
     of = list(range(count))
     for _ in range(count):
         for a, b in edges:
@@ -88,7 +88,7 @@ NOT_KNOWN = np.zeros(0, dtype=np.int64)
 
 
 def noticed(found: Solver, moving: np.ndarray) -> bool:
-    """Whether any body had moved."""
+    """Return whether any body had moved."""
     return bool(notice_bodies(found.world.geometry, found.world.skeleton, found.world.poses, moving, found.working))
 
 
@@ -99,7 +99,7 @@ def shift(found: Solver, body: int) -> None:
 
 
 def same(found: Solver) -> list[bool]:
-    """Of both bodies whether the trial has them where they are, shapes and boxes too."""
+    """Return for both bodies whether the trial has them where they are, shapes and boxes too."""
     geo, poses, s = found.world.geometry, found.world.poses, found.working
     told = []
     for b in range(2):

@@ -1,4 +1,4 @@
-"""The certificate of a step: what passed through something is refused, what slides or turns along is not, a nan never passes."""
+"""The certificate of a step: it refuses a motion through a body, not one that slides or turns along; a nan never passes."""
 
 from itertools import product
 
@@ -34,7 +34,7 @@ HANDS = {
 
 
 def failures(found: Solver, step: object) -> int:
-    """What fails of the step (nd) from the world's posture."""
+    """Return the number of failures of the step (nd) from the world's posture."""
     geo, skel, posture, poses = found.world.geometry, found.world.skeleton, found.world.posture, found.world.poses
     notice_bodies(geo, skel, poses, ANY, found.working)
     found.solve_for_all()
@@ -49,7 +49,7 @@ def failures(found: Solver, step: object) -> int:
 
 
 def move(x: float = 0.0, y: float = 0.0, z: float = 0.0, *turn: float) -> list[float]:
-    """A step of one free link."""
+    """Return a step of one free link."""
     return [x, y, z, *(turn or (0.0, 0.0, 0.0))]
 
 
@@ -109,7 +109,7 @@ def test_links_of_two_avatars_are_certified_against_each_other() -> None:
 
 
 def moon() -> Solver:
-    """A ball, and another that an arm carries round it at a distance of 1 cm without turning it."""
+    """Return a ball, and another that an arm carries round it at a distance of 1 cm without turning it."""
     ball, tip = (Piece(Sphere(0.05)),), (Piece(Sphere(0.005), (0.0, 0.0, 0.3)),)
     hinge = Hinges((Hinge(Z, -3.0, 3.0),))
     links = (
@@ -128,7 +128,7 @@ def test_an_avatar_that_turns_far_while_its_links_move_a_little_is_not_refused(t
 
 
 def least_gap(found: Solver, vertices: np.ndarray) -> float:
-    """Least signed distance over wanted pairs."""
+    """Return the least signed distance over wanted pairs."""
     geo = found.world.geometry
     return min(
         signed_distance(vertices, geo.shapes, a, b, (0.0, 0.0, 0.0), SCRATCH)[1]
@@ -138,7 +138,7 @@ def least_gap(found: Solver, vertices: np.ndarray) -> float:
 
 @given(st.integers(0, 100_000), st.sampled_from(sorted(HANDS)))
 def test_a_certified_step_never_overlaps_on_its_way(seed: int, name: str) -> None:
-    """Random steps among a panel and a post; what is certified is free at a dozen instants between."""
+    """Random steps among a panel and a post; a certified step is free at a dozen instants between."""
     rng = np.random.default_rng(seed)
     post = fixed("post", (Piece(Capsule(0.02, 1.0)),), "wood", (0.15, 0.05, 0.0))
     found = solver_of(hand_scene((0.1, -0.12, 0.0), panel(), post, shape=HANDS[name]))

@@ -27,7 +27,7 @@ SHAPES = (
 
 
 def obstacles(rng: np.random.Generator) -> tuple[Body, ...]:
-    """A few shapes of all kinds about the origin."""
+    """Return a few shapes of all kinds about the origin."""
     found = []
     for k in range(5):
         x, y, z = (float(v) for v in rng.uniform(-0.6, 0.6, 3))
@@ -37,7 +37,7 @@ def obstacles(rng: np.random.Generator) -> tuple[Body, ...]:
 
 
 def two_postures(avatar: Avatar, rng: np.random.Generator, size: float) -> tuple[TrackerSample, TrackerSample]:
-    """A posture at random, and another whose root and joints are elsewhere by about `size` [m, rad]."""
+    """Return a posture at random, and another whose root and joints are elsewhere by about `size` [m, rad]."""
     links, hinges = len(avatar.links), avatar.hinge_count
     turns = rotation.normalised(rng.normal(size=(links, 4)))
     first = TrackerSample(0.0, rng.uniform(-0.5, 0.5, (links, 3)), turns, rng.normal(size=hinges))
@@ -47,14 +47,14 @@ def two_postures(avatar: Avatar, rng: np.random.Generator, size: float) -> tuple
 
 
 def gaps_along(chords: Chords, before: TrackerSample, after: TrackerSample, shares: np.ndarray) -> np.ndarray:
-    """The twin: the smallest signed distance at many places, by the interpolation of Motion and the query of frames."""
+    """Return, as a twin, the smallest signed distance at many places, by the interpolation of Motion and the query of frames."""
     arrays = ([getattr(one, name) for one in (before, after)] for name in ("time", "positions", "rotations", "angles"))
     motion = Motion(*(np.array(array) for array in arrays))
     return np.array([chords.nearest(motion.between(0, float(share)), 0.01)[0] for share in shares])
 
 
 def scene_with(avatar: Avatar, bodies: tuple[Body, ...]) -> Scene:
-    """The avatar far above the bodies; chords take any posture."""
+    """Return the avatar far above the bodies; chords take any posture."""
     return Scene("ways", bodies, (avatar,), start=at(rest((avatar,)), (0.0, 0.0, 9.0)))
 
 
@@ -68,7 +68,7 @@ def test_what_is_proved_is_free_at_a_thousand_places(seed: int, size: float) -> 
     gaps = gaps_along(chords, before, after, np.linspace(0.0, until, SAMPLES))
     assert (gaps[:-1] > 0.0).all() or (until == 0.0 and gaps[0] <= 1e-7)
     if until < 1.0:
-        # just behind the place where the proof ends something is as near as what curves within the shortest interval
+        # just behind the end of the proof a gap is as small as the curvature over the shortest interval
         beyond = gaps_along(chords, before, after, np.linspace(until, min(1.0, until + 2.0**-DEPTH), 20))
         assert pair is not None and beyond.min() < 1e-5
 
@@ -90,7 +90,7 @@ def test_no_point_bends_more_than_its_bound(seed: int, size: float) -> None:
 
 
 def placed(chords: Chords, sample: TrackerSample) -> np.ndarray:
-    """Vertices (nv, 3) of all pieces at a posture, by the plain kinematics of samples."""
+    """Return vertices (nv, 3) of all pieces at a posture, by the plain kinematics of samples."""
     positions, turns = link_poses(chords.scene.avatars, sample)
     geo = chords.world.geometry
     owner = np.repeat(geo.body, np.diff(geo.shapes.start)) - len(chords.scene.bodies)
@@ -117,7 +117,7 @@ def test_a_gap_that_is_asked_for_is_kept(seed: int) -> None:
 
 
 def arm(reach: float = 1.0) -> Avatar:
-    """A rod that turns about a root at rest, its end a metre away."""
+    """Return a rod that turns about a root at rest, its end a metre away."""
     rod = (Piece(Capsule(0.01, reach), (0.5 * reach, 0.0, 0.0), (float(np.sqrt(0.5)), 0.0, float(np.sqrt(0.5)), 0.0)),)
     ball = (Piece(Sphere(0.02)),)
     links = (
@@ -191,7 +191,7 @@ def test_a_share_of_a_way_is_where_a_motion_has_it() -> None:
 
 
 def test_a_ball_turned_by_half_a_circle_is_followed_the_short_way() -> None:
-    """An arm on a ball sweeps through a post that stands in its way."""
+    """An arm on a ball sweeps through a post in its way."""
     rod = (Piece(Capsule(0.02, 0.4), (0.0, 0.0, 0.3)),)
     ball = (Piece(Sphere(0.02)),)
     links = Link("root", None, Free(), ball, solid(ball, 1.0)), Link("arm", "root", Ball(), rod, solid(rod, 1.0))

@@ -19,7 +19,7 @@ SCRATCH = make_scratch()
 
 
 def scene(x: float) -> Scene:
-    """A tree and a hand, and a panel across x."""
+    """Return a tree and a hand, and a panel across x."""
     return Scene("s", (panel(THICK, x),), (sliding_avatar(), hand()))
 
 
@@ -43,7 +43,7 @@ def before_a_panel(seed: int) -> tuple[Solver, list[tuple[int, int]]]:
 
 
 def distance(found: Solver, vertices: np.ndarray, a: int, b: int) -> float:
-    """Signed distance [m] of a pair of pieces."""
+    """Return the signed distance [m] of a pair of pieces."""
     return float(signed_distance(vertices, found.world.geometry.shapes, a, b, (0.0, 0.0, 0.0), SCRATCH)[1])
 
 

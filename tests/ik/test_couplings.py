@@ -35,7 +35,7 @@ FREE, BOUND = solver_of(LOOSE), solver_of(COUPLED)
 
 
 def reduction(found: Solver) -> np.ndarray:
-    """G (nd, nd): columns of followers are zero."""
+    """Return G (nd, nd): columns of followers are zero."""
     skel = found.world.skeleton
     whole = np.eye(len(found.avatars.joint_of))
     for (b, a), (ratio, _) in zip(skel.follow, skel.ratio, strict=True):
@@ -104,7 +104,7 @@ def test_the_factor_of_a_reduced_matrix_lies_on_the_paths_of_the_tree(seed: int)
     for b, a in follow:
         whole[b] = 0.0
         whole[b, a] = 2.0
-    # the mass matrix of such a tree is J^T J, each row of which is of one link and what carries it
+    # the mass matrix of such a tree is J^T J, each row of which is of one link and those that carry it
     matrix = whole.T @ rows.T @ rows @ whole
     for b, _ in follow:
         matrix[b, b] = 1.0

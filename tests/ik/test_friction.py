@@ -19,20 +19,20 @@ RADIUS, PRESSED = 0.1, 60
 
 
 def with_friction(scene: Scene, mu: float) -> Scene:
-    """The scene with one coefficient of friction for all pairs."""
+    """Return the scene with one coefficient of friction for all pairs."""
     laws = {pair: ContactLaw(law.restitution, mu) for pair, law in scene.materials.pairs.items()}
     return replace(scene, materials=PairTable(laws))
 
 
 def table(mu: float) -> Scene:
-    """A cube of a hand that begins on a table whose top is at height 0."""
+    """Return a cube of a hand that begins on a table whose top is at height 0."""
     top = fixed("table", (Piece(Box((4.0, 4.0, 1.0))),), "wood", (0.0, 0.0, -0.5))
     cube = (Piece(Box((2 * RADIUS, 2 * RADIUS, 2 * RADIUS))),)
     return with_friction(hand_scene((0.0, 0.0, RADIUS + 1e-3), top, shape=cube), mu)
 
 
 def led(go: Ride, start: tuple[float, float, float], end: tuple[float, float, float], frames: int, rest: int) -> np.ndarray:
-    """Where the hand is after its target went straight from start to end and rested there."""
+    """Return where the hand is after its target went straight from start to end and rested there."""
     for k in range(frames + rest):
         share = min(1.0, (k + 1) / frames)
         go.frame(at(go.scene.first_sample, tuple((1.0 - share) * np.array(start) + share * np.array(end))))

@@ -13,8 +13,8 @@ from tests.worlds.little_worlds import at, hand_scene
 
 
 def spring(way: float, omega: float, times: list[float]) -> list[float]:
-    """Ways [m] that are left after frames of so many seconds, from rest: x'' = -2 omega x' - omega^2 x by backward Euler, as
-    the two equations that it is; what is slower than AT_REST ends at the target."""
+    """Return ways [m] left after frames of so many seconds, from rest: x'' = -2 omega x' - omega^2 x by backward Euler, as the
+    two equations that it is; a motion slower than AT_REST ends at the target."""
     speed, left = 0.0, []
     for dt in times:
         if max(abs(way), abs(speed) * dt) <= AT_REST * dt:
@@ -31,7 +31,7 @@ def spring(way: float, omega: float, times: list[float]) -> list[float]:
 def test_what_is_off_comes_back_as_a_critically_damped_spring_and_the_users_motion_is_followed(
     off: float, omega: float, times: list[float]
 ) -> None:
-    """The user of a hand moves along y all the while; only what the hand is off along x takes time."""
+    """The user of a hand moves along y all the while; only the hand's offset along x takes time."""
     scene = hand_scene((0.0, 0.0, 0.0))
     user, seen, clock = scene.first_sample, [], 0.0
     with AvatarsimEngine() as engine:

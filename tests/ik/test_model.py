@@ -19,13 +19,13 @@ FOUND = solver_of(TREES)
 
 
 def at_random(seed: int) -> Solver:
-    """The trees at a random posture."""
+    """Return the trees at a random posture."""
     FOUND.take(random_posture(FOUND, seed))
     return FOUND
 
 
 def tried(found: Solver, step: np.ndarray) -> np.ndarray:
-    """Vertices at the trial of a step of all avatars."""
+    """Return vertices at the trial of a step of all avatars."""
     found.working.step[:] = step
     for avatar in range(found.count):
         try_step(found.world.geometry, found.world.skeleton, found.avatars, avatar, found.world.posture, found.working)
@@ -33,7 +33,7 @@ def tried(found: Solver, step: np.ndarray) -> np.ndarray:
 
 
 def differences(found: Solver, start: object, end: object) -> np.ndarray:
-    """The tangent error of all avatars."""
+    """Return the tangent error of all avatars."""
     error = np.full(len(found.avatars.joint_of), np.nan)
     for avatar in range(found.count):
         tangent_error(found.world.skeleton, found.avatars, avatar, start, end, error)
@@ -103,7 +103,7 @@ NEAR, FAR = 0.02, 0.5
 
 
 def modelled(seed: int, by: float) -> Solver:
-    """The trees apart from their target, with the model of each."""
+    """Return the trees apart from their target, with the model of each."""
     found = apart(seed, by)
     for avatar in range(found.count):
         model(found.world.skeleton, found.avatars, avatar, found.state, found.world.poses, found.working.objective)
@@ -111,24 +111,24 @@ def modelled(seed: int, by: float) -> Solver:
 
 
 def radius(found: Solver) -> np.ndarray:
-    """The loss radius (nl) [m]."""
+    """Return the loss radius (nl) [m]."""
     return LOSS_RADIUS * np.asarray(found.state.tracking.reach)[found.avatars.avatar]
 
 
 def distances(found: Solver, origins: np.ndarray) -> np.ndarray:
-    """Distance (nl) [m] of link origins from those."""
+    """Return the distance (nl) [m] of link origins from those."""
     return np.asarray(np.linalg.norm(origins - found.world.poses.position[found.world.skeleton.first :], axis=1))
 
 
 def written_out(found: Solver, origins: np.ndarray) -> float:
-    """The objective of all avatars as docs/posture.md has it, towards those link origins."""
+    """Return the objective of all avatars as docs/posture.md has it, towards those link origins."""
     r, d = distances(found, origins), radius(found)
     huber = np.where(r <= d, 0.5 * r * r, d * (r - 0.5 * d))
     return float(found.avatars.link_weight @ huber + 0.5 * (found.avatars.turn_weight * found.working.objective.error**2).sum())
 
 
 def value_after(found: Solver, step: np.ndarray, forces: np.ndarray, arms: np.ndarray) -> float:
-    """The objective less the work of `forces` on points of links, after a step."""
+    """Return the objective less the work of `forces` on points of links, after a step."""
     kept, target = copied(found.world.posture), copied(found.state.own)
     found.take(found.after(step))
     found.follow(target)
@@ -143,12 +143,12 @@ def value_after(found: Solver, step: np.ndarray, forces: np.ndarray, arms: np.nd
 
 
 def gradient(found: Solver) -> np.ndarray:
-    """What the model's Newton step says that the gradient is."""
+    """Return the gradient that the model's Newton step implies."""
     return -metric_of(found) @ found.working.objective.newton
 
 
 def nothing(found: Solver) -> np.ndarray:
-    """No forces, or arms of no length."""
+    """Return no forces, or arms of no length."""
     return np.zeros((len(found.world.skeleton.kind), 3))
 
 
@@ -181,7 +181,7 @@ def test_the_gradient_is_that_of_the_value(seed: int, by: float) -> None:
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("by", [NEAR, FAR])
 def test_the_metric_is_gauss_newtons_and_more_only_where_links_turn(seed: int, by: float) -> None:
-    """What is more than Gauss and Newton's matrix, dense, is what bends: nothing of translations, and nothing negative."""
+    """The excess over Gauss and Newton's matrix, dense, comes from bending: nothing of translations, and nothing negative."""
     found = modelled(seed, by)
     r = distances(found, found.working.objective.aim)
     dense, none = np.diag(found.avatars.turn_weight), np.zeros(3)

@@ -1,4 +1,4 @@
-"""The motion budget of a frame: what is opened, what a step may use of it, and what is spent."""
+"""The motion budget of a frame: the budget that is opened, a step's part of it, and the part that is spent."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ ND, LINKS = len(FOUND.avatars.joint_of), range(len(FOUND.world.skeleton.kind))
 
 
 def opened(speed: float, clipped: np.ndarray, own: np.ndarray) -> Solver:
-    """The budgets of all avatars in a frame."""
+    """Return the budgets of all avatars in a frame."""
     for avatar in range(FOUND.count):
         open_budget(FOUND.world.skeleton, FOUND.avatars, avatar, SETTINGS, DT, speed, own, clipped, FOUND.state.budget)
     return FOUND
@@ -53,7 +53,7 @@ def test_a_frame_of_many_steps_goes_no_farther_than_the_budget(seed: int, has_sl
         path += [parts_of(skel, link, step) for link in LINKS]
         for link in LINKS:
             mine = slice(skel.first_dof[link], skel.first_dof[link + 1])
-            # in the direction that was asked for
+            # in the direction of the target
             assert (np.abs(step[mine]) <= np.abs(asked[mine])).all() and (step[mine] * asked[mine] >= 0.0).all()
     slack = budget.slack if has_slack else np.zeros(2)
     assert (path[:, 0] <= budget.move + slack[0] + 1e-12).all()

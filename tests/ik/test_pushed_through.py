@@ -29,7 +29,7 @@ SETTLES = 2e-3
 """[m] how much farther than its user a hand goes that turns to lie flat, or is pushed along by another of its corners."""
 
 PATIENCE = 2 + int(SETTINGS.stall_time / DT)
-"""Frames after which an avatar that waits says so."""
+"""Frames after which a waiting avatar must report it."""
 
 TABLES = {"thin": (1.0, 1.0, 0.05), "small": (0.4, 0.3, 0.02), "thick": (2.0, 1.2, 0.1)}
 SHAPES = {
@@ -44,7 +44,7 @@ SIZES = (0.015, 0.01504, 0.0173)
 
 def check_push(shape: Shape, half: float, extent: Vector, step: float, seed: int, x: float = 0.0, y: float = 0.0) -> None:
     """Push a palm, `half` its thickness [m], by `step` [m] a frame down through a table at (x, y), 0.1 m beyond: it stays on it,
-    goes no farther in a frame than its user and SETTLES, and says what happens."""
+    goes no farther in a frame than its user and SETTLES, and reports its state."""
     palm, top = (Piece(shape),), 0.5 * extent[2] + half + 0.03
     avatar, table = rigid_avatar("hand", palm, solid(palm, 0.5)), fixed("table", (Piece(Box(extent)),), "wood")
     start = at(rest((avatar,)), (x, y, top))
@@ -72,7 +72,7 @@ def test_a_palm_that_is_pushed_through_a_table_lies_on_it(name: str, kind: str, 
 
 
 def drawn_push(rng: np.random.Generator) -> dict[str, Any]:
-    """Arguments of `check_push`, half of the lengths on round numbers."""
+    """Return arguments of `check_push`, half of the lengths on round numbers."""
 
     def length(low: float, high: float) -> float:
         drawn = float(rng.uniform(low, high))
@@ -104,7 +104,7 @@ def test_a_target_on_the_far_side_is_led_to_only_if_that_is_asked_for(gap: float
 
 
 def path_of(record: FrameRecord, before: FrameRecord, root: int) -> float:
-    """Length [m] of a root's way through all states of a frame."""
+    """Return length [m] of a root's way through all states of a frame."""
     places = np.array([before.shown.positions[root], *(one.positions[root] for one in record.inside)])
     return float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
 
@@ -119,7 +119,7 @@ def test_a_capsule_on_its_side_is_a_hand_like_any_other() -> None:
 
 
 def main() -> int:
-    """Many pushes drawn at random; 1 if one ends anywhere but on the table."""
+    """Run many pushes drawn at random; return 1 if one ends anywhere but on the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--pushes", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=1)

@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 
 def least_distance(rows: Array, bound: Array) -> tuple[Array, Array]:
-    """The shortest y with rows @ y >= bound, and the multipliers with which y = rows^T multipliers."""
+    """Return the shortest y with rows @ y >= bound, and the multipliers with which y = rows^T multipliers."""
     system = np.vstack([rows.T, bound])
     wanted = np.zeros(len(system))
     wanted[-1] = 1.0
@@ -30,7 +30,7 @@ def least_distance(rows: Array, bound: Array) -> tuple[Array, Array]:
 
 
 def nearest_step(metric: Array, step: Array, rows: Array, bound: Array) -> Array:
-    """The x nearest to `step` in `metric` (n, n) with rows @ x >= bound."""
+    """Return the x nearest to `step` in `metric` (n, n) with rows @ x >= bound."""
     root = np.linalg.cholesky(metric).T
     moved = np.linalg.solve(root.T, rows.T).T
     y, _ = least_distance(moved, bound - rows @ step)
@@ -42,7 +42,7 @@ TOLERANCE = 1e-10
 
 
 def asked(seed: int, count: int, by: float = 0.1) -> tuple[Solver, Array, Array]:
-    """Three trees as one island, modelled, and random contact rows of one or two of them that a random step obeys."""
+    """Return three trees as one island, modelled, and random contact rows of one or two of them that a random step obeys."""
     found, rng = apart(seed, by), np.random.default_rng(seed)
     found.solve_for_all()
     for avatar in range(found.count):
@@ -63,19 +63,19 @@ def asked(seed: int, count: int, by: float = 0.1) -> tuple[Solver, Array, Array]
 
 
 def solved(found: Solver) -> Array:
-    """The step of all avatars."""
+    """Return the step of all avatars."""
     solve_qp(found.world.skeleton, found.avatars, 0, found.count, TOLERANCE, found.state, found.working)
     return found.working.step.copy()
 
 
 def cost(found: Solver, step: Array) -> float:
-    """What the QP minimises."""
+    """Return the objective of the QP."""
     off = step - found.working.objective.newton
     return float(0.5 * off @ metric_of(found) @ off)
 
 
 def groups(found: Solver) -> list[tuple[slice, str]]:
-    """The degrees that a budget bounds together, and which of an avatar's budgets."""
+    """Return the degrees that a budget bounds together, and which of an avatar's budgets."""
     skel, places = found.world.skeleton, []
     for link, kind in enumerate(skel.kind):
         d, last = int(skel.first_dof[link]), int(skel.first_dof[link + 1])
@@ -98,7 +98,7 @@ def test_contacts_of_and_between_avatars(seed: int, count: int) -> None:
 
 @given(st.integers(0, 10**6))
 def test_bounds_that_are_violated_join(seed: int) -> None:
-    """Hinges are held to less than the free step asks of them."""
+    """Hinges are held to less than the free step moves them."""
     found, rows, bound = asked(seed, 3)
     rng = np.random.default_rng(seed + 1)
     at = found.world.hinges
@@ -114,7 +114,7 @@ def test_bounds_that_are_violated_join(seed: int) -> None:
 
 
 def within_budgets(found: Solver, left: float) -> Array:
-    """The nearest step of which no group goes farther than `left`, by scipy."""
+    """Return the nearest step of which no group goes farther than `left`, by scipy."""
     metric, wish = metric_of(found), found.working.objective.newton
     masks = np.zeros((len(groups(found)), len(wish)))
     for mask, (at, _) in zip(masks, groups(found), strict=True):
@@ -131,7 +131,7 @@ def within_budgets(found: Solver, left: float) -> Array:
 @pytest.mark.parametrize("seed", range(22))
 @pytest.mark.parametrize("left", [0.02, 0.15])
 def test_a_step_within_budgets_is_as_good_as_the_best_that_keeps_them(seed: int, left: float) -> None:
-    """And better, where it uses what it may go beyond them."""
+    """And better, where it uses its allowance beyond them."""
     found, _, _ = asked(seed, 0)
     found.state.budget.turn[:], found.state.budget.move[:], found.state.budget.slack[:] = left, left, 0.15 * left
     none, best = cost(found, np.zeros(len(found.avatars.joint_of))), cost(found, within_budgets(found, left))
@@ -223,7 +223,7 @@ FINISHED = 1e-9
 
 
 def rows_of(rows: np.ndarray, bound: np.ndarray, multiplier: np.ndarray) -> ConstraintRows:
-    """Rows of a least-distance problem, as sweeps that came to those multipliers leave them."""
+    """Return rows of a least-distance problem, as sweeps that came to those multipliers leave them."""
     gram, m = rows @ rows.T, len(bound)
     ROWS.used[0], ROWS.gram[:m, :m], ROWS.multiplier[:m] = m, gram, multiplier
     ROWS.residual[:m] = gram @ multiplier - bound

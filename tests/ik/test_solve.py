@@ -24,7 +24,7 @@ SETTINGS = PostureSettings()
 
 
 def turns_and_moves(scene: Scene, positions: np.ndarray, orientations: np.ndarray, angles: np.ndarray) -> tuple[list, list]:
-    """Per link the turn of its joint against its parent, as a rotation or as angles of hinges; per root its place."""
+    """Return per link the turn of its joint against its parent, as a rotation or as angles of hinges; per root its place."""
     turned, moved, start, hinge = [], [], 0, 0
     rotations = Rotation.from_quat(orientations, scalar_first=True)
     for avatar in scene.avatars:
@@ -43,31 +43,31 @@ def turns_and_moves(scene: Scene, positions: np.ndarray, orientations: np.ndarra
 
 
 def change(one: object, other: object) -> float:
-    """How far a joint turned [rad]."""
+    """Return the turn of a joint [rad]."""
     if isinstance(one, Rotation):
         return float((one.inv() * other).magnitude())
     return float(np.linalg.norm(np.subtract(other, one)))
 
 
 class Budgeted:
-    """Compares what is shown from frame to frame with what the target itself moved."""
+    """Compares the shown motion from frame to frame with the target's own."""
 
     def __init__(self, go: Ride, start: TrackerSample) -> None:
         self.go, self.shown, self.target = go, self.of_record(go, go.record), self.of_sample(go, start)
 
     @staticmethod
     def of_record(go: Ride, record: FrameRecord) -> tuple[list, list]:
-        """What is shown."""
+        """Return the shown positions and turns."""
         first = len(go.scene.bodies)
         return turns_and_moves(go.scene, record.shown.positions[first:], record.shown.orientations[first:], record.angles)
 
     @staticmethod
     def of_sample(go: Ride, sample: TrackerSample) -> tuple[list, list]:
-        """Where the tracker is."""
+        """Return where the tracker is."""
         return turns_and_moves(go.scene, *link_poses(go.scene.avatars, sample), sample.angles)
 
     def frame(self, sample: TrackerSample, dt: float = DT) -> None:
-        """One frame: what it turns and moves is within the target's own motion and the catch-up speeds."""
+        """Run one frame: its turns and moves are within the target's own motion and the catch-up speeds."""
         record = self.go.frame(sample, dt)
         shown, target = self.of_record(self.go, record), self.of_sample(self.go, sample)
         for now, before, own, own_before in zip(shown[0], self.shown[0], target[0], self.target[0], strict=True):
@@ -103,7 +103,7 @@ def test_a_free_target_within_limits_is_reached_in_one_frame_however_far(seed: i
 
 
 def records(scene: Scene, samples: Sequence[TrackerSample], **options: object) -> Iterator[FrameRecord]:
-    """What an engine of its own shows."""
+    """Yield the records of an engine of its own."""
     with AvatarsimEngine() as engine:
         engine.load(scene, Settings("default", options), DT)
         for sample in samples:
@@ -136,7 +136,7 @@ def test_work_that_suffices_is_not_spent() -> None:
 def frames_together(
     tracks: dict[str, Sequence[np.ndarray]], names: tuple[str, ...], **options: float
 ) -> list[np.ndarray]:
-    """Places of the hands that are there, each before a wall of its own, when each follows its own track."""
+    """Return places of the hands that are there, each before a wall of its own, when each follows its own track."""
     scene = both_hands(names)
     home = rest(scene.avatars)
     found = []
@@ -149,7 +149,7 @@ def frames_together(
 
 
 def tracks(seed: int, frames: int) -> dict[str, list[np.ndarray]]:
-    """Where three hands go: two near one wall, often into each other, and one far away, which rests half of the time."""
+    """Return where three hands go: two near one wall, often into each other, and one far away, which rests half of the time."""
     rng, found = np.random.default_rng(seed), dict[str, list[np.ndarray]]()
     for name, centre in (("a", (0.0, -0.1, 0.0)), ("b", (0.0, 0.1, 0.0)), ("far", (50.0, 0.0, 0.0))):
         at, places = np.array(centre) - (0.15, 0.0, 0.0), []
@@ -161,8 +161,8 @@ def tracks(seed: int, frames: int) -> dict[str, list[np.ndarray]]:
 
 
 def test_an_avatar_that_moves_on_and_on_lets_none_far_away_go_on() -> None:
-    """A hand behind its wall comes free as its target rests; what is left of its way when the settle time has passed several
-    times over, it goes slower and slower, whatever else moves."""
+    """A hand behind its wall comes free as its target rests; once several settle times have passed, it goes the rest of its way
+    slower and slower, whatever else moves."""
     frames = range(400)
     places = [np.array([50.3, 0.005 * min(k, 240), 0.0]) for k in frames]
     both = {"a": [np.array([-0.2 - 0.1 * (k % 2), 0.0, 0.0]) for k in frames], "far": places}

@@ -1,4 +1,4 @@
-"""Frames where it is hard: jumps into bodies, squeezes, walls between avatar and target; and what rests, rests."""
+"""Frames where it is hard: jumps into bodies, squeezes, walls between avatar and target; and resting avatars rest."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -56,7 +56,7 @@ def test_half_turns_of_everything_at_once(seed: int) -> None:
 
 
 def pressed(scene: Scene, **options: float) -> tuple[Ride, TrackerSample]:
-    """Sixteen hulls that were led half a metre into a wall, and the target that rests there from now on."""
+    """Return sixteen hulls that were led half a metre into a wall, and the target that rests there from now on."""
     go, start = ride(scene, **options), scene.first_sample
     sample = start
     for k in range(60):
@@ -66,7 +66,7 @@ def pressed(scene: Scene, **options: float) -> tuple[Ride, TrackerSample]:
 
 
 def motions(go: Ride, sample: TrackerSample, frames: int) -> np.ndarray:
-    """How far the farthest link goes [m] in each of so many frames."""
+    """Return the way of the farthest link [m] in each of so many frames."""
     found, before = [], go.record.shown.positions
     for _ in range(frames):
         shown = go.frame(sample).shown.positions
@@ -111,12 +111,12 @@ def test_behind_a_wall_the_pose_is_kept_in_the_angles_of_joints(far: float) -> N
     assert np.degrees(off.max()) < 25.0 and np.degrees(off.mean()) < 6.0
     turn = Rotation.from_quat(record.shown.orientations[len(scene.bodies)], scalar_first=True).magnitude()
     assert np.degrees(turn) < 10.0
-    # what holds it off is said: it waits, or a path is sought meanwhile
+    # the obstacle is reported: it waits, or a path is sought meanwhile
     assert sum(record.statuses.get(name, 0) for name in ("waiting", "planning")) == 1
 
 
 def plates(apart: float) -> tuple[Scene, TrackerSample]:
-    """A box of a decimetre between two plates, and where it begins."""
+    """Return a box of a decimetre between two plates, and where it begins."""
     box = hand((Piece(Box((0.2, 0.16, 0.1))),))
     away, size = 0.1 + 0.5 * apart, (2.0, 2.0, 0.2)
     both = block("under", (0.0, 0.0, -away), size), block("over", (0.0, 0.0, away), size)
@@ -173,7 +173,7 @@ CUBE = np.array([[x, y, z] for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-
 
 
 def arm() -> Avatar:
-    """A fixed shoulder and three capsules, hinged about z and y: a planar arm that can also lift."""
+    """Return a fixed shoulder and three capsules, hinged about z and y: a planar arm that can also lift."""
     mass = solid(piece(), 1.0)
     lean = tuple(float(v) for v in rotation.from_axis_angle(Y, 0.5 * np.pi))
     hinges = Hinges((Hinge(X, -2.5, 2.5), Hinge(Y, -1.0, 1.0)))
@@ -267,7 +267,7 @@ def test_a_body_that_starts_at_rest_on_the_floor_can_leave_it(gap: float, shape:
 
 @pytest.mark.parametrize("sink", [0.0, 0.002, 0.1])
 def test_a_body_that_starts_at_rest_on_the_floor_can_slide_on_it(sink: float) -> None:
-    """The tracker moves sideways and never up: what touches exactly has to find its own way off the floor."""
+    """The tracker moves sideways and never up: a body in exact contact has to find its own way off the floor."""
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 1.0))),), "wood", (0.0, 0.0, -0.5))
     scene = hand_scene((0.0, 0.0, 0.1), floor, shape=(Piece(Box((0.2, 0.2, 0.2))),))
     go = ride(scene)
@@ -297,7 +297,7 @@ def test_a_wedge_with_a_trembling_tracker() -> None:
 
 
 def ghost_tip() -> Avatar:
-    """A ball and, hinged to it, a tip without pieces: a marker."""
+    """Return a ball and, hinged to it, a tip without pieces: a marker."""
     shape = (Piece(Sphere(0.1)),)
     mass = solid(shape, 1.0)
     return Avatar("a", (Link("ball", None, Free(), shape, mass), Link("tip", "ball", Hinges((Hinge(X),)), (), mass)))
@@ -315,7 +315,7 @@ def test_a_link_without_pieces_does_not_glue_the_avatar_to_the_floor() -> None:
 
 
 def far(x: float) -> Callable[[TrackerSample], TrackerSample]:
-    """The root at x."""
+    """Return the root at x."""
     return lambda home: at(home, (x, 0.0, 0.0))
 
 
@@ -337,7 +337,7 @@ Array = NDArray[np.float64]
 
 
 def drawn_at_a_wall(seed: int) -> tuple[Scene, list[TrackerSample]]:
-    """A scene with an endless wall within reach, and a motion drawn by the seed that leads beyond it."""
+    """Return a scene with an endless wall within reach, and a motion drawn by the seed that leads beyond it."""
     scenario = unseen.get("unseen_wall").as_run(full=False)
     scene = scenario.build()
     motion = scenario.motion(scene, seed)
@@ -345,7 +345,7 @@ def drawn_at_a_wall(seed: int) -> tuple[Scene, list[TrackerSample]]:
 
 
 def shown(scene: Scene, samples: list[TrackerSample], dt: float = DT) -> Array:
-    """Link origins (F+1, L, 3) of the states shown."""
+    """Return link origins (F+1, L, 3) of the states shown."""
     engine = AvatarsimEngine()
     first = engine.load(scene, Settings(), dt)
     records = [first, *(engine.advance(sample, dt) for sample in samples)]

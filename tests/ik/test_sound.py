@@ -1,4 +1,4 @@
-"""Which states name places that are not there."""
+"""States that name places that are not there."""
 
 
 import pytest

@@ -1,4 +1,4 @@
-"""Target of a frame, clipped joint by joint, and the budgets that its motion opens; what is remembered of pairs."""
+"""Target of a frame, clipped joint by joint, and the budgets that its motion opens; the memory of pairs."""
 
 import numpy as np
 import pytest
@@ -24,13 +24,13 @@ SETTINGS = PostureSettings()
 
 
 def clipped(found: Solver, tracker: Posture) -> Posture:
-    """The clipped target of all avatars."""
+    """Return the clipped target of all avatars."""
     clip_to_limits(found.world.skeleton, found.avatars, tracker, found.state.tracking, found.working.target)
     return copied(found.working.target)
 
 
 def met(found: Solver, tracker: Posture, has_changed: bool = False) -> np.ndarray:
-    """A frame begins with that target: the budget of each joint's turn, beyond what the target turned."""
+    """Begin a frame with that target: the budget of each joint's turn, beyond the target's own turn."""
     clipped(found, tracker)
     form_islands(found.world.geometry, found.world.skeleton, found.avatars, found.state, found.working)
     meet_target(found.world.skeleton, found.avatars, SETTINGS, tracker, DT, has_changed, found.state, found.working)
@@ -79,7 +79,7 @@ def test_a_target_that_rests_opens_less_and_less_and_one_that_moves_all_of_it() 
 
 
 def test_a_target_that_moves_lets_those_go_on_that_touch_its_avatar_and_no_others() -> None:
-    """What an avatar held it may set free; one far away has nothing to do with it."""
+    """It may free avatars that its avatar held; one far away has nothing to do with it."""
     found = solver_of(TREES)
     first = found.avatars.first_link[:-1].tolist()
     start, whole = copied(found.world.posture), SETTINGS.catch_up_turn * DT

@@ -1,4 +1,4 @@
-"""A small package with our kernel decorator, so that what is kept on disk can be tried without compiling the engine."""
+"""A small package with our kernel decorator, so that the files kept on disk can be tried without compiling the engine."""
 
 import os
 import shutil
@@ -11,11 +11,11 @@ from avatarsim.jit import kernel
 COPIED = (
     "errors.py", "console.py", "files.py", "jit",
 )
-"""What the decorator is made of."""
+"""Modules of the decorator."""
 
 
 def make_package(folder: Path) -> Path:
-    """A package `avatarsim` in `folder` that holds the decorator and nothing to compile."""
+    """Return a package `avatarsim` in `folder` that holds the decorator and nothing to compile."""
     root = folder / "avatarsim"
     root.mkdir(parents=True)
     for name in COPIED:
@@ -29,13 +29,13 @@ def make_package(folder: Path) -> Path:
 
 
 def plain_environment(package: Path, **environment: str) -> dict[str, str]:
-    """The environment of a process that imports `package`, without settings of numba or of caches from outside."""
+    """Return the environment of a process that imports `package`, without settings of numba or of caches from outside."""
     kept = {k: v for k, v in os.environ.items() if not k.startswith(("NUMBA_", "XDG_", "PYTHON", "AVATARSIM_"))}
     return kept | {"PYTHONPATH": str(package.parent), "PYTHONDONTWRITEBYTECODE": "1", **environment}
 
 
 def run_in(package: Path, program: str, **environment: str) -> tuple[str, str]:
-    """What a program prints and what it says on standard error, from a process of its own."""
+    """Return a program's output and its standard error, from a process of its own."""
     command = [sys.executable, "-c", program]
     done = subprocess.run(
         command, env=plain_environment(package, **environment), cwd=package.parent, capture_output=True, text=True

@@ -39,12 +39,12 @@ SCENE = Scene(
 
 
 def leaves(tree: object) -> list:
-    """All arrays and numbers of nested tuples, in order."""
+    """Return all arrays and numbers of nested tuples, in order."""
     return [leaf for branch in tree for leaf in leaves(branch)] if isinstance(tree, tuple) else [tree]
 
 
 def same_memory(a: object, b: object) -> bool:
-    """Two arrays or records are one, or two numbers are equal and of one kind."""
+    """Return whether two arrays or records are one, or two numbers are equal and of one kind."""
     if isinstance(a, np.void):
         return isinstance(b, type(a)) and same_memory(np.asarray(a), np.asarray(b))
     if not isinstance(a, np.ndarray):
@@ -55,7 +55,7 @@ def same_memory(a: object, b: object) -> bool:
 
 
 def parts(world: World, cap: int = 3) -> dict[str, tuple]:
-    """What is packed in the engine."""
+    """Return the parts that the engine packs."""
     geo, skel, dyn, posture, poses = world.geometry, world.skeleton, world.dynamics, world.posture, world.poses
     avatars, state, working = make_solver(geo, skel, posture, poses, cap)
     plan, ghost = make_planner(geo, skel, avatars, state, posture, poses, np.zeros(3), 1)
@@ -120,7 +120,7 @@ def test_what_no_kernel_could_open_is_refused(bad: np.ndarray) -> None:
 
 
 class Found(NamedTuple):
-    """What the test below packs."""
+    """The tuple that the test below packs."""
 
     one: Scratch
     table: PairMemory
@@ -140,7 +140,7 @@ def test_records_and_tables_are_opened_as_they_were_packed_by_kernels_too() -> N
 
 @kernel
 def sum_of_some(words: np.ndarray) -> float:
-    """The numbers that the test above put into a scratch and a memory; all become 10."""
+    """Return the numbers that the test above put into a scratch and a memory; all become 10."""
     scratch, memory = opened(words, Found).one, opened(words, Found).table
     total = 0.0
     for k in range(3):
@@ -190,7 +190,7 @@ class Framed(NamedTuple):
 
 @kernel
 def digits(words: np.ndarray) -> tuple[float, float]:
-    """Every part of a Mixed between two numbers, as digits of one number; the Mixed is left with its last turn doubled."""
+    """Return every part of a Mixed between two numbers, as digits of one number; the Mixed is left with its last turn doubled."""
     framed = opened(words, Framed)
     first, m, last = framed.first, framed.mixed, framed.last
     s = m.switches
@@ -224,7 +224,7 @@ def test_an_array_that_is_not_in_c_order_is_laid_out_in_c_order() -> None:
 
 
 class Rest(NamedTuple):
-    """What no part of the engine has at its end."""
+    """A last part that no part of the engine has."""
 
     real: float
     yes: bool
@@ -234,7 +234,7 @@ class Rest(NamedTuple):
 
 
 def open_everything() -> None:
-    """Every opening in plain Python, where what is opened can be looked at: a compiled kernel may not hand it out."""
+    """Run every opening in plain Python, where the opened views can be inspected: a compiled kernel may not return them."""
     world = build(SCENE)
     rest = Rest(2.5, True, False, np.zeros((2, 3, 4, 5)), np.arange(3.0))
     for cap in (0, 3):

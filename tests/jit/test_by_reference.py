@@ -30,7 +30,7 @@ class Alike(NamedTuple):
 
 
 class Outer(NamedTuple):
-    """A tuple in a tuple, and numbers beside it."""
+    """A tuple in a tuple, and numbers."""
 
     factor: float
     inner: Inner
@@ -41,7 +41,7 @@ class Outer(NamedTuple):
 
 @kernel
 def deep(inner: Inner, k: int) -> float:
-    """Read and write through what may be a reference."""
+    """Read and write through an argument that may be a reference."""
     inner.flags[k] = not inner.flags[k]
     inner.whole[k, 1] += k
     inner.real[k] *= 2.0
@@ -50,7 +50,7 @@ def deep(inner: Inner, k: int) -> float:
 
 @kernel
 def made(x: float) -> Alike:
-    """A tuple that a kernel returns."""
+    """Return a tuple that a kernel returns."""
     return Alike(x, 1.0)
 
 
@@ -70,7 +70,7 @@ def kept_apart(n: int) -> float:
 
 @kernel
 def body(outer: Outer) -> float:
-    """Something with every field, in a loop, with the inner tuple handed on."""
+    """Something with every field, in a loop, with the inner tuple passed on."""
     total = outer.alike.x - outer.alike.y
     for k in range(outer.count):
         inner = refer(outer.inner)
@@ -104,7 +104,7 @@ def test_only_a_named_tuple_is_referred_to():
         return refer(x)
 
     if config.DISABLE_JIT:
-        assert of_a_number(1.0) == 1.0  # nothing is compiled, and nothing handed over
+        assert of_a_number(1.0) == 1.0  # nothing is compiled, and nothing passed
     else:
         with pytest.raises(Exception, match="refer"):
             of_a_number(1.0)

@@ -50,20 +50,20 @@ def cache(package: Path, tmp_path: Path) -> dict[str, str]:
 
 
 def told(package: Path, before: str = "", **environment: str) -> tuple[float, int, str]:
-    """The answer, the number of cache hits and what is said on standard error, from a process of its own that runs `before` when
-    the kernels are imported and not yet called."""
+    """Return the answer, the number of cache hits and the text on standard error, from a process of its own that runs `before`
+    when the kernels are imported and not yet called."""
     said, trouble = run_in(package, ASK.format(before), **environment)
     answer, hits = said.split()
     return float(answer), int(hits), trouble
 
 
 def run(package: Path, before: str = "", **environment: str) -> tuple[float, int]:
-    """The answer and the number of cache hits."""
+    """Return the answer and the number of cache hits."""
     return told(package, before, **environment)[:2]
 
 
 def loaded(package: Path) -> ModuleType:
-    """The copied kernel.py as a module of its own."""
+    """Return the copied kernel.py as a module of its own."""
     spec = importlib.util.spec_from_file_location("copied_kernel", package / "jit" / "kernel.py")
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -199,7 +199,7 @@ def test_a_full_disk_is_said_once_and_stops_nothing(package: Path, tmp_path: Pat
 
 
 def test_too_many_open_files_stop_nothing(package: Path, cache: dict[str, str]) -> None:
-    # From here on no file can be opened; what numba imports late has to be in memory.
+    # From here on no file can be opened; modules that numba imports late have to be in memory.
     none = "answer.py_func(1.0); import resource; resource.setrlimit(resource.RLIMIT_NOFILE, (0, 4096))"
     answer, hits, said = told(package, f"from numba import njit; njit(lambda x: x)(1.0); {none}", **cache)
     assert (answer, hits) == (21.0, 0)
@@ -295,7 +295,7 @@ def test_other_users_of_numba_keep_their_own_folder() -> None:
 
 
 def same(x: float) -> float:
-    """Something to decorate."""
+    """Return something to decorate."""
     return x
 
 

@@ -77,7 +77,7 @@ def process(package, names, cache):
 
 
 def ask(package, names, cache):
-    """What a process of its own says about kernels that it calls."""
+    """Return the report of a process of its own on kernels that it calls."""
     child = process(package, names, cache)
     said, trouble = child.communicate()
     assert child.returncode == 0, trouble
@@ -165,7 +165,7 @@ MOST = 10**9
 
 @entry_kernel
 def seen(flags: np.ndarray, where: np.ndarray) -> bool:
-    """Whether another thread sets a flag while this looks at it; by an index that no compiler knows, or it would be read once."""
+    """Return whether a thread sets a flag while this looks at it; by an index hidden from compilers, or it is read once."""
     for k in range(MOST):
         if flags[where[k % where.shape[0]]] == 1:
             return True

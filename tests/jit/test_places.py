@@ -1,4 +1,4 @@
-"""Kernels of many checkouts live side by side; what is long unused or too much goes, oldest first; missing ones are counted."""
+"""Kernels of many checkouts live side by side; long unused or too many go, oldest first; missing ones are counted."""
 
 import io
 import os
@@ -15,7 +15,7 @@ from avatarsim.jit.places import DAY, MOST_DAYS, CannotKeep, Places, prune
 
 
 def version(base: Path, number: int, days: float, size: int = 100) -> Path:
-    """The kernels of one version of a source file, last used so many days ago."""
+    """Return the kernels of one version of a source file, last used so many days ago."""
     folder = base / "avatarsim.room.wall" / f"{number:020x}"
     folder.mkdir(parents=True)
     (folder / "f-0.kernel").write_bytes(bytes(size))
@@ -82,7 +82,7 @@ def test_where_nothing_can_be_kept_it_is_reported_once_or_refused(
 
 
 class Terminal(io.StringIO):
-    """A stream that says it is a terminal."""
+    """A stream that claims to be a terminal."""
 
     def isatty(self) -> bool:
         return True

@@ -1,4 +1,4 @@
-"""An untested numba or llvmlite is warned of, and what it lacks becomes a sentence."""
+"""An untested numba or llvmlite causes a warning, and a part that it lacks becomes a sentence."""
 
 import ast
 import tomllib

@@ -32,7 +32,7 @@ Answer = Mapping[str, Any]
 
 
 def program() -> str:
-    """The browser's program; RuntimeError without one. CHROMIUM names another."""
+    """Return the browser's program; RuntimeError without one. CHROMIUM names another."""
     named = os.environ.get("CHROMIUM") or next((path for name in NAMES if (path := shutil.which(name))), None)
     if named is None:
         raise RuntimeError(f"no browser found: none of {', '.join(NAMES)} is on PATH, and CHROMIUM names none")
@@ -40,7 +40,7 @@ def program() -> str:
 
 
 class Browser:
-    """One browser with one page. `errors`: console errors and exceptions; `requests`: addresses asked for."""
+    """One browser with one page. `errors`: console errors and exceptions; `requests`: requested addresses."""
 
     def __init__(self) -> None:
         self.errors: list[str] = []
@@ -140,7 +140,7 @@ class Browser:
             time.sleep(0.05)
 
     def visit(self, address: str) -> None:
-        """Go to a page of a server, and forget what was said before."""
+        """Go to a page of a server, and forget earlier errors and requests."""
         self.errors.clear()
         self.requests.clear()
         self.tell("Page.navigate", url=address)
@@ -152,7 +152,7 @@ class Browser:
         self.tell("Input.dispatchMouseEvent", type=f"mouse{kind}", x=x, y=y, button=button, buttons=held, clickCount=1)
 
     def click(self, words: str) -> None:
-        """Click the innermost element that says just these words. RuntimeError without one."""
+        """Click the innermost element that has just these words. RuntimeError without one."""
         place = self.value(f"""(() => {{
           const found = [...document.querySelectorAll('*')].filter(e => e.textContent.trim() === {json.dumps(words)});
           if (!found.length) return null;
@@ -184,7 +184,7 @@ class Browser:
             self.value(f"document.body.dispatchEvent({event})")
 
     def value(self, expression: str) -> Any:
-        """The value of a JavaScript expression in the page. RuntimeError when it throws."""
+        """Return the value of a JavaScript expression in the page. RuntimeError when it throws."""
         found = self.tell("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in found:
             raise RuntimeError(str(found["exceptionDetails"]))
@@ -218,7 +218,7 @@ class Browser:
 
 @contextmanager
 def browser(width: int = 1280, height: int = 900, dark: bool = False, scale: float = 1.0) -> Iterator[Browser]:
-    """A browser with a window of that size, closed at the end."""
+    """Yield a browser with a window of that size, closed at the end."""
     with Browser() as opened:
         opened.screen(width, height, dark, scale)
         yield opened

@@ -34,7 +34,7 @@ def main() -> None:
         one.visit(running.page.address)
         one.until(HUD)
         time.sleep(2.0)
-        # what the browser says of itself is no part of the picture
+        # the browser's own messages are no part of the picture
         one.value("document.querySelectorAll('.mantine-Notifications-root').forEach(e => e.remove())")
         root = running.page.driver.links[0]
         x, y = running.on_screen(running.state.positions[running.session.scene.names.index(root)])

@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def quiet(one: Browser, page: Path) -> None:
-    """Nothing on the console, no address asked for but the page's own, and nothing wider than the window."""
+    """Check that nothing is on the console, no address is requested but the page's own, and nothing is wider than the window."""
     assert one.errors == []
     assert [asked for asked in one.requests if not asked.endswith((page.resolve().as_uri(), "/out/pages/three.js"))] == []
     assert one.value("document.documentElement.scrollWidth <= window.innerWidth")
@@ -71,7 +71,7 @@ def test_a_clip_opens_at_its_deepest_moment(folder: Path, opened: tuple[Browser,
         one.value("document.querySelector('[data-part=ghost]').click()")
         one.until(shown)
     assert one.value(COLOURS) > 30
-    # both figures, the room, and the time line with what overlaps in red in the row above and nowhere in the one below
+    # both figures, the room, and the time line with overlaps in red in the row above and nowhere in the one below
     red = one.value("[...document.querySelectorAll('#line .red')].map((one) => one.getAttribute('y'))")
     assert red and set(red) == {"4"}
     quiet(one, page)

@@ -1,4 +1,4 @@
-"""The docs site in a browser: opened from disk its pages complain of nothing and ask for nothing but files beside them.
+"""The docs site in a browser: opened from disk its pages report no error and request nothing but local files.
 
 Not part of `make test`, which needs no browser: `make look` builds the site anew and leaves screenshots in reports/out/look/.
 """

@@ -1,5 +1,5 @@
-"""The live page in a browser: it comes up at once and asks for nothing beyond its own address; a hand that is dragged through
-table and wall never overlaps by the judge; switches, keys and recordings do what they say.
+"""The live page in a browser: it comes up at once and requests nothing beyond its own address; a hand that is dragged through
+table and wall never overlaps by the judge; switches, keys and recordings work as labelled.
 
 Not part of `make test`, which needs no browser: `make look` runs it, and leaves screenshots in reports/out/look/ for eyes.
 """
@@ -36,7 +36,7 @@ OF_LIBRARIES = ("THREE.Clock", "preventDefault inside passive", "Software WebGL"
 """Words of viser's own page on the console: nothing of ours."""
 HUD = "!!document.querySelector('[data-overlap]')"
 RED = (150, 60)
-"""Red of a pixel at least, and its green and blue at most, of what overlaps."""
+"""Red of a pixel at least, and its green and blue at most, of overlapping parts."""
 COVERED = """(() => {
   const boxes = (which) => [...document.querySelectorAll(which)].map((each) => each.getBoundingClientRect());
   const over = boxes("#root .mantine-Paper-root, .mantine-Notification-root");
@@ -68,7 +68,7 @@ class Running:
         return state
 
     def wait(self, frames: int) -> State:
-        """The state so many frames later."""
+        """Return the state so many frames later."""
         first, end = self.state.frame, time.monotonic() + PATIENCE
         while self.state.frame < first + frames and time.monotonic() < end:
             time.sleep(0.01)
@@ -76,7 +76,7 @@ class Running:
         return self.state
 
     def on_screen(self, point: np.ndarray) -> tuple[float, float]:
-        """Where a point of the world [m] is in the first browser's window [px]."""
+        """Return where a point of the world [m] is in the first browser's window [px]."""
         end = time.monotonic() + PATIENCE
         while not self.page.server.get_clients() and time.monotonic() < end:
             time.sleep(0.05)
@@ -203,7 +203,7 @@ def test_a_hand_is_dragged_through_table_and_wall_and_never_overlaps(running: Ru
 
 
 def viewed(running: Running) -> np.ndarray:
-    """Place and direction of the camera of the first browser, once they are still."""
+    """Return the place and direction of the camera of the first browser, once they are still."""
     camera = next(iter(running.page.server.get_clients().values())).camera
     last, end = np.zeros(6), time.monotonic() + PATIENCE
     while time.monotonic() < end:
@@ -254,7 +254,7 @@ def test_a_human_pushes_a_door_open_and_the_lift_rises(folder: Path) -> None:
             window.key("y", 0.1)
         assert one.state.positions[lift][2] > 0.3
         window.picture(SCREENSHOTS / "live-house-through.png")
-        # nothing loose is near, and the page says so
+        # nothing loose is near, and the page reports it
         window.key("c", 0.1)
         window.until("document.body.innerText.includes('nothing loose')")
         quiet(window, one)

@@ -64,7 +64,7 @@ def test_pages_beside_it_are_quiet_and_every_link_leads_somewhere(run: Path, ope
 
 
 def answer(settings: Sequence[Mapping[str, Any]], engine: str, level: float) -> Mapping[str, Any] | None:
-    """The cheapest measured setting of an engine; of times within 3 % the simplest to copy."""
+    """Return the cheapest measured setting of an engine; of times within 3 % the simplest to copy."""
     able = [one for one in settings if one["engine"] == engine and one["measured"] and one["error"] is not None]
     able = sorted((one for one in able if one["error"] <= level), key=lambda one: float(one["median"]))
     alike = [one for one in able if one["median"] <= 1.03 * able[0]["median"]]

@@ -88,14 +88,14 @@ def opens(one: Browser, url: str) -> None:
 
 
 def hand_over_table() -> State:
-    """Frame 3, with the hand 20 cm above the table."""
+    """Return frame 3, with the hand 20 cm above the table."""
     shown = state(3)
     shown.positions[:] = [[0.0, 0.0, -0.05], [0.0, 0.0, 0.2]]
     return shown
 
 
 def quiet(one: Browser) -> None:
-    """Nothing on the console, nothing asked beyond loopback, nothing wider than the window."""
+    """Check that nothing is on the console, nothing requested beyond loopback, nothing wider than the window."""
     assert one.errors == []
     hosts = {urlsplit(address).hostname for address in one.requests if not address.startswith("data:")}
     assert hosts <= {"127.0.0.1", "localhost"}

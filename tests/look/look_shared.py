@@ -1,4 +1,4 @@
-"""The drives that the docs site plays: opened from disk they complain of nothing, ask for nothing, fit the window and play."""
+"""The drives that the docs site plays: opened from disk they report no error, request nothing, fit the window and play."""
 
 from pathlib import Path
 

@@ -55,7 +55,7 @@ def chosen(one: Browser, page: Path) -> list[int]:
 
 
 def views(one: Browser, page: Path, folder: Path) -> list[list[Path]]:
-    """A picture of each engine's view at each instant: a row per engine."""
+    """Return a picture of each engine's view at each instant: a row per engine."""
     wanted = chosen(one, page)
     one.value(f"document.querySelector('.stage').style.cssText = 'display:grid;grid-template-columns:repeat(3, {CELL[0]}px)'")
     one.value(f"document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{CELL[1]}px'; }})")
@@ -92,7 +92,7 @@ def strip(rows: Sequence[Sequence[Path]], to: Path) -> None:
 
 
 def moving(one: Browser, page: Path, folder: Path) -> Path:
-    """The scene as its page saves it, a view per engine of RUNS side by side. RuntimeError when it stays too large."""
+    """Return the scene as its page saves it, a view per engine of RUNS side by side. RuntimeError when it stays too large."""
     one.downloads(folder)
     for width, speed in SMALLER:
         columns = len(chosen(one, page))
@@ -102,7 +102,7 @@ def moving(one: Browser, page: Path, folder: Path) -> Path:
         )
         one.value(f"""document.querySelectorAll('.picture').forEach((one) => {{ one.style.height = '{3 * width // 4}px';
             one.nextElementSibling.style.cssText = 'height:44px;min-height:0;overflow:hidden'; }})""")
-        # from one place, so that what stands still need not be drawn again
+        # from one place, so that things at rest need not be drawn again
         one.value("(() => { const box = document.querySelector('[data-part=follow]'); if (box.checked) box.click(); })()")
         one.press(TURNS + NEARER)
         one.value(f"""(() => {{ const box = document.querySelector('[data-part=speed]');

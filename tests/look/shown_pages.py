@@ -15,7 +15,7 @@ from tests.reports.small_runs import FINE, MUJOCO, OURS, OVERLAP, SETTING, Part,
 
 SCENES = ("arm_wall", "hand_over_table")
 LONG = 1300
-"""States of the run made by hand: more than a page draws, so that a drawn state stands for three."""
+"""States of the run made by hand: more than a page draws, so that a drawn state represents three."""
 MARKUP = "<b>odd</b> & <img src=x onerror=alert(1)>"
 
 SHOWN = "Number(document.getElementById('replay').dataset.frame)"
@@ -124,7 +124,7 @@ def replayed(one: Browser, page: Path, hash_: str = "") -> None:
 
 
 def quiet(one: Browser, page: Path) -> None:
-    """Nothing on the console, no address asked for but the page's own, and nothing wider than the window."""
+    """Check that nothing is on the console, no address is requested but the page's own, and nothing is wider than the window."""
     assert one.errors == []
     own = (page.resolve().as_uri(), *(f"{(folder / 'lib').as_uri()}/" for folder in page.resolve().parents[:2]), "data:", "blob:")
     assert [asked for asked in one.requests if not asked.startswith(own)] == []
@@ -132,20 +132,20 @@ def quiet(one: Browser, page: Path) -> None:
 
 
 def states(page: Path) -> int:
-    """Number of states that a page can show, 0 without a replay."""
+    """Return the number of states that a page can show, 0 without a replay."""
     [data] = data_of(page)
     return len(data["replay"]["times"]) if data["replay"] else 0
 
 
 def scenes(run: Path) -> list[Path]:
-    """Pages of scenes that can be played, at most three."""
+    """Return pages of scenes that can be played, at most three."""
     found = [page for page in sorted((run / "scenes").glob("*.html")) if states(page)]
     assert found
     return found[:3]
 
 
 def shortest(run: Path) -> Path:
-    """The page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
+    """Return the page with the fewest states to draw, of those that have more than a few: each is drawn in software."""
     lengths = {page: count for page in sorted(run.glob("scenes/*.html")) if (count := states(page)) > 20}
     return min(lengths, key=lengths.__getitem__)
 

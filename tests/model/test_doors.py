@@ -17,12 +17,12 @@ HINGES = np.array([7, 6, 8], dtype=np.int64)
 
 
 def blank() -> Posture:
-    """Room for two links and nine degrees."""
+    """Return room for two links and nine degrees."""
     return Posture(np.zeros((2, 3)), np.zeros((2, 3, 3)), np.zeros(9))
 
 
 def sample(seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions, rotations and angles of two links."""
+    """Return positions, rotations and angles of two links."""
     rng = np.random.default_rng(seed)
     return rng.normal(size=(2, 3)), rotation.normalised(rng.normal(size=(2, 4))), rng.normal(size=3)
 

@@ -20,7 +20,7 @@ WXYZ = (0.5, -0.1, 0.7, np.sqrt(1 - 0.25 - 0.01 - 0.49))
 
 
 def surface(shape: Shape, count: int = 4000) -> np.ndarray:
-    """Many points of the shape's surface in its own frame, the extreme ones of a polytope included."""
+    """Return many points of the shape's surface in its own frame, the extreme ones of a polytope included."""
     rng = np.random.default_rng(0)
     ball = rng.normal(size=(count, 3))
     ball /= np.linalg.norm(ball, axis=1, keepdims=True)
@@ -36,7 +36,7 @@ def surface(shape: Shape, count: int = 4000) -> np.ndarray:
 
 
 def scene(*shapes: Shape) -> Scene:
-    """A fixed and a simulated body of all shapes, and a driven one; every piece turned its own way."""
+    """Return a fixed and a simulated body of all shapes, and a driven one; every piece turned its own way."""
     pieces = tuple(Piece(shape, (0.1 * k, -0.2, 0.3), WXYZ) for k, shape in enumerate(shapes))
     return Scene(
         "s",

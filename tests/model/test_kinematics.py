@@ -19,7 +19,7 @@ AVATARS = (sliding_avatar(), hand(), hinged_avatar())
 
 
 def random_world(seed: int) -> Little:
-    """Three avatars behind six bodies in a random posture."""
+    """Return three avatars behind six bodies in a random posture."""
     return little(Scene("s", walls(), AVATARS, start=random_sample(AVATARS, seed)))
 
 
@@ -27,7 +27,7 @@ Arrays = TypeVar("Arrays", Posture, Poses)
 
 
 def copied(arrays: Arrays) -> Arrays:
-    """Arrays of their own."""
+    """Return arrays of their own."""
     return type(arrays)(*(array.copy() for array in arrays))
 
 

@@ -42,7 +42,7 @@ KINDS = {
 def skel_of(
     limits: SwingTwist | None, cone: ReachCone | None = None, orientation: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0)
 ) -> Skeleton:
-    """A root and a ball with these limits."""
+    """Return a root and a ball with these limits."""
     mass = solid(piece(), 1.0)
     limb = Link("limb", "root", Ball(limits, cone), piece(), mass, orientation=orientation)
     return skeleton(Scene("s", avatars=(Avatar("a", (Link("root", None, Free(), piece(), mass), limb)),)))
@@ -52,17 +52,17 @@ SKELETONS = {name: skel_of(limits) for name, limits in KINDS.items()}
 
 
 def tuples(turn: Rotation) -> tuple:
-    """Columns of a rotation."""
+    """Return columns of a rotation."""
     return tuple(tuple(float(v) for v in column) for column in turn.as_matrix().T)
 
 
 def from_tuples(c: tuple) -> Rotation:
-    """The rotation of three columns."""
+    """Return the rotation of three columns."""
     return Rotation.from_matrix(np.array(c).T)
 
 
 def composed(limits: SwingTwist, swing: float, bearing: float, twist: float) -> Rotation:
-    """A rotation made of a stated swing away from the centre, at a stated bearing, and a stated twist about the centre."""
+    """Return a rotation made of a stated swing away from the centre, at a stated bearing, and a stated twist about the centre."""
     centre = np.array(limits.centre)
     side = np.array(any_normal(limits.centre))
     about = Rotation.from_rotvec(bearing * centre).apply(side)
@@ -149,6 +149,6 @@ def test_at_an_edge_only_who_is_inside_is_surely_inside(beyond: float, name: str
     twist = (middle, low - beyond, high + beyond)[edge]
     turn = tuples(composed(limits, swing, bearing, twist))
     assert surely_inside(SKELETONS[name], 1, turn, SURELY) == (beyond < -1e-10)
-    # what is left alone as a target is what would be given back to the bit
+    # a value left alone as a target is the value that would be returned to the bit
     assert surely_inside(SKELETONS[name], 1, turn, LEFT_ALONE) == (beyond < -1e-8)
     assert beyond >= -1e-8 or inside_cone(SKELETONS[name], 1, turn) == turn

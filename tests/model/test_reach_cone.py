@@ -26,7 +26,7 @@ WHOLE, MOST = 3.1, 0.95 * np.pi
 
 
 def polygon(*angles: float, centre: tuple[float, float, float] = (0.0, 0.0, 1.0)) -> ReachCone:
-    """Corners at these angles [degrees] from a centre, evenly around it, counter-clockwise seen from outside."""
+    """Return corners at these angles [degrees] from a centre, evenly around it, counter-clockwise seen from outside."""
     tilt, around = np.radians(angles), 2.0 * np.pi * np.arange(len(angles)) / len(angles)
     up = np.stack([np.sin(tilt) * np.cos(around), np.sin(tilt) * np.sin(around), np.cos(tilt)], axis=1)
     turn = Rotation.align_vectors([centre], [(0.0, 0.0, 1.0)])[0]
@@ -46,7 +46,7 @@ SKELETONS = {name: skel_of(None, cone) for name, cone in CONES.items()}
 
 
 def direction(seed: int) -> tuple[float, float, float]:
-    """A unit direction; every third one near the north pole, where most polygons are."""
+    """Return a unit direction; every third one near the north pole, where most polygons are."""
     rng = np.random.default_rng(seed)
     v = rng.normal(size=3) + (np.array([0.0, 0.0, 2.0]) if seed % 3 == 0 else 0.0)
     x, y, z = v / np.linalg.norm(v)
@@ -54,7 +54,7 @@ def direction(seed: int) -> tuple[float, float, float]:
 
 
 def boundary(cone: ReachCone, count: int = 4000) -> np.ndarray:
-    """Points all along the edges."""
+    """Return points all along the edges."""
     share = np.linspace(0.0, 1.0, count)[:, None]
     arcs = []
     for a, b in zip(cone.vertices, np.roll(cone.vertices, -1, axis=0), strict=True):
@@ -120,7 +120,7 @@ def test_a_rotation_is_brought_into_polygon_cone_and_twist_at_once(name: str, se
     skel, turn = skel_of(limits, CONES[name], orientation), Rotation.random(rng=seed)
     inside = inside_cone(skel, 1, tuples(turn))
     assert cone_excess(skel, 1, inside) <= 2e-12
-    # what the judge measures: from the link's orientation in its parent
+    # the judge's measure: from the link's orientation in its parent
     shown = (Rotation.from_quat(orientation, scalar_first=True) * from_tuples(inside)).as_quat(scalar_first=True)[None]
     swing, twist = swing_twist(limits, shown)
     limb = Rotation.from_quat(shown[0], scalar_first=True).apply(limits.axis)

@@ -1,4 +1,4 @@
-"""A scene as a world and back: what is shown first is what the scene says."""
+"""A scene as a world and back: the first shown state is the scene's own."""
 
 from dataclasses import replace
 

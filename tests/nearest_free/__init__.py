@@ -1,4 +1,4 @@
-"""The nearest free posture, found offline: what any method that stays with the user can at best reach in a frame.
+"""The nearest free posture, found offline: the best that any method that stays with the user can reach in a frame.
 
 Shares no solver, no collision query and no kinematics with an engine: sequential quadratic programs over joint rates, solved by
 non-negative least squares, with distances from the judge's library, from many starts.

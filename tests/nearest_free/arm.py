@@ -16,17 +16,17 @@ RADIUS = 0.1
 
 
 def wall_scene(*avatars: Avatar) -> Scene:
-    """A wall whose near face is at x = WALL."""
+    """Return a wall whose near face is at x = WALL."""
     return Scene("wall", (fixed("wall", (Piece(Box((0.2, 4.0, 4.0))),), "wood", (WALL + 0.1, 0.0, 0.0)),), avatars)
 
 
 def fist() -> Avatar:
-    """A free ball of radius RADIUS."""
+    """Return a free ball of radius RADIUS."""
     return Avatar("fist", (Link("fist", None, Free(), (Piece(Sphere(RADIUS)),), Mass(1.0)),))
 
 
 def planar_arm() -> Avatar:
-    """Two links of 0.3 m along x that turn about y, the first one fixed to the world at the origin."""
+    """Return two links of 0.3 m along x that turn about y, the first one fixed to the world at the origin."""
     bar = (Piece(Capsule(0.02, 0.2), (0.15, 0.0, 0.0), tuple(rotation.from_axis_angle([0.0, 1.0, 0.0], 0.5 * np.pi))),)
     hinge = Hinges((Hinge((0.0, 1.0, 0.0), -2.0, 2.0),))
     upper = Link("upper", None, hinge, bar, Mass(1.0))
@@ -34,7 +34,7 @@ def planar_arm() -> Avatar:
 
 
 def mixed() -> Avatar:
-    """A free root, three hinges with one centre, a limited ball with a reach cone, an unlimited ball with one."""
+    """Return a free root, three hinges with one centre, a limited ball with a reach cone, an unlimited ball with one."""
     ball = (Piece(Sphere(0.03)),)
     three = Hinges((Hinge((1.0, 0.0, 0.0), -1.0, 1.0), Hinge((0.0, 1.0, 0.0), -0.7, 0.9), Hinge((0.0, 0.6, 0.8), -1.0, 2.0)))
     limits = SwingTwist((1.0, 0.0, 0.0), (0.8, 0.6, 0.0), 0.9, (-0.4, 0.6))
@@ -50,7 +50,7 @@ def mixed() -> Avatar:
 
 
 def posed(scene: Scene, random: np.random.Generator, spread: float = 0.3) -> TrackerSample:
-    """Some posture of all avatars."""
+    """Return some posture of all avatars."""
     at = rest(scene.avatars)
     count = len(at.positions)
     return TrackerSample(

@@ -1,4 +1,4 @@
-"""How far a ball joint is inside its limits: swing, twist and reach cone, as margins that are negative outside."""
+"""Margins of a ball joint inside its limits: swing, twist and reach cone, negative outside."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ SMALL = 1e-6
 
 
 def angles_to(directions: Array, limb: Array) -> Array:
-    """Angles (k,) [rad] between unit `directions` (k, 3) and the unit `limb` (3,)."""
+    """Return angles (k,) [rad] between unit `directions` (k, 3) and the unit `limb` (3,)."""
     along = directions @ limb
     return np.asarray(np.arctan2(np.linalg.norm(directions - along[:, None] * limb, axis=1), along))
 
@@ -31,7 +31,7 @@ class ConeBorder:
         self.lunes = np.cross(self.normals, starts), np.cross(ends, self.normals)
 
     def margin(self, limb: Array) -> float:
-        """Angle [rad] from the unit `limb` (3,) to the border, negative outside the cone."""
+        """Return the angle [rad] from the unit `limb` (3,) to the border, negative outside the cone."""
         nearest = float(angles_to(self.corners, limb).min())
         # the foot of the limb on an edge's great circle counts where it lies on the edge
         over = (self.lunes[0] @ limb >= 0.0) & (self.lunes[1] @ limb >= 0.0)
@@ -54,8 +54,8 @@ class BallLimits:
             self.axis = zero.T @ np.array(ball.cone.visible_point)
 
     def margins(self, relative: Array) -> Array:
-        """Margins [rad] of a link turned by `relative` (3, 3) against its parent: swing, lower and upper twist, cone, as far as
-        there are such limits."""
+        """Return margins [rad] of a link turned by `relative` (3, 3) against its parent: swing, lower and upper twist, cone, as
+        far as there are such limits."""
         found: list[float] = []
         limb = relative @ self.axis
         if self.limits:
@@ -71,7 +71,7 @@ class BallLimits:
         return np.array(found)
 
     def rows(self, relative: Array) -> tuple[Array, Array]:
-        """Margins (m,) and their slopes (m, 3) for small turns about the link's own axes."""
+        """Return margins (m,) and their slopes (m, 3) for small turns about the link's own axes."""
         here = self.margins(relative)
         slopes = [(self.margins(relative @ turn) - here) / SMALL for turn in TURNS]
         return here, np.array(slopes).T.reshape(len(here), 3)

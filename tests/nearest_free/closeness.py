@@ -1,4 +1,4 @@
-"""How far a posture is from the user's, in the two figures of the table: link origins and joint angles."""
+"""Distance of a posture from the user's, in the two figures of the table: link origins and joint angles."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,29 +23,29 @@ def rates_of_log(vector: Array) -> Array:
 
 class Closeness:
     """Distance to a goal: root mean square of link origins [m] and of joint angles [rad], as `tracker_offset_rms` and
-    `tracker_angle_rms` of one frame. `arm` [m] is what a radian weighs beside a metre."""
+    `tracker_angle_rms` of one frame. `arm` [m] is the weight of a radian relative to a metre."""
 
     def __init__(self, tree: Tree, goal: Placed, arm: float) -> None:
         self.tree, self.goal, self.arm = tree, goal, arm
 
     def vectors(self, placed: Placed) -> tuple[Array, Array]:
-        """Ways (L, 3) [m] of link origins and rotation vectors (J, 3) [rad] of joints from the goal's."""
+        """Return ways (L, 3) [m] of link origins and rotation vectors (J, 3) [rad] of joints from the goal's."""
         jointed = self.tree.jointed
         turns = np.swapaxes(self.goal.relative[jointed], 1, 2) @ placed.relative[jointed]
         return placed.positions - self.goal.positions, rotation.to_rotation_vector(rotation.from_matrix(turns)).reshape(-1, 3)
 
     def figures(self, placed: Placed) -> tuple[float, float]:
-        """(offset [m], angle [rad]), each a root mean square over links, over joints."""
+        """Return (offset [m], angle [rad]), each a root mean square over links, over joints."""
         ways, turns = self.vectors(placed)
         return tuple(float(np.sqrt(np.mean((v**2).sum(axis=1)))) if len(v) else 0.0 for v in (ways, turns))  # type: ignore[return-value]
 
     def score(self, placed: Placed) -> float:
-        """What is to be least [m^2]: offset squared plus (arm times angle) squared."""
+        """Return the objective to minimise [m^2]: offset squared plus (arm times angle) squared."""
         offset, angle = self.figures(placed)
         return offset**2 + (self.arm * angle) ** 2
 
     def linearised(self, placed: Placed) -> tuple[Array, Array]:
-        """Rates (k, n) and errors (k,) whose sum of squares is the score."""
+        """Return rates (k, n) and errors (k,) whose sum of squares is the score."""
         tree = self.tree
         ways, turns = self.vectors(placed)
         rows = [tree.point_rates(placed, k, placed.positions[k]) / np.sqrt(len(ways)) for k in range(len(ways))]

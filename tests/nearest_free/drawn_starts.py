@@ -28,7 +28,7 @@ SCENES = (
     "singular_chain", "thin_wall_hand", "coincident_centres", "driven_10cm_wall", "pinch_light", "ball_off_table", "arms_lift",
 )
 AWAY, TURNED = (0.3, 0.3, 0.15), 0.25
-"""How far roots are moved from where a user of the scene has them [m], and the standard deviation of turns of joints [rad]."""
+"""Largest moves of roots from where a user of the scene has them [m], and the standard deviation of turns of joints [rad]."""
 
 DEEP = 1e-3
 """[m] least depth of a start that counts as inside something."""
@@ -36,7 +36,7 @@ DEEP = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class Drawn:
-    """A start that overlaps, in a scene whose bodies stand."""
+    """A start that overlaps, in a scene whose bodies do not move."""
 
     scene: Scene
     sample: TrackerSample
@@ -44,7 +44,7 @@ class Drawn:
 
 
 def standing(scene: Scene) -> Scene:
-    """The scene without loose bodies."""
+    """Return the scene without loose bodies."""
     bodies = tuple(body for body in scene.bodies if body.role is Role.FIXED)
     return Scene(scene.name, bodies, scene.avatars, scene.materials, start=scene.start)
 
@@ -69,7 +69,7 @@ def drawn(name: str, count: int, seed: int) -> Iterator[Drawn]:
 
 
 def nearest_of(one: Drawn, ends: list[trees.Posture], others: int, seed: int) -> float:
-    """Distance [m] of the nearest posture of the dumb search; infinite where it finds none."""
+    """Return the distance [m] of the nearest posture of the brute-force search; infinite where it finds none."""
     scene, random = one.scene, np.random.default_rng(seed)
     tree, free = trees.Tree(scene), np.full((len(scene.links), 3), np.inf)
     positions = np.array([body.position for body in scene.bodies]).reshape(-1, 3)
@@ -81,7 +81,7 @@ def nearest_of(one: Drawn, ends: list[trees.Posture], others: int, seed: int) ->
 
 
 def offset(one: Drawn, other: trees.Posture) -> float:
-    """Root mean square distance [m] of the link origins from the start's."""
+    """Return the root mean square distance [m] of the link origins from the start's."""
     tree = trees.Tree(one.scene)
     ways = tree.placed(other).positions - tree.placed(tree.clipped(trees.posture_of(one.sample))).positions
     return float(np.sqrt(np.mean((ways**2).sum(axis=1))))

@@ -35,7 +35,7 @@ class Gaps:
         self._request.epa_max_iterations = EPA_ITERATIONS
 
     def near(self, placed: Placed, reach: float) -> list[tuple[int, int]]:
-        """Pairs of pieces whose boxes come within `reach`, every piece being placed for coal."""
+        """Return pairs of pieces whose boxes come within `reach`, every piece being placed for coal."""
         positions = np.vstack([self._positions, placed.positions])
         at, turned = self.pieces.placed(positions, np.concatenate([self._turns, placed.turns]))
         low, high = self.pieces.boxes(at, turned)
@@ -47,17 +47,17 @@ class Gaps:
         return pairs
 
     def measured(self, a: int, b: int) -> float:
-        """Signed distance [m] of two pieces as they were placed last; witness points and normal stay in the result."""
+        """Return the signed distance [m] of two pieces as they were placed last; witness points and normal stay in the result."""
         self._result.clear()
         shapes, places = self.pieces.geometries, self._places
         return float(coal.distance(shapes[a], places[a], shapes[b], places[b], self._request, self._result))
 
     def values(self, placed: Placed) -> Array:
-        """Signed distances [m] of all pairs whose boxes meet; all others are apart."""
+        """Return signed distances [m] of all pairs whose boxes meet; all others are apart."""
         return np.array([self.measured(a, b) for a, b in self.near(placed, 0.0)])
 
     def rows(self, placed: Placed) -> tuple[Array, Array]:
-        """Signed distances (m,) [m] of all near pairs and how each changes (m, n) with the degrees of freedom."""
+        """Return signed distances (m,) [m] of all near pairs and how each changes (m, n) with the degrees of freedom."""
         found, rows = [], []
         for a, b in self.near(placed, NEAR):
             gap = self.measured(a, b)

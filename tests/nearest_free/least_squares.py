@@ -16,7 +16,7 @@ GIVE = 1e3
 
 
 def least_squares(rates: Array, error: Array, rows: Array, least: Array) -> Array | None:
-    """The x (n,) with the smallest |rates x + error| of those with rows x >= least; None when there are none.
+    """Return the x (n,) with the smallest |rates x + error| of those with rows x >= least; None when there are none.
 
     rates (k, n), error (k,), rows (m, n), least (m,).
     """
@@ -45,7 +45,7 @@ def least_squares(rates: Array, error: Array, rows: Array, least: Array) -> Arra
 
 
 def giving_way(rates: Array, error: Array, rows: Array, least: Array, hard: int) -> Array | None:
-    """The same where only the first `hard` rows must hold and all others may be broken at a price."""
+    """Return the same where only the first `hard` rows must hold and all others may be broken at a price."""
     n, soft = rates.shape[1], len(rows) - hard
     wide = np.zeros((rates.shape[0] + soft, n + soft))
     wide[: rates.shape[0], :n] = rates

@@ -18,9 +18,9 @@ from tests.nearest_free.tree import Placed, Posture, Tree
 Array = NDArray[np.float64]
 
 TOUCHING = 1e-6
-"""Gap [m] that is aimed at: above the error of a distance, and nothing beside any offset that can be seen."""
+"""Target gap [m]: above the error of a distance, and negligible next to any visible offset."""
 PRICE = 20.0
-"""What a metre (radian) of overlap costs in metres squared of closeness while it lasts. Too low, and overlap is kept."""
+"""Cost of a metre (radian) of overlap in metres squared of closeness while it lasts. Too low, and overlap is kept."""
 STEP, SHORTEST, LONGEST = 0.2, 2e-6, 0.5
 """Trust region: first, least and greatest change of a degree of freedom in one step [m or rad]."""
 MOST_STEPS = 80
@@ -43,14 +43,14 @@ class Found:
 
     @property
     def allowed(self) -> bool:
-        """Whether it may be shown."""
+        """Return whether it may be shown."""
         return self.breach <= ENOUGH
 
 
 class Problem:
     """One frame: where the bodies are, where the user is, where link origins may be (low and high (L, 3) [m]).
 
-    `arm` [m] is what a radian weighs; by default how far an average link reaches from its joint.
+    `arm` [m] is the weight of a radian; by default how far an average link reaches from its joint.
     """
 
     def __init__(
@@ -73,11 +73,11 @@ class Problem:
         return np.concatenate([*found, (self.low - placed.positions).ravel(), (placed.positions - self.high).ravel()])
 
     def merit(self, placed: Placed) -> float:
-        """Closeness, and the price of what is broken."""
+        """Return closeness, and the price of violated constraints."""
         return self.closeness.score(placed) + PRICE * float(np.maximum(self.breaches(placed), 0.0).sum())
 
     def rows(self, placed: Placed) -> tuple[Array, Array]:
-        """Constraints to first order: rows (m, n) and what they must reach (m,)."""
+        """Return constraints to first order: rows (m, n) and the values that they must reach (m,)."""
         tree = self.tree
         gaps, rows = self.gaps.rows(placed)
         all_rows, least = [rows], [TOUCHING - gaps]
@@ -96,7 +96,7 @@ class Problem:
         return np.vstack(all_rows), np.concatenate(least)
 
     def bounds(self, posture: Posture, trust: float) -> tuple[Array, Array]:
-        """Rows (2n, n) and what they must reach (2n,): the trust region, narrowed by the hinges' limits."""
+        """Return rows (2n, n) and the values that they must reach (2n,): the trust region, narrowed by the hinges' limits."""
         tree = self.tree
         low, high = np.full(tree.n, -trust), np.full(tree.n, trust)
         low[tree.hinge_dofs] = np.maximum(low[tree.hinge_dofs], tree.limits[:, 0] - posture.angles)
@@ -104,13 +104,13 @@ class Problem:
         return np.vstack([np.eye(tree.n), -np.eye(tree.n)]), np.concatenate([low, -high])
 
     def found(self, posture: Posture) -> Found:
-        """`posture` with its figures."""
+        """Return `posture` with its figures."""
         placed = self.tree.placed(posture)
         return Found(posture, *self.closeness.figures(placed), self.closeness.score(placed), float(self.breaches(placed).max()))
 
 
 def step(problem: Problem, posture: Posture, placed: Placed, trust: float, rates: Array, error: Array) -> Array | None:
-    """The best step (n,) within the trust region; breaches that it cannot mend it makes as small as it can."""
+    """Return the best step (n,) within the trust region; breaches that it cannot mend it makes as small as it can."""
     rows, least = problem.rows(placed)
     box, reached = problem.bounds(posture, trust)
     found = least_squares(rates, error, np.vstack([box, rows]), np.concatenate([reached, least]))
@@ -120,7 +120,7 @@ def step(problem: Problem, posture: Posture, placed: Placed, trust: float, rates
 
 
 def descend(problem: Problem, start: Posture) -> Found:
-    """Steps downhill from `start` until none is left that helps."""
+    """Return steps downhill from `start` until none is left that helps."""
     tree, trust = problem.tree, STEP
     posture = tree.clipped(start)
     placed = tree.placed(posture)
@@ -149,7 +149,7 @@ def descend(problem: Problem, start: Posture) -> Found:
 
 
 def mended(problem: Problem, posture: Posture) -> Found:
-    """The shortest steps back into what is allowed, for the micrometres that a finite price leaves."""
+    """Take the shortest steps back into the free region, for the micrometres that a finite price leaves."""
     tree = problem.tree
     found = problem.found(posture)
     for _ in range(6):
@@ -164,13 +164,13 @@ def mended(problem: Problem, posture: Posture) -> Found:
 
 
 def nearest(problem: Problem, starts: Sequence[Posture]) -> Found | None:
-    """The best allowed end of all starts; None when no start led to one."""
+    """Return the best allowed end of all starts; None when no start led to one."""
     ends = [found for found in (descend(problem, start) for start in starts) if found.allowed]
     return min(ends, key=lambda found: found.score, default=None)
 
 
 def scattered(tree: Tree, posture: Posture, spread: float, random: np.random.Generator) -> Posture:
-    """`posture` with every degree of freedom moved by a normal deviate of `spread` [rad; half as much in m]."""
+    """Return `posture` with every degree of freedom moved by a normal deviate of `spread` [rad; half as much in m]."""
     way = random.normal(0.0, spread, tree.n)
     way[tree.shifts] *= 0.5
     return tree.moved(posture, way)

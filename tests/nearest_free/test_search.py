@@ -1,4 +1,4 @@
-"""The search against what is known in closed form and against trying all."""
+"""The search against closed forms and against trying all."""
 
 import numpy as np
 import pytest

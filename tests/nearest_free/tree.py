@@ -23,7 +23,7 @@ class Posture:
 
 
 def posture_of(sample: TrackerSample) -> Posture:
-    """A tracker's posture with matrices for its quaternions."""
+    """Return a tracker's posture with matrices for its quaternions."""
     turns = rotation.to_matrix(rotation.normalised(sample.rotations))
     return Posture(np.array(sample.positions, dtype=np.float64), turns, np.array(sample.angles, dtype=np.float64))
 
@@ -41,19 +41,19 @@ class Placed:
 
 
 def cross(a: Array, b: Array) -> Array:
-    """Vector product of a and b (..., 3). numpy's own takes most of a search's time for looking at its arguments."""
+    """Return the vector product of a and b (..., 3). numpy's own takes most of a search's time for looking at its arguments."""
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     u, v, w = b[..., 0], b[..., 1], b[..., 2]
     return np.stack((y * w - z * v, z * u - x * w, x * v - y * u), axis=-1)
 
 
 def skew(v: Array) -> Array:
-    """The matrix (3, 3) of the cross product with v (3,)."""
+    """Return the matrix (3, 3) of the cross product with v (3,)."""
     return np.array([[0.0, -v[2], v[1]], [v[2], 0.0, -v[0]], [-v[1], v[0], 0.0]])
 
 
 def turn_by(vector: Array) -> Array:
-    """Rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
+    """Return the rotation matrix (3, 3) of a rotation vector (3,) [rad]."""
     angle = float(np.linalg.norm(vector))
     k = skew(vector)
     # sin(a)/a and (1-cos(a))/a^2 by numpy's sinc, finite at zero
@@ -104,7 +104,7 @@ class Tree:
         self.jointed = [k for k, link in enumerate(self.links) if not isinstance(link.joint, Rigid)]
 
     def placed(self, posture: Posture) -> Placed:
-        """Forward kinematics."""
+        """Return forward kinematics."""
         count = len(self.links)
         positions, turns, relative = np.zeros((count, 3)), np.zeros((count, 3, 3)), np.zeros((count, 3, 3))
         axes, centres = np.zeros((self.n, 3)), np.zeros((self.n, 3))
@@ -132,12 +132,12 @@ class Tree:
         return Placed(positions, turns, relative, axes, centres)
 
     def point_rates(self, placed: Placed, link: int, point: Array) -> Array:
-        """(3, n) velocity of a world `point` (3,) fixed to `link`, per unit rate of each degree of freedom."""
+        """Return (3, n) velocity of a world `point` (3,) fixed to `link`, per unit rate of each degree of freedom."""
         rates = np.where(self.shifts[:, None], placed.axes, cross(placed.axes, point - placed.centres))
         return np.asarray((rates * self.moves[link][:, None]).T)
 
     def moved(self, posture: Posture, x: Array) -> Posture:
-        """`posture` after a step x (n,); hinges end inside their limits."""
+        """Return `posture` after a step x (n,); hinges end inside their limits."""
         roots, turns, angles = posture.roots.copy(), posture.turns.copy(), posture.angles.copy()
         for k, link in enumerate(self.links):
             d = self.first[k]
@@ -150,11 +150,11 @@ class Tree:
         return self.clipped(Posture(roots, turns, angles))
 
     def clipped(self, posture: Posture) -> Posture:
-        """`posture` with every hinge inside its limits."""
+        """Return `posture` with every hinge inside its limits."""
         return replace(posture, angles=np.clip(posture.angles, self.limits[:, 0], self.limits[:, 1]))
 
     def from_poses(self, positions: Array, orientations: Array, angles: Array) -> Posture:
-        """The posture that links at positions (L, 3), orientations (L, 4) show; `angles` (H,) of the hinges are taken as told."""
+        """Return the posture that links at positions (L, 3), orientations (L, 4) show, with the given `angles` (H,) of hinges."""
         world = rotation.to_matrix(rotation.normalised(orientations))
         turns = np.tile(np.eye(3), (len(self.links), 1, 1))
         for k, link in enumerate(self.links):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Claim:
-    """What the paper shows, scenes of the catalogue, and the tests that show it here ("file::function", from `tests/`)."""
+    """A claim of the paper, scenes of the catalogue, and the tests that show it here ("file::function", from `tests/`)."""
 
     says: str
     scenes: tuple[str, ...]
@@ -16,7 +16,7 @@ class Claim:
 
 
 def of(file: str, *tests: str) -> tuple[str, ...]:
-    """Tests of a file."""
+    """Return tests of a file."""
     return tuple(f"{file}::{test}" for test in tests)
 
 

@@ -13,7 +13,7 @@ from scenarios.catalog import get
 
 @cache
 def scene_run(name: str, frames: int | None = None, preset: str = "default") -> tuple[Scene, list[FrameRecord]]:
-    """The scene and a record per frame, of all frames of its short run unless said otherwise."""
+    """Return the scene and a record per frame, by default of all frames of its short run."""
     scenario = get(name).as_run(False)
     scene = scenario.build()
     motion, engine = scenario.motion(scene, 0), AvatarsimEngine()
@@ -22,7 +22,7 @@ def scene_run(name: str, frames: int | None = None, preset: str = "default") -> 
 
 
 def of_user(name: str, frames: int) -> np.ndarray:
-    """(frames, links, 3) where the user's own links are."""
+    """Return (frames, links, 3) where the user's own links are."""
     scenario = get(name).as_run(False)
     scene = scenario.build()
     motion = scenario.motion(scene, 0)
@@ -30,6 +30,6 @@ def of_user(name: str, frames: int) -> np.ndarray:
 
 
 def of_shown(name: str, frames: int) -> np.ndarray:
-    """(frames, links, 3) where they are shown."""
+    """Return (frames, links, 3) where they are shown."""
     scene, records = scene_run(name, frames)
     return np.array([record.shown.positions[len(scene.bodies) :] for record in records])

@@ -37,7 +37,7 @@ def depths(world) -> list[float]:
 
 def test_step_1_pairs_that_do_not_overlap_are_culled():
     world = world_at(0.0, RADIUS - 0.05)
-    # the far body never comes to be asked; the near one overlaps with one of its two pieces
+    # the far body is never tested; the near one overlaps with one of its two pieces
     assert meeting_pairs(world) == [(0, 2)]
     assert [pair[:2] for pair in overlapping_pairs(world)] == [("ell", "hand")]
     status, _, count = global_depth(

@@ -1,4 +1,4 @@
-"""Coach and trainee: once a gliding slab has left the user's stretched arm free, the posture returns as the closed forms say."""
+"""Coach and trainee: once a gliding slab has left the user's stretched arm free, the posture returns by the closed forms."""
 
 from math import exp
 
@@ -14,7 +14,7 @@ FREE_FROM, UNTIL = 114, 130
 
 
 def returning(preset: str, until: int = UNTIL) -> list[tuple[np.ndarray, np.ndarray, float]]:
-    """(hinges still to go, hinges to go from the frame before, offset of the root [m]) while nothing is in the way."""
+    """Return (hinges still to go, hinges to go from the frame before, offset of the root [m]) while nothing is in the way."""
     scenario = catalog.get("coach_release")
     scene, engine = scenario.build(), AvatarsimEngine()
     motion, found = scenario.motion(scene, 0), []
@@ -30,7 +30,7 @@ def returning(preset: str, until: int = UNTIL) -> list[tuple[np.ndarray, np.ndar
 
 
 def test_the_papers_attraction_returns_on_its_exponential() -> None:
-    """Each frame leaves exp(-rate dt) of what was to go, whatever the user does meanwhile."""
+    """Each frame leaves exp(-rate dt) of the remaining way, whatever the user does meanwhile."""
     share = exp(-AttractionSettings().rate / 60.0)
     found = returning("paper")
     assert np.abs(found[0][1]).max() > 0.01

@@ -1,4 +1,4 @@
-"""Eq. 1, PD_g = sum(pd^2 n) / |sum pd|: what it does and what it does not."""
+"""Eq. 1, PD_g = sum(pd^2 n) / |sum pd|: its effects and its limits."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Eq. 10: friction in an impact, as printed and limited to what sticks."""
+"""Eq. 10: friction in an impact, as printed and limited to sticking contacts."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def test_the_limit_only_shortens(mu: float, j: float, v_t: tuple[float, float, f
 
 
 def oblique(degrees: float, mu: float, e: float, paper: bool = False) -> tuple[World, float, float]:
-    """A 5 m/s ball that comes down at an angle; its world after the impact, and the two parts of its speed before."""
+    """Return a 5 m/s ball that comes down at an angle; its world after the impact, and the two parts of its speed before."""
     angle = np.radians(degrees)
     vt, vn = 5.0 * np.cos(angle), 5.0 * np.sin(angle)
     flier = ball("ball", (0.0, 0.0, 0.3), velocity=(vt, 0.0, -vn))

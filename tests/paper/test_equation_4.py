@@ -16,7 +16,7 @@ point = st.tuples(coordinate, coordinate, coordinate)
 def test_it_drops_exactly_the_part_along_the_axis(p, origin, axis):
     a = np.array(axis) / np.linalg.norm(axis)
     found = np.array(projected(p, origin, tuple(a)))
-    # the dumb twin: the projection matrix
+    # the plain twin: the projection matrix
     dumb = np.array(origin) + (np.eye(3) - np.outer(a, a)) @ (np.array(p) - origin)
     np.testing.assert_allclose(found, dumb, atol=1e-14)
     assert abs(a @ (found - origin)) <= 1e-14

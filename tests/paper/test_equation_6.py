@@ -16,7 +16,7 @@ START, PUSH = (0.1, -0.02, 0.0), (0.0, 1.0, -3.0)
 
 
 def integrated(mass: float, damping: float, t: float) -> tuple[np.ndarray, np.ndarray]:
-    """The dumb twin: a general integrator."""
+    """Return the plain twin: a general integrator."""
     solution = solve_ivp(
         lambda _, y: np.concatenate([y[3:], (-SPRING * y[:3] - damping * y[3:]) / mass]), (0.0, t), [*START, *PUSH],
         method="DOP853", rtol=1e-12, atol=1e-14,

@@ -21,7 +21,7 @@ def test_reverses_the_normal_velocity_of_any_two_bodies(
     va: tuple[float, float, float], vb: tuple[float, float, float], wa: tuple[float, float, float],
     wb: tuple[float, float, float],
 ) -> None:
-    """Applied by Newton and Euler with full matrices, j makes v_n exactly -e times what it was: eq. 8."""
+    """Applied by Newton and Euler with full matrices, j makes v_n exactly -e times its value before: eq. 8."""
     n = np.array([1.0, 2.0, -2.0]) / 3.0
     ia, ib = np.diag([1.0, 2.0, 2.5]), np.array([[2.0, 0.3, 0.0], [0.3, 1.0, 0.1], [0.0, 0.1, 2.2]])
     inverse_a, inverse_b = np.linalg.inv(ia), np.linalg.inv(ib)

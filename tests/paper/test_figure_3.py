@@ -1,4 +1,4 @@
-"""The lower loop of Figure 3: driven objects go towards the tracker, and what is shown never overlaps."""
+"""The lower loop of Figure 3: driven objects go towards the tracker, and shown states never overlap."""
 
 import numpy as np
 import pytest
@@ -73,7 +73,7 @@ def test_two_arms_part():
 
 
 def humanlike(seed, settings=None):
-    """A ball-jointed arm, a planar arm and a free hand in a box of walls."""
+    """Return a ball-jointed arm, a planar arm and a free hand in a box of walls."""
     avatars = (
         arm((0.4, 0.3), [limited_ball(), planar((0.0, 2.4))[0]], "ball"),
         arm(LENGTHS, planar(*LIMITS), "planar", at=(0.0, -0.8, 0.0)),
@@ -116,7 +116,7 @@ def test_same_seed_same_bits_and_another_seed_another_order():
 
 @pytest.mark.parametrize(("step", "side"), [(0.03, -1.0), (0.4, 1.0)])
 def test_a_thin_wall_holds_a_slow_hand_and_is_jumped_by_a_fast_one(step, side):
-    """What the paper admits: only shown states are checked, and PD_g leads out on the nearer side."""
+    """A limit that the paper admits: only shown states are checked, and PD_g leads out on the nearer side."""
     plate = fixed("plate", (Piece(Box((2.0, 0.01, 2.0)), (0.0, 0.5, 0.0)),), "wood")
     loop = Loop((ball_hand(0.05),), (plate,), roots=[(0.0, 0.1, 0.0)], settings={"couple": 0})
     for y in np.arange(0.1, 0.95, step):
@@ -149,7 +149,7 @@ def test_a_ball_gives_way_where_the_arm_cannot():
     assert overlapping_pairs(loop.world) == []
     assert loop.count(GAVE_WAY) > 0
     assert loop.excess() <= 0.0
-    # the arm first gave what it could
+    # the arm first gave all that it could
     assert loop.world.posture.angle[0] == -0.1
     assert loop.memory.counts[WALKED_BACK] == 0
 
@@ -162,7 +162,7 @@ def test_a_tracker_that_is_no_number_leaves_the_last_state_standing(part):
     before = [array.copy() for array in loop.world.posture]
     broken = loop.target()
     getattr(broken, part)[:] = np.nan
-    # uncompiled, numpy warns of what the kernels test for
+    # uncompiled, numpy warns of the cases that the kernels test for
     with np.errstate(invalid="ignore"):
         loop.frame(broken)
     assert loop.memory.counts[UNCHECKED] == 1

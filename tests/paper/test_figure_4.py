@@ -34,7 +34,7 @@ def test_in_the_corner_of_two_pieces_the_loop_repeats():
 
 
 def slot(half_width):
-    """Two plates, one body, that leave a slot narrower than the ball; its middle is the plane x = 0."""
+    """Return two plates, one body, that leave a slot narrower than the ball; its middle is the plane x = 0."""
     plates = tuple(Piece(Box((1.0, 2.0, 2.0)), (side * (0.5 + half_width), 0.0, -1.0)) for side in (-1.0, 1.0))
     return fixed("slot", plates, "wood")
 

@@ -19,6 +19,6 @@ def test_it_slides_along_the_corner_and_never_jumps(name: str) -> None:
     # pressed some centimetres into both walls, it follows the slide, which goes up and down along the corner
     assert np.linalg.norm(user - shown, axis=-1).max() > 0.02
     assert np.ptp(shown[:, 0, 2]) > 0.9 * np.ptp(user[:, 0, 2]) > 0.5
-    # no link goes farther in a frame than its user's farthest, but for what the way out of the walls adds
+    # no link goes farther in a frame than its user's farthest, but for the way out of the walls
     ways = [np.linalg.norm(np.diff(path, axis=0), axis=-1).max(axis=1) for path in (shown, user)]
     assert (ways[0] - ways[1]).max() < 0.02

@@ -1,4 +1,4 @@
-"""Small scenes of the planner: what an avatar cannot slide around, and where its target is."""
+"""Small scenes of the planner: obstacles that an avatar cannot slide around, and where its target is."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
 
 
 def walker() -> Avatar:
-    """A trunk with an upper and a lower arm."""
+    """Return a trunk with an upper and a lower arm."""
     trunk, arm = (Piece(Box((0.2, 0.3, 0.6))),), (Piece(Capsule(0.03, 0.24), (0.0, 0.0, -0.15)),)
     return Avatar(
         "walker",
@@ -32,26 +32,26 @@ def walker() -> Avatar:
 
 
 def room_with_door(avatar: Avatar) -> Scene:
-    """A wall before the avatar, high and wide, with a doorway 1.5 m to its left."""
+    """Return a wall before the avatar, high and wide, with a doorway 1.5 m to its left."""
     floor = block("floor", (0.0, 0.0, -0.6), (9.0, 9.0, 0.2))
     right, left = block("right", (0.7, -1.5, 0.8), (0.1, 5.0, 2.6)), block("left", (0.7, 3.25, 0.8), (0.1, 2.5, 2.6))
     return Scene("door", (floor, right, left), (avatar,), start=rest((avatar,)))
 
 
 def moved(scene: Scene, place: Vector, angles: tuple[float, ...] = ()) -> TrackerSample:
-    """The start with its root elsewhere, and other angles of hinges."""
+    """Return the start with its root elsewhere, and other angles of hinges."""
     sample = at(scene.first_sample, place)
     return TrackerSample(0.0, sample.positions, sample.rotations, np.array(angles or sample.angles))
 
 
 def behind_the_wall(avatar: Avatar) -> tuple[Scene, TrackerSample]:
-    """The room with a door, and a target on the other side of its wall."""
+    """Return the room with a door, and a target on the other side of its wall."""
     scene = room_with_door(avatar)
     return scene, moved(scene, (1.4, 0.0, 0.0))
 
 
 def held_arm() -> tuple[Scene, TrackerSample]:
-    """A flat arm on a fixed base, and a target on the other side of a post within its reach: it must fold to get past."""
+    """Return a flat arm on a fixed base, and a target on the other side of a post within its reach: it must fold to get past."""
     bone = (Piece(Capsule(0.03, 0.24), (0.15, 0.0, 0.0), orientation=(0.7071067811865476, 0.0, 0.7071067811865475, 0.0)),)
     mass = solid(bone, 1.0)
     arm = Avatar(
@@ -69,7 +69,7 @@ def held_arm() -> tuple[Scene, TrackerSample]:
 
 
 def palm() -> Avatar:
-    """A driven box without joints."""
+    """Return a driven box without joints."""
     return hand((Piece(Box((0.1, 0.1, 0.03))),), "palm")
 
 
@@ -82,7 +82,7 @@ class Run:
         self.said: dict[str, int] = {}
 
     def go(self, sample: TrackerSample, frames: int) -> list[FrameRecord]:
-        """So many frames with a target that rests; what they say is added up in `said`."""
+        """Run so many frames with a target that rests; their statuses are added up in `said`."""
         found = []
         for _ in range(frames):
             self.record = self.engine.advance(sample, DT)
@@ -92,7 +92,7 @@ class Run:
         return found
 
     def far(self, sample: TrackerSample) -> float:
-        """Distance [m] of the link origin that is farthest from the target's."""
+        """Return the distance [m] of the link origin that is farthest from the target's."""
         target, _ = link_poses(self.scene.avatars, sample)
         shown = self.record.shown.positions[len(self.scene.bodies) :]
         return float(np.linalg.norm(shown - target, axis=1).max())

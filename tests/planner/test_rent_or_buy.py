@@ -1,4 +1,4 @@
-"""Rent or buy: a path is kept until waiting has cost what it costs, counted node by node in plain Python, and then followed."""
+"""Rent or buy: a path is kept until waiting has cost as much as it costs, counted node by node in plain Python, then followed."""
 
 from typing import NamedTuple
 
@@ -34,7 +34,7 @@ class Planner(NamedTuple):
     ghost: Ghost
 
     def value(self, posture: Posture, target: Posture) -> float:
-        """The objective [m^2] of a posture."""
+        """Return the objective [m^2] of a posture."""
         geo, skel, g = self.world.geometry, self.world.skeleton, self.ghost
         for mine, other in zip(g.posture, posture, strict=True):
             mine[:] = other
@@ -44,7 +44,7 @@ class Planner(NamedTuple):
         return float(value_of(skel, self.avatars, 0, g.state, g.poses, g.scratch.objective)[0])
 
     def slice(self, target: Posture, work: int = 800) -> Outcome:
-        """One slice of a search from the posture of the world, where it stands."""
+        """Run one slice of a search from the current posture of the world."""
         w, value = self.world, self.value(self.world.posture, target)
         return Outcome(
             search(
@@ -55,7 +55,7 @@ class Planner(NamedTuple):
 
 
 def planner_of(scene: Scene) -> Planner:
-    """At the scene's start."""
+    """Return a planner at the scene's start."""
     world = build(scene)
     solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses)
     up = np.array([0.0, 0.0, -9.8])
@@ -65,7 +65,7 @@ def planner_of(scene: Scene) -> Planner:
 
 
 def displaced(posture: Posture, way: np.ndarray, angle: float = 0.0) -> Posture:
-    """A posture with its root elsewhere, and its hinges turned."""
+    """Return a posture with its root elsewhere, and its hinges turned."""
     root = posture.root.copy()
     root[0] += way
     return Posture(root, posture.turn.copy(), posture.angle + angle)
@@ -86,7 +86,7 @@ def test_a_path_is_bought_once_waiting_has_cost_as_much(seed: int) -> None:
     s.length[0], s.phase[0] = len(path), Phase.CUT
 
     def lasts(one: Posture, other: Posture) -> float:
-        """Time [s] of an edge at the catch-up speeds: of the joint or root that takes longest."""
+        """Return the time [s] of an edge at the catch-up speeds: of the joint or root that takes longest."""
         way = np.zeros(int(skel.first_dof[-1]))
         tangent_error(skel, avatars, 0, one, other, way)
         parts = [parts_of(skel, link, way) for link in range(len(skel.kind))]
@@ -139,7 +139,7 @@ def test_a_path_begins_where_the_avatar_has_gone_on_tracking_meanwhile() -> None
 
 
 def moved_to_the_wall(scene: Scene) -> Scene:
-    """The same with the avatar right before the wall."""
+    """Return the same with the avatar right before the wall."""
     return Scene(scene.name, scene.bodies, scene.avatars, start=at(scene.first_sample, (0.54, 0.0, 0.0)))
 
 

@@ -1,4 +1,4 @@
-"""Stalled avatars and traps: which are led along which path, what frames report and cost, and nothing overlaps meanwhile."""
+"""Stalled avatars and traps: which are led along which path, statuses and costs of frames, and nothing overlaps meanwhile."""
 
 import numpy as np
 import pytest
@@ -147,12 +147,12 @@ def test_two_avatars_are_led_at_once_and_neither_waits_for_the_other() -> None:
 
 
 def scene_of(bodies: tuple[Body, ...], avatar: Avatar, start: Vector) -> Scene:
-    """An avatar that begins at `start` among bodies."""
+    """Return an avatar that begins at `start` among bodies."""
     return Scene("s", bodies, (avatar,), start=at(rest((avatar,)), start))
 
 
 def watched(run: Run, target: TrackerSample, frames: int) -> np.ndarray:
-    """Places (frames + 1, 3) of the first root; nothing overlaps in any frame."""
+    """Return places (frames + 1, 3) of the first root; nothing overlaps in any frame."""
     judge, root = Judge(run.scene), len(run.scene.bodies)
     places = [run.record.shown.positions[root]]
     for _ in range(frames):

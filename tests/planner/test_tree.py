@@ -31,7 +31,7 @@ class Little(NamedTuple):
 
 
 def fresh() -> Little:
-    """An empty tree."""
+    """Return an empty tree."""
     avatar = sliding_avatar()
     world = build(Scene("s", (), (avatar,), start=rest((avatar,))))
     solver = make_solver(world.geometry, world.skeleton, world.posture, world.poses)
@@ -42,7 +42,7 @@ def fresh() -> Little:
 
 
 def drawn(posture: Posture, seed: int) -> Posture:
-    """Any posture."""
+    """Return any posture."""
     rng, count = np.random.default_rng(seed), len(posture.root)
     turn = rotation.to_matrix(rotation.normalised(rng.normal(size=(count, 4))))
     return Posture(rng.normal(size=(count, 3)), turn, rng.normal(size=posture.angle.shape))
@@ -89,7 +89,7 @@ def test_the_nearest_node_of_a_tree_is_found(nodes: list[tuple[float, int]], aim
 
 
 def grown(parents: list[int]) -> tuple[Little, list[int]]:
-    """Trees 0 and 1 with roots at nodes 0 and 1; each further node follows one before it."""
+    """Return trees 0 and 1 with roots at nodes 0 and 1; each further node follows one before it."""
     at = fresh()
     before = [NONE, NONE]
     for k, parent in enumerate(parents):
@@ -101,7 +101,7 @@ def grown(parents: list[int]) -> tuple[Little, list[int]]:
 
 
 def to_root(before: list[int], k: int) -> list[int]:
-    """Nodes from k to its root."""
+    """Return nodes from k to its root."""
     return [k, *to_root(before, before[k])] if before[k] >= 0 else [k]
 
 

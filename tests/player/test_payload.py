@@ -11,7 +11,7 @@ from avatarsim.scene.shape import Piece, Sphere
 
 
 def unpacked(packed: str, low: float, high: float) -> np.ndarray:
-    """The numbers again, as a page unpacks them."""
+    """Return the numbers again, as a page unpacks them."""
     found = np.frombuffer(base64.b64decode(packed), dtype="<u2").astype(np.float64)
     return np.where(found == MISSING, np.nan, low + (found - LEAST) / (MOST - LEAST) * (high - low))
 

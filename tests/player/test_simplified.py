@@ -24,7 +24,7 @@ def test_fine_meshes_become_coarse_ones_near_their_surface(most: int) -> None:
     (ball,) = simplified([shifted], most)
     assert most / 8 < len(ball[1]) <= most
     away = np.abs(np.linalg.norm(ball[0] - [100.0, -3.0, 0.2], axis=1) - 0.5)
-    # a cell's vertex is nearest to its planes: off by the arc that it stands for, h^2 / 2r
+    # a cell's vertex is nearest to its planes: off by the arc that it replaces, h^2 / 2r
     assert away.max() < 8.0 / most
     assert trimesh.Trimesh(*ball, process=False).area == pytest.approx(np.pi, rel=0.03)
 

@@ -1,4 +1,4 @@
-"""The judge's examination: what it finds of the judge, that a judge at fault is found out, and the file that the report reads."""
+"""The judge's examination: its findings, that a judge at fault is found out, and the file that the report reads."""
 
 import json
 from functools import cache
@@ -59,7 +59,7 @@ def test_errors_alarms_and_misses_are_counted() -> None:
     told = counted("x", truth, judged, other)
     assert (told.pairs, told.overlapping, told.false_alarms, told.misses, told.at_the_bound) == (6, 5, 1, 1, 1)
     assert told.largest_error == pytest.approx(1e-4) and told.largest_depth_error == pytest.approx(1e-4)
-    # the third and the fifth are the judge's own fault, the first is python-fcl's, the fourth says nothing
+    # the third and the fifth are the judge's own fault, the first is python-fcl's, the fourth is undecided
     assert (told.unanswered, told.disagreements, told.overlapping_disagreements, told.judge_wrong) == (1, 3, 2, 2)
 
 
@@ -105,7 +105,7 @@ ENDING = (
      (0.7607136106328061, -0.12386295009554579, -0.4041082473347101, -0.49261475478074807),
      (0.45824623332487135, 0.04208946913771935, 0.21967200804529968)),
 )
-"""Sizes, turns and offset of boxes face to face, drawn at random, on which python-fcl 0.7 ends the process that asks."""
+"""Sizes, turns and offset of boxes face to face, drawn at random, on which python-fcl 0.7 ends its process."""
 
 
 def test_a_process_that_ends_costs_one_answer() -> None:

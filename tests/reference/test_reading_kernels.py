@@ -14,7 +14,7 @@ INSTANTS, BODIES, ALL = 3, 5, 9
 
 
 def empty() -> tuple[Array, Array, Array, Array]:
-    """Positions, orientations, velocities and spins, to be written; nan shows what was not."""
+    """Return positions, orientations, velocities and spins, to be written; nan marks the entries that were not."""
     return tuple(np.full((INSTANTS, BODIES, width), np.nan) for width in (3, 4, 3, 3))  # type: ignore[return-value]
 
 

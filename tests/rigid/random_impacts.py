@@ -1,6 +1,6 @@
-"""Random impacts, frictional ones included: none adds energy, and what one body gives the other takes.
+"""Random impacts, frictional ones included: none adds energy, and momentum passes from one body to the other.
 
-`python -m tests.rigid.random_impacts [--impacts N] [--seed S]` asks a million of them, and exits with 1 if one does.
+`python -m tests.rigid.random_impacts [--impacts N] [--seed S]` runs a million of them, and exits with 1 if one does.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from tests.progress_bar import bar
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-12
-"""Gain or drift of one impact, over what there was, that is rounding."""
+"""Gain or drift of one impact, relative to the total before it, that counts as rounding."""
 AT_A_TIME = 5_000
 """Meetings of two bodies whose random numbers are drawn together."""
 DRAWN = 52
@@ -54,7 +54,7 @@ class Meeting(NamedTuple):
 
 
 def a_meeting() -> Meeting:
-    """Room for one."""
+    """Return room for one."""
     rows = [np.zeros((2, 3)) for _ in range(5)]
     rest = np.zeros(9), np.zeros(9), np.zeros((POINTS, 3)), np.zeros((POINTS, 3)), np.zeros((2, 3))
     return Meeting(*rows, np.zeros((2, 3, 3)), np.arange(2), *rest)
@@ -62,7 +62,7 @@ def a_meeting() -> Meeting:
 
 @kernel
 def normals(u: Array, first: int) -> Vec3:
-    """Three independent normal numbers from four uniform ones (Box and Muller)."""
+    """Return three independent normal numbers from four uniform ones (Box and Muller)."""
     near, far = sqrt(-2.0 * np.log(1.0 - u[first])), sqrt(-2.0 * np.log(1.0 - u[first + 2]))
     return near * cos(2.0 * pi * u[first + 1]), near * sin(2.0 * pi * u[first + 1]), far * cos(2.0 * pi * u[first + 3])
 
@@ -113,7 +113,7 @@ def sums(masses: Masses, inertia: Array, places: Array, linear: Array, angular: 
 def meet(drawn: Array, contacts: Contacts, masses: Masses, meeting: Meeting, worst_out: Array) -> tuple[int, int, int]:
     """Two bodies per row of `drawn`, touching at up to POINTS points; impacts, those that were guarded, those with friction.
 
-    worst_out (3): largest gain of energy over what there was, of momentum and of angular momentum over their sizes.
+    worst_out (3): largest gain of energy relative to that before, of momentum and of angular momentum over their sizes.
     """
     linear, angular, linear_before, angular_before, places, inertia, members, old, new, before, direction, received = meeting
     impacts = guarded = rough = 0
@@ -177,7 +177,7 @@ def run(impacts: int, seed: int) -> tuple[list[int], Array]:
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Ask, print, and return 1 if any impact added energy or lost momentum."""
+    """Run, print, and return 1 if any impact added energy or lost momentum."""
     parser = argparse.ArgumentParser(prog="python -m tests.rigid.random_impacts", description=str(__doc__).splitlines()[0])
     parser.add_argument("--impacts", type=int, default=1_000_000, metavar="N", help="how many (default: a million)")
     parser.add_argument("--seed", type=int, default=1, metavar="N", help="of the random numbers (default: 1)")

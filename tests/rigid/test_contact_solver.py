@@ -11,7 +11,7 @@ ROOM = 16
 
 
 def scene(rng: np.random.Generator, points: int, friction: float):
-    """A block with random contacts under it against the world, thrown at random."""
+    """Return a block with random contacts under it against the world, thrown at random."""
     contacts = make_contacts(ROOM)
     masses = Masses(np.array([0.0, 0.7]), np.stack([np.zeros((3, 3)), np.diag([3.0, 5.0, 9.0])]))
     for _ in range(points):
@@ -26,7 +26,7 @@ def scene(rng: np.random.Generator, points: int, friction: float):
 
 
 def solve(contacts, masses, linear, angular) -> float:
-    """All contacts to 1e-12 m/s."""
+    """Solve all contacts to 1e-12 m/s."""
     memory = np.zeros((ROOM, 3)), np.zeros((ROOM, 3))
     return solve_contacts(contacts, masses, 0, int(contacts.used[0]), linear, angular, 1e-12, 25, 5000, *memory)
 
@@ -51,7 +51,7 @@ def test_solution_obeys_every_law(points: int, friction: float) -> None:
 
 
 def test_frictionless_solution_is_the_least_kinetic_change() -> None:
-    """The dumb twin: Gauss's principle as a quadratic programme, by scipy."""
+    """The plain twin: Gauss's principle as a quadratic programme, by scipy."""
     from scipy.optimize import minimize
 
     rng = np.random.default_rng(9)
@@ -88,7 +88,7 @@ def test_no_room_is_reported() -> None:
 
 
 def wandering(cap: int) -> tuple[float, np.ndarray, np.ndarray]:
-    """A plate that falls on its four corners, which rounding asks for velocities that no plane has: (residual, impulses, v)."""
+    """A plate that falls on its four corners, of which rounding requires impossible velocities: (residual, impulses, v)."""
     contacts = make_contacts(4)
     for x, y in ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)):
         assert add_contact(contacts, 0, 1, 0, (0.0, 0.0, 1.0), (x, y, 0.0), (x, y, 0.0), 0.0)
@@ -111,7 +111,7 @@ def test_a_load_that_wanders_between_four_corners_costs_no_thousand_sweeps() -> 
 
 
 def test_bodies_in_motion_do_not_wait_for_a_load_that_wanders_faster() -> None:
-    """Two corners ask to rise by 10 micrometres a second more than the others: below STALE_BELOW it ends after STALE sweeps."""
+    """Two corners have to rise by 10 micrometres a second more than the others: below STALE_BELOW it ends after STALE sweeps."""
     contacts, left = make_contacts(5), []
     for x, y in ((1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (0.0, 0.0)):
         assert add_contact(contacts, 0, 1, 0, (0.0, 0.0, 1.0), (x, y, 0.0), (x, y, 0.0), 0.0)

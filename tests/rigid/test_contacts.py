@@ -1,4 +1,4 @@
-"""Contacts: their queue of approaches, times to close, forces of the last segment and tensors, against dumb twins."""
+"""Contacts: their queue of approaches, times to close, forces of the last segment and tensors, against plain twins."""
 
 import numpy as np
 import pytest
@@ -62,7 +62,7 @@ def test_only_who_was_hit_is_faster_or_slower_than_before(seed: int) -> None:
 
 
 def whole_table(contacts, fastest: float) -> tuple[int, int, int]:
-    """The dumb twin of `choose_block`: pair by pair, through all of them."""
+    """Return the plain twin of `choose_block`: pair by pair, through all of them."""
     count, start, chosen = int(contacts.used[0]), 0, []
     while start < count:
         pair = [k for k in range(start, count) if (contacts.body[start : k + 1] == contacts.body[start]).all()]
@@ -133,7 +133,7 @@ SEGMENTS = st.lists(
 
 
 def points(keys: list[int], bodies: list[tuple[int, int]], friction: float) -> Contacts:
-    """Contact points of these keys and bodies."""
+    """Return contact points of these keys and bodies."""
     contacts = make_contacts(ROOM, bodies=BODIES)
     contacts.used[0] = len(keys)
     contacts.key[: len(keys)], contacts.body[: len(keys)], contacts.friction[:] = keys, bodies, friction
@@ -162,7 +162,7 @@ def test_a_point_begins_with_the_force_that_it_had(segments: list[dict[int, tupl
 
 
 def test_a_point_that_is_only_foreseen_gets_no_force_along_its_tangents() -> None:
-    """It touched a segment ago and had friction; that it has none now must not leave it what is not taken back."""
+    """It touched a segment ago and had friction; without friction now, no part of that force may stay with it."""
     table = make_last_forces(BODIES, ROOM)
     contacts = points([7], [(1, 2)], 0.5)
     contacts.impulse[0] = 3.0, 2.0, 1.0
@@ -174,7 +174,7 @@ def test_a_point_that_is_only_foreseen_gets_no_force_along_its_tangents() -> Non
 
 
 def turns(seed: int) -> np.ndarray:
-    """Rotations at random."""
+    """Return rotations at random."""
     drawn, _ = np.linalg.qr(np.random.default_rng(seed).normal(size=(BODIES, 3, 3)))
     return np.ascontiguousarray(drawn * np.linalg.det(drawn)[:, None, None])
 

@@ -18,7 +18,7 @@ H, TRIALS = 1.0 / 60.0, 300
 
 
 def world_of(kind: str) -> World:
-    """Two bodies with numbers 0 and 1: balls of different size, a ball and a box, or two boxes."""
+    """Return two bodies with numbers 0 and 1: balls of different size, a ball and a box, or two boxes."""
     of = {
         "balls": [ball("a", (0.0, 0.0, 0.0)), ball("b", (1.0, 0.0, 0.0), 0.03)],
         "ball and box": [ball("a", (0.0, 0.0, 0.0)), thing("b", Box((0.1, 0.05, 0.2)), (1.0, 0.0, 0.0))],
@@ -28,7 +28,7 @@ def world_of(kind: str) -> World:
 
 
 def throw(world: World, rng: np.random.Generator, touching: bool) -> None:
-    """Put both bodies on paths at random, b at some gap from a, or as near as what rests."""
+    """Put both bodies on paths at random, b at some gap from a, or as near as resting bodies."""
     m, direction = world.memory, rng.normal(size=3)
     gap = rng.uniform(-3e-7, 3e-7) if touching else 10.0 ** rng.uniform(-7, 0)
     m.began.position[0] = rng.normal(size=3)
@@ -47,7 +47,7 @@ def throw(world: World, rng: np.random.Generator, touching: bool) -> None:
 
 
 def search(world: World, begin: float) -> tuple[int, float]:
-    """The search itself."""
+    """Return the search itself."""
     m = world.memory
     outcome, t, rounds = time_of_impact(
         world.geometry, m.began, m.islands.linear, m.islands.angular, m.paths, m.series, m.reach, 0, 1, begin, H,
@@ -62,7 +62,7 @@ def search(world: World, begin: float) -> tuple[int, float]:
 @pytest.mark.parametrize("kind", ["balls", "ball and box", "boxes"])
 @pytest.mark.parametrize("touching", [False, True])
 def test_what_is_out_of_reach_has_no_impact(kind: str, touching: bool) -> None:
-    """Free and held paths, bodies that stand, and those that begin within the frame; touching ones too."""
+    """Free and held paths, bodies at rest, and those that begin within the frame; touching ones too."""
     world, rng, quick, both = world_of(kind), np.random.default_rng(3), 0, 0
     for _ in range(TRIALS):
         throw(world, rng, touching)
@@ -72,7 +72,7 @@ def test_what_is_out_of_reach_has_no_impact(kind: str, touching: bool) -> None:
         assert outcome != BROKEN
         quick, both = quick + near, both + (outcome == CLEAR)
         assert not near or (outcome == CLEAR and t == H)
-    # it is worth asking: most pairs that do not meet are answered
+    # it is worth a query: most pairs that do not meet are answered
     assert kind == "boxes" or touching or 2 * quick > both
     assert both < TRIALS
 
@@ -92,7 +92,7 @@ def test_a_path_that_is_not_finite_is_searched() -> None:
 @pytest.mark.boundscheck
 @pytest.mark.parametrize("touching", [False, True])
 def test_balls_meet_when_the_search_for_any_shapes_finds_it(touching: bool) -> None:
-    """The dumb twin is the search over poses, planes and supports."""
+    """The plain twin is the search over poses, planes and supports."""
     world, rng, met = world_of("balls"), np.random.default_rng(5), 0
     for _ in range(TRIALS):
         throw(world, rng, touching)
@@ -110,7 +110,7 @@ def test_balls_meet_when_the_search_for_any_shapes_finds_it(touching: bool) -> N
 @pytest.mark.nojit
 @pytest.mark.boundscheck
 def test_whichever_pair_is_asked_first_the_first_event_is_the_same() -> None:
-    """Eight balls thrown at each other, and a pair of every number asked first, of none too."""
+    """Eight balls thrown at each other, and a pair of every number queried first, of none too."""
     rng, met = np.random.default_rng(7), 0
     world = World([ball(str(k), (float(k), 0.0, 0.0)) for k in range(8)])
     m, pairs = world.memory, np.array([(a, b) for a in range(8) for b in range(a)])
@@ -167,7 +167,7 @@ def test_a_sleeper_wakes_when_a_moving_body_comes_near_and_not_before() -> None:
 
 
 def test_the_margin_follows_small_bodies_where_nobody_is_driven() -> None:
-    """From a centimetre on it is what it always was."""
+    """From a centimetre on it is MARGIN."""
     span, everybody = np.array([0.3, 0.01, 1e-3]), np.ones(3, np.bool_)
     assert margin_for(span[:2], everybody[:2], False) == MARGIN
     assert margin_for(span, everybody, False) == 0.05 * 1e-3

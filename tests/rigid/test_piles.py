@@ -17,8 +17,8 @@ LONG, SIDE, JOINT, DROP, DT = 0.2, 0.1, 0.002, 0.01, 1.0 / 60.0
 
 
 def pyramid(rows: int, gap: float) -> Scene:
-    """Rows of bricks, each a gap [m] above the one below. At rest the lowest of w rows has w bricks with four contact points
-    each; all others, w (w - 1) / 2, stand on two with eight: 4 w^2."""
+    """Return rows of bricks, each a gap [m] above the one below. At rest the lowest of w rows has w bricks with four contact
+    points each; all others, w (w - 1) / 2, rest on two with eight: 4 w^2."""
     shape = (Piece(Box((LONG, SIDE, SIDE))),)
     bricks = tuple(
         simulated(f"brick_{row}_{k}", shape, "wood", solid(shape, 2.0),

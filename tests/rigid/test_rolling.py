@@ -1,4 +1,4 @@
-"""What lies on a smooth surface rolls, and tops precess, as closed forms say, at every frame time."""
+"""Bodies on a smooth surface roll, and tops precess, as closed forms predict, at every frame time."""
 
 from itertools import combinations_with_replacement
 from math import cos, radians, sin, sqrt
@@ -29,7 +29,7 @@ def log(
     velocity: float, spin: tuple[float, float, float], friction: float, gravity: tuple[float, float, float] = DOWN,
     shape: Capsule = LOG,
 ) -> World:
-    """A log across its way along x, on a floor."""
+    """Return a log across its way along x, on a floor."""
     body = thing(
         "log", shape, (0.0, 0.0, shape.radius + LAID), orientation=LYING, velocity=(velocity, 0.0, 0.0), angular_velocity=spin
     )
@@ -37,12 +37,12 @@ def log(
 
 
 def share(world: World, radius: float = R) -> float:
-    """I / (m r^2) about the axis of the log."""
+    """Return I / (m r^2) about the axis of the log."""
     return float(world.dynamics.inertia[1][2, 2] * world.dynamics.inverse_mass[1]) / radius**2
 
 
 def run(world: World, seconds: float, rate: float) -> float:
-    """Frames that all succeed, none with a plastic step and none that gains energy; returns what is lost [J]."""
+    """Run frames that all succeed, none with a plastic step and none that gains energy; return the lost energy [J]."""
     first = last = world.energy()
     for _ in range(round(seconds * rate)):
         assert world.frame(1.0 / rate) == 0
@@ -92,7 +92,7 @@ def test_a_log_rolls_down_an_incline(rate: float, degrees: float) -> None:
 
 @pytest.mark.parametrize("rate", RATES)
 def test_a_log_spins_about_the_vertical(rate: float) -> None:
-    """With friction it comes to rest where it is; without it turns on, and what it rolls with turns with its axis."""
+    """With friction it comes to rest where it is; without it turns on, and its rolling motion turns with its axis."""
     world = log(0.0, (0.0, 0.0, 10.0), 0.3)
     run(world, 0.6, rate)
     np.testing.assert_allclose(world.poses.position[1], [0.0, 0.0, R + LAID], atol=1e-8)
@@ -152,7 +152,7 @@ def test_what_rolls_off_a_log_obeys_energy(rate: float, shape: Shape) -> None:
 
 
 def on_ice(carrier: str, friction: float) -> PairTable:
-    """Everything slides on everything but for "m" on the carrier and on itself."""
+    """Return materials without friction but for "m" on the carrier and on itself."""
     names = ("floor", carrier, "m")
     pairs = dict.fromkeys(combinations_with_replacement(names, 2), ContactLaw(0.0, 0.0))
     return PairTable(pairs | dict.fromkeys(((carrier, "m"), ("m", "m")), ContactLaw(0.0, friction)))
@@ -160,7 +160,7 @@ def on_ice(carrier: str, friction: float) -> PairTable:
 
 @pytest.mark.parametrize("rate", RATES)
 def test_a_ball_on_a_turntable_runs_in_a_circle(rate: float) -> None:
-    """Its velocity turns at 2/7 of what the table does (Earnshaw)."""
+    """Its velocity turns at 2/7 of the table's rate (Earnshaw)."""
     table = thing("table", Box((2.0, 2.0, 0.1)), (0.0, 0.0, 0.05 + LAID), 1e5, material="table", angular_velocity=(0.0, 0.0, 2.0))
     body = ball("ball", (0.0, 0.0, 0.1 + R + 2.0 * LAID), R, velocity=(0.3, 0.0, 0.0), angular_velocity=(0.0, 6.0, 0.0))
     world = World([slab(material="floor"), table, body], materials=on_ice("table", 1.0))
@@ -223,7 +223,7 @@ def drawn(seed: int, friction: float) -> tuple[World, float, float, float]:
 
 
 def watched(world: World, dt: float) -> tuple[np.ndarray, float, float]:
-    """(spin [rad/s] after every frame, mean precession [rad/s], largest rise of energy in a frame as a part of it)."""
+    """Return (spin [rad/s] after every frame, mean precession [rad/s], largest rise of energy in a frame as a part of it)."""
     spins, angle, last, most, energy = [], 0.0, 0.0, 0.0, world.energy()
     frames = round(SECONDS / dt)
     for _ in range(frames):

@@ -1,4 +1,4 @@
-"""How contacts of smooth surfaces move: against the same query asked a moment before and after."""
+"""Motion of contacts of smooth surfaces: against the same query a moment before and after."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ TRIALS = 30
 
 
 def asked(world: World, turns: Array, t: float, linear: Array, angular: Array, start: Array) -> tuple[float, Array, Array, Array]:
-    """(gap, normal, point on A, point on B) t seconds on, with velocities that stay."""
+    """Return (gap, normal, point on A, point on B) t seconds on, with velocities that stay."""
     for b in range(2):
         world.poses.position[b] = start[b] + t * linear[b]
         world.poses.rotation[b] = Rotation.from_rotvec(t * angular[b]).as_matrix() @ turns[b]
@@ -37,7 +37,7 @@ def asked(world: World, turns: Array, t: float, linear: Array, angular: Array, s
 
 
 def laid(world: World, rng: np.random.Generator) -> tuple[Array, Array]:
-    """(positions, rotations) of two bodies that touch, turned at random; sometimes as they lie."""
+    """Return (positions, rotations) of two bodies that touch, turned at random; sometimes as they lie."""
     start = np.array([rng.normal(size=3), [0.0, 0.0, 0.0]])
     turns = Rotation.random(2, random_state=rng).as_matrix()
     if rng.random() < 0.5:

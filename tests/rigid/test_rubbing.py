@@ -30,7 +30,7 @@ from tests.rigid.upper_world import World, ball, hand
 
 DT = 1.0 / 60.0
 PRESSED, REST, ON_TOP, ABOVE = 0.5, 0.16, 0.15, 0.35
-"""How long the hand goes down onto the plank [s], from which height [m], where it stands, and how far above the wrist is."""
+"""Time for which the hand goes down onto the plank [s], from which height [m], where it stops, and how far above the wrist is."""
 
 
 def at(x: float, z: float) -> TrackerSample:
@@ -38,8 +38,8 @@ def at(x: float, z: float) -> TrackerSample:
 
 
 def pressed_and_led(speed: float, walled: bool) -> NDArray[np.float64]:
-    """Places and velocities along x (frames, 2, 2) of a plank on ice and of a hand that presses on it 3 cm deep and then is led
-    along it for 1.5 s, if ``walled`` with its wrist into a wall 5 mm ahead."""
+    """Return places and velocities along x (frames, 2, 2) of a plank on ice and of a hand that presses on it 3 cm deep and then
+    is led along it for 1.5 s, if ``walled`` with its wrist into a wall 5 mm ahead."""
     cube, plate, plank = ((Piece(Box(size)),) for size in ((0.1, 0.1, 0.1), (0.1, 0.6, 0.4), (0.6, 0.3, 0.1)))
     arm = Avatar("arm", (
         Link("wrist", None, Free(), plate, solid(plate, 0.5), "hand"),
@@ -64,7 +64,7 @@ def pressed_and_led(speed: float, walled: bool) -> NDArray[np.float64]:
 
 @pytest.mark.parametrize("speed", [0.5, 2.0])
 def test_a_hand_that_a_wall_holds_is_no_conveyor(speed: float) -> None:
-    """By its user's velocity the plank went 0.7 and 2 m beneath a hand that moved 2 cm; it may follow what the hand moves."""
+    """By its user's velocity the plank went 0.7 and 2 m beneath a hand that moved 2 cm; it may follow the hand's own motion."""
     places = pressed_and_led(speed, walled=True)[:, 0]
     assert np.abs(places[:, 1]).max() < 0.025
     # on ice it keeps the speed of the hand's last centimetre
@@ -80,7 +80,7 @@ def test_a_hand_that_goes_freely_takes_along_what_it_presses_on(speed: float) ->
 @pytest.mark.nojit
 @pytest.mark.parametrize("driven", [DRIVEN_A, DRIVEN_B])
 def test_along_the_tangents_the_slower_of_both_counts(driven: int) -> None:
-    """Against the plain sum: what the simulated body does at the contact, less what the driven one is seen or meant to do."""
+    """Against the plain sum: the simulated body's motion at the contact, less the motion shown or meant of the driven one."""
     world = World([ball("b", (0.0, 0.0, 5.0))], avatars=(hand(),))
     rng, b, held = np.random.default_rng(driven), 1, 0
     side = 0 if driven == DRIVEN_A else 1

@@ -22,7 +22,7 @@ CUTS = {"halves": np.array([-3.0, 0.0, 3.0]), "64 a metre": EVEN, "slivers": np.
 
 
 def pieces(cuts: Sequence[float] | np.ndarray, heights: Sequence[float] | None = None) -> list[Piece]:
-    """Boxes side by side along x, tops at z = 0 or at heights."""
+    """Return boxes side by side along x, tops at z = 0 or at heights."""
     tops = np.zeros(len(cuts) - 1) if heights is None else np.array(heights)
     return [
         Piece(Box((float(b - a), 2.0, 0.2)), (float(0.5 * (a + b)), 0.0, float(top - 0.1)))
@@ -31,18 +31,18 @@ def pieces(cuts: Sequence[float] | np.ndarray, heights: Sequence[float] | None =
 
 
 def floor(cuts: Sequence[float] | np.ndarray, heights: Sequence[float] | None = None) -> Body:
-    """One fixed body of those pieces."""
+    """Return one fixed body of those pieces."""
     return fixed("floor", tuple(pieces(cuts, heights)), "m")
 
 
 def slider(x: float = -1.0, gap: float = STAND_OFF, **more: object) -> Body:
-    """A box on the floor that slides along x."""
+    """Return a box on the floor that slides along x."""
     more.setdefault("velocity", (SPEED, 0.0, 0.0))
     return thing("box", Box(SIZE), (x, 0.0, 0.5 * SIZE[2] + gap), **more)
 
 
 def slid(bodies: Sequence[Body], dt: float, seconds: float = 0.6) -> World:
-    """The world after so long; nothing overlaps by more than resting bodies may dip meanwhile."""
+    """Return the world after so long; nothing overlaps by more than resting bodies may dip meanwhile."""
     world = World(bodies, restitution=0.0, friction=FRICTION)
     while world.time < seconds - 1e-12:
         world.frame(dt)
@@ -54,7 +54,7 @@ def slid(bodies: Sequence[Body], dt: float, seconds: float = 0.6) -> World:
 @pytest.mark.parametrize("cuts", CUTS)
 @pytest.mark.parametrize("gap", [STAND_OFF, 0.4 * STAND_OFF, 0.0, -1e-7])
 def test_a_box_slides_over_seams_as_far_as_over_a_whole_floor(dt: float, cuts: str, gap: float) -> None:
-    """At the stand-off, below it, and from the dip of a resting body. What a dip costs to lift is taken from the motion."""
+    """At the stand-off, below it, and from the dip of a resting body. The energy to leave a dip is taken from the motion."""
     world = slid([floor(CUTS[cuts]), slider(gap=gap)], dt)
     x, y, _ = world.poses.position[1]
     assert x == pytest.approx(-1.0 + stop_distance(SPEED, FRICTION, G), abs=1e-6)
@@ -131,7 +131,7 @@ def test_a_step_down_holds_nobody_back(dt: float, height: float) -> None:
 
 
 def test_a_ridge_across_the_way_is_no_seam() -> None:
-    """A wedge that stands 0.1 mm out of the floor has a slanting side, and is met."""
+    """A wedge that rises 0.1 mm out of the floor has a slanting side, and is met."""
     wedge = ConvexHull(np.array([(x, y, z) for y in (-1.0, 1.0) for x, z in ((-0.05, -0.1), (0.05, -0.1), (0.0, 1e-4))]))
     world = slid([floor((-3.0, 3.0)), fixed("ridge", (Piece(wedge),), "m"), slider(x=-0.4)], 1.0 / 60.0)
     assert world.impacts

@@ -1,4 +1,4 @@
-"""What a segment of constant forces leaves of a held corner's velocity, and slips that end inside one."""
+"""Velocity of a held corner after a segment of constant forces, and slips that end inside one."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ MEMBERS, MOVING, BRICK = np.array([1]), np.array([0, 1]), np.zeros(2, np.int64)
 
 
 def standing(arm: np.ndarray, friction: float):
-    """A brick on one corner, its centre of mass at the origin, on a floor."""
+    """Return a brick on one corner, its centre of mass at the origin, on a floor."""
     contacts = make_contacts(4)
     masses = Masses(np.array([0.0, 1.0 / MASS]), np.stack([np.zeros((3, 3)), np.linalg.inv(INERTIA)]))
     assert add_contact(contacts, 1, 0, 0, (0.0, 0.0, 1.0), tuple(arm), tuple(arm), 2e-8)
@@ -24,7 +24,7 @@ def standing(arm: np.ndarray, friction: float):
 
 
 def held(contacts, masses, h: float, linear: np.ndarray, angular: np.ndarray):
-    """(length of the segment, velocity and spin at its end)."""
+    """Return (length of the segment, velocity and spin at its end)."""
     v, w, v_end, w_end = (np.zeros((2, 3)) for _ in range(4))
     v[1], w[1] = linear, angular
     curvature(contacts, v, w)
@@ -72,7 +72,7 @@ def test_a_held_corner_slips_by_no_more_than_the_remainder() -> None:
 @pytest.mark.nojit
 @pytest.mark.boundscheck
 def test_a_remainder_shortens_no_segment_and_a_slip_does() -> None:
-    """A brick that pivots on its corner, once with half of what a segment may leave, once with a hundred times that."""
+    """A brick that pivots on its corner, once with half of the remainder allowed to a segment, once with a hundred times that."""
     arm, spin, h = np.array([0.02, 0.03, -0.2]), np.array([1.5, -2.0, 0.5]), 3e-3
     for part, whole in ((0.5, True), (100.0, False)):
         contacts, masses = standing(arm, 0.6)

@@ -28,7 +28,7 @@ from tests.rigid.upper_world import G, World, ball, slab, thing
 
 
 def tower(boxes: int, lift: float) -> list:
-    """Boxes of 0.2 m, one on the other, the lowest ``lift`` above the slab."""
+    """Return boxes of 0.2 m, one on the other, the lowest ``lift`` above the slab."""
     return [thing(f"box_{k}", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.1 + lift + k * (0.2 + 2e-8))) for k in range(boxes)]
 
 
@@ -101,11 +101,11 @@ def test_a_heavy_box_stands_on_light_ones(ratio: float, boxes: int) -> None:
 
 
 DEEP = 3e-6
-"""By so much [m] the lowest box begins in the floor, and each in the one below: three times what may be shown."""
+"""Depth [m] of the lowest box in the floor, and of each in the one below, at the start: three times the largest shown."""
 
 
 def pressed(boxes: int, ratio: float) -> World:
-    """Boxes of 1 kg on one another, and one of ``ratio`` kg on them, all in each other."""
+    """Return boxes of 1 kg on one another, and one of ``ratio`` kg on them, all in each other."""
     edges = Box((0.2, 0.2, 0.2))
     masses = [1.0] * boxes + [ratio]
     things = [thing(f"box_{k}", edges, (0.0, 0.0, 0.1 + 0.2 * k - DEEP * (k + 1)), m) for k, m in enumerate(masses)]
@@ -146,7 +146,7 @@ DT = 1.0 / 60.0
 
 
 def heap(count: int, seed: int) -> list:
-    """Boxes and hulls, one above the other, with random turns: what is round would roll away for ever."""
+    """Return boxes and hulls, one above the other, with random turns: round bodies would roll away for ever."""
     rng, bodies = np.random.default_rng(seed), []
     for k in range(count):
         q = rng.normal(size=4)
@@ -159,7 +159,7 @@ def heap(count: int, seed: int) -> list:
 
 
 def time_kept(places: np.ndarray, speeds: np.ndarray) -> float:
-    """Way gone over the way that velocities say, over body-frames faster than 2 cm/s at both ends."""
+    """Return the way gone over the way by velocities, over body-frames faster than 2 cm/s at both ends."""
     way, fast = np.linalg.norm(np.diff(places, axis=0), axis=-1), np.linalg.norm(speeds, axis=-1)
     moving = (fast[:-1] > 0.02) & (fast[1:] > 0.02)
     return float(way[moving].sum() / (0.5 * DT * (fast[:-1] + fast[1:]))[moving].sum())
@@ -214,7 +214,7 @@ def test_a_heap_whose_islands_part_within_a_frame_goes_on() -> None:
 
 
 def held(bodies: list, friction: float) -> bool:
-    """Whether the contacts of these bodies hold all of them from rest."""
+    """Return whether the contacts of these bodies hold all of them from rest."""
     world = World([*bodies], 0.0, friction)
     memory = world.memory
     begin(world.geometry, world.dynamics, world.poses, world.velocities, DT, memory, True)
@@ -233,7 +233,7 @@ def held(bodies: list, friction: float) -> bool:
 
 
 def leaning(angle: float) -> list:
-    """A box of 0.1 x 0.1 x 0.4 m on one edge, its centre of mass this angle [rad] before it stands above that edge."""
+    """Return a box of 0.1 x 0.1 x 0.4 m on one edge, its centre of mass this angle [rad] short of the balance above that edge."""
     balance = np.arctan(0.1 / 0.4) - angle
     lift = 0.05 * np.sin(balance) + 0.2 * np.cos(balance) + 2e-8
     q = (np.cos(balance / 2), 0.0, np.sin(balance / 2), 0.0)
@@ -262,7 +262,7 @@ CUBE, GAP = 0.1, 5e-5
 
 
 def blocks(counts: tuple[int, int, int], velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Body]:
-    """Cubes in rows, columns and layers; the first is at the origin, on the ground."""
+    """Return cubes in rows, columns and layers; the first is at the origin, on the ground."""
     found = []
     for i, j, k in product(*map(range, counts)):
         place = (np.array([i, j, k]) + (0.0, 0.0, 0.5)) * CUBE + (k + 1) * np.array([0.0, 0.0, GAP]) + np.array([i, j, 0.0]) * GAP
@@ -315,7 +315,7 @@ def test_a_crowd_on_ice_slides_down_one_degree_as_one_body_does() -> None:
 
 
 def test_a_pallet_of_packed_boxes_rests() -> None:
-    """144 boxes, each beside four others: more contacts than a wall has."""
+    """144 boxes, each next to four others: more contacts than a wall has."""
     world = World([slab(), *blocks((12, 12, 1))], 0.0, 0.5)
     run_as_crowd(world, 0.5)
     assert world.memory.asleep[1:].all()

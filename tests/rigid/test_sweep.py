@@ -1,4 +1,4 @@
-"""A sweep of projected Gauss-Seidel against its dumb twin, one contact after the other, and its sums against numpy."""
+"""A sweep of projected Gauss-Seidel against its plain twin, one contact after the other, and its sums against numpy."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ BODIES, POINTS = 4, 12
 
 
 def heap(seed: int):
-    """Contacts at random between bodies at random, one of them fixed, with impulses as sweeps leave them."""
+    """Return contacts at random between bodies at random, one of them fixed, with impulses as sweeps leave them."""
     rng = np.random.default_rng(seed)
     contacts, inertia = make_contacts(POINTS), np.zeros((BODIES, 3, 3))
     for b in range(1, BODIES):
@@ -77,7 +77,7 @@ def test_all_go_on_along_the_last_way() -> None:
     twin, _, v, w = heap(1)
     rng = np.random.default_rng(2)
     before, direction = rng.normal(size=(2, POINTS, 3))
-    # what has no friction never went along its tangents
+    # a contact without friction never went along its tangents
     direction[contacts.friction[:POINTS] == 0.0, 1:] = 0.0
     wanted = contacts.impulse - before + 0.7 * direction
     for k in range(POINTS):

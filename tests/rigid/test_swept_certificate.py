@@ -22,7 +22,7 @@ SHAPES: tuple[Shape, ...] = (
 
 
 def pair(one: int, other: int) -> World:
-    """Two bodies side by side, as near pair 0 of pieces."""
+    """Return two bodies side by side, as near pair 0 of pieces."""
     world = World([thing("a", SHAPES[one], (0.0, 0.0, 0.0)), thing("b", SHAPES[other], (0.3, 0.0, 0.0))])
     substeps = world.memory.substeps
     substeps.pieces[0], substeps.found[0] = (0, 1), 1
@@ -64,7 +64,7 @@ def measured(world: World) -> None:
 
 
 def distance(world: World, poses) -> tuple[float, np.ndarray]:
-    """Signed distance [m] and its direction."""
+    """Return the signed distance [m] and its direction."""
     _, gap, n, _, _ = signed_distance(poses.vertices, world.geometry.shapes, 0, 1, (0.0, 0.0, 0.0), make_scratch())
     return gap, np.array(n)
 

@@ -29,7 +29,7 @@ def test_flight_is_a_parabola(rate: float) -> None:
 
 @pytest.mark.parametrize(("e", "expected"), [(0.3, 0.8385), (0.5, 1.3546)])
 def test_a_zeno_sequence_ends(e: float, expected: float) -> None:
-    """sqrt(2h/g) (1 + e)/(1 - e), less what the slowest rebounds would have taken; then rest without drift, for ever."""
+    """sqrt(2h/g) (1 + e)/(1 - e), less the time of the slowest rebounds; then rest without drift, for ever."""
     world = World([slab(), ball("ball", (0.0, 0.0, 1.1))], e)
     dt = 1.0 / 1000.0
     while world.time < 0.4 or (np.any(world.velocities.linear[1]) and world.time < 2.0):
@@ -161,7 +161,7 @@ def test_anything_that_lands_tumbling_stays_above_the_floor_and_gains_no_energy(
     for _ in range(120):
         world.frame()
         assert world.gap() >= -1e-6
-        # 2e-5 J is what the audit is known to miss, of 5 J
+        # 2e-5 J is the known error of the audit, of 5 J
         assert world.energy() <= last + 2e-5
         last = world.energy()
 
@@ -243,7 +243,7 @@ def test_no_impact_adds_energy_or_loses_momentum() -> None:
 
 FRAME = 1.0 / 60.0
 ON_HAND = 0.05 + 2e-8
-"""Height of the underside of what lies on a hand."""
+"""Height of the underside of a body on a hand."""
 
 
 @pytest.mark.parametrize("mass", [0.1, 2.0, 100.0, 1e6])
@@ -259,7 +259,7 @@ def test_a_hand_that_meets_a_body_gets_the_impulse_of_eq_9_and_no_more(mass: flo
 
 @pytest.mark.parametrize("mass", [100.0, 1e6])
 def test_a_heavy_body_that_throws_a_hand_back_waits_at_it_and_keeps_its_velocity(mass: float) -> None:
-    """The hand's pose changes in the next frame. Until then nothing overlaps, and the hand gets what eq. 9 gives."""
+    """The hand's pose changes in the next frame. Until then nothing overlaps, and the hand gets the impulse of eq. 9."""
     box = thing("box", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.1 + 0.06), mass, velocity=(0.3, 0.0, -1.0))
     world = World([box], 0.5, 0.0, NO_GRAVITY, [hand()])
     assert world.frame() == 0
@@ -283,7 +283,7 @@ def test_a_weight_gives_a_hand_twice_its_own_mass_at_most(mass: float) -> None:
 
 
 def test_momentum_is_kept_between_a_hand_and_what_waits() -> None:
-    """Over a flight, an impact and a wait: what the body lost the hand received."""
+    """Over a flight, an impact and a wait: the hand received the momentum that the body lost."""
     box = thing("box", Box((0.2, 0.2, 0.2)), (0.0, 0.0, 0.1 + 0.055), 50.0, velocity=(0.0, 0.0, -2.0))
     world = World([box, slab(position=(0.0, 0.0, -5.0))], 0.3, 0.2, NO_GRAVITY, [hand()])
     before = world.velocities.linear[0].copy()

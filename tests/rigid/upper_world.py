@@ -28,7 +28,7 @@ GRAVITY = (0.0, 0.0, -G)
 
 @kernel
 def least_gap(vertices: Array, shapes: Shapes, pairs: NDArray[np.int64], scratch: Scratch) -> float:
-    """Smallest signed distance [m] of pairs of shapes; inf of none, and nan if there is one."""
+    """Return the smallest signed distance [m] of pairs of shapes; inf of none, and nan if there is one."""
     least = np.inf
     for k in range(len(pairs)):
         gap = signed_distance(vertices, shapes, pairs[k, 0], pairs[k, 1], (0.0, 0.0, 0.0), scratch)[1]
@@ -39,7 +39,7 @@ def least_gap(vertices: Array, shapes: Shapes, pairs: NDArray[np.int64], scratch
 
 
 def wanted_pairs(of: Geometry) -> NDArray[np.int64]:
-    """Pairs of pieces (n, 2) of bodies that must not overlap."""
+    """Return pairs of pieces (n, 2) of bodies that must not overlap."""
     body, both = of.body, combinations(range(len(of.body)), 2)
     return np.array(
         [(a, b) for a, b in both if body[a] != body[b] and may_meet(of.wanted, body[a], body[b])], dtype=np.int64
@@ -47,18 +47,18 @@ def wanted_pairs(of: Geometry) -> NDArray[np.int64]:
 
 
 def thing(name: str, shape: Shape, position: Sequence[float], mass: float = 1.0, **more: Any) -> Body:
-    """A simulated body of one shape."""
+    """Return a simulated body of one shape."""
     pieces = (Piece(shape),)
     return simulated(name, pieces, more.pop("material", "m"), solid(pieces, mass), position=tuple(position), **more)
 
 
 def ball(name: str, position: Sequence[float], radius: float = 0.1, mass: float = 1.0, **more: Any) -> Body:
-    """A simulated sphere."""
+    """Return a simulated sphere."""
     return thing(name, Sphere(radius), position, mass, **more)
 
 
 def slab(size: Sequence[float] = (40.0, 40.0, 1.0), **more: Any) -> Body:
-    """A fixed box whose upper face is at z = 0 unless said otherwise."""
+    """Return a fixed box whose upper face is at z = 0 by default."""
     more.setdefault("position", (0.0, 0.0, -0.5 * size[2]))
     return fixed("slab", (Piece(Box(tuple(size))),), more.pop("material", "m"), **more)
 
@@ -111,7 +111,7 @@ class World:
             assert self.frame(dt, **switches) == 0
 
     def energy(self) -> float:
-        """Kinetic and potential energy [J] of all simulated bodies."""
+        """Return the kinetic and potential energy [J] of all simulated bodies."""
         total = 0.0
         for b in np.flatnonzero(self.dynamics.role == 1):
             mass, turn = 1.0 / self.dynamics.inverse_mass[b], self.poses.rotation[b]
@@ -121,12 +121,12 @@ class World:
         return float(total)
 
     def angular_momentum(self, b: int) -> Array:
-        """Angular momentum of body b about its centre of mass [kg m^2/s], world axes."""
+        """Return angular momentum of body b about its centre of mass [kg m^2/s], world axes."""
         turn = self.poses.rotation[b]
         return np.asarray(turn @ self.dynamics.inertia[b] @ turn.T @ self.velocities.angular[b])
 
     def gap(self) -> float:
-        """Smallest gap [m] of all pairs of pieces that must not overlap."""
+        """Return the smallest gap [m] of all pairs of pieces that must not overlap."""
         return float(least_gap(self.poses.vertices, self.geometry.shapes, self.apart, self.scratch))
 
     @cached_property
@@ -136,11 +136,11 @@ class World:
 
     @cached_property
     def scratch(self) -> Scratch:
-        """What a query needs."""
+        """Return the scratch of a query."""
         return make_scratch()
 
 
 def hand(name: str = "hand", size: Sequence[float] = (0.4, 0.4, 0.1), mass: float = 2.0) -> Avatar:
-    """A driven box without joints."""
+    """Return a driven box without joints."""
     pieces = (Piece(Box(tuple(size))),)
     return rigid_avatar(name, pieces, solid(pieces, mass), material="m")

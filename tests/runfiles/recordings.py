@@ -9,7 +9,7 @@ from tests.scenarios.examples import DT, drop_scene, resting, with_inside
 
 
 def full() -> Recording:
-    """A recording with every field filled, nan and minus zero among the numbers."""
+    """Return a recording with every field filled, nan and minus zero among the numbers."""
     base = resting(drop_scene(), 3)
     rng = np.random.default_rng(7)
     p, v = np.tile(base.positions[0], (5, 1, 1)), rng.normal(size=(5, 2, 3))

@@ -1,4 +1,4 @@
-"""Errors as lengths, what follows its user, and which engine misses an accuracy that ours reaches."""
+"""Errors as lengths, settings that follow their user, and engines that miss an accuracy that avatarsim reaches."""
 
 import math
 

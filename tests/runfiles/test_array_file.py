@@ -90,7 +90,7 @@ def test_what_is_no_archive_is_an_invalid_file(tmp_path: Path, content: bytes) -
 
 
 def member(path: Path, name: str, header: str, data: bytes) -> Path:
-    """A file with one member whose header says what it likes."""
+    """Write a file with one member and any header."""
     text = header.encode().ljust(117) + b"\n"
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr(f"{name}.npy", b"\x93NUMPY\x01\x00" + len(text).to_bytes(2, "little") + text + data)

@@ -24,7 +24,7 @@ class Said:
 
 
 def why(lines: Sequence[Line], notes: Sequence[Note] = (), said: str = "3 x 200 frames, 30 warm-up frames") -> list[str]:
-    """Reasons of rows (scene, run, metric, value)."""
+    """Return reasons of rows (scene, run, metric, value)."""
     rows = pd.DataFrame(lines, columns=["scenario", "run", "metric", "value"]).assign(note=said)
     return [str(one) for one in reasons(rows, notes)]
 

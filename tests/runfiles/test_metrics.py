@@ -18,7 +18,7 @@ values = st.floats(min_value=0.0, max_value=1e6, allow_nan=False)
 
 
 def written() -> set[str]:
-    """Names in the sources of all measures that end as names of metrics do."""
+    """Return names in the sources of all measures that end as names of metrics do."""
     found = set()
     for path in (ROOT / "scenarios" / "measure").rglob("*.py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):

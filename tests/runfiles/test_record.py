@@ -40,13 +40,13 @@ def test_the_hash_of_every_state_shown_follows_from_what_is_loaded(tmp_path: Pat
 
 
 def hash_of(recording: Recording, k: int) -> str:
-    """The hash of the k-th state shown."""
+    """Return the hash of the k-th state shown."""
     shown = (recording.positions, recording.orientations, recording.velocities, recording.angular_velocities)
     return FrameRecord(Snapshot(0.0, *(array[k] for array in shown)), recording.angles[k]).state_hash()
 
 
 def test_a_body_that_never_moves_costs_next_to_nothing(tmp_path: Path) -> None:
-    """In a room of a hundred pieces of furniture what is stored is what moves."""
+    """In a room of a hundred pieces of furniture only moving bodies are stored."""
     base, rng = resting(drop_scene(), 600), np.random.default_rng(3)
     still = np.tile(rng.normal(size=(1, 100, 3)), (601, 1, 1))
     orientations = np.tile(rng.normal(size=(1, 100, 4)), (601, 1, 1))
@@ -109,7 +109,7 @@ def test_a_write_that_fails_keeps_what_was_there(tmp_path: Path, monkeypatch: py
 
 def test_a_disk_that_is_full_names_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def full_disk(file: object, arrays: object) -> None:
-        # as the system says it, without a name
+        # the system's own message, without a name
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(array_file, "write", full_disk)

@@ -86,7 +86,7 @@ def test_without_workers_tasks_run_here_and_fewer_are_refused() -> None:
 
 
 def test_everyone_who_dies_is_told_how() -> None:
-    """Threads that look after processes would lose the news of one end in seventy: each start of one asks after all others."""
+    """Threads that look after processes would lose the news of one end in seventy: each start of one checks all others."""
     from tests.running import test_processes
 
     before = threading.active_count()

@@ -1,4 +1,4 @@
-"""What a process says of what it runs: sources by their hash, versions, and the folder that it sees."""
+"""Facts of a process about its run: sources by their hash, versions, and the folder that it sees."""
 
 from pathlib import Path
 

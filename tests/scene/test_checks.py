@@ -1,4 +1,4 @@
-"""Checks of numbers: every error has the thing, its value and the valid range; `test_refused` asks them at every door."""
+"""Checks of numbers: every error has the thing, its value and the valid range; `test_refused` tests them at every entry."""
 
 import math
 

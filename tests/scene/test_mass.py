@@ -14,7 +14,7 @@ LUMP = ConvexHull(RNG.normal(size=(20, 3)) * [0.3, 0.1, 0.2] + [1.0, -2.0, 0.5])
 
 
 def mesh_of(shape: Shape) -> trimesh.Trimesh:
-    """A fine mesh of the shape, from trimesh's own primitives."""
+    """Return a fine mesh of the shape, from trimesh's own primitives."""
     if isinstance(shape, Sphere):
         return trimesh.creation.icosphere(5, shape.radius)
     if isinstance(shape, Capsule):

@@ -1,4 +1,4 @@
-"""Recorded motions: frames come back as they were recorded, between them joints turn evenly, and what is no motion is refused."""
+"""Recorded motions: frames come back as they were recorded, between them joints turn evenly, and other files are refused."""
 
 from typing import Any
 

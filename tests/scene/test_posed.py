@@ -17,7 +17,7 @@ X, Y = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0)
 
 
 def tree(name: str) -> av.Avatar:
-    """A free root, a ball, two hinges, a slide that follows the first of them, and a rigid tip."""
+    """Return a free root, a ball, two hinges, a slide that follows the first of them, and a rigid tip."""
     joints: dict[str, av.Free | av.Ball | av.Hinges | av.Slide | av.Rigid] = {
         "root": av.Free(), "neck": av.Ball(), "wrist": av.Hinges((av.Hinge(X, -2.0, 2.0), av.Hinge(Y, -2.0, 2.0))),
         "jaw": av.Slide(X, -1.0, 1.0), "tip": av.Rigid(),

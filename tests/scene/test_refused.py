@@ -41,17 +41,17 @@ class Endless:
 
 
 def link(name: str, parent: str | None, joint: Joint | None = None) -> Link:
-    """A ball on a joint."""
+    """Return a ball on a joint."""
     return Link(name, parent, joint or (Free() if parent is None else Ball()), BALL, MASS)
 
 
 def crate(**fields: object) -> Body:
-    """A simulated ball with other fields."""
+    """Return a simulated ball with other fields."""
     return Body("crate", Role.SIMULATED, BALL, "wood", **{"mass": MASS, **fields})  # type: ignore[arg-type]
 
 
 def started(x: float) -> Scene:
-    """A scene whose root starts at x."""
+    """Return a scene whose root starts at x."""
     start = rest((HAND,))
     start.positions[0, 0] = x
     return Scene("s", (), (HAND,), start=start)

@@ -1,4 +1,4 @@
-"""Scenes: which part calls for which effect, what an author may ask for, and which pairs may touch."""
+"""Scenes: effects of each part, the author's choices, and the pairs that may touch."""
 
 from dataclasses import fields, replace
 
@@ -21,7 +21,7 @@ HAND = rigid_avatar("hand", BALL, solid(BALL, 0.5))
 
 
 def called(*bodies: object, avatars: tuple = (), **more: object) -> set[str]:
-    """Effects that a scene of these parts calls for."""
+    """Return effects of a scene of these parts."""
     scene = Scene("s", bodies, avatars, **more)
     return {effect for effect, parts in scene.calls.items() if parts}
 

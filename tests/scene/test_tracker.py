@@ -26,13 +26,13 @@ UP = (0.0, 0.0, 1.0)
 
 
 def link(name: str, parent: str | None, joint: Joint, lean: float = 0.0) -> Link:
-    """A ball one metre above its parent, its rest orientation turned about x."""
+    """Return a ball one metre above its parent, its rest orientation turned about x."""
     w, x, y, z = (float(v) for v in rotation.from_axis_angle(X, lean))
     return Link(name, parent, joint, BALL, MASS, anchor=UP, orientation=(w, x, y, z))
 
 
 def tree() -> Avatar:
-    """Every kind of joint: a free root, a ball, two hinges, a rigid tip, and a second branch."""
+    """Return every kind of joint: a free root, a ball, two hinges, a rigid tip, and a second branch."""
     return Avatar("tree", (
         link("root", None, Free()),
         link("ball", "root", Ball(), 0.3),

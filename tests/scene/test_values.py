@@ -22,7 +22,7 @@ CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0
 
 
 def link(name: str, parent: str | None, joint: Joint, **more: tuple[float, ...]) -> Link:
-    """A ball on a joint."""
+    """Return a ball on a joint."""
     return Link(name, parent, joint, BALL, MASS, **more)  # type: ignore[arg-type]
 
 

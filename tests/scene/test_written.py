@@ -1,4 +1,4 @@
-"""Scenes as JSON and back: all of the catalogue's to the bit, and what is no scene ends in a sentence that names its place."""
+"""Scenes as JSON and back: all of the catalogue's to the bit, and a file that is none gives a message that names the place."""
 
 import json
 from dataclasses import replace
@@ -25,12 +25,12 @@ from tests.live.small import arm, scene
 
 
 def again(one: Scene) -> Scene:
-    """The scene, through JSON."""
+    """Return the scene, through JSON."""
     return scene_from(json.loads(json.dumps(written(one), allow_nan=False)), "x")
 
 
 def shown(scenario: Scenario, one: Scene, frames: int) -> list[str]:
-    """Hashes of the states that a scene shows; or why it is not loaded."""
+    """Return hashes of the states that a scene shows; or why it is not loaded."""
     motion = scenario.motion(scenario.build(), 0)
     with AvatarsimEngine() as engine:
         try:
@@ -62,7 +62,7 @@ def test_reach_cones_come_back_to_the_bit(corners: int, seed: int) -> None:
 
 
 def at(data: Any, path: tuple[str | int, ...]) -> Any:
-    """What lies at a place."""
+    """Return the value at a place."""
     for part in path:
         data = data[part]
     return data

@@ -13,12 +13,12 @@ SEEDS = st.integers(0, 100_000)
 
 
 def random(seed: int, count: int = 5) -> Rotation:
-    """Some rotations."""
+    """Return some rotations."""
     return Rotation.random(count, rng=seed)
 
 
 def wxyz(turn: Rotation) -> np.ndarray:
-    """Scalar first, w >= 0."""
+    """Return the quaternion scalar first, w >= 0."""
     return turn.as_quat(canonical=True, scalar_first=True)
 
 

@@ -26,17 +26,17 @@ AXES = np.vstack([np.eye(3), -np.eye(3), [[0.6, 0.8, 0.0], [0.36, -0.48, 0.8], [
 
 
 def tuples(matrix: np.ndarray) -> tuple:
-    """Columns of a matrix as tuples of floats."""
+    """Return columns of a matrix as tuples of floats."""
     return tuple(tuple(float(v) for v in column) for column in matrix.T)
 
 
 def matrix(c: tuple) -> np.ndarray:
-    """The matrix of three columns."""
+    """Return the matrix of three columns."""
     return np.array(c).T
 
 
 def vec(v: np.ndarray) -> tuple:
-    """Three floats."""
+    """Return three floats."""
     return tuple(float(x) for x in v)
 
 

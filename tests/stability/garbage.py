@@ -2,7 +2,7 @@
 
     python -m tests.stability.garbage --udp PORT --ws PORT --page PORT --seconds 60
 
-A process of its own, beside what it is sent to. It prints how many messages it sent, and how often it was cut or refused.
+A process of its own, apart from its target. It prints how many messages it sent, and how often it was cut or refused.
 """
 
 import argparse
@@ -27,7 +27,7 @@ A_SECOND = 10_000
 BATCH = 50
 """Datagrams sent at once, between two looks at the clock."""
 HALF_OPEN = 100
-"""TCP connections that say nothing, or half of a request."""
+"""TCP connections that send nothing, or half of a request."""
 PAUSE = 0.2
 """[s] between two such things."""
 NUMBERS = 100_000_000
@@ -42,7 +42,7 @@ def main() -> int:
     top.add_argument("--seconds", type=float, default=60.0)
     top.add_argument("--seed", type=int, default=1)
     asked = top.parse_args()
-    # a client that is cut says so at length
+    # a client that is cut reports it at length
     logging.disable()
     done, end = Counter[str](), time.monotonic() + asked.seconds
     connecting = threading.Thread(target=connections, args=(asked, random.Random(asked.seed + 1), done, end), daemon=True)
@@ -76,7 +76,7 @@ def connections(asked: argparse.Namespace, chance: random.Random, done: Counter[
 
 
 def damaged(message: bytes, chance: random.Random) -> bytes:
-    """The message, cut, longer, or with bytes of chance."""
+    """Return the message, cut, longer, or with bytes of chance."""
     kind = chance.randrange(4)
     if kind == 0:
         return message[: chance.randrange(len(message) + 1)]
@@ -89,7 +89,7 @@ def damaged(message: bytes, chance: random.Random) -> bytes:
 
 
 def flood(port: int, chance: random.Random) -> str:
-    """Messages as fast as they go, until the socket is cut."""
+    """Send messages as fast as they go, until the socket is cut."""
     messages = list(GARBAGE.values())
     with connect(f"ws://{HOST}:{port}/tracker", compression=None) as one:
         for _ in range(5000):
@@ -98,7 +98,7 @@ def flood(port: int, chance: random.Random) -> str:
 
 
 def foreign(port: int, path: str) -> str:
-    """A handshake of another page, which speaks as ours does."""
+    """Send the handshake of another page, which speaks as ours does."""
     ours = [f"viser-v{viser.__version__}"] if path == "/" else None
     where = f"ws://{HOST}:{port}{path}"
     with connect(where, origin="http://example.com", subprotocols=ours, compression=None) as one:  # type: ignore[arg-type]
@@ -107,7 +107,7 @@ def foreign(port: int, path: str) -> str:
 
 
 def half_open(port: int, chance: random.Random) -> str:
-    """Connections that do not go on."""
+    """Open connections that do not go on."""
     kept = list[socket.socket]()
     try:
         for _ in range(HALF_OPEN):
@@ -121,7 +121,7 @@ def half_open(port: int, chance: random.Random) -> str:
 
 
 def endless(port: int) -> str:
-    """One message of very many numbers."""
+    """Send one message of very many numbers."""
     with connect(f"ws://{HOST}:{port}/tracker", compression=None) as one:
         one.send(b"[" + b"0," * NUMBERS + b"0]")
         one.recv(5.0)

@@ -35,7 +35,7 @@ Turns = tuple[tuple[Vector, float, float], ...]
 def bone(
     name: str, parent: str | None, anchor: Vector, centre: Vector, radii: Vector, hinges: Turns, lean: float = 0.0
 ) -> Link:
-    """A link of one 52-corner hull; `lean` [rad] turns its rest orientation about x."""
+    """Return a link of one 52-corner hull; `lean` [rad] turns its rest orientation about x."""
     pieces = (Piece(ellipsoid_hull(radii), centre),)
     joint = Hinges(tuple(Hinge(*hinge) for hinge in hinges)) if hinges else Free()
     w, x, y, z = (float(value) for value in rotation.from_axis_angle(X, lean))
@@ -45,7 +45,7 @@ def bone(
 
 
 def hinged_avatar() -> Avatar:
-    """Sixteen hulls, 37 hinges and a free root; hinges three to a joint, as in the paper."""
+    """Return sixteen hulls, 37 hinges and a free root; hinges three to a joint, as in the paper."""
     wide = ((X, -2.6, 2.6), (Y, -2.6, 2.6), (Z, -1.5, 1.5))
     hip, ankle = ((X, -0.8, 0.8), (Y, -2.1, 0.6), (Z, -0.8, 0.8)), ((X, -0.5, 0.5), (Y, -0.7, 0.7), (Z, -0.5, 0.5))
     elbow, wrist = ((Y, -2.5, 0.0), (Z, -1.4, 1.4)), ((X, -1.2, 1.2), (Y, -0.5, 0.5))
@@ -70,7 +70,7 @@ def hinged_avatar() -> Avatar:
 
 
 def walls() -> tuple[Body, ...]:
-    """Floor, ceiling and four walls of 1 cm around ROOM; they overlap at the edges, so nothing leaks."""
+    """Return floor, ceiling and four walls of 1 cm around ROOM; they overlap at the edges, so nothing leaks."""
     middle, size = ROOM.mean(axis=0), ROOM[1] - ROOM[0]
     found = []
     for axis, name in enumerate("xyz"):
@@ -84,7 +84,7 @@ def walls() -> tuple[Body, ...]:
 
 
 def furniture() -> tuple[Body, ...]:
-    """Table, sofa, free-standing panel of 1 cm, column, ball, smooth egg: every kind of shape."""
+    """Return a table, a sofa, a free-standing panel of 1 cm, column, ball, smooth egg: every kind of shape."""
     legs = [Piece(Box((0.05, 0.05, 0.70)), (x, y, -0.37)) for x in (-0.5, 0.5) for y in (-0.3, 0.3)]
     table = (Piece(Box((1.2, 0.7, 0.04))), *legs)
     return (
@@ -98,7 +98,7 @@ def furniture() -> tuple[Body, ...]:
 
 
 def triple(values: Array) -> Vector:
-    """Three floats."""
+    """Return three floats."""
     x, y, z = (float(value) for value in values)
     return x, y, z
 
@@ -112,12 +112,12 @@ class Trial:
 
 
 def trial(avatar: Avatar, home: TrackerSample) -> Trial:
-    """The avatar at home in the closed room."""
+    """Return the avatar at home in the closed room."""
     return Trial(Scene("hostile", (*walls(), *furniture()), (avatar,), start=home), home)
 
 
 def hinged_trial() -> Trial:
-    """The sixteen hulls in the room."""
+    """Return the sixteen hulls in the room."""
     avatar = hinged_avatar()
     at_rest = rest((avatar,))
     positions = at_rest.positions.copy()
@@ -126,7 +126,7 @@ def hinged_trial() -> Trial:
 
 
 def humanoid_trial() -> Trial:
-    """The recorded humanoid (ball joints, spheres, capsules, boxes) in the room."""
+    """Return the recorded humanoid (ball joints, spheres, capsules, boxes) in the room."""
     from scenarios.building.avatars.humanoid import humanoid
     from scenarios.building.avatars.standing import standing
 
@@ -135,7 +135,7 @@ def humanoid_trial() -> Trial:
 
 
 def two_trial() -> Trial:
-    """The sixteen hulls and a palm driven by another user: two avatars in the room, each in the other's way."""
+    """Return the sixteen hulls and a palm driven by another user: two avatars in the room, each in the other's way."""
     palm = (Piece(Box((0.18, 0.09, 0.03))),)
     avatars = hinged_avatar(), rigid_avatar("palm", palm, solid(palm, 0.5))
     at_rest = rest(avatars)
@@ -150,7 +150,7 @@ KINDS = ("teleport", "swing", "drive", "tangle", "furniture")
 
 
 def away(kind: str, at: Trial, frames: int, rng: np.random.Generator) -> Iterator[TrackerSample]:
-    """One stretch of hostile motion."""
+    """Yield one stretch of hostile motion."""
     home, links = at.home, at.scene.links
     balls = np.array([isinstance(link.joint, Ball) for link in links])
     roots = [k for k, link in enumerate(links) if isinstance(link.joint, Free)]
@@ -183,7 +183,7 @@ def away(kind: str, at: Trial, frames: int, rng: np.random.Generator) -> Iterato
 
 
 def hostile_motion(at: Trial, seed: int, away_frames: int, home_frames: int) -> Iterator[tuple[str, TrackerSample]]:
-    """Stretches of every kind in turn for ever, each followed by the free home posture ("home")."""
+    """Yield stretches of every kind in turn for ever, each followed by the free home posture ("home")."""
     rng, stretch = np.random.default_rng(seed), 0
     while True:
         for sample in away(KINDS[stretch % len(KINDS)], at, away_frames, rng):
@@ -194,7 +194,7 @@ def hostile_motion(at: Trial, seed: int, away_frames: int, home_frames: int) -> 
 
 
 def one_return(at: Trial, seed: int, away_frames: int, home_frames: int) -> Iterator[tuple[str, TrackerSample]]:
-    """From home one stretch of the kind that the seed says, and home again."""
+    """Yield from home one stretch of the kind that the seed gives, and home again."""
     kind = KINDS[seed % len(KINDS)]
     for sample in away(kind, at, away_frames, np.random.default_rng(seed)):
         yield kind, sample
@@ -203,14 +203,14 @@ def one_return(at: Trial, seed: int, away_frames: int, home_frames: int) -> Iter
 
 
 def link_error(scene: Scene, record: FrameRecord, sample: TrackerSample) -> float:
-    """Root mean square distance [m] of shown link origins from the tracker's."""
+    """Return the root mean square distance [m] of shown link origins from the tracker's."""
     wanted, _ = link_poses(scene.avatars, sample)
     shown = record.shown.positions[len(scene.bodies) :]
     return float(np.sqrt(((shown - wanted) ** 2).sum(axis=1).mean()))
 
 
 def outside_room(scene: Scene, record: FrameRecord) -> float:
-    """How far [m] the middle of a link's piece is outside the room; negative when all are inside.
+    """Return how far [m] the middle of a link's piece is outside the room; negative when all are inside.
 
     Middles, not link origins: a joint's centre may lie a few millimetres outside the link's own shape.
     """
@@ -222,7 +222,7 @@ def outside_room(scene: Scene, record: FrameRecord) -> float:
 
 
 def hinge_excess(scene: Scene, record: FrameRecord) -> float:
-    """Largest excess of a hinge beyond its limits [rad]; 0 or less when all obey."""
+    """Return the largest excess of a hinge beyond its limits [rad]; 0 or less when all obey."""
     limits = [(h.lower, h.upper) for link in scene.links if isinstance(link.joint, Hinges) for h in link.joint.hinges]
     if not limits:
         return 0.0
@@ -231,7 +231,7 @@ def hinge_excess(scene: Scene, record: FrameRecord) -> float:
 
 
 def ball_excess(scene: Scene, record: FrameRecord) -> float:
-    """Largest excess of swing or twist of a ball [rad] from the shown orientations alone, by scipy's rotations."""
+    """Return the largest excess of swing or twist of a ball [rad] from the shown orientations alone, by scipy's rotations."""
     turns = Rotation.from_quat(record.shown.orientations[len(scene.bodies) :], scalar_first=True)
     balls, parents, children, start = [], [], [], 0
     for avatar in scene.avatars:
@@ -249,7 +249,7 @@ def ball_excess(scene: Scene, record: FrameRecord) -> float:
 
 
 def swing_twist_excess(balls: Sequence[Ball], turns: Rotation) -> Array:
-    """Excess (n,) of n rotations: swing of the limb from the centre, twist left after the shortest swing back."""
+    """Return excess (n,) of n rotations: swing of the limb from the centre, twist left after the shortest swing back."""
     limits = [ball.limits for ball in balls if ball.limits is not None]
     axes, centres = np.array([one.axis for one in limits]), np.array([one.centre for one in limits])
     most, (low, high) = np.array([one.swing for one in limits]), np.array([one.twist for one in limits]).T
@@ -261,11 +261,11 @@ def swing_twist_excess(balls: Sequence[Ball], turns: Rotation) -> Array:
 
 
 between = cache(rotation.between)
-"""The turn of a ball's axis to its centre, which every frame asks for."""
+"""The turn of a ball's axis to its centre, which every frame needs."""
 
 
 def shortest(a: Array, b: Array) -> Rotation:
-    """The shortest turns that take unit vectors a onto unit vectors b, one or many."""
+    """Return the shortest turns that take unit vectors a onto unit vectors b, one or many."""
     normal = np.cross(a, b)
     sine = np.linalg.norm(normal, axis=-1, keepdims=True)
     angle = np.arctan2(sine, (a * b).sum(axis=-1, keepdims=True))

@@ -1,4 +1,4 @@
-"""Drives an avatar through hostile motion, and writes down what the judge finds and how long each return takes."""
+"""Drives an avatar through hostile motion, and writes down the judge's findings and how long each return takes."""
 
 import time
 from collections import Counter
@@ -33,11 +33,11 @@ SOON = 0.75
 """Joints catch up with 12.5 rad/s and roots with 5 m/s: of 667 and 500 returns of each avatar 15 to 22 % took longer, most of two
 avatars, which also meet each other."""
 PATIENCE = 90
-"""Frames (1.5 s) within which AT_LAST of the returns end; of the others frame records say that the avatar waits or is led."""
+"""Frames (1.5 s) within which AT_LAST of the returns end; of the others frame records report that the avatar waits or is led."""
 AT_LAST = 0.98
 """Of the same returns 0.2 to 0.9 % took longer."""
 SAID = ("waiting", "planning", "following")
-"""Statuses that say so."""
+"""Statuses that report it."""
 ROUNDING = 1e-9
 """[rad] excess of a ball that the detour over quaternions may show: orientations are exported, not swings."""
 RETURN_SEEDS = range(1, 501)
@@ -47,7 +47,7 @@ RETURN_SEEDS = range(1, 501)
 @dataclass
 class Return:
     """One return: where it was, after which kind of motion, frames until home (None: not within PATIENCE), whether one of SAID
-    was said."""
+    was reported."""
 
     where: int
     kind: str
@@ -57,7 +57,7 @@ class Return:
 
 @dataclass
 class Report:
-    """What a run found; every list but `returns` holds (frame, kind of motion, value)."""
+    """Findings of a run; every list but `returns` holds (frame, kind of motion, value)."""
 
     frames: int = 0
     overlaps: list[tuple[int, str, object]] = field(default_factory=list)
@@ -72,15 +72,15 @@ class Report:
     micros: list[float] = field(default_factory=list)
 
     def home_within(self, frames: int) -> float:
-        """Share of the returns that ended within so many frames."""
+        """Return the share of the returns that ended within so many frames."""
         return sum(r.frames is not None and r.frames <= frames for r in self.returns) / max(1, len(self.returns))
 
     def silent(self) -> list[Return]:
-        """Returns that did not end within PATIENCE, and no frame record of which says anything."""
+        """Return those that did not end within PATIENCE, and of which no frame record gives a status."""
         return [r for r in self.returns if r.frames is None and not r.is_said]
 
     def broken(self) -> int:
-        """How many things happened that never may."""
+        """Return the number of events that never may happen."""
         lists = (self.overlaps, self.outside, self.hinges, self.balls, self.not_finite, self.silent())
         return sum(len(found) for found in lists)
 
@@ -127,12 +127,12 @@ def drive(
 
 
 ASKED: dict[str, dict[str, object]] = {"two": {"around": 2}}
-"""Options of a trial. A palm without joints comes home round a table only where that is asked for: else it lies on it, or under
+"""Options of a trial. A palm without joints comes home round a table only with this option: else it lies on it, or under
 it, and waits."""
 
 
 def asked(name: str, seed: int, options: Mapping[str, object]) -> Settings:
-    """Settings of a run of avatar `name`."""
+    """Return settings of a run of avatar `name`."""
     return Settings(options={**ASKED.get(name, {}), **options}, seed=seed)
 
 
@@ -150,7 +150,7 @@ def run(
 
 
 def run_returns(name: str, seeds: Sequence[int], judge_every: int = 1, aloud: bool = False, **options: object) -> Report:
-    """One hostile return of avatar `name` for each seed, each from the beginning; `aloud` shows a bar."""
+    """Run one hostile return of avatar `name` for each seed, each from the beginning; `aloud` shows a bar."""
     at, report = TRIALS[name](), Report()
     judge = Judge(at.scene)
     for seed in told(seeds, len(seeds), "return") if aloud else seeds:

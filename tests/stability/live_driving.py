@@ -5,7 +5,7 @@
     python -m tests.stability.live_driving --seconds 60 --garbage
 
 Drags into table and walls, keys, flicks and resets are drawn from a seed. Viewers are headless browsers; a deaf one opens the
-page's socket and never reads. Garbage is what `tests.stability.garbage` sends to ports and page meanwhile. Exit code 1 where a
+page's socket and never reads. Meanwhile `tests.stability.garbage` sends garbage to ports and page. Exit code 1 where a
 bound of `BOUNDS` is missed.
 """
 
@@ -43,7 +43,7 @@ from reference.judging.judge import Judge
 from tests.look.browser import Browser
 
 BOUNDS = {"late_percent": 0.1, "worst_ms": 2.0, "latency_p99_ms": 20.0, "memory_percent": 5.0, "overlap_m": 1e-6}
-"""What a run keeps: late frames and growth of memory in percent, frame and latency in ms, overlap in metres."""
+"""Bounds of a run: late frames and growth of memory in percent, frame and latency in ms, overlap in metres."""
 WARM = 20.0
 """[s] after which figures and memory count: viewers load meanwhile."""
 
@@ -92,7 +92,7 @@ def deaf(address: str, is_over: threading.Event) -> None:
 
 
 def resident(pid: int) -> float:
-    """[MB] that a process holds in memory."""
+    """Return the resident memory [MB] of a process."""
     words = Path(f"/proc/{pid}/statm").read_text().split()
     return int(words[1]) * 4096 / 1e6
 
@@ -111,7 +111,7 @@ def judged(path: Path, every: int) -> tuple[float, int, bool]:
 
 
 class Numbers(NamedTuple):
-    """What is kept of a state: to keep all of it would be the memory that is measured."""
+    """The kept part of a state: to keep all of it would be the memory that is measured."""
 
     is_late: bool
     engine_ns: int
@@ -121,7 +121,7 @@ class Numbers(NamedTuple):
 
 
 def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
-    """Drive for the time that is asked for; the figures."""
+    """Drive for the requested time; return the figures."""
     found, states, memory = stage(asked.scene), dict[int, Numbers](), list[float]()
     with ExitStack() as stack:
         session = stack.enter_context(Session([Plan(OURS, found.scene, Settings(time_stages=True), asked.rate)]))
@@ -156,7 +156,7 @@ def driven(asked: argparse.Namespace, folder: Path) -> dict[str, float]:
 
 
 def figures(states: list[Numbers], memory: list[float]) -> dict[str, float]:
-    """Late frames, slowest frames, latency and memory."""
+    """Return late frames, slowest frames, latency and memory."""
     missed = max(s.skipped for s in states) - min(s.skipped for s in states)
     worst, third = max(states, key=lambda s: s.engine_ns), len(memory) // 3
     return {
@@ -172,7 +172,7 @@ def figures(states: list[Numbers], memory: list[float]) -> dict[str, float]:
 
 @contextmanager
 def beside(page: Page, scene: Scene, asked: argparse.Namespace) -> Iterator[Refusals]:
-    """Ports, and a process that sends garbage to them and to the page; what the ports refused."""
+    """Run ports, and a process that sends garbage to them and to the page; yield the refusals of the ports."""
     with Ports(scene, page.track) as page.ports:
         udp, ws = (page.ports.addresses[kind][1] for kind in ("udp", "websocket"))
         where = ["--udp", str(udp), "--ws", str(ws), "--page", str(page.server.get_port())]
@@ -183,7 +183,7 @@ def beside(page: Page, scene: Scene, asked: argparse.Namespace) -> Iterator[Refu
 
 
 def main() -> int:
-    """The exit code."""
+    """Return the exit code."""
     top = argparse.ArgumentParser(description="Random driving of a live page.")
     top.add_argument("--seconds", type=float, default=600.0)
     top.add_argument("--scene", default="hand", choices=("hand", "toys", "gallery"))

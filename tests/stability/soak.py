@@ -2,8 +2,8 @@
 
 `python -m tests.stability.soak --frames 1000000`. A humanoid turns, bends and leans against the furniture of a closed room, and a
 palm of another user stirs loose balls in a bin: postures, contacts, impacts, islands that fall asleep and wake. Time is
-held against a second engine, loaded anew for every sample, whose frames take turns with the old one's: what slows the machine
-down slows both, and only what the old one has gathered is left.
+held against a second engine, loaded anew for every sample, whose frames take turns with the old one's: a slower machine slows
+both, and only the growth of the old one is left.
 """
 
 import argparse
@@ -33,9 +33,9 @@ from tests.stability.hostile import DT, furniture, hinged_avatar, walls
 PERIOD = 1200
 """Frames after which the user does the same again: 20 s."""
 SAMPLES = 100
-"""How often memory and times are taken. A sample is one period, beside one of a fresh engine that has had one before."""
+"""Number of samples of memory and times. A sample is one period, with one of a fresh engine that has had one before."""
 SETTLED = 0.05
-"""Share of the run after which memory must be flat: by then every table has grown to what the scene needs."""
+"""Share of the run after which memory must be flat: by then every table has grown to the size that the scene needs."""
 MOST_GROWTH = 5.0
 """[MB] that the process may grow by from then on."""
 MOST_DRIFT = 0.05
@@ -49,7 +49,7 @@ Make = Callable[[], AvatarsimEngine]
 
 
 def scene() -> Scene:
-    """The room with its furniture, an avatar of 16 hulls, a bin with eight balls and a palm over it."""
+    """Return the room with its furniture, an avatar of 16 hulls, a bin with eight balls and a palm over it."""
     palm = (Piece(Box((0.10, 0.10, 0.03))),)
     avatars = hinged_avatar(), rigid_avatar("palm", palm, solid(palm, 0.5))
     posture = rest(avatars)
@@ -60,21 +60,21 @@ def scene() -> Scene:
 
 
 def bin_of_boards() -> Body:
-    """An open box of 0.5 m, 0.35 m deep: one body of a floor and four sides."""
+    """Return an open box of 0.5 m, 0.35 m deep: one body of a floor and four sides."""
     sides = [Piece(Box((0.02, 0.54, 0.35)), (s * 0.26, 0.0, 0.165)) for s in (1.0, -1.0)]
     sides += [Piece(Box((0.54, 0.02, 0.35)), (0.0, s * 0.26, 0.165)) for s in (1.0, -1.0)]
     return fixed("bin", (Piece(Box((0.54, 0.54, 0.02))), *sides), "wood", BIN)
 
 
 def balls() -> tuple[Body, ...]:
-    """Eight balls of 9 cm side by side on the bin's floor."""
+    """Return eight balls of 9 cm side by side on the bin's floor."""
     ball = (Piece(Sphere(0.045)),)
     places = [(BIN[0] + x, BIN[1] + y, BIN[2] + 0.0563) for x in (-0.16, -0.05, 0.05, 0.16) for y in (-0.1, 0.1)]
     return tuple(simulated(f"ball_{k}", ball, "wood", solid(ball, 0.15), place) for k, place in enumerate(places))
 
 
 def motion(of: Scene) -> list[TrackerSample]:
-    """One period of what the user does: it begins and ends in the same posture."""
+    """Return one period of the user's motion: it begins and ends in the same posture."""
     start = of.first_sample
     hinges = [hinge for link in of.links if isinstance(link.joint, Hinges) for hinge in link.joint.hinges]
     middle = np.array([0.5 * (hinge.lower + hinge.upper) for hinge in hinges])
@@ -95,7 +95,7 @@ def motion(of: Scene) -> list[TrackerSample]:
 
 @dataclass
 class Report:
-    """What was measured: times [ns] of all frames, per sample the median of the old engine's over the fresh one's, resident
+    """Measurements: times [ns] of all frames, per sample the median of the old engine's over the fresh one's, resident
     memory [bytes], overlap [m]."""
 
     times: np.ndarray
@@ -123,18 +123,18 @@ class Report:
         return max(self.overlap, default=0.0)
 
     def figures(self) -> dict[str, tuple[float, float]]:
-        """Each promised figure and the most that it may be."""
+        """Return each promised figure and the most that it may be."""
         return {
             "growth [MB]": (self.growth, MOST_GROWTH), "drift of the median frame": (self.drift, MOST_DRIFT),
             "overlap [m]": (self.deepest, DEEPEST),
         }
 
     def faults(self) -> list[str]:
-        """Names of the figures that are too large, or no numbers."""
+        """Return names of the figures that are too large, or no numbers."""
         return [name for name, (value, most) in self.figures().items() if not value <= most]
 
     def text(self) -> str:
-        """A line for every figure."""
+        """Return a line for every figure."""
         times = self.times[: self.frames] / 1e3
         worst, (p50, p99) = int(np.argmax(times)), np.percentile(times, [50.0, 99.0])
         return "\n".join([
@@ -145,7 +145,7 @@ class Report:
 
 
 def resident() -> int:
-    """Bytes of this process that are in memory, once unused objects were given back."""
+    """Return bytes of this process that are in memory, once unused objects were given back."""
     gc.collect()
     return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * resource.getpagesize()
 
@@ -182,7 +182,7 @@ def soak(frames: int, make: Make = AvatarsimEngine, samples: int = SAMPLES, prog
 
 
 def prepared(make: Make, of: Scene, moves: list[TrackerSample]) -> AvatarsimEngine:
-    """A fresh engine that has been through one period, as the old one has: balls are stirred, tables have grown."""
+    """Return a fresh engine that has been through one period, as the old one has: balls are stirred, tables have grown."""
     engine = make()
     engine.load(of, Settings(), DT)
     for sample in moves:
@@ -191,14 +191,14 @@ def prepared(make: Make, of: Scene, moves: list[TrackerSample]) -> AvatarsimEngi
 
 
 def timed(engine: AvatarsimEngine, sample: TrackerSample) -> tuple[int, FrameRecord]:
-    """One frame and the time [ns] that it took."""
+    """Return one frame and the time [ns] that it took."""
     begun = time.perf_counter_ns()
     record = engine.advance(sample, DT)
     return time.perf_counter_ns() - begun, record
 
 
 def main(words: list[str] | None = None) -> int:
-    """0 if memory is flat, frames are as fast as at first and nothing overlaps; 1 otherwise."""
+    """Return 0 if memory is flat, frames are as fast as at first and nothing overlaps; 1 otherwise."""
     options = argparse.ArgumentParser(prog="python -m tests.stability.soak", description="One engine through very many frames.")
     options.add_argument("--frames", type=int, default=1_000_000, metavar="N", help="frames (default 1000000)")
     asked = options.parse_args(words)

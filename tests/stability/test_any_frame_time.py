@@ -19,14 +19,14 @@ from scenarios.studies.hard_cases.variation import Variation, varied
 SHORTEST, LONGEST = 1e-6, 0.2
 """[s]"""
 FRAMES = 4
-"""Frames at each time: what goes wrong at a frame time does so in its first frames, or where the user meets something."""
+"""Frames at each time: faults at a frame time come in its first frames, or where the user meets something."""
 DRAWS = 2
 """Frame times drawn for each scene between the two ends."""
 NAMES = [name for name, scenario in catalog.scenarios().items() if not scenario.expects.get(REFUSAL)]
 
 
 def frame_times(name: str) -> list[tuple[float, int]]:
-    """(frame time [s], seed): both ends, and some between, other ones for each scene."""
+    """Return (frame time [s], seed): both ends, and some between, other ones for each scene."""
     random = np.random.default_rng(zlib.crc32(name.encode()))
     drawn = np.exp(random.uniform(np.log(SHORTEST), np.log(LONGEST), DRAWS)).tolist()
     return [(dt, int(random.integers(100))) for dt in (SHORTEST, *drawn, LONGEST)]

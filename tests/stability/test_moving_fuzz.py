@@ -1,4 +1,4 @@
-"""Drawn lifts, turntables and bars, a hand that wanders amid what they move, and bodies that it takes and lets go at random.
+"""Drawn lifts, turntables and bars, a hand that wanders amid moved bodies, and bodies that it takes and lets go at random.
 
 `python -m tests.stability.test_moving_fuzz --frames 100000 --seed 1` runs so many frames; exit code 1 where something overlapped
 or was not finite.
@@ -27,7 +27,7 @@ EVERY = 15
 
 @dataclass
 class Found:
-    """What frames of drawn scenes have shown: overlap [m], speed [m/s], and how often a body was attached."""
+    """Findings over the frames of drawn scenes: overlap [m], speed [m/s], and how often a body was attached."""
 
     frames: int = 0
     overlap: float = 0.0
@@ -37,7 +37,7 @@ class Found:
 
 
 def wander(random: np.random.Generator, start: np.ndarray) -> np.ndarray:
-    """Places (frames, 3) of a hand [m]: sums of slow waves that begin at its start."""
+    """Return places (frames, 3) of a hand [m]: sums of slow waves that begin at its start."""
     time = np.arange(FRAMES)[:, None] * RENDERED
     size, rate = random.uniform(0.0, 0.25, size=(3, 3)), random.uniform(0.5, 4.0, size=(3, 3))
     waves = sum(size[k] * np.sin(rate[k] * time) for k in range(3))
@@ -46,7 +46,7 @@ def wander(random: np.random.Generator, start: np.ndarray) -> np.ndarray:
 
 
 def take_or_let_go(engine: AvatarsimEngine, scene: Scene, random: np.random.Generator) -> int:
-    """Release what is attached, or attach something: what the hand touches, or anything. Returns how many were attached."""
+    """Release attached bodies, or attach one: one that the hand touches, or any. Return how many were attached."""
     held = list(engine.attached())
     if held:
         engine.detach(held[int(random.integers(len(held)))])

@@ -1,4 +1,4 @@
-"""Piles of everything that can fall: round, smooth and sharp, a gram beside a ton, at any frame time. Nothing overlaps, no frame
+"""Piles of everything that can fall: round, smooth and sharp, a gram next to a ton, at any frame time. Nothing overlaps, no frame
 gains energy, and all numbers are numbers."""
 
 import numpy as np
@@ -12,13 +12,13 @@ from tests.rigid.upper_world import G, World, slab, thing
 SIZE, PITCH = 0.1, 0.36
 """Half the size of a body, and how far their middles are from one another at the start [m]."""
 SECONDS, MOST = 1.5, 100
-"""What is watched: so long, but no more frames than that."""
+"""Simulated time, but no more frames than that."""
 LIFT = 1e-6
 """Height [m] by which a correction of positions may raise a body: the overlap that may be shown."""
 
 
 def prism(corners: int, top: float) -> ConvexHull:
-    """A regular prism, its upper face smaller by the factor ``top``: a cylinder, or nearly a cone."""
+    """Return a regular prism, its upper face smaller by the factor ``top``: a cylinder, or nearly a cone."""
     angle = 2.0 * np.pi * np.arange(corners) / corners
     ring = 0.7 * SIZE * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     below, above = np.full((corners, 1), -0.6 * SIZE), np.full((corners, 1), 0.6 * SIZE)
@@ -26,7 +26,7 @@ def prism(corners: int, top: float) -> ConvexHull:
 
 
 def shape_of(random: np.random.Generator) -> Shape:
-    """One of seven kinds."""
+    """Return one of seven kinds."""
     a, b, c = SIZE * random.uniform(0.4, 1.0, 3)
     return (
         Sphere(a), Capsule(0.5 * a, b), Box((2.0 * a, 2.0 * b, 2.0 * c)), Ellipsoid((a, b, c)), ellipsoid_hull((a, b, c), 20),
@@ -35,7 +35,7 @@ def shape_of(random: np.random.Generator) -> Shape:
 
 
 def pile(seed: int, bodies: int, masses: tuple[float, float]) -> list[Body]:
-    """Bodies over a slab, turned and thrown; their masses even in the logarithm."""
+    """Return bodies over a slab, turned and thrown; their masses even in the logarithm."""
     random, found = np.random.default_rng(seed), [slab()]
     side = int(np.ceil(bodies ** (1.0 / 3.0)))
     for k in range(bodies):

@@ -24,7 +24,7 @@ def assert_nothing_broke(report: Report) -> None:
 
 @pytest.mark.parametrize("name", TRIALS)
 def test_after_ten_thousand_hostile_frames_the_avatar_came_home_again_and_again(name: str) -> None:
-    """66 returns per avatar; in those seconds in which it is not home it says that it waits or is led."""
+    """66 returns per avatar; in those seconds in which it is not home it reports that it waits or is led."""
     report = run(name, seed=1, frames=10_000, judge_every=8)
     assert report.frames == 10_000 and len(report.returns) >= 66
     assert_nothing_broke(report)
@@ -48,12 +48,12 @@ def show(title: str, r: Report) -> None:
 
 
 def comes_home(report: Report) -> bool:
-    """Whether enough returns were prompt, and nearly all ended."""
+    """Return whether enough returns were prompt, and nearly all ended."""
     return report.home_within(PROMPT) >= SOON and report.home_within(PATIENCE) >= AT_LAST
 
 
 def main() -> int:
-    """Long runs by hand; 1 if something that never may happen did, or if too few returns were prompt."""
+    """Run long by hand; return 1 if something that never may happen did, or if too few returns were prompt."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--avatar", choices=sorted(TRIALS), default="hinged")
     parser.add_argument("--frames", type=int, default=3000)

@@ -19,7 +19,7 @@ STILL, LATER = 430, 60
 
 
 def moved(name: str, seed: int) -> tuple[np.ndarray, np.ndarray]:
-    """Largest way [m] of a link's origin in every frame at rest, and whether the avatar was led in it."""
+    """Return the largest way [m] of a link's origin in every frame at rest, and whether the avatar was led in it."""
     trial, rng = TRIALS[name](), np.random.default_rng(seed)
     first, engine = len(trial.scene.bodies), AvatarsimEngine()
     record = engine.load(trial.scene, Settings(seed=seed), DT)

@@ -21,7 +21,7 @@ DRAWS = 3
 
 
 def slice_of(number: int) -> list[Trial]:
-    """The two ends of every change, and a few draws."""
+    """Return the two ends of every change, and a few draws."""
     found: dict[str, list[Trial]] = {}
     for trial in alone():
         found.setdefault(trial.kind, []).append(trial)

@@ -1,4 +1,4 @@
-"""The soak test: its scene runs, the user's motion closes, and what grows, slows or overlaps is a fault."""
+"""The soak test: its scene runs, the user's motion closes, and growth, slowing and overlap are faults."""
 
 import mmap
 
@@ -12,16 +12,16 @@ from tests.stability import soak as soaked
 from tests.stability.soak import Report, motion, scene, soak
 
 GONE: list[mmap.mmap] = []
-"""What the forgetful engine never gives back."""
+"""Memory that the forgetful engine never gives back."""
 
 
 class Hoards(AvatarsimEngine):
     """An engine that keeps a megabyte of each frame, up to four hundred."""
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
-        """A frame as usual."""
+        """Return a frame as usual."""
         if len(GONE) < 400:
-            # pages of its own: what malloc gives may be memory that the process has had all along
+            # pages of its own: memory from malloc may have been the process's all along
             GONE.append(mmap.mmap(-1, 2**20))
             GONE[-1].write(b"x" * 2**20)
         return super().advance(sample, dt)

@@ -27,14 +27,14 @@ SWING_TWIST = SwingTwist((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), 1.2, (-0.5, 0.7))
 
 
 def planar(*limits: tuple[float, float]) -> list[Joint]:
-    """Hinges about z, one per link."""
+    """Return hinges about z, one per link."""
     return [Hinges((Hinge(Z, *limit),)) for limit in limits]
 
 
 def arm(
     lengths: tuple[float, ...], joints: list[Joint], name: str = "arm", at: tuple[float, float, float] = (0.0, 0.0, 0.0)
 ) -> Avatar:
-    """Capsules end to end along x, anchored to the world at ``at``."""
+    """Return capsules end to end along x, anchored to the world at ``at``."""
     links = []
     for k, (length, joint) in enumerate(zip(lengths, joints, strict=True)):
         piece = Piece(Capsule(RADIUS, length), (0.5 * length, 0.0, 0.0), ALONG_X)
@@ -48,18 +48,18 @@ def arm(
 
 
 def ball_hand(radius: float, name: str = "hand") -> Avatar:
-    """A driven sphere, at the origin unless a test puts it elsewhere."""
+    """Return a driven sphere, at the origin unless a test puts it elsewhere."""
     piece = Piece(Sphere(radius))
     return rigid_avatar(name, (piece,), solid((piece,), 0.4))
 
 
 def world_of(avatars: tuple[Avatar, ...], bodies: tuple[Body, ...] = (), start: TrackerSample | None = None) -> World:
-    """The arrays of a scene with these avatars."""
+    """Return the arrays of a scene with these avatars."""
     return build(Scene("test", bodies, avatars, start=start))
 
 
 def tips(world: World, lengths: tuple[float, ...]) -> Array:
-    """The end of the last link [m]."""
+    """Return the end of the last link [m]."""
     body = world.skeleton.first + len(lengths) - 1
     end: Array = world.poses.position[body] + world.poses.rotation[body] @ np.array([lengths[-1], 0.0, 0.0])
     return end
@@ -67,7 +67,7 @@ def tips(world: World, lengths: tuple[float, ...]) -> Array:
 
 @dataclass
 class Reach:
-    """What CCD did: its status and sweeps, the distance left that it reports, whether the chain was bent, and the distance
+    """Result of CCD: its status and sweeps, the distance left that it reports, whether the chain was bent, and the distance
     left that the kinematics has."""
 
     status: int
@@ -81,7 +81,7 @@ class Reach:
 def reach(
     world: World, lengths: tuple[float, ...], goal: Array, settings: PaperSettings = AS_PRINTED, angles: Array | None = None
 ) -> Reach:
-    """Bring the tip of a one-arm world to ``goal`` from ``angles`` (default: as it stands)."""
+    """Bring the tip of a one-arm world to ``goal`` from ``angles`` (default: as it is)."""
     skel, nd = world.skeleton, int(world.skeleton.first_dof[-1])
     axes, none = np.zeros((nd, 3)), np.zeros(nd)
     if angles is not None:
@@ -98,10 +98,10 @@ def reach(
 
 
 def three_axes(limit: float) -> Joint:
-    """A ball and socket as the paper builds it: three hinges that share a centre."""
+    """Return a ball and socket as the paper builds it: three hinges that share a centre."""
     return Hinges(tuple(Hinge(axis, -limit, limit) for axis in np.eye(3).tolist()))
 
 
 def limited_ball() -> Joint:
-    """A native ball with a cone of 1.2 rad about x and a twist of -0.5 to 0.7 rad."""
+    """Return a native ball with a cone of 1.2 rad about x and a twist of -0.5 to 0.7 rad."""
     return Ball(SWING_TWIST)

@@ -39,7 +39,7 @@ class Little:
 
 
 def little(scene: Scene) -> Little:
-    """Arrays of `scene`."""
+    """Return arrays of `scene`."""
     world = build(scene)
     degrees = int(world.skeleton.first_dof[-1])
     axes, still = np.zeros((degrees, 3)), np.zeros(degrees)
@@ -48,13 +48,13 @@ def little(scene: Scene) -> Little:
 
 
 def piece(length: float = 0.3) -> tuple[Piece, ...]:
-    """A capsule along z from the joint's centre."""
+    """Return a capsule along z from the joint's centre."""
     return (Piece(Capsule(0.04, length), (0.0, 0.0, 0.5 * length)),)
 
 
 def mixed_avatar() -> Avatar:
-    """Free root with a ball, a two-hinge and a rigid link in a row, a hinge branch, and a slide that carries a hinge: every kind
-    of joint and shape."""
+    """Return a root with a ball, a two-hinge and a rigid link in a row, a hinge branch, and a slide that carries a hinge:
+    every kind of joint and shape."""
     mass = solid(piece(), 1.0)
     lean = tuple(float(v) for v in rotation.from_axis_angle(X, 0.4))
     hull = (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
@@ -74,7 +74,7 @@ def mixed_avatar() -> Avatar:
 
 
 def sliding_avatar(name: str = "m") -> Avatar:
-    """The mixed avatar with a slide that carries a hinge: every kind of joint."""
+    """Return the mixed avatar with a slide that carries a hinge: every kind of joint."""
     mass = solid(piece(), 1.0)
     lean = tuple(float(v) for v in rotation.from_axis_angle(X, 0.4))
     hull = (Piece(ellipsoid_hull((0.05, 0.06, 0.15)), (0.0, 0.0, 0.15)),)
@@ -84,7 +84,7 @@ def sliding_avatar(name: str = "m") -> Avatar:
 
 
 def random_sample(avatars: tuple[Avatar, ...], seed: int) -> TrackerSample:
-    """Any posture of all avatars, within limits or not."""
+    """Return any posture of all avatars, within limits or not."""
     rng = np.random.default_rng(seed)
     links, hinges = sum(len(a.links) for a in avatars), sum(a.hinge_count for a in avatars)
     return TrackerSample(
@@ -93,28 +93,28 @@ def random_sample(avatars: tuple[Avatar, ...], seed: int) -> TrackerSample:
 
 
 def at(sample: TrackerSample, position: Vector) -> TrackerSample:
-    """The sample with the first root moved."""
+    """Return the sample with the first root moved."""
     positions = sample.positions.copy()
     positions[0] = position
     return TrackerSample(sample.time, positions, sample.rotations, sample.angles)
 
 
 def panel(thickness: float = 0.002, x: float = 0.0) -> Body:
-    """A thin plate across the x axis."""
+    """Return a thin plate across the x axis."""
     return fixed("panel", (Piece(Box((thickness, 2.0, 2.0))),), "metal", (x, 0.0, 0.0))
 
 
 def block(name: str, centre: Vector, size: Vector) -> Body:
-    """A fixed box."""
+    """Return a fixed box."""
     return fixed(name, (Piece(Box(size)),), "wood", centre)
 
 
 def hand(shape: tuple[Piece, ...] = (Piece(Sphere(0.05)),), name: str = "hand") -> Avatar:
-    """A driven body of one link."""
+    """Return a driven body of one link."""
     return rigid_avatar(name, shape, solid(shape, 0.5))
 
 
 def hand_scene(start: Vector, *bodies: Body, shape: tuple[Piece, ...] = (Piece(Sphere(0.05)),)) -> Scene:
-    """One hand at `start` among bodies."""
+    """Return one hand at `start` among bodies."""
     avatar = hand(shape)
     return Scene("hand", bodies, (avatar,), start=at(rest((avatar,)), start))

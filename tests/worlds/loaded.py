@@ -9,7 +9,7 @@ DT = 1.0 / 60.0
 
 
 def loaded(scene: Scene, method: str = "default", dt: float = DT, **settings: object) -> AvatarsimEngine:
-    """An engine that has loaded a scene."""
+    """Return an engine that has loaded a scene."""
     engine = AvatarsimEngine()
     engine.load(scene, Settings(method, **settings), dt)
     return engine

@@ -37,7 +37,7 @@ class Loop:
         self.total = np.zeros_like(self.memory.counts)
 
     def target(self, roots: Sequence[Place] = (), angles: Sequence[float] = ()) -> Posture:
-        """The present posture with other root places and hinge angles."""
+        """Return the present posture with other root places and hinge angles."""
         target = Posture(*(array.copy() for array in self.world.posture))
         if len(roots):
             target.root[: len(roots)] = np.array(roots)
@@ -62,7 +62,7 @@ class Loop:
         return int(self.total[which])
 
     def excess(self) -> float:
-        """How far the posture is beyond any limit [rad]; 0 or below: nowhere."""
+        """Return how far the posture is beyond any limit [rad]; 0 or below: nowhere."""
         skel, posture = self.world.skeleton, self.world.posture
         worst = -np.inf
         for link in range(len(skel.kind)):

@@ -22,7 +22,7 @@ class Ride:
     record: FrameRecord
 
     def frame(self, sample: TrackerSample, dt: float = DT) -> FrameRecord:
-        """One frame; overlap and limits are exact zeros, in every frame."""
+        """Run one frame; overlap and limits are exact zeros, in every frame."""
         self.record = self.engine.advance(sample, dt)
         shown = self.record.shown
         verdict = self.judge.overlaps(shown.positions, shown.orientations)
@@ -32,15 +32,15 @@ class Ride:
         return self.record
 
     def error(self, sample: TrackerSample) -> float:
-        """Distance [m] of links from the sample."""
+        """Return the distance [m] of links from the sample."""
         return link_error(self.scene, self.record, sample)
 
     def place(self, name: str) -> np.ndarray:
-        """Where a body is shown."""
+        """Return where a body is shown."""
         return self.record.shown.positions[self.scene.names.index(name)]
 
 
 def ride(scene: Scene, seed: int = 0, preset: str = "default", **options: object) -> Ride:
-    """A loaded engine."""
+    """Return a loaded engine."""
     engine = AvatarsimEngine()
     return Ride(scene, engine, Judge(scene), engine.load(scene, Settings(preset, options, seed), DT))

@@ -11,7 +11,7 @@ BEFORE, BEHIND = (-0.3, 0.0, 0.0), (0.3, 0.0, 0.0)
 
 
 def pocket(y: float = 0.0) -> tuple[Body, ...]:
-    """A dead end, open towards -x, 0.3 m wide and 0.3 m deep, between -0.3 and 0, about the line at y."""
+    """Return a dead end, open towards -x, 0.3 m wide and 0.3 m deep, between -0.3 and 0, about the line at y."""
     return (
         block(f"end {y:g}", (0.02, y, 0.0), (0.02, 0.4, 0.4)),
         block(f"left {y:g}", (-0.13, y + 0.17, 0.0), (0.3, 0.02, 0.4)),
@@ -22,12 +22,12 @@ def pocket(y: float = 0.0) -> tuple[Body, ...]:
 
 
 def closed_pocket() -> tuple[Body, ...]:
-    """A box from the inside: the dead end with a door that is shut."""
+    """Return a box from the inside: the dead end with a door that is shut."""
     return (*pocket(), block("door", (-0.29, 0.0, 0.0), (0.02, 0.32, 0.32)))
 
 
 def tube() -> tuple[Body, ...]:
-    """Four slabs around the x axis, inner width 0.12 m: two hands of 0.1 m cannot pass each other inside."""
+    """Return four slabs around the x axis, inner width 0.12 m: two hands of 0.1 m cannot pass each other inside."""
     return (
         block("left", (0.0, 0.11, 0.0), (4.0, 0.1, 0.32)), block("right", (0.0, -0.11, 0.0), (4.0, 0.1, 0.32)),
         block("over", (0.0, 0.0, 0.11), (4.0, 0.32, 0.1)), block("under", (0.0, 0.0, -0.11), (4.0, 0.32, 0.1)),
@@ -35,7 +35,7 @@ def tube() -> tuple[Body, ...]:
 
 
 def limbed(name: str = "limbed") -> Avatar:
-    """A ball of 5 cm with a smaller one on a hinge: an avatar with a joint."""
+    """Return a ball of 5 cm with a smaller one on a hinge: an avatar with a joint."""
     ball, tip = (Piece(Sphere(0.05)),), (Piece(Sphere(0.03)),)
     joint = Hinges((Hinge((0.0, 0.0, 1.0), -1.0, 1.0),))
     links = (
@@ -46,7 +46,7 @@ def limbed(name: str = "limbed") -> Avatar:
 
 
 def boomed() -> Avatar:
-    """A ball with a boom of 0.3 m towards -x that hardly turns."""
+    """Return a ball with a boom of 0.3 m towards -x that hardly turns."""
     ball, boom = (Piece(Sphere(0.05)),), (Piece(Box((0.24, 0.02, 0.02)), (-0.18, 0.0, 0.0)),)
     joint = Hinges((Hinge((0.0, 0.0, 1.0), -0.1, 0.1),))
     return Avatar(

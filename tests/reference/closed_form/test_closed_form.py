@@ -14,7 +14,7 @@ G = 9.81
 
 
 def integrated(rate, start, time, **options):
-    """State at `time` by an eighth-order Runge-Kutta method."""
+    """Return state at `time` by an eighth-order Runge-Kutta method."""
     return solve_ivp(rate, (0.0, time), start, method="DOP853", rtol=1e-12, atol=1e-13, **options)
 
 
@@ -24,7 +24,7 @@ def test_free_fall_is_what_integration_gives():
 
 
 def bounced(height, restitution, impacts):
-    """Impact times and speeds before, by integration up to each impact."""
+    """Return impact times and speeds before, by integration up to each impact."""
     def floor_met(t, s):
         return s[0]
 
@@ -119,12 +119,12 @@ def test_cradle_is_a_chain_of_two_sphere_impacts():
 
 
 def dripped(approach, tangential, friction, restitution, radius, drops=200_000):
-    """Oblique bounce of a unit mass by applying the impulse in tiny drops; friction acts against what slip is left."""
+    """Return the oblique bounce of a unit mass, its impulse applied in tiny drops; friction acts against the remaining slip."""
     drop = (1.0 + restitution) * approach / drops
     spin = 0.0
     for k in range(drops):
         slip = tangential - radius * spin
-        # what stops the slip altogether: slip changes by 7/2 of the impulse per unit mass
+        # the impulse that stops the slip altogether: slip changes by 7/2 of the impulse per unit mass
         push = min(friction * drop, slip / 3.5)
         if push <= 0.0 and k:
             break

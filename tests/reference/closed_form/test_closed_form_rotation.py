@@ -12,7 +12,7 @@ Triple = tuple[float, float, float]
 
 
 def integrated(moments: Triple, spin: Triple, until: float) -> list[float]:
-    """Zeros of the spin about the middle axis, by an eighth-order Runge-Kutta method."""
+    """Return zeros of the spin about the middle axis, by an eighth-order Runge-Kutta method."""
     i, mid = np.array(moments), sorted(range(3), key=lambda axis: moments[axis])[1]
 
     def rate(t: float, w: np.ndarray) -> np.ndarray:
@@ -51,7 +51,7 @@ def test_flips_are_where_integration_puts_them(order: list[float], spin: Triple,
 
 
 def swung(across: float, along: float, mass: float, reach: float, spin: float, lean: float, nods: int) -> float:
-    """Mean rate of precession over whole nods, from Lagrange's equation of the lean of a top on a smooth plane."""
+    """Return the mean rate of precession over whole nods, from Lagrange's equation of the lean of a top on a smooth plane."""
 
     def rate(t: float, state: np.ndarray) -> list[float]:
         angle, nod, _ = state

@@ -7,7 +7,7 @@ from reference import closed_form as exact
 
 
 def integrated(rate, start, time):
-    """State at `time` by an eighth-order Runge-Kutta method."""
+    """Return state at `time` by an eighth-order Runge-Kutta method."""
     return solve_ivp(rate, (0.0, time), start, method="DOP853", rtol=1e-12, atol=1e-13)
 
 

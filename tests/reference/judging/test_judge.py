@@ -1,4 +1,4 @@
-"""The judge inside scenes: what it finds, names, leaves out, and how it answers to poses that are none."""
+"""The judge inside scenes: the pairs it finds, names and leaves out, and its answers to invalid poses."""
 
 from dataclasses import replace
 
@@ -129,7 +129,7 @@ def test_a_quaternion_off_by_rounding_is_accepted_and_normalised():
     at, turns = FREE.copy(), upright(FREE)
     at[3] = 0.0, -0.3, 0.09
     turns[3] = rotation.from_axis_angle([0.0, 1.0, 0.0], 0.5 * np.pi)
-    # the dumbbell stands on its end; scaled by the quaternion's square its arm would be 1e-7 m longer
+    # the dumbbell is upright on its end; scaled by the quaternion's square its arm would be 1e-7 m longer
     assert Judge(ROOM).overlaps(at, turns * (1.0 + 5e-7)).deepest == pytest.approx(0.06, abs=PROMISE)
 
 
@@ -190,7 +190,7 @@ def test_gaps_of_links_are_measured_up_to_the_reach_and_negative_inside():
 
 
 def resting(depth):
-    """The arm without its `ignore`, whose fore and thumb may be `depth` [m] in each other, and the thumb in the table."""
+    """Return the arm without its `ignore`, whose fore and thumb may be `depth` [m] in each other, and the thumb in the table."""
     arm = replace(ARM, ignore=(), at_rest=(("fore", "thumb", depth),))
     return replace(ROOM, avatars=(arm,), at_rest=(("arm/thumb", "table", 0.5 * depth),))
 

@@ -18,7 +18,7 @@ PROMISE = 1e-8
 
 
 def judge_of(*pairs: tuple[Shape, Shape]) -> Judge:
-    """The judge of a scene of pairs: body k is fixed and body n + k is simulated."""
+    """Return the judge of a scene of pairs: body k is fixed and body n + k is simulated."""
     bodies = [fixed(f"a{k}", (Piece(a),), "wood") for k, (a, _) in enumerate(pairs)]
     bodies += [simulated(f"b{k}", (Piece(b),), "wood", Mass(1.0)) for k, (_, b) in enumerate(pairs)]
     return Judge(Scene("pairs", tuple(bodies)))

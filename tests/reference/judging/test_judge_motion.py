@@ -1,4 +1,4 @@
-"""Distances that motion proves: the bound holds for every pair of moments, and what is left out was apart, or not the deepest."""
+"""Distances that motion proves: the bound holds for every pair of moments, and skipped pairs were apart, or not the deepest."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Near pairs: all compared at once against sorting along an axis, and against every pair asked by itself."""
+"""Near pairs: all compared at once against sorting along an axis, and against every pair queried by itself."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What axes prove: all axes of two polytopes against the hull of all differences, many placements at once against each alone."""
+"""Proofs by axes: all axes of two polytopes against the hull of all differences, many placements at once against each alone."""
 
 import numpy as np
 import pytest
@@ -13,8 +13,8 @@ BOX, PLATE, EGG = Box((0.3, 0.2, 0.4)), Box((0.5, 0.4, 0.01)), ellipsoid_hull((0
 
 
 def placements(seed: int, count: int, turned: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Turns of either shape (count, 3, 3) by about `turned` [rad], and offsets (count, 3) [m]; every fifth on a grid, where faces
-    and edges are aligned."""
+    """Return turns of either shape (count, 3, 3) by about `turned` [rad], and offsets (count, 3) [m]; every fifth on a grid,
+    where faces and edges are aligned."""
     random = np.random.default_rng(seed)
     turns = rotation.to_matrix(rotation.from_rotation_vector(turned * random.normal(size=(2, count, 3))))
     offsets = random.uniform(-0.4, 0.4, (count, 3))
@@ -57,7 +57,7 @@ def test_many_placements_at_once_are_those_of_each_alone(pair: tuple[Shape, Shap
         normal @ at - a.reach(-normal @ ta) - b.reach(normal @ tb)
         for normal, ta, tb, at in zip(normals, turns_a, turns_b, offsets, strict=True)
     ])
-    # what its own axis proves holds unless a face says otherwise
+    # the proof by its own axis holds unless a face refutes it
     sound = hold(proven, normals, a, turns_a, b, turns_b, offsets)
     assert (sound == (~(proven < 0.0) | (np.array(alone) <= proven + 1e-8))).all()
     assert not hold(proven + 1e-6, normals, a, turns_a, b, turns_b, offsets).any()

@@ -35,8 +35,8 @@ def test_balls_and_capsules_of_one_centre_are_as_deep_as_their_radii():
 
 
 def bounds_of_the_gap(a, b):
-    """The point of the difference nearest to the origin by least distance programming (Lawson and Hanson): how far it is, and how
-    far the plane through it is, which no point is below."""
+    """Return the point of the difference nearest to the origin by least distance programming (Lawson and Hanson): how far it is,
+    and how far the plane through it is, which no point is below."""
     points = (a[:, None] - b[None]).reshape(-1, 3)
     weights, _ = nnls(np.vstack([points.T, np.ones(len(points))]), np.array([0.0, 0.0, 0.0, 1.0]))
     nearest = points.T @ (weights / weights.sum())
