@@ -1,10 +1,10 @@
 """Steps within limits of speed and acceleration, each of which leaves a proved way to rest.
 
-After each call the uniform braking (`ik.rate_limits`) is proved free. In the tangent space it goes on along the line of the step,
-so that one certificate, of the way from the shown posture to where the avatar is at rest, covers a step and the way to rest. A
-candidate without one, or beyond the limits of a joint at a posture of that way, is refused; the braking itself was certified in
-the call before and needs none. So no call is without an answer, and none ends where the avatar could not stop: a fail-safe
-trajectory (Pek and Althoff 2021, Fail-safe motion planning for online verification of autonomous vehicles).
+After each call the uniform braking (`ik.rate_limits`) is proved free. In the tangent space it continues along the line of the
+step, so that one certificate, of the way from the shown posture to where the avatar is at rest, covers a step and the way to
+rest. A candidate without one, or beyond the limits of a joint at a posture of that way, is refused; the braking itself was
+certified in the call before and needs none. So no call is without an answer, and none ends where the avatar could not stop: a
+fail-safe trajectory (Pek and Althoff 2021, Fail-safe motion planning for online verification of autonomous vehicles).
 
 The candidate is the step nearest to the wanted one, within limits, that obeys a velocity damper for each near pair (Faverjon
 and Tournassoud 1987): a gap falls by no more than leaves the margin when the avatar is at rest. Where its certificate fails
@@ -58,7 +58,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 REACH = 0.15
-"""[m] pairs nearer than this have a damper. Less: the certificate fails first for what comes near fast, and the avatar slows
+"""[m] pairs nearer than this have a damper. Less: the certificate fails first for pairs that close fast, and the avatar slows
 down; more: more rows."""
 
 ANEW = 0.6
@@ -66,26 +66,26 @@ ANEW = 0.6
 way to be slower than the braking; less: more certificates fail again."""
 
 OPENED = 0.5
-"""Share of the fastest opening within limits for a pair below the margin. More: rows of several pairs contradict one
-another; less: it opens slowly, and a certificate of what all but touches takes long."""
+"""Share of the fastest opening within limits for a pair below the margin. More: rows of several pairs contradict one another;
+less: it opens slowly, and a certificate of a pair that nearly touches takes long."""
 
 DRAWN = (1.0, 0.5, 0.4)
-"""Shares of the way from the braking to the last candidate that are tried, each of what the one before it left. Fewer: it brakes
-more often; more: slowest calls take longer."""
+"""Shares of the way from the braking to the last candidate that are tried, each of the rest that the one before it left. Fewer:
+it brakes more often; more: slowest calls take longer."""
 
 SOLVED = 1e-3
-"""Share of the margin to which rows are solved, in a call. Larger: the certificate sees what is left; smaller: more sweeps."""
+"""Share of the margin to which rows are solved, in a call. Larger: the certificate sees the residual; smaller: more sweeps."""
 
 
 class Outcome(IntEnum):
     """Outcomes of a call."""
 
     BRAKED = 0
-    """It went on along the way to rest that was proved in an earlier call."""
+    """It continued on the way to rest that was proved in an earlier call."""
     STEPPED = 1
     """It took a step with a proof of its own."""
     ARRIVED = 2
-    """The same, and shows what was asked for."""
+    """It took such a step, and shows the requested posture."""
 
 
 BRAKED, STEPPED, ARRIVED = (int(one) for one in Outcome)
@@ -95,8 +95,8 @@ BRAKED, STEPPED, ARRIVED = (int(one) for one in Outcome)
 def add_dampers(
     geo: Geometry, skel: Skeleton, margin: float, opening: float, base: Line, steps: float, chord_out: Chord, braking_out: Braking
 ) -> None:
-    """Rows at the posture that so many steps `base` (nd) lead to: of a step that takes its place, the gap of a near pair stays
-    at the margin [m] or above; one that is below opens, by at most `opening` [m] a call."""
+    """Add rows at the posture that so many steps `base` (nd) lead to: of a step that takes its place, the gap of a near pair
+    stays at the margin [m] or above; one that is below opens, by at most `opening` [m] a call."""
     c, b = chord_out, braking_out
     s = b.scratch
     copy_posture(skel, b.avatars, 0, b.shown, c.start)
@@ -122,8 +122,7 @@ def add_dampers(
 
 @kernel
 def fit_row(k: int, braking_out: Braking) -> None:
-    """Drop row k, the last, if it is there and no step within the bounds breaks it; one that opens asks for no more than a share
-    of what they allow."""
+    """Drop row k, the last, if no step within the bounds breaks it; lower one that opens to a share of the allowed motion."""
     s, r, least, most = braking_out.scratch, braking_out.scratch.rows, 0.0, 0.0
     if k >= r.used[0]:
         return
@@ -147,8 +146,8 @@ def divide_bounds(first: int, steps: float, braking_out: Braking) -> None:
 
 @kernel
 def solve(skel: Skeleton, tolerance: float, braking_out: Braking) -> None:
-    """The trial: the step nearest to the wanted one that keeps rows, bounds and limits. Rows that cannot be met ask for no more
-    than the braking does."""
+    """Solve for the trial: the step nearest to the wanted one that keeps rows, bounds and limits. Rows that cannot be met require
+    no more than the braking does."""
     b, s, r = braking_out, braking_out.scratch, braking_out.scratch.rows
     for attempt in range(2):
         for j in range(b.trial.shape[0]):
@@ -173,7 +172,7 @@ def solve(skel: Skeleton, tolerance: float, braking_out: Braking) -> None:
 
 @kernel
 def solve_within(skel: Skeleton, tolerance: float, steps: float, braking_out: Braking) -> None:
-    """The same, with rows for balls that would be beyond their limits after so many steps of it."""
+    """Solve as `solve` does, with rows for balls that would be beyond their limits after so many steps of it."""
     b, s = braking_out, braking_out.scratch
     solve(skel, tolerance, b)
     first = s.rows.used[0]
@@ -196,7 +195,7 @@ def breaks_rows(tolerance: float, braking: Braking) -> bool:
 
 @kernel
 def add_broken(braking_out: Braking) -> int:
-    """Rows for bounds of single degrees and limits of groups that the step breaks; their number."""
+    """Add rows for bounds of single degrees and limits of groups that the step breaks; return their number."""
     b, s, r, added = braking_out, braking_out.scratch, braking_out.scratch.rows, 0
     for g in range(b.first.shape[0]):
         first, last = b.first[g], b.last[g]
@@ -213,7 +212,7 @@ def add_broken(braking_out: Braking) -> int:
 
 @kernel
 def add_ball(first: int, last: int, is_centred: bool, radius: float, braking_out: Braking) -> int:
-    """A cutting plane where degrees first .. last - 1 of the step leave a ball about zero, or about the last step."""
+    """Add a cutting plane where degrees first .. last - 1 of the step leave a ball about zero, or about the last step."""
     b, s, r = braking_out, braking_out.scratch, braking_out.scratch.rows
     square, k = 0.0, r.used[0]
     for j in range(first, last):
@@ -279,7 +278,7 @@ def is_certified(geo: Geometry, skel: Skeleton, chord_out: Chord, braking: Braki
 def find_step(
     geo: Geometry, skel: Skeleton, margin: float, opening: float, chord_out: Chord, braking_out: Braking
 ) -> bool:
-    """The trial: a step with a proof, if there is one."""
+    """Find the trial: a step with a proof; return False if there is none."""
     c, b, tolerance = chord_out, braking_out, SOLVED * margin
     b.pairs.step[0] += 1
     steps = set_caps(most_calls_to_rest(b), b)
@@ -314,7 +313,7 @@ def forget_rows(braking_out: Braking) -> None:
 
 @kernel
 def take(skel: Skeleton, is_found: bool, braking_out: Braking) -> int:
-    """Make the trial's posture, or else the braking's, the shown one; the outcome."""
+    """Take the trial's posture, or else the braking's, as the shown one; return the outcome."""
     b = braking_out
     b.calls[0] = calls_to_rest(b, b.trial) if is_found else max(b.calls[0] - 1, 0)
     outcome = ARRIVED if is_found else BRAKED
@@ -342,8 +341,8 @@ def rest_at(world: Index, chord: Index, braking: Index, positions: Array, rotati
 def step_towards(
     world: Index, chord: Index, braking: Index, positions: Array, rotations: Array, angles: Array, margin: float, opening: float
 ) -> tuple[int, bool]:
-    """Take the step of a call towards a posture, which has been checked: the outcome, and whether the posture is within the
-    limits of joints. `margin` [m] is the gap that pairs keep, `opening` [m] what pairs below it open at most."""
+    """Take the step of a call towards a posture, which has been checked; return the outcome, and whether the posture is within
+    the limits of joints. `margin` [m] is the gap that pairs keep, `opening` [m] the most that pairs below it open."""
     w, c, b = opened(world, WorldParts), opened(chord, Chord), opened(braking, Braking)
     read_sample(positions, rotations, angles, c.hinges, c.start)
     clip_avatar(w.skeleton, b.avatars, 0, c.start, b.tracking, b.incoming)
@@ -365,7 +364,7 @@ def brake_once(world: Index, braking: Index) -> None:
 def posture_ahead(
     world: Index, chord: Index, braking: Index, calls: int, positions_out: Array, rotations_out: Array, angles_out: Array
 ) -> None:
-    """The posture after so many calls of braking from here."""
+    """Write the posture after so many calls of braking from here."""
     w, c, b = opened(world, WorldParts), opened(chord, Chord), opened(braking, Braking)
     total = float(max(b.calls[0], 1))
     for j in range(b.step.shape[0]):

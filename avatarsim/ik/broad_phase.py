@@ -1,9 +1,9 @@
 """Broad phase of the avatars: axis-aligned boxes swept over a step, lists of bodies in reach, and islands of avatars.
 
-Two avatars are of one island if their boxes, grown by what they may move in a frame, meet: then one may push the other. Islands
+Two avatars are of one island if their boxes, grown by their largest motion in a frame, meet: then one may push the other. Islands
 are the connected components (union by the least number).
 
-Poses of the bodies that are no links, taken over into the trial as a frame begins: they stand still while the avatars move.
+Poses of the bodies that are no links, copied into the trial as a frame begins: they do not move while the avatars move.
 """
 
 from math import inf
@@ -18,7 +18,7 @@ from avatarsim.spatial.vec3 import Rows as Boxes
 
 @kernel
 def notice_bodies(geo: Geometry, skel: Skeleton, poses: Poses, moving: Index, scratch_out: IkScratch) -> bool:
-    """Take over the poses of bodies that may have moved, all of them where `moving` (nb) is empty; whether any had."""
+    """Copy the poses of bodies that may have moved, all of them where `moving` (nb) is empty; return whether any had."""
     has_changed, is_known = False, moving.shape[0] > 0
     for b in range(skel.first):
         if not is_known or moving[b] == 1:
@@ -28,7 +28,7 @@ def notice_bodies(geo: Geometry, skel: Skeleton, poses: Poses, moving: Index, sc
 
 @kernel
 def notice(geo: Geometry, poses: Poses, b: int, scratch_out: IkScratch) -> bool:
-    """Take over the pose of one body; whether it was another one before."""
+    """Copy the pose of one body; return whether it was another one before."""
     trial, has_moved = scratch_out.trial, False
     for i in range(3):
         has_moved = has_moved or trial.position[b, i] != poses.position[b, i]
@@ -72,7 +72,7 @@ def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
 def sweep_boxes(
     geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, least: float, scratch_out: IkScratch
 ) -> None:
-    """Boxes around both ends of the step of an avatar, of its pieces, its links, and all of it, grown by the least gap [m]."""
+    """Compute boxes around both ends of an avatar's step, of its pieces, links, and all of it, grown by the least gap [m]."""
     s, trial = scratch_out, scratch_out.trial
     for k in range(3):
         s.swept_avatars[avatar, k], s.swept_avatars[avatar, 3 + k] = inf, -inf
@@ -91,7 +91,7 @@ def sweep_boxes(
 
 @kernel
 def sweep_all(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, least: float, scratch_out: IkScratch) -> None:
-    """As a frame begins: boxes of all avatars, for islands are certified against those that were not solved for yet."""
+    """Compute boxes of all avatars as a frame begins, for islands are certified against those that were not solved for yet."""
     count = avatars.first_link.shape[0] - 1
     for avatar in range(count if count > 1 else 0):
         sweep_boxes(geo, skel, avatars, avatar, poses, least, scratch_out)
@@ -121,7 +121,7 @@ def list_near_bodies(skel: Skeleton, avatar: int, state_out: IkState, scratch: I
 
 @kernel
 def forget_near(state_out: IkState) -> None:
-    """A body moved: the lists are made anew."""
+    """Have the lists of near bodies made anew, since a body moved."""
     for avatar in range(state_out.near_count.shape[0]):
         for k in range(3):
             state_out.near_box[avatar, k], state_out.near_box[avatar, 3 + k] = inf, -inf

@@ -2,11 +2,11 @@
 
 For a pair there is a direction n, fixed in the world or carried by one of the two, along which it is apart at the shown state and
 at the trial: a separating axis. Support functions are convex, so the pair stays apart along n while vertices move straight from
-one end to the other. The gap along a direction proves separation whatever proposed it: GJK (Gilbert, Johnson and Keerthi 1988)
-proposes, two supports decide. Every test is written so that a NaN fails it.
+one end to the other. The gap along a direction proves separation independently of its source: GJK (Gilbert, Johnson and Keerthi
+1988) proposes, two supports decide. Every test is written so that a NaN fails it.
 
-A pair that overlaps at home may be so deep (`Scene.at_rest`): its gap is the signed distance and that depth, so that the proofs
-are those of 0 for all others. Where its cores overlap, EPA (van den Bergh 2001) proposes the direction.
+A pair that overlaps at home may stay as deep (`Scene.at_rest`): its gap is the signed distance plus that depth, so that the
+proofs are those of 0 for all others. Where its cores overlap, EPA (van den Bergh 2001) proposes the direction.
 """
 
 from math import cos, inf
@@ -37,8 +37,7 @@ longer searches; smaller: directions of pairs that touch next are off."""
 def cached_axis_holds(
     geo: Geometry, poses: Poses, at: int, a: int, b: int, least: float, state_out: IkState, scratch_out: IkScratch
 ) -> bool:
-    """Return True if the direction in a slot certifies the pair: gap > 0 at the shown state, at least `least` [m] at the
-    trial."""
+    """Return True if the direction in a slot certifies the pair: gap > 0 as shown, at least `least` [m] at the trial."""
     pairs, depth = state_out.pairs, allowed_depth(geo, a, b)
     n = axis_at(pairs, at)
     if not (dot(n, n) > 0.5):
@@ -57,7 +56,7 @@ def cached_axis_holds(
 def nearest_direction(
     geo: Geometry, poses: Poses, seed: Vec3, a: int, b: int, reach: float, scratch_out: IkScratch
 ) -> tuple[float, Vec3, int]:
-    """Gap [m], unit direction out of b into a and simplex size, exact when below `reach`; gap -inf if cores overlap.
+    """Return the gap [m], unit direction out of b into a and simplex size, exact when below `reach`; gap -inf if cores overlap.
 
     Of a pair that overlaps at home the gap is exact then as well, and the simplex size 0."""
     scratch_out.counts[QUERIES] += 1
@@ -79,7 +78,7 @@ def nearest_direction(
 def shown_direction(
     geo: Geometry, poses: Poses, at: int, a: int, b: int, state_out: IkState, scratch_out: IkScratch
 ) -> tuple[float, Vec3]:
-    """Gap [m] and nearest direction at the shown state, asked of GJK once per step and pair."""
+    """Return the gap [m] and nearest direction at the shown state, by one GJK query per step and pair."""
     pairs = state_out.pairs
     if pairs.gap_step[at] != pairs.step[0]:
         gap, n, _ = nearest_direction(geo, poses, axis_at(pairs, at), a, b, EXACT, scratch_out)
@@ -146,7 +145,7 @@ def nothing_crossed(geo: Geometry, poses: Poses, a: int, b: int, n0: Vec3, n1: V
 
 @kernel
 def turn_little(poses: Poses, trial: Poses, one: int, other: int) -> bool:
-    """Return True if a step turns two bodies by so little against each other that a direction that one carries proves something.
+    """Return True if two bodies turn so little against each other in a step that a direction carried by one is a proof.
 
     Seen from a body that spins, all else moves on arcs: both ends may lie on the same side of it with a wall passed in
     between."""
@@ -163,7 +162,7 @@ def turn_little(poses: Poses, trial: Poses, one: int, other: int) -> bool:
 
 @kernel
 def accepted_gap(stand_off: float, gap_now: float) -> float:
-    """Smallest gap [m] accepted at the trial of a pair with this stand-off [m]: `least_gap`, less for one that is squeezed.
+    """Return the smallest gap [m] accepted at the trial of a pair with this stand-off [m]: `least_gap`, or less if squeezed.
 
     A squeezed pair may lose half its gap but not below `wedged_gap`, and a pair below that may not come nearer:
     standing still must always be acceptable.

@@ -1,8 +1,8 @@
-"""Certify the trial of an island: every pair that the step could bring together proved apart; rows for those that are not.
+"""Certification of an island's trial: each pair that the step could bring together proved apart; rows for those that are not.
 
 Rows that a trial needs, seen from the poses of its links alone, before any shape is carried along or certified.
 
-The row of a pair is that of one point. A foot that turns before a wall brings another corner into it; what pushes one joint turns
+The row of a pair is that of one point. A foot that turns before a wall brings another corner into it; a push on one joint turns
 others, over their limits too. Certified, such a trial would be refused, and given the row that it is given here.
 """
 
@@ -28,8 +28,8 @@ def foresee(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
     last: int, is_soft: bool, state: IkState, scratch_out: IkScratch,
 ) -> bool:
-    """Carry the links of members first .. last to the trial, their shapes not; whether a limit or a pair in contact would be
-    refused there, which then has one more row."""
+    """Carry the links of members first .. last to the trial, their shapes not; return whether a limit or a pair in contact would
+    be refused there, which then has one more row."""
     s, before = scratch_out, scratch_out.rows.used[0]
     for m in range(first, last):
         check_limits(skel, avatars, s.members[m], posture, True, s)
@@ -47,7 +47,7 @@ def foresee_pair(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, a: int, b: int, is_soft: bool,
     state: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Row for a piece of a link that the trial brings too near to one that stands still, along their nearest direction now."""
+    """Add a row for a piece of a link that the trial brings too near to a body at rest, along their nearest direction now."""
     s, pairs = scratch_out, state.pairs
     at = slot_of(pairs, a, b)
     gap0, n = pairs.gap[at], row(pairs.normal, at)
@@ -65,7 +65,7 @@ def foresee_pair(
 
 @kernel
 def farthest_of(geo: Geometry, poses: Poses, a: int, d: Vec3) -> Vec3:
-    """Farthest point [m] of a piece's core along d at poses whose vertices need not have been carried along."""
+    """Return the farthest point [m] of a piece's core along d at poses whose vertices need not have been carried along."""
     body = geo.body[a]
     frame = columns(poses.rotation, body)
     point, _ = support(geo.local, geo.shapes, a, turned_back(frame, d))
@@ -86,9 +86,9 @@ def certify(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
     last: int, is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
-    """Certificates and ball limits of the trial of members first .. last: number of failures, whose avatars are marked.
+    """Check certificates and ball limits of the trial of members first .. last; return the failures, whose avatars are marked.
 
-    is_adding: failing pairs and limits get rows; is_soft: which ask for no more gap than there was.
+    is_adding: failing pairs and limits get rows; is_soft: these require no more gap than there was.
     """
     s, failed = scratch_out, 0
     s.failed.used[0] = 0
@@ -106,7 +106,7 @@ def certify(
         sweep_boxes(geo, skel, avatars, avatar, poses, least_gap(settings.stand_off), s)
         list_near_bodies(skel, avatar, state_out, s)
     if failed > 0 and is_adding:
-        # what pushes one joint turns others, over limits too: solved for before pairs are looked at
+        # a push on one joint turns others, over limits too: solved for before pairs are looked at
         return failed
     for m in range(first, last):
         avatar = s.members[m]
@@ -138,7 +138,7 @@ def certify_avatars(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, one: int, other: int,
     is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
-    """The same of the pairs of two avatars, which come in ascending order."""
+    """Certify the pairs of two avatars, which come in ascending order; return the number of failures."""
     s, failed = scratch_out, 0
     if not boxes_meet(s.swept_avatars, one, other):
         return 0
@@ -157,7 +157,7 @@ def certify_bodies(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, body: int, other: int,
     is_adding: bool, is_soft: bool, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
-    """The same of the pairs of pieces of a link and another body."""
+    """Certify the pairs of pieces of a link and another body; return the number of failures."""
     s, failed = scratch_out, 0
     for a in range(geo.first_shape[body], geo.first_shape[body + 1]):
         for b in range(geo.first_shape[other], geo.first_shape[other + 1]):
@@ -181,7 +181,7 @@ def certify_bodies(
 
 @kernel
 def is_no_pose(skel: Skeleton, avatars: Avatars, avatar: int, scratch: IkScratch) -> bool:
-    """Return True if a link's trial pose is not finite: boxes of nowhere meet nothing, so no pair would be asked."""
+    """Return True if a link's trial pose is not finite: boxes of nowhere meet nothing, so no pair would be tested."""
     trial, total = scratch.trial, 0.0
     for b in range(skel.first + avatars.first_link[avatar], skel.first + avatars.first_link[avatar + 1]):
         for i in range(3):

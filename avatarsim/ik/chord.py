@@ -1,22 +1,21 @@
 """Continuous collision detection between two recorded postures: interval separating axes with a bound of curvature, and
 bisection.
 
-What a player shows between two postures is slerp in each joint and straight lines for roots, hinge angles and slides. Over a
-share h of that way a point of a link leaves its straight line by at most C h^2 / 8, where C bounds its second derivative. Along
-a fixed direction n the gap of a pair is therefore at least (1 - s) g0 + s g1 - 4 s (1 - s) B at the share s of the interval, g0
-and g1 the gaps at its ends and B the bulge of both; that is never negative if sqrt(g0) + sqrt(g1) >= 2 sqrt(B). Where no
-direction shows it the interval is halved. Directions are proposed by GJK (Gilbert, Johnson and Keerthi 1988), two supports
-decide.
+Between two postures a player shows slerp in each joint and straight lines for roots, hinge angles and slides. Over a share h of
+that way a point of a link leaves its straight line by at most C h^2 / 8, where C bounds its second derivative. Along a fixed
+direction n the gap of a pair is therefore at least (1 - s) g0 + s g1 - 4 s (1 - s) B at the share s of the interval, g0 and g1
+the gaps at its ends and B the bulge of both; that is never negative if sqrt(g0) + sqrt(g1) >= 2 sqrt(B). Where no direction shows
+it the interval is halved. Directions are proposed by GJK (Gilbert, Johnson and Keerthi 1988), two supports decide.
 
 Zhang, Redon, Lee and Kim 2007, Continuous collision detection for articulated models using Taylor models and temporal culling,
 bound the same motion by intervals of its Taylor series; here the second term alone is bounded, and convexity does the rest.
 
 The bound: a point is carried by rotations one after the other, those of the joints above it, which turn by s_1, s_2, ... over the
-way, each about an axis that stands still in what carries it. The second derivative of such a product is a sum of products, each
-of rotations and two generators of unit norm, with factors s_i s_j: its norm is at most S^2, S the sum of all turns. So a segment
-of length l bends by at most l S^2, and the segments of a chain add up. A pair of links is looked at in the frame of their nearest
-common ancestor, which only the joints below it move. A slide changes its segment's vector at the constant rate d: what carries
-it turns by S, and (R v)'' = R'' v + 2 R' v' adds at most 2 S |d|, with v the longer of its two ends.
+way, each about an axis that is fixed in its carrier. The second derivative of such a product is a sum of products, each of
+rotations and two generators of unit norm, with factors s_i s_j: its norm is at most S^2, S the sum of all turns. So a segment of
+length l bends by at most l S^2, and the segments of a chain add up. A pair of links is tested in the frame of their nearest
+common ancestor, which only the joints below it move. A slide changes its segment's vector at the constant rate d: its carrier
+turns by S, and (R v)'' = R'' v + 2 R' v' adds at most 2 S |d|, with v the longer of its two ends.
 """
 
 from math import ceil, log2, sqrt
@@ -50,18 +49,18 @@ SAGITTA = 1.0 / 8.0
 
 DEPTH = ceil(0.5 * log2(SAGITTA / SLIGHT))
 """Halvings of a way before it counts as not free: a 4096th. There the bulge of a limb of a metre that turns by a radian is below
-SLIGHT. More: what touches takes longer to fail."""
+SLIGHT. More: touching pairs take longer to fail."""
 
 ROOM_MOST, ROOM_DEEPER = 1 << 20, 1 << 14
-"""Pairs of pieces that may be listed as undecided for a whole way, and beside these for parts of it; what does not fit counts as
-not free."""
+"""Most pairs of pieces that may be listed as undecided for a whole way, and further ones for parts of it; pairs beyond that count
+as not free."""
 
 HOME = 0.5 * POSTURE_GAP
 """Gap [m], beyond the depth that it may have, from which a pair that overlaps at home is as good as there. Larger: rounding of a
 file makes a posture at home one that is changed; smaller: a pair is left nearer to where no step of it is proved."""
 
 PROVED, UNDECIDED, OVERLAPS = range(3)
-"""What a pair of pieces is over an interval: apart; not shown to be; not apart at its begin."""
+"""State of a pair of pieces over an interval: apart; not shown to be; not apart at its begin."""
 
 
 class Chord(NamedTuple):
@@ -76,11 +75,11 @@ class Chord(NamedTuple):
     axes         (nd, 3) axes of the degrees, which nothing here reads
     turn         (nl) sum of the turns of all joints above a link's points [rad]
     bend         (ns) bound of the second derivative of a piece's points in the world [m]
-    one, other   poses at the ends of the interval that is looked at
+    one, other   poses at the ends of the interval that is tested
     near         bodies in reach of the avatars
     pending      (m, 2) pairs of pieces that are not decided: those of depth d are span[d] .. span[d + 1]
-    ends, depth  (DEPTH + 2) ends of the intervals that are still to be looked at, the first last, and how deep each is
-    pairs        separating axes, in the frame in which the pair is looked at
+    ends, depth  (DEPTH + 2) ends of the intervals that are still to be tested, the first last, and how deep each is
+    pairs        separating axes, in the frame in which the pair is tested
     """
 
     hinges: IndexLine
@@ -107,7 +106,7 @@ class Chord(NamedTuple):
 
 
 def make_chord(world: World) -> Chord:
-    """Memory for the ways of the avatars of a world through its fixed bodies."""
+    """Return memory for the ways of the avatars of a world through its fixed bodies."""
     geo, skel = world.geometry, world.skeleton
     nl, nd, ns = len(skel.kind), int(skel.first_dof[-1]), len(geo.body)
     driven = ns - int(geo.first_shape[skel.first])
@@ -123,15 +122,15 @@ def make_chord(world: World) -> Chord:
 
 
 def common_ancestors(skel: Skeleton) -> Index:
-    """(nl, nl) the last link from the root on that carries both; -1 without any."""
-    # parents stand before children, so that of all common ancestors the nearest has the greatest number
+    """Return (nl, nl) the last link from the root on that carries both; -1 without any."""
+    # parents come before children, so that of all common ancestors the nearest has the greatest number
     both = skel.related[:, None, :] & skel.related[None, :, :]
     numbers = np.where(both, np.arange(len(skel.kind)), -1)
     return np.asarray(numbers.max(axis=2, initial=-1), dtype=np.int64)
 
 
 def core_reaches(geo: Geometry, skel: Skeleton) -> Array:
-    """(ns) how far the core of each link's piece reaches from the link's joint [m]; 0 for pieces of other bodies."""
+    """Return (ns) how far the core of each link's piece reaches from the link's joint [m]; 0 for pieces of other bodies."""
     found = np.zeros(len(geo.body))
     for s in range(int(geo.first_shape[skel.first]), len(geo.body)):
         points = geo.local[geo.shapes.start[s] : geo.shapes.start[s + 1]]
@@ -143,7 +142,7 @@ def core_reaches(geo: Geometry, skel: Skeleton) -> Array:
 
 @kernel
 def measure_step(skel: Skeleton, chord_out: Chord) -> None:
-    """The step between the two postures, and what it turns."""
+    """Measure the step between the two postures, and its turns."""
     c = chord_out
     for link in range(skel.kind.shape[0]):
         d, kind, parent = skel.first_dof[link], skel.kind[link], skel.parent[link]
@@ -172,8 +171,8 @@ def measure_step(skel: Skeleton, chord_out: Chord) -> None:
 
 @kernel
 def bend_below(skel: Skeleton, chord: Chord, above: int, link: int, reach: float) -> float:
-    """Bound of the second derivative [m] of points up to `reach` [m] from the joint of `link`, seen from the link `above` it, or
-    from the world (-1)."""
+    """Bound the second derivative [m] of points up to `reach` [m] from the joint of `link`, seen from link `above`, or the world
+    (-1)."""
     turn0 = chord.turn[above] if above >= 0 else 0.0
     total, length, k = 0.0, reach, link
     while k != above:
@@ -186,7 +185,7 @@ def bend_below(skel: Skeleton, chord: Chord, above: int, link: int, reach: float
 
 @kernel
 def put_at(geo: Geometry, skel: Skeleton, share: float, chord_out: Chord, poses_out: Poses) -> None:
-    """Poses at a share of the way."""
+    """Set the poses at a share of the way."""
     for j in range(chord_out.step.shape[0]):
         chord_out.part[j] = share * chord_out.step[j]
     carry(skel, chord_out.start, chord_out.part, poses_out, chord_out.axes)
@@ -207,7 +206,7 @@ def swept_meet(left: Array, right: Array, i: int, j: int, grow: float) -> bool:
 
 @kernel
 def link_bend(geo: Geometry, chord: Chord, body: int) -> float:
-    """The largest bound of the second derivative of a link's pieces."""
+    """Return the largest bound of the second derivative of a link's pieces."""
     most = 0.0
     for s in range(geo.first_shape[body], geo.first_shape[body + 1]):
         most = max(most, chord.bend[s])
@@ -216,7 +215,7 @@ def link_bend(geo: Geometry, chord: Chord, body: int) -> float:
 
 @kernel
 def list_near(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> int:
-    """List the bodies that are no links whose boxes meet that around all links over the whole way: how many."""
+    """List the bodies that are no links whose boxes meet that around all links over the whole way; return their number."""
     c, count = chord_out, 0
     low, high = (np.inf, np.inf, np.inf), (-np.inf, -np.inf, -np.inf)
     for body in range(skel.first, skel.first + skel.kind.shape[0]):
@@ -243,7 +242,7 @@ def list_near(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> 
 
 @kernel
 def list_bodies(geo: Geometry, body: int, other: int, least: float, chord_out: Chord, count: int) -> int:
-    """List the pairs of pieces of two bodies whose boxes may meet over the whole way: how many there are now, -1 for too many."""
+    """List pairs of pieces of two bodies whose boxes may meet over the whole way; return the number so far, -1 for too many."""
     c = chord_out
     grow = SAGITTA * (link_bend(geo, c, body) + link_bend(geo, c, other)) + least
     if not swept_meet(c.one.hulls, c.other.hulls, body, other, grow) or not may_meet(geo.wanted, body, other):
@@ -260,8 +259,7 @@ def list_bodies(geo: Geometry, body: int, other: int, least: float, chord_out: C
 
 @kernel
 def list_pairs(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> int:
-    """List the pairs of pieces that may meet over the whole way, `one` at its begin and `other` at its end: how many, -1 for too
-    many."""
+    """List pairs of pieces that may meet over the whole way, from `one` to `other`; return their number, -1 for too many."""
     near, count, links = list_near(geo, skel, least, chord_out), 0, skel.kind.shape[0]
     for link in range(links):
         for k in range(near):
@@ -277,13 +275,13 @@ def list_pairs(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) ->
 
 @kernel
 def carried(skel: Skeleton, poses: Poses, above: int, n: Vec3) -> Vec3:
-    """A direction in the frame of the link `above`, in the world; in the world already for -1."""
+    """Return a direction in the frame of the link `above`, in the world; in the world already for -1."""
     return turned(columns(poses.rotation, skel.first + above), n) if above >= 0 else n
 
 
 @kernel
 def brought(skel: Skeleton, poses: Poses, above: int, n: Vec3) -> Vec3:
-    """The inverse of `carried`."""
+    """Return the inverse of `carried`."""
     return turned_back(columns(poses.rotation, skel.first + above), n) if above >= 0 else n
 
 
@@ -291,8 +289,7 @@ def brought(skel: Skeleton, poses: Poses, above: int, n: Vec3) -> Vec3:
 def holds(
     geo: Geometry, skel: Skeleton, left: Poses, right: Poses, above: int, a: int, b: int, n: Vec3, bulge: float, least: float
 ) -> bool:
-    """Return True if the direction n, in the frame of the link `above`, keeps pieces a and b at least `least` [m] apart all
-    along."""
+    """Return True if the direction n, in the frame of link `above`, always keeps pieces a and b at least `least` [m] apart."""
     if not (dot(n, n) > 0.5):
         return False
     gap0 = gap_along(left.vertices, geo.shapes, a, b, carried(skel, left, above, n)) - least
@@ -306,7 +303,7 @@ def holds(
 
 @kernel
 def proposed(geo: Geometry, poses: Poses, a: int, b: int, seed: Vec3, enough: float, chord_out: Chord) -> Vec3:
-    """The nearest direction of pieces a and b, or one along which they are farther apart than `enough` [m]."""
+    """Return the nearest direction of pieces a and b, or one along which they are farther apart than `enough` [m]."""
     rounding = geo.shapes.radius[a] + geo.shapes.radius[b]
     _, n, _, _ = gjk(poses.vertices, geo.shapes, a, b, seed, rounding + enough, chord_out.narrow)
     if not (dot(n, n) > 0.5):
@@ -360,8 +357,8 @@ def test_pair(
 def test_interval(
     geo: Geometry, skel: Skeleton, left: Poses, right: Poses, share: float, depth: int, least: float, chord_out: Chord
 ) -> int:
-    """Test the pairs that are pending at a depth; those that are left are listed at the next one. The worst that was found; where
-    that is OVERLAPS, or the interval is the shortest, the first listed is the pair that failed."""
+    """Test the pairs that are pending at a depth; those that are left are listed at the next one. Return the worst state found;
+    where that is OVERLAPS, or the interval is the shortest, the first listed is the pair that failed."""
     c, worst = chord_out, PROVED
     first, last = c.span[depth], c.span[depth + 1]
     count = last
@@ -384,8 +381,8 @@ def test_interval(
 
 @kernel
 def go_along(geo: Geometry, skel: Skeleton, least: float, chord_out: Chord) -> tuple[float, int, int]:
-    """Share of the way from `start` to `end` that is proved to keep all pairs at least `least` [m] apart, from its begin on, and
-    the pieces of the pair that ends it, -1 without any."""
+    """Return the share of the way from `start` to `end` that is proved to keep all pairs at least `least` [m] apart, from its
+    begin on, and the pieces of the pair that ends it, -1 without any."""
     c = chord_out
     measure_step(skel, c)
     for s in range(geo.first_shape[skel.first], geo.body.shape[0]):
@@ -427,8 +424,8 @@ def free_until(
     world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, next_positions: Array, next_rotations: Array,
     next_angles: Array, least: float,
 ) -> tuple[float, int, int]:
-    """`go_along` from one posture (positions (nl, 3), rotations (nl, 4), angles (nh)) to the next, which have been checked, on
-    the arenas of a world and of its `Chord`."""
+    """Return `go_along` from one posture (positions (nl, 3), rotations (nl, 4), angles (nh)) to the next, which have been
+    checked, on the arenas of a world and of its `Chord`."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     read_sample(positions, rotations, angles, c.hinges, c.start)
     read_sample(next_positions, next_rotations, next_angles, c.hinges, c.end)
@@ -439,8 +436,8 @@ def free_until(
 def nearest_at(
     world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, within: float
 ) -> tuple[float, int, int]:
-    """Smallest signed distance [m] of all pairs of pieces at a posture, negative where they overlap, and the pieces; infinite,
-    and -1, where no boxes are within `within` [m] of each other, nan where boxes of too many pairs are.
+    """Return the smallest signed distance [m] of all pairs of pieces at a posture, negative where they overlap, and the pieces;
+    infinite, and -1, where no boxes are within `within` [m] of each other, nan where boxes of too many pairs are.
 
     Of a pair that overlaps at home the gap is that beyond the depth that it may have, and it does not count where it is hardly
     deeper than at home."""
@@ -472,8 +469,8 @@ def nearest_at(
 def pair_gaps(
     world: Index, chord: Index, positions: Array, rotations: Array, angles: Array, pairs: Index, gaps_out: Array
 ) -> None:
-    """Signed distance (m,) [m] at a posture of each pair (m, 2) of bodies, whether or not it may overlap; infinite without
-    pieces. A distance above nothing is only said to be above nothing."""
+    """Write the signed distance (m,) [m] at a posture of each pair (m, 2) of bodies, whether or not it may overlap; infinite
+    without pieces. A distance above zero is known by its sign alone."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     geo = w.geometry
     read_sample(positions, rotations, angles, c.hinges, c.start)

@@ -20,8 +20,8 @@ Index = NDArray[np.int64]
 
 @entry_kernel
 def clip_posture(world: Index, chord: Index, positions: Array, rotations: Array, angles: Array) -> tuple[float, float]:
-    """The posture with each joint at the nearest place within its limits, left in `Chord.end`: by how much it was outside at
-    most, or a follower off its leader, of angles [rad] and of slides [m]."""
+    """Clip a posture to the limits of its joints, into `Chord.end`; return the largest excess of an angle [rad] and of a slide
+    [m], or a follower's distance from its leader."""
     w, c = opened(world, WorldParts), opened(chord, Chord)
     skel, turned, slid = w.skeleton, 0.0, 0.0
     read_sample(positions, rotations, angles, c.hinges, c.start)

@@ -85,7 +85,7 @@ def add_lever(
 
 @kernel
 def owner_of(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int, scratch: IkScratch) -> int:
-    """The avatar of a piece; -1 for a body that is no link, and for an avatar that stands still meanwhile."""
+    """Return the avatar of a piece; -1 for a body that is no link, and for an avatar that is not moved meanwhile."""
     link = geo.body[piece] - skel.first
     if link < 0 or scratch.is_active[avatars.avatar[link]] == 0:
         return -1
@@ -134,7 +134,7 @@ def add_contact(
 
 @kernel
 def along_row(avatars: Avatars, k: int, vector: Array, values: Rows, rows: ConstraintRows) -> float:
-    """values[k] . vector over the degrees of the row's owners."""
+    """Return values[k] . vector over the degrees of the row's owners."""
     total = 0.0
     for side in range(2):
         avatar = rows.owner[k, side]
@@ -149,7 +149,7 @@ def add_witness_row(
     geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, missing: float, simplex: int, poses: Poses,
     axes: Rows, step: Array, scratch_out: IkScratch,
 ) -> None:
-    """Row at the closest points that the last query left in the scratch, or at the supports along n where it left none."""
+    """Add a row at the closest points that the last query left in the scratch, or at the supports along n where it left none."""
     if simplex > 0:
         on_a, on_b = closest_points(simplex, scratch_out.narrow)
     else:
@@ -163,7 +163,7 @@ def add_witness_row(
 def add_support_row(
     geo: Geometry, skel: Skeleton, avatars: Avatars, a: int, b: int, n: Vec3, wanted: float, scratch_out: IkScratch
 ) -> None:
-    """Row at the trial along a direction that separated at the shown state: push back to the side it came from.
+    """Add a row at the trial along a direction that separated at the shown state: push back to the side it came from.
 
     No penetration depth is needed, and its normal would point through thin things.
     """
@@ -180,7 +180,7 @@ def add_failed_pair(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, a: int, b: int, gap: float, n: Vec3, simplex: int,
     is_soft: bool, state: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Row for a pair that `certify_pair` has just refused, with what it returned."""
+    """Add a row for a pair that `certify_pair` has just refused, with its results."""
     wanted = stand_off_of(geo, settings.stand_off, a, b)
     if is_soft:
         wanted = min(wanted, max(state.pairs.gap[slot_of(state.pairs, a, b)], wedged_gap(wanted)))
@@ -198,8 +198,8 @@ def add_touching(
 ) -> None:
     """Begin the rows of an island anew, with those at the shown state of every pair that was in contact lately.
 
-    A pair is never asked to recover more than it must: what is nearer than `stand_off` may stay there, so that standing still
-    obeys every row; only what is near to being refused is asked to part, and softly not even that."""
+    No row requires more than it must: a pair nearer than `stand_off` may stay there, so that standing still obeys every row; only
+    a pair that is nearly refused has to part, and if soft not even that."""
     touching, scratch_out.rows.used[0], scratch_out.rows.ready[0] = state_out.touching, 0, 0
     for k in range(touching.used[0]):
         a, b = touching.pair[k, 0], touching.pair[k, 1]
@@ -233,8 +233,7 @@ def touch(a: int, b: int, touching_out: Touching) -> None:
 
 @kernel
 def keep_touching(geo: Geometry, skel: Skeleton, avatars: Avatars, state_out: IkState, scratch: IkScratch) -> None:
-    """After a step of an island: pairs whose rows were active are in contact; those that were not for IDLE_STEPS are
-    forgotten."""
+    """Update the pairs in contact after an island's step: pairs with active rows are kept; those idle for IDLE_STEPS dropped."""
     t, rows = state_out.touching, scratch.rows
     for k in range(rows.used[0]):
         if rows.kind[k] == CONTACT and rows.multiplier[k] > 0.0:
@@ -259,8 +258,7 @@ INSIDE = 1e-4
 def check_limits(
     skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, is_adding: bool, scratch_out: IkScratch
 ) -> int:
-    """Number of balls of an avatar that the step takes beyond their limits; a row for each limit broken if rows are being
-    added."""
+    """Count the balls of an avatar that the step takes beyond their limits; add a row per limit broken if rows are added."""
     beyond = 0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         if skel.kind[link] == BALL and has_cone(skel, link):
@@ -278,7 +276,7 @@ def check_limits(
 def add_limit_rows(
     skel: Skeleton, avatar: int, link: int, turn: tuple[Vec3, Vec3, Vec3], scratch_out: IkScratch
 ) -> None:
-    """Rows that turn the ball of a link, at rotation `turn` at the trial, back inside what it breaks."""
+    """Add rows that turn the ball of a link, at rotation `turn` at the trial, back inside the limits that it breaks."""
     d = skel.first_dof[link]
     swing, twist, back = swing_and_twist(skel, link, turn)
     most = atan2(skel.cone[link, 7], skel.cone[link, 6])
@@ -301,7 +299,7 @@ def add_limit_rows(
 
 @kernel
 def way_back(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[float, Vec3]:
-    """Angle [rad] and unit axis (parent's axes) of the shortest turn that brings a limb into its polygon and swing cone."""
+    """Return the angle [rad] and unit axis (parent's axes) of the shortest turn of a limb into its polygon and swing cone."""
     allowed = nearest_in_reach(skel, link, limb, most)
     axis = cross(limb, allowed)
     sine = norm(axis)
@@ -312,7 +310,7 @@ def way_back(skel: Skeleton, link: int, limb: Vec3, most: float) -> tuple[float,
 
 @kernel
 def add_turn_row(avatar: int, d: int, direction: Vec3, missing: float, scratch_out: IkScratch) -> None:
-    """Append: the ball at degrees d .. d + 3 turns along `direction` (its axes at the trial) by at least `missing` from there."""
+    """Append the condition that the ball at degree d turn along `direction` (its axes at the trial) by at least `missing`."""
     r, step = scratch_out.rows, scratch_out.step
     k = r.used[0]
     if k == r.bound.shape[0]:

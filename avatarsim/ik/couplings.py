@@ -12,7 +12,7 @@ from avatarsim.tolerances import ROUNDING
 
 @kernel
 def has_entry(avatars: Avatars, j: int, i: int) -> bool:
-    """Return whether degree i stands on the path of degree j: the factor then has an entry of both, at depth[i]."""
+    """Return whether degree i is on the path of degree j: the factor then has an entry of both, at depth[i]."""
     return bool(avatars.depth[i] <= avatars.depth[j] and avatars.path[j, avatars.depth[i]] == i)
 
 
@@ -77,9 +77,9 @@ def fold_bounds(skel: Skeleton, first: int, end: int, scratch_out: IkScratch) ->
 
 @kernel
 def share_budget(skel: Skeleton, first: int, end: int, step_out: Array) -> None:
-    """Shorten a step (nd), whose followers' parts are what their own budgets leave, to what all joints of a coupling can go.
+    """Shorten a step (nd), whose followers' parts are within their own budgets, to a motion of all joints of a coupling.
 
-    What is no more than rounding is no budget's doing."""
+    Differences of rounding are not due to budgets."""
     for f in range(skel.follow.shape[0]):
         b, a, ratio = skel.follow[f, 0], skel.follow[f, 1], skel.ratio[f, 0]
         if first <= b < end and abs(ratio * step_out[a]) - abs(step_out[b]) > ROUNDING:

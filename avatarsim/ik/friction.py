@@ -1,6 +1,6 @@
 """Friction of links on fixed bodies: Coulomb's law with last step's normal force, as bounded rows of the QP.
 
-Two rows per contact ask that it does not slip, along its slip and across. Their multipliers are bounded by
+Two rows per contact keep it from slipping, along its slip and across. Their multipliers are bounded by
 
     |lambda_t| <= min(mu exp(-(v / v_s)^2) lambda_n, D / g)
 

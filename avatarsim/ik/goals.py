@@ -1,9 +1,9 @@
 """Postures for goals of links: damped least squares within joint limits.
 
-Wampler 1986; Buss 2004; damped by the error, Sugihara 2011. Goals of several links are one stacked system. After a round
-each joint is projected into its limits. Steps in the direction of what its limits took away then cost more in later rounds, so
-that the rest of the chain does what the joint cannot do (weighted least norm, Chan and Dubey 1995). The cost is a continuous
-function of the share that was taken away: a projection that changes a turn by its rounding alone stops no joint.
+Wampler 1986; Buss 2004; damped by the error, Sugihara 2011. Goals of several links are one stacked system. After a round each
+joint is projected into its limits. Steps in the direction that its limits took away then cost more in later rounds, so that the
+rest of the chain makes up for the joint (weighted least norm, Chan and Dubey 1995). The cost is a continuous function of the
+share that was taken away: a projection that changes a turn by its rounding alone stops no joint.
 
 No obstacles are known here, and free roots stay: the posture found is a target, which `ik/solve.py` follows.
 """
@@ -33,7 +33,7 @@ STALLED = 0.95
 """Share of the error before a round above which that round did not help: limits, or the length of the limb, stop it."""
 
 SPENT = 1e-3
-"""Share of what joints may turn in a call below which nothing is left of it."""
+"""Share of the turn that joints may make in a call, below which nothing is left of it."""
 
 STEEPEST = 0.6
 """[rad] largest turn of a joint in a round: the linear model of a turn is off by 6 % there."""
@@ -65,7 +65,7 @@ class GoalScratch(NamedTuple):
     still (nd) zeros; poses and axes (nd, 3) of the posture; begun (nl, 3, 3) turns at the beginning of a call; error (6 n) [m];
     jacobian (6 n, nd); factor (6 n, 6 n); step (nd) [rad, m]
     mobility (nd, 3) how freely a degree moves: of a ball the rows of a symmetric matrix in the link's axes, of others the first
-    number, in levers for slides; 0 for what stays. The caller sets it before each call."""
+    number, in levers for slides; 0 for degrees that stay. The caller sets it before each call."""
 
     still: Line
     poses: Poses
@@ -120,7 +120,7 @@ def approach(
         close: error [m] below which the goals are reached, turns counted by the lever.
 
     Returns:
-        Whether it came to a place from where more of the same would not help: the goals are out of reach.
+        Whether it came to a place from where further rounds would not help: the goals are out of reach.
     """
     s, left, before = scratch_out, most, inf
     for link in range(skel.kind.shape[0]):
@@ -135,7 +135,7 @@ def approach(
         before = size
         find_step(skel, 0.5 * size * size + DAMPING * lever * lever, s)
         shorten(skel, lever, min(left, STEEPEST), s)
-        # what a limit takes away is not spent
+        # motion that a limit takes away is not spent
         left -= take_within_limits(skel, lever, posture_out, s)
         if left <= SPENT * most:
             hold_back(skel, most, posture_out, s)
@@ -145,8 +145,8 @@ def approach(
 
 @kernel
 def linearise(skel: Skeleton, goals: Goals, lever: float, scratch_out: GoalScratch) -> float:
-    """Write what is missing at the present poses, each goal's part no longer than two levers and a radian, and how mobile degrees
-    change it; return the length of the error [m]."""
+    """Write the error at the present poses, each goal's part no longer than two levers and a radian, and its derivative by mobile
+    degrees; return its length [m]."""
     s, square = scratch_out, 0.0
     s.error[:] = 0.0
     s.jacobian[:, :] = 0.0
@@ -270,15 +270,14 @@ def allowed(skel: Skeleton, link: int, turn: Columns) -> Columns:
 
 @kernel
 def stopped(lost: float, asked: float) -> float:
-    """Return the share, 0 to 1, to which a joint is stopped whose limits took `lost` of the turn `asked` [rad]; continuous in
+    """Return the share, 0 to 1, to which a joint is stopped if limits took `lost` of the turn `asked` [rad]; continuous in
     both."""
     return min(lost / max(STOPPED * asked, ROUGH), 1.0)
 
 
 @kernel
 def stiffen(mobility_out: Vectors, d: int, direction: Vec3, share: float) -> None:
-    """Add a cost of turns along `direction` to the mobility of the ball with degrees d .. d + 2: a rank-one update of its
-    inverse."""
+    """Add a cost of turns along `direction` to the mobility of the ball at degree d: a rank-one update of its inverse."""
     length = norm(direction)
     if not length > 0.0:
         return
@@ -291,7 +290,7 @@ def stiffen(mobility_out: Vectors, d: int, direction: Vec3, share: float) -> Non
 
 @kernel
 def hold_back(skel: Skeleton, most: float, posture_out: Posture, scratch: GoalScratch) -> None:
-    """Take back what balls have turned beyond `most` [rad] in a call, which a projection into limits may add."""
+    """Undo turns of balls beyond `most` [rad] in a call, which a projection into limits may add."""
     for link in range(skel.kind.shape[0]):
         if skel.kind[link] == BALL:
             begun = columns(scratch.begun, link)

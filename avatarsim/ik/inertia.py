@@ -1,7 +1,7 @@
 """Inertia of the shown posture: an implicit, critically damped spring to the target, in the metric of the objective.
 
-With u what the last frame moved beyond the target's own motion, p the Newton step, dq* the target's own motion and w = omega dt,
-a frame is to move by
+With u the last frame's motion beyond the target's own, p the Newton step, dq* the target's own motion and w = omega dt, a frame
+is to move by
 
     dq* + u / (1 + w)^2 + (w / (1 + w))^2 (p - dq*)
 
@@ -25,7 +25,7 @@ from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import dot, norm, row, sub
 
 SETTLING = 5.0
-"""Time constants 1 / omega after which a critically damped spring has come within 4 % of where it goes."""
+"""Time constants 1 / omega after which a critically damped spring has come within 4 % of its end."""
 
 
 @kernel

@@ -22,7 +22,7 @@ from avatarsim.spatial.vec3 import Rows, Vec3, row, sub
 def carry_avatar(
     skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, step: Array, poses_out: Poses, axes_out: Rows
 ) -> None:
-    """Positions and rotations of the links of an avatar at `posture` displaced by `step` (nd), and axes (nd, 3); no shapes."""
+    """Compute positions and rotations of an avatar's links at `posture` displaced by `step` (nd), and axes (nd, 3); no shapes."""
     first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
     carry_links(skel, first, end, posture, step, poses_out, axes_out)
 
@@ -38,7 +38,7 @@ def place_avatar(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, p
 def try_step(
     geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, scratch_out: IkScratch
 ) -> None:
-    """The trial: an avatar displaced by the step, shapes and all."""
+    """Set the trial: an avatar displaced by the step, shapes and all."""
     s = scratch_out
     carry_avatar(skel, avatars, avatar, posture, s.step, s.trial, s.axes)
     place_avatar(geo, skel, avatars, avatar, s.trial)
@@ -47,8 +47,8 @@ def try_step(
 
 @kernel
 def take_step(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, posture_out: Posture) -> None:
-    """Make posture + step the posture; hinges and slides end within their limits, and followers where their leaders
-    have them, to the bit."""
+    """Make posture + step the posture; hinges and slides end within limits, followers to the bit where their leaders have
+    them."""
     first, end = avatars.first_link[avatar], avatars.first_link[avatar + 1]
     displace_links(skel, first, end, posture_out, step)
     for link in range(first, end):
@@ -60,7 +60,7 @@ def take_step(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, postur
 
 @kernel
 def tangent_error(skel: Skeleton, avatars: Avatars, avatar: int, start: Posture, end: Posture, error_out: Array) -> None:
-    """The difference (nd) of two postures in the tangent space of the first."""
+    """Compute the difference (nd) of two postures in the tangent space of the first."""
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:
@@ -82,8 +82,7 @@ def put(values_out: Array, first: int, v: Vec3) -> None:
 
 @kernel
 def parts_of(skel: Skeleton, link: int, step: Array) -> tuple[float, float]:
-    """How far a root or a slide moves [m] and how far a joint turns [rad] by a step (nd), hinges of one joint
-    together."""
+    """Return how far a root or a slide moves [m] and a joint turns [rad] by a step (nd), hinges of one joint together."""
     d, moved, turned_by = skel.first_dof[link], 0.0, 0.0
     if skel.kind[link] == FREE:
         moved = (step[d] * step[d] + step[d + 1] * step[d + 1] + step[d + 2] * step[d + 2]) ** 0.5
@@ -97,8 +96,7 @@ def parts_of(skel: Skeleton, link: int, step: Array) -> tuple[float, float]:
 
 @kernel
 def longest_part(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, move: float, turn: float) -> float:
-    """The largest part of a step (nd) of an avatar: of roots and slides in units of `move` [m], of joints in units of `turn`
-    [rad]."""
+    """Return the largest part of an avatar's step (nd): of roots and slides in units of `move` [m], of joints of `turn` [rad]."""
     longest = 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, step)

@@ -35,22 +35,22 @@ from avatarsim.model.skeleton import FREE, SLIDE, Posture, Skeleton
 
 
 def zeros(*shape: int) -> Array:
-    """An array of zeros."""
+    """Return an array of zeros."""
     return np.zeros(shape)
 
 
 def indices(*shape: int) -> Index:
-    """An array of integers."""
+    """Return an array of integers."""
     return np.zeros(shape, dtype=np.int64)
 
 
 def empty_posture(nl: int, nd: int) -> Posture:
-    """A posture of zeros."""
+    """Return a posture of zeros."""
     return Posture(np.zeros((nl, 3)), np.tile(np.eye(3), (nl, 1, 1)), np.zeros(nd))
 
 
 def reaches(geo: Geometry, skel: Skeleton, poses: Poses) -> Array:
-    """How far (nl) [m] each link reaches from its joint; NaN where it has no shape."""
+    """Return how far (nl) [m] each link reaches from its joint; NaN where it has no shape."""
     found = np.full(len(skel.kind), np.nan)
     for link in range(len(skel.kind)):
         b = skel.first + link
@@ -62,12 +62,12 @@ def reaches(geo: Geometry, skel: Skeleton, poses: Poses) -> Array:
 
 FINGER_WEIGHT = 1e-3
 """Weight of a sliding finger in the objective, as a share of any other link's. Larger: a finger that is blocked pulls its arm
-aside; smaller: how far a blocked finger is from its target counts for nothing beside rounding of the arm."""
+aside; smaller: the distance of a blocked finger from its target vanishes in the rounding of the arm."""
 
 
 def finger_links(skel: Skeleton) -> NDArray[np.bool_]:
-    """Mark (nl) the fingers of grippers, with what is rigid with them: slides that carry no joint and that another such slide is
-    beside, on the same link that moves. A slide alone is an axis of an arm, as that of a SCARA."""
+    """Mark (nl) the fingers of grippers, with links rigid with them: slides that carry no joint and have another such slide on
+    the same moving link. A slide alone is an axis of an arm, as that of a SCARA."""
     nl = len(skel.kind)
     movers = np.diff(skel.first_dof) > 0
     carrier = np.full(nl, -1)
@@ -82,7 +82,7 @@ def finger_links(skel: Skeleton) -> NDArray[np.bool_]:
 def make_avatars(
     geo: Geometry, skel: Skeleton, poses: Poses, friction: tuple[NDArray[np.int64], Array] | None = None
 ) -> tuple[Avatars, Array]:
-    """Return what never changes of the avatars, and the mean reach (na) [m] of their links, 1 where no link has a shape.
+    """Return the constants of the avatars, and the mean reach (na) [m] of their links, 1 where no link has a shape.
 
     `friction`: materials (nb) and coefficients (nm, nm) as of `World.link_friction`; without it there is none."""
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
@@ -107,7 +107,7 @@ def make_avatars(
     for link in np.flatnonzero(skel.kind == FREE):
         weight[skel.first_dof[link] : skel.first_dof[link] + 3] = 0.0
     for link in np.flatnonzero(skel.kind == SLIDE):
-        # a metre counts as a metre: only radians are turned into metres by the reach
+        # a metre counts as a metre: only radians are converted to metres by the reach
         weight[skel.first_dof[link]] /= reach[avatar[link]] ** 2
     shares = np.where(finger_links(skel), FINGER_WEIGHT, 1.0)
     weight *= shares[joint_of]
@@ -118,7 +118,7 @@ def make_avatars(
 
 
 def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, axes: Array, posture: Posture) -> IkState:
-    """The state of avatars that have stood still at `posture` so far, with axes (nd, 3) there."""
+    """Return the state of avatars that have been at rest at `posture` so far, with axes (nd, 3) there."""
     nl, na = len(skel.kind), len(reach)
     driven = len(geo.body) - int(geo.first_shape[skel.first])
     tracking = np.zeros(na, TRACKING).view(Tracking)
@@ -138,7 +138,7 @@ def make_state(geo: Geometry, skel: Skeleton, avatars: Avatars, reach: Array, ax
 
 
 def make_objective(avatars: Avatars, nl: int, nd: int) -> Objective:
-    """Room for the model of a step."""
+    """Return room for the model of a step."""
     return Objective(
         zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3), zeros(nd), zeros(nd), zeros(nl), zeros(nl), zeros(nl, 3), zeros(nl, 3),
         zeros(nl, 3), zeros(nl, 3, 3), zeros(nl, 3, 3), zeros(nd, 6), zeros(*avatars.path.shape), zeros(nd),
@@ -146,7 +146,7 @@ def make_objective(avatars: Avatars, nl: int, nd: int) -> Objective:
 
 
 def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
-    """Room for the rows of a step."""
+    """Return room for the rows of a step."""
     m = min(ROWS_PER_AVATAR * (len(avatars.first_link) - 1), ROWS_MOST)
     return ConstraintRows(
         indices(1), indices(1), indices(m), indices(m, 2), indices(m, 2), zeros(m, nd), zeros(m, nd), zeros(m), zeros(m),
@@ -156,7 +156,7 @@ def make_rows(avatars: Avatars, nd: int) -> ConstraintRows:
 
 
 def make_working(geo: Geometry, skel: Skeleton, avatars: Avatars, poses: Poses, kept: int) -> IkScratch:
-    """Working memory, with room for the poses of `kept` steps of a frame."""
+    """Return working memory, with room for the poses of `kept` steps of a frame."""
     nl, nd, na = len(skel.kind), int(skel.first_dof[-1]), len(avatars.first_link) - 1
     return IkScratch(
         empty_posture(nl, nd), Poses(*(array.copy() for array in poses)), zeros(nd, 3), poses.boxes.copy(), poses.hulls.copy(),
@@ -181,7 +181,7 @@ def make_solver(
     geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, kept: int = 0,
     friction: tuple[NDArray[np.int64], Array] | None = None,
 ) -> tuple[Avatars, IkState, IkScratch]:
-    """Everything the solver needs for a world at its first posture."""
+    """Return all that the solver needs for a world at its first posture."""
     nd = int(skel.first_dof[-1])
     axes, own = zeros(nd, 3), spans(skel)
     for a in range(len(own.first_link) - 1):

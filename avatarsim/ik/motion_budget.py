@@ -1,8 +1,8 @@
-"""Motion budget: how far joints and roots may move in a frame, beyond what the target itself moves.
+"""Motion budget: how far joints and roots may move in a frame, beyond the motion of the target itself.
 
-A rate limit (slew rate): what the target moved in this frame plus a catch-up speed times the frame time. A person sees a limb
-that turns faster than the own one as a jump. The catch-up speed falls with the target's own, low-passed: at a target that holds
-still no limb wanders; what converges at all has then long arrived.
+A rate limit (slew rate): the target's motion in this frame plus a catch-up speed times the frame time. A person sees a limb that
+turns faster than the own one as a jump. The catch-up speed falls with the target's own, low-passed: at a target at rest no limb
+wanders; a limb that converges at all has then long arrived.
 """
 
 from math import inf
@@ -17,12 +17,12 @@ from avatarsim.settings import PostureSettings
 
 AT_REST = 0.06
 """[rad/s or m/s] a target that is slower holds still, and the catch-up speed falls in proportion; an avatar that is slower and on
-its straight way ends at its target. A millimetre in a frame of 1/60 s, what a hand that is held still trembles."""
+its straight way ends at its target. A millimetre in a frame of 1/60 s, the tremble of a hand that is kept still."""
 
 
 SLACK = 0.15
 """Share of the catch-up motion by which a ball or a root may leave its budget in a QP before a plane cuts that off: each is one
-more solve. What still exceeds it is shortened at the end."""
+more solve. A step that still exceeds it is shortened at the end."""
 
 
 @kernel
@@ -32,8 +32,8 @@ def open_budget(
 ) -> None:
     """Fill an avatar's budget; speed [rad/s or m/s] is the low-passed one of the fastest target.
 
-    own, clipped (nd) are the motions of the tracker and of the clipped target in this frame. Joints of the latter are shortened
-    to what those of the tracker turn: beyond a cone a small turn of the tracker may send the clipped target around it."""
+    own, clipped (nd) are the motions of the tracker and of the clipped target in this frame. Joints of the latter turn no farther
+    than those of the tracker: beyond a cone a small turn of the tracker may send the clipped target around it."""
     b, share = budget_out, min(1.0, speed / AT_REST) * dt
     b.slack[0], b.slack[1] = SLACK * settings.catch_up_move * dt, SLACK * settings.catch_up_turn * dt
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
@@ -52,7 +52,7 @@ def open_budget(
 def bound_step(
     skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, budget: Budget, scratch_out: IkScratch
 ) -> None:
-    """Bounds low, high (nd) of a step: what is left of the budget, and the limits of hinges and slides."""
+    """Compute bounds low, high (nd) of a step: the rest of the budget, and the limits of hinges and slides."""
     low, high = scratch_out.low, scratch_out.high
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
@@ -87,8 +87,7 @@ def spend(skel: Skeleton, avatars: Avatars, avatar: int, step: Array, budget_out
 def keep_budget(
     skel: Skeleton, avatars: Avatars, avatar: int, budget: Budget, has_slack: bool, step_out: Array
 ) -> None:
-    """Shorten a step (nd) to what is left of the budget, or to its slack beyond: root and joints each by a factor of their
-    own."""
+    """Shorten a step (nd) to the rest of the budget, or to its slack beyond: root and joints each by a factor of their own."""
     b, slack = budget, 1.0 if has_slack else 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, step_out)
@@ -104,7 +103,7 @@ def keep_budget(
 
 @kernel
 def share_of(left: float, wanted: float) -> float:
-    """The share of what is wanted that is left."""
+    """Return the share of the wanted motion that is left."""
     return 1.0 if wanted <= max(left, 0.0) else max(left, 0.0) / wanted
 
 
@@ -118,13 +117,13 @@ def scale_by(first: int, last: int, factor: float, step_out: Array) -> None:
 
 @kernel
 def time_of(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
-    """Time [s] that the catch-up speeds take for a way (nd)."""
+    """Return the time [s] that the catch-up speeds take for a way (nd)."""
     return longest_part(skel, avatars, avatar, way, settings.catch_up_move, settings.catch_up_turn)
 
 
 @kernel
 def budgets_of(skel: Skeleton, avatars: Avatars, avatar: int, way: Array, budget: Budget) -> float:
-    """How many budgets of a frame a way (nd) is long: of the joint or root of which it is most."""
+    """Return how many budgets of a frame a way (nd) is long: of the joint or root of which it is most."""
     most = 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         moved, turned = parts_of(skel, link, way)

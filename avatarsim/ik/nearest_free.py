@@ -84,7 +84,7 @@ class FreeSearch(NamedTuple):
 
 
 def make_free_search(world: World, weights: Array) -> FreeSearch:
-    """Memory for searches in a world; `weights` (na): what moving each avatar costs beside the others."""
+    """Return memory for searches in a world; `weights` (na): cost of moving each avatar relative to the others."""
     geo, skel = world.geometry, world.skeleton
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
     avatars, reach = make_avatars(geo, skel, world.poses)
@@ -99,7 +99,7 @@ def make_free_search(world: World, weights: Array) -> FreeSearch:
 
 @kernel
 def place_solved(geo: Geometry, skel: Skeleton, posture: Posture, poses_out: Poses, search_out: FreeSearch) -> None:
-    """Poses of all avatars that are solved for at a posture, and axes of their degrees."""
+    """Compute poses of all avatars that are solved for at a posture, and axes of their degrees."""
     for avatar in range(search_out.avatars.first_link.shape[0] - 1):
         search_out.scratch.is_active[avatar] = search_out.is_solved[avatar]
         if search_out.is_solved[avatar] > 0:
@@ -129,7 +129,7 @@ def is_looked_at(geo: Geometry, skel: Skeleton, search: FreeSearch, b: int, othe
 def add_rows(
     geo: Geometry, skel: Skeleton, poses: Poses, margin: float, is_strict: bool, within: float, search_out: FreeSearch
 ) -> float:
-    """Begin the rows anew, with one for each pair at most `within` [m] apart; the least gap [m], beyond what each pair needs."""
+    """Begin the rows anew, one per pair at most `within` [m] apart; return the least gap [m], beyond the need of its pair."""
     s, avatars, worst = search_out.scratch, search_out.avatars, inf
     s.rows.used[0], s.rows.ready[0] = 0, 0
     for b in range(skel.first, poses.position.shape[0]):
@@ -149,7 +149,7 @@ def add_rows(
 def gap_of(
     geo: Geometry, poses: Poses, a: int, b: int, within: float, scratch: IkScratch
 ) -> tuple[float, Vec3, Vec3, Vec3]:
-    """Gap [m] of two pieces beyond the depth that they may have, -inf if it is not known, with normal and points as
+    """Return the gap [m] of two pieces beyond the depth that they may have, -inf if it is not known, with normal and points as
     `signed_distance_up_to`."""
     scratch.counts[QUERIES] += 1
     status, gap, n, on_a, on_b = signed_distance_up_to(poses.vertices, geo.shapes, a, b, (0.0, 0.0, 0.0), within, scratch.narrow)
@@ -160,7 +160,7 @@ def gap_of(
 
 @kernel
 def excess_of(geo: Geometry, a: int, b: int, gap: float, margin: float, is_strict: bool) -> float:
-    """By how much [m] a gap is more than two pieces need."""
+    """Return by how much [m] a gap is more than two pieces need."""
     if is_strict and allowed_depth(geo, a, b) == 0.0:
         return gap - margin
     return gap + NOTHING
@@ -178,8 +178,8 @@ def is_alone(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int) -> boo
 
 @kernel
 def pushed_at(geo: Geometry, skel: Skeleton, avatars: Avatars, piece: int, gap: float, point: Vec3, poses: Poses) -> Vec3:
-    """The point at which a piece is pushed: of a deep overlap the origin of a free link without others, which is then not turned,
-    since the depth is that of a translation."""
+    """Return the point at which a piece is pushed: of a deep overlap the origin of a free link without others, which is then not
+    turned, since the depth is that of a translation."""
     if gap < -FACE and is_alone(geo, skel, avatars, piece):
         return row(poses.position, geo.body[piece])
     return point
@@ -190,9 +190,9 @@ def add_row(
     geo: Geometry, skel: Skeleton, poses: Poses, a: int, b: int, margin: float, is_strict: bool, within: float,
     search_out: FreeSearch,
 ) -> float:
-    """Rows of pieces a and b, if they are near; by how much [m] their gap is more than they need.
+    """Add rows of pieces a and b, if they are near; return by how much [m] their gap is more than they need.
 
-    A pair that touches without overlap is asked for no more than that, unless the margin is strict: what rests, rests."""
+    A pair that touches without overlap needs no more than that, unless the margin is strict: resting bodies stay at rest."""
     s, allowed = search_out.scratch, allowed_depth(geo, a, b)
     gap, n, on_a, on_b = gap_of(geo, poses, a, b, within, s)
     if -inf < gap <= within + allowed:
@@ -204,7 +204,7 @@ def add_row(
         points.gap[0] = gap - allowed
         put_row(points.on_a, 0, pushed_at(geo, skel, search_out.avatars, a, gap, on_a, poses))
         put_row(points.on_b, 0, pushed_at(geo, skel, search_out.avatars, b, gap, on_b, poses))
-        # links of a tree are turned by what carries them, and have many rows as it is
+        # links of a tree are turned by their carriers, and have many rows as it is
         if -FACE <= gap <= FACE and (is_alone(geo, skel, search_out.avatars, a) or is_alone(geo, skel, search_out.avatars, b)):
             count, n = manifold(poses.vertices, geo.shapes, a, b, n, on_a, on_b, gap - allowed, FACE, points)
         for k in range(count):
@@ -218,7 +218,7 @@ def add_row(
 
 @kernel
 def value_at(skel: Skeleton, posture: Posture, poses: Poses, search_out: FreeSearch) -> float:
-    """The objective f of all avatars that are solved for, at a posture whose poses are at hand."""
+    """Return the objective f of all avatars that are solved for, at a posture whose poses are at hand."""
     total, s, state = 0.0, search_out.scratch, search_out.state
     for avatar in range(search_out.avatars.first_link.shape[0] - 1):
         if search_out.is_solved[avatar] > 0:
@@ -231,7 +231,7 @@ def value_at(skel: Skeleton, posture: Posture, poses: Poses, search_out: FreeSea
 
 @kernel
 def solve_step(geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, pull: float, search_out: FreeSearch) -> float:
-    """The QP's step from a posture, with `pull` as the share of the way to the target that is asked for; its largest part."""
+    """Solve for the QP's step from a posture, with `pull` as the share of the way to the target; return its largest part."""
     s, state, avatars, count = search_out.scratch, search_out.state, search_out.avatars, 0
     for avatar in range(avatars.first_link.shape[0] - 1):
         if s.is_active[avatar] == 0:
@@ -278,7 +278,7 @@ def copy_solved(skel: Skeleton, posture: Posture, posture_out: Posture, search: 
 def is_better(
     geo: Geometry, skel: Skeleton, posture: Posture, poses: Poses, worst: float, least: float, search_out: FreeSearch
 ) -> float:
-    """The least f of a free posture so far; where this one is free and has less, it is kept as the best."""
+    """Return the least f of a free posture so far; if this one is free and has less, it is kept as the best."""
     if not (worst >= 0.0):
         return least
     value = value_at(skel, posture, poses, search_out)
@@ -293,7 +293,7 @@ def restore(
     geo: Geometry, skel: Skeleton, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, most: float,
     search_out: FreeSearch,
 ) -> float:
-    """Whole steps until the posture is free and settled; the least f of the free postures on the way, infinite without any."""
+    """Take whole steps until the posture is free and settled; return the least f of free postures on the way, else infinity."""
     pull, within, dropped, least = 1.0, NEAR, search_out.scratch.counts[DROPPED], inf
     for k in range(RESTORING):
         place_solved(geo, skel, posture_out, poses_out, search_out)
@@ -317,7 +317,7 @@ def descend(
     geo: Geometry, skel: Skeleton, margin: float, is_strict: bool, posture_out: Posture, poses_out: Poses, least: float,
     search_out: FreeSearch,
 ) -> float:
-    """From the best posture, which is free, to one with less f by steps that keep it free; the f that is reached."""
+    """Descend from the best posture, which is free, to one with less f by steps that keep it free; return the f reached."""
     for _ in range(DESCENDING):
         copy_solved(skel, search_out.best, posture_out, search_out)
         place_solved(geo, skel, posture_out, poses_out, search_out)
@@ -343,7 +343,7 @@ def descend(
 
 @entry_kernel
 def aim(world: Index, search: Index) -> None:
-    """The posture of the world, where all avatars are placed, becomes the target of the search."""
+    """Make the posture of the world, where all avatars are placed, the target of the search."""
     w, own = opened(world, WorldParts), opened(search, FreeSearch)
     budget = own.state.budget
     budget.move[:], budget.turn[:], budget.moved[:], budget.turned[:] = FARTHEST_STEP, FARTHEST_STEP, 0.0, 0.0
@@ -385,15 +385,15 @@ def is_free_at(world: Index, search: Index, margin: float, is_strict: bool) -> b
 
 @entry_kernel
 def value_of_posture(world: Index, search: Index) -> float:
-    """The f of the posture of the world, whose poses are at hand."""
+    """Return the f of the posture of the world, whose poses are at hand."""
     w, own = opened(world, WorldParts), opened(search, FreeSearch)
     return value_at(w.skeleton, w.posture, w.poses, own)
 
 
 @entry_kernel
 def search_from(world: Index, search: Index, margin: float, is_strict: bool, most: float) -> tuple[float, int]:
-    """The f of the free posture that is found from the posture of the world, and left in `best`; infinite where none is with less
-    than about `most`. And the work, in units of about a microsecond, counted so that results repeat."""
+    """Return the f of the free posture that is found from the posture of the world, and left in `best`; infinite where none is
+    with less than about `most`. And the work, in units of about a microsecond, counted so that results repeat."""
     w, own = opened(world, WorldParts), opened(search, FreeSearch)
     own.scratch.counts[:] = 0
     least = restore(w.geometry, w.skeleton, margin, is_strict, w.posture, w.poses, most, own)

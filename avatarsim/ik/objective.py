@@ -5,8 +5,8 @@
 To first order its rates are those of a tree of point masses v_i min(1, d / r) at the link origins whose joints have a rotor of
 w_j each, so its Gauss-Newton matrix is that tree's mass matrix: composite masses (Walker and Orin 1982) and a factor M = L^T L
 without fill-in (Featherstone 2008, chapter 6). A link that carries a force F at b from its origin bends the Lagrangian by
-(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of |F| |b| bounds from above. A slide by s in what turns by w
-adds 2 F . (w x a) s, at most |F| (L |w|^2 + s^2 / L): an inertia and a mass, L the mean reach. See docs/posture.md.
+(F . b) |w|^2 - (F . w) (b . w) when it turns by w, which an inertia of |F| |b| bounds from above. A slide by s in a frame that
+turns by w adds 2 F . (w x a) s, at most |F| (L |w|^2 + s^2 / L): an inertia and a mass, L the mean reach. See docs/posture.md.
 """
 
 from math import sqrt
@@ -30,7 +30,7 @@ stretch to the target and angles are lost; smaller: origins are farther from the
 def locate(
     skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, tracking_out: Tracking, objective_out: Objective
 ) -> None:
-    """Origins and rotations of the links at the tracker's posture, once a frame: forward kinematics without shapes."""
+    """Compute origins and rotations of the links at the tracker's posture, once a frame: forward kinematics without shapes."""
     if tracking_out.is_located[avatar] > 0:
         return
     tracking_out.is_located[avatar], target = 1, tracker
@@ -70,7 +70,7 @@ def draw_near(
     than one that is near: limbs do not stretch after it."""
     c, first = objective_out, avatars.first_link[avatar]
     way = sub(row(c.origin, first), row(poses.position, skel.first + first))
-    # what the target has just moved is followed in full
+    # the target's latest motion is followed in full
     moved, _ = parts_of(skel, first, c.own)
     far, d = norm(way), LOSS_RADIUS * state.tracking.reach[avatar] + moved
     share = 1.0 - d / far if far > d else 0.0
@@ -82,7 +82,7 @@ def draw_near(
 def value_of(
     skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective: Objective
 ) -> tuple[float, float]:
-    """f [m^2] of an avatar at `poses`, whose tangent error is at hand; and the distance [m] of the farthest origin."""
+    """Return f [m^2] of an avatar at `poses`, whose tangent error is at hand; and the distance [m] of the farthest origin."""
     total, far, d = 0.0, 0.0, LOSS_RADIUS * state.tracking.reach[avatar]
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         r = norm(sub(row(objective.origin, link), row(poses.position, skel.first + link)))
@@ -97,7 +97,7 @@ def value_of(
 def model(
     skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective_out: Objective
 ) -> None:
-    """Gradient and factored metric of an avatar at `poses`, and the step `newton` (nd) to the least of the model.
+    """Compute gradient and factored metric of an avatar at `poses`, and the step `newton` (nd) to the least of the model.
 
     The gradient alone decides where f is least; the metric only how the way there is shared out, and that it does not
     overshoot."""
@@ -117,15 +117,14 @@ def model(
 
 @kernel
 def stretch(force: Vec3, arm: Vec3) -> float:
-    """The inertia [m^2] that bounds from above how a force at `arm` from a link's origin bends the Lagrangian when the link
-    turns."""
+    """Return the inertia [m^2] that bounds how a force at `arm` from a link's origin bends the Lagrangian when the link turns."""
     return norm(force) * norm(arm)
 
 
 @kernel
 def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses: Poses, objective_out: Objective) -> None:
-    """Of each link with all it carries, about its own origin: weight of origins, their first and second moments, the sum of their
-    weighted ways to the target and the moments of these, contact forces, and the inertia that these and the pulls add."""
+    """Sum up for each link with all it carries, about its own origin: weight of origins, their first and second moments, the sum
+    of their weighted ways to the target and its moments, contact forces, and the inertia that these and the pulls add."""
     c, d = objective_out, LOSS_RADIUS * state.tracking.reach[avatar]
     low, high, bodies = avatars.first_link[avatar], avatars.first_link[avatar + 1], skel.first
     for link in range(low, high):
@@ -161,7 +160,7 @@ def gather(skel: Skeleton, avatars: Avatars, avatar: int, state: IkState, poses:
 
 @kernel
 def fall(skel: Skeleton, avatars: Avatars, avatar: int, axes: Rows, objective_out: Objective) -> None:
-    """How fast f falls with each degree of freedom, minus its gradient, into newton (nd)."""
+    """Write how fast f falls with each degree of freedom, minus its gradient, into newton (nd)."""
     c, b = objective_out, objective_out.twist
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         d, last = skel.first_dof[link], skel.first_dof[link + 1]
@@ -179,7 +178,7 @@ def fall(skel: Skeleton, avatars: Avatars, avatar: int, axes: Rows, objective_ou
 
 @kernel
 def note_motions(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axes: Rows, objective_out: Objective) -> None:
-    """Of each degree of freedom the motion of its tree: its turning, and the velocity of the place where the root is."""
+    """Write the motion of the tree by each degree of freedom: its turning, and the velocity of the place where the root is."""
     motion, root = objective_out.motion, avatars.first_link[avatar]
     for link in range(root, avatars.first_link[avatar + 1]):
         d = skel.first_dof[link]
@@ -197,7 +196,7 @@ def note_motions(skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, ax
 def fill_metric(
     skel: Skeleton, avatars: Avatars, avatar: int, poses: Poses, axes: Rows, reach: float, objective_out: Objective
 ) -> None:
-    """The metric M before it is factored: a row per degree, from what its motion asks of the masses that it carries."""
+    """Fill the metric M before it is factored: a row per degree, from its motion and the masses that it carries."""
     c, t, root = objective_out, objective_out.second, avatars.first_link[avatar]
     path, depth, factor, motion = avatars.path, avatars.depth, objective_out.factor, objective_out.motion
     for link in range(root, avatars.first_link[avatar + 1]):
@@ -230,7 +229,7 @@ def fill_metric(
 
 @kernel
 def decompose(avatars: Avatars, first: int, last: int, factor_out: Array) -> None:
-    """M = L^T L in place, from the leaves to the roots: entries exist only between a degree and those that carry it."""
+    """Factor M = L^T L in place, from the leaves to the roots: entries exist only between a degree and those that carry it."""
     f, path, depth = factor_out, avatars.path, avatars.depth
     for k in range(last - 1, first - 1, -1):
         deep = depth[k]

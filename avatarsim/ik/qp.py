@@ -8,8 +8,8 @@ Bounds join as unit rows only when they are violated, since most of them never a
 Active set of a least-distance problem: non-negative least squares on the Gram matrix of the active rows (Lawson and Hanson
 1974, chapter 23), from where projected Gauss-Seidel has come.
 
-Sweeps find at once which of few rows press. Where several all but say the same, as the corners of a foot on the floor do, they
-come no nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
+Sweeps find at once which of few rows press. Where several nearly coincide, as those of the corners of a foot on the floor do,
+they come no nearer for dozens of sweeps; a step that breaks its rows is then refused, and the limb is shown behind.
 """
 
 from math import sqrt
@@ -24,8 +24,8 @@ from avatarsim.model.skeleton import FREE, Skeleton
 from avatarsim.tolerances import JUDGED, NOTHING, REGULAR
 
 CHANGES = 24
-"""Rows that come or go at most; what is reached then is as good as more sweeps would be. Fewer: more answers come of sweeps
-alone, which break rows; more: steps in crowds take longer."""
+"""Rows that come or go at most; the result is then as good as of more sweeps. Fewer: more answers come of sweeps alone, which
+break rows; more: steps in crowds take longer."""
 
 MET = 1e-3
 """Share of the sweeps' tolerance by which a condition may stay broken. Larger: the certificate sees it; smaller: rounding makes
@@ -34,7 +34,7 @@ rows come and go."""
 
 @kernel
 def finish(tolerance: float, rows_out: ConstraintRows) -> bool:
-    """From the present multipliers to those of the solution; if it does not get there they are left as they were."""
+    """Solve for the multipliers from the present ones; if the active set is not found they are left as they were."""
     r = rows_out
     for k in range(r.used[0]):
         r.before[k] = r.multiplier[k]
@@ -47,7 +47,7 @@ def finish(tolerance: float, rows_out: ConstraintRows) -> bool:
 
 @kernel
 def find_active(tolerance: float, rows_out: ConstraintRows) -> bool:
-    """The same, but that multipliers and residuals are anywhere if it does not get there."""
+    """Solve for the active set; if it is not found, multipliers and residuals are arbitrary."""
     r, size, done = rows_out, 0, 0
     for k in range(r.used[0]):
         if r.least[k] < r.multiplier[k] < r.most[k]:
@@ -94,7 +94,7 @@ def find_active(tolerance: float, rows_out: ConstraintRows) -> bool:
 
 @kernel
 def change_multipliers(size: int, share: float, rows_out: ConstraintRows) -> None:
-    """Go a share of the change, and bring the residuals of all rows up to date."""
+    """Apply a share of the change, and bring the residuals of all rows up to date."""
     r = rows_out
     for i in range(size):
         k, step = r.active[i], share * r.change[i]
@@ -105,7 +105,7 @@ def change_multipliers(size: int, share: float, rows_out: ConstraintRows) -> Non
 
 @kernel
 def extend(done: int, size: int, rows_out: ConstraintRows) -> bool:
-    """Cholesky's factor of the active rows' Gram matrix from row `done` on, of its diagonal the inverse; whether it has one."""
+    """Extend Cholesky's factor of the active rows' Gram matrix from row `done` on, its diagonal inverted; False without one."""
     f = rows_out.factor
     for i in range(done, size):
         k = rows_out.active[i]
@@ -125,7 +125,7 @@ def extend(done: int, size: int, rows_out: ConstraintRows) -> bool:
 
 @kernel
 def solve_change(size: int, rows_out: ConstraintRows) -> None:
-    """The change of the active multipliers that takes their residuals to zero."""
+    """Solve for the change of the active multipliers that takes their residuals to zero."""
     f, change = rows_out.factor, rows_out.change
     for i in range(size):
         t = -rows_out.residual[rows_out.active[i]]
@@ -149,9 +149,9 @@ SOFTNESS = JUDGED
 """Added to the diagonal of the dual: parallel rows then share the load instead of dividing by zero."""
 
 CUTS = 4
-"""Rounds in which what an answer breaks joins as rows, and it is solved for again (cutting planes: Kelley 1960): bounds and
-budgets within a QP, of which what is still outside is then clipped; pairs and limits at a trial; and QPs in such a round. 8: the
-slowest frames take 2.5 times as long."""
+"""Rounds in which the conditions that an answer breaks join as rows, and it is solved for again (cutting planes: Kelley 1960):
+bounds and budgets within a QP, where a step that is still outside is then clipped; pairs and limits at a trial; and QPs in such a
+round. 8: the slowest frames take 2.5 times as long."""
 
 BOUNDS_PER_ROUND = 8
 """Violated bounds of an avatar that join in a round. More: rows that press nothing; fewer: more rounds."""
@@ -161,7 +161,7 @@ BOUNDS_PER_ROUND = 8
 def solve_qp(
     skel: Skeleton, avatars: Avatars, first: int, last: int, tolerance: float, state: IkState, scratch_out: IkScratch
 ) -> None:
-    """The step of members first .. last from the model of each, the rows, and the bounds; `tolerance` [m] ends the sweeps."""
+    """Solve for the step of members first .. last by the model of each, the rows, and the bounds; `tolerance` [m] ends sweeps."""
     s = scratch_out
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
@@ -180,7 +180,7 @@ def solve_qp(
 
 @kernel
 def solve_dual(avatars: Avatars, first: int, last: int, tolerance: float, scratch_out: IkScratch) -> None:
-    """The step of members first .. last from the model of each and the rows that there are; `tolerance` [m] ends the sweeps."""
+    """Solve for the step of members first .. last by the model of each and the present rows; `tolerance` [m] ends the sweeps."""
     s, r = scratch_out, scratch_out.rows
     transform(avatars, s)
     find_residuals(avatars, s)
@@ -213,7 +213,7 @@ def transform(avatars: Avatars, scratch_out: IkScratch) -> None:
 
 @kernel
 def product_of(avatars: Avatars, k: int, q: int, rows: ConstraintRows) -> float:
-    """weighted[k] . weighted[q], over the degrees of avatars that both rows are of."""
+    """Return weighted[k] . weighted[q], over the degrees of avatars that both rows are of."""
     total = 0.0
     for side in range(2):
         avatar = rows.owner[k, side]
@@ -225,7 +225,7 @@ def product_of(avatars: Avatars, k: int, q: int, rows: ConstraintRows) -> float:
 
 @kernel
 def find_residuals(avatars: Avatars, scratch_out: IkScratch) -> None:
-    """The residual of row k is J_k x - bound_k with x = p + M^-1 J^T multipliers."""
+    """Compute the residuals: of row k J_k x - bound_k with x = p + M^-1 J^T multipliers."""
     r = scratch_out.rows
     scratch_out.counts[PRODUCTS] += 2 * r.used[0]
     for k in range(r.used[0]):
@@ -237,7 +237,7 @@ def find_residuals(avatars: Avatars, scratch_out: IkScratch) -> None:
 
 @kernel
 def sweep(rows_out: ConstraintRows, most: int, tolerance: float) -> int:
-    """Projected Gauss-Seidel on the multipliers until a sweep changes no row by `tolerance` [m]; the number of sweeps."""
+    """Run projected Gauss-Seidel on the multipliers until a sweep changes no row by `tolerance` [m]; return the sweeps."""
     r, gram, multiplier, residual = rows_out, rows_out.gram, rows_out.multiplier, rows_out.residual
     r.is_solved[0] = False
     for done in range(most):
@@ -261,7 +261,7 @@ def sweep(rows_out: ConstraintRows, most: int, tolerance: float) -> int:
 
 @kernel
 def assemble(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) -> None:
-    """x = p + L^-1 (sum of weighted rows times their multipliers)."""
+    """Compute x = p + L^-1 (sum of weighted rows times their multipliers)."""
     s, r, step = scratch_out, scratch_out.rows, scratch_out.step
     for m in range(first, last):
         for j in range(avatars.first_dof[s.members[m]], avatars.first_dof[s.members[m] + 1]):
@@ -284,7 +284,7 @@ def assemble(avatars: Avatars, first: int, last: int, scratch_out: IkScratch) ->
 def add_broken_bounds(
     skel: Skeleton, avatars: Avatars, first: int, last: int, state: IkState, scratch_out: IkScratch
 ) -> int:
-    """Rows for bounds and budgets that the step breaks; their number."""
+    """Add rows for bounds and budgets that the step breaks; return their number."""
     s, r, b, added = scratch_out, scratch_out.rows, state.budget, 0
     for m in range(first, last):
         avatar, more = s.members[m], 0
@@ -309,8 +309,8 @@ def add_broken_bounds(
 
 @kernel
 def add_budget(avatars: Avatars, avatar: int, first: int, last: int, left: float, slack: float, scratch_out: IkScratch) -> int:
-    """A cutting plane where degrees first .. last go farther together than is left of their budget: no farther along where they
-    go."""
+    """Add a cutting plane where degrees first .. last go farther together than the rest of their budget, along their
+    direction."""
     s, r, square, left = scratch_out, scratch_out.rows, 0.0, max(left, 0.0)
     for j in range(first, last):
         square += s.step[j] * s.step[j]

@@ -2,7 +2,7 @@
 
 A group of degrees has one limit of its norm: a hinge by itself, the translation of a root, the rotation of a root or a ball. A
 step y [rad, m] of a group keeps the limits where |y| <= most and |y - y0| <= change, y0 the step of the call before. Both sets
-are convex, and so is what they share: a step between two that keep the limits keeps them too.
+are convex, and so is their intersection: a step between two that keep the limits keeps them too.
 
 The uniform braking from a step y takes all degrees to rest by one factor: y (1 - 1/n), y (1 - 2/n), ..., 0, where n is the number
 of calls that the degree needs that brakes longest. The step and the braking after it together go (n + 1) / 2 times y.
@@ -38,8 +38,8 @@ REACHED = 60.0
 mean none. Longer: such a joint yields to all near pairs alone; shorter: joints that accelerate slowly yield like fast ones."""
 
 EASE = 0.5
-"""Share of the acceleration limit that catching up with the target plans its braking with. More: what the target does meanwhile,
-and what lies in the way, leave it too little, and it overshoots; less: it catches up later."""
+"""Share of the acceleration limit that catching up with the target plans its braking with. More: the target's motion meanwhile,
+and obstacles, leave it too little, and it overshoots; less: it catches up later."""
 
 
 class Braking(NamedTuple):
@@ -52,7 +52,7 @@ class Braking(NamedTuple):
     avatars, scratch, tracking of the posture solver; the metric in `scratch` is diagonal and stays
     pairs            nearest directions of near pairs, for the next query
     shown            the posture of the last call; step (nd) the step to it; calls (1) that the braking from there takes
-    target, incoming posture that was asked for in the last call and in this one, within limits of joints
+    target, incoming posture requested in the last call and in this one, within limits of joints
     error, wanted    (nd) way to the incoming posture, and the step that is wanted
     brake, trial     (nd) step of the braking, and the candidate
     """
@@ -79,7 +79,7 @@ class Braking(NamedTuple):
 
 
 def degree_groups(skel: Skeleton) -> list[tuple[int, int, int, bool]]:
-    """Groups of degrees: first, one behind the last, link, and whether it is a rotation of three degrees."""
+    """Return groups of degrees: first, one behind the last, link, and whether it is a rotation of three degrees."""
     found: list[tuple[int, int, int, bool]] = []
     for link, kind in enumerate(skel.kind.tolist()):
         first, last = int(skel.first_dof[link]), int(skel.first_dof[link + 1])
@@ -93,8 +93,8 @@ def degree_groups(skel: Skeleton) -> list[tuple[int, int, int, bool]]:
 
 
 def make_braking(world: World, speed: Array, acceleration: Array, dt: float) -> Braking:
-    """The state of an avatar at rest with limits of `speed` (ng) [rad/s, m/s] and `acceleration` (ng) of its groups, for calls of
-    dt [s]."""
+    """Return the state of an avatar at rest with limits of `speed` (ng) [rad/s, m/s] and `acceleration` (ng) of its groups, for
+    calls of dt [s]."""
     geo, skel = world.geometry, world.skeleton
     nl, nd = len(skel.kind), int(skel.first_dof[-1])
     groups = degree_groups(skel)
@@ -121,7 +121,7 @@ def make_braking(world: World, speed: Array, acceleration: Array, dt: float) -> 
 
 @kernel
 def length_of(values: Line, first: int, last: int) -> float:
-    """Norm of degrees first .. last - 1."""
+    """Return the norm of degrees first .. last - 1."""
     square = 0.0
     if last == first + 1:
         return float(abs(values[first]))
@@ -132,7 +132,7 @@ def length_of(values: Line, first: int, last: int) -> float:
 
 @kernel
 def calls_to_rest(braking: Braking, step: Line) -> int:
-    """Calls that the uniform braking from a step takes; 0 at rest."""
+    """Return calls that the uniform braking from a step takes; 0 at rest."""
     b, longest, is_moving = braking, 0.0, False
     for g in range(b.first.shape[0]):
         size = length_of(step, b.first[g], b.last[g])
@@ -143,13 +143,13 @@ def calls_to_rest(braking: Braking, step: Line) -> int:
 
 @kernel
 def steps_to_rest(calls: int) -> float:
-    """The way of a step and of the braking after it, in steps."""
+    """Return the way of a step and of the braking after it, in steps."""
     return max(1.0, 0.5 * (calls + 1.0))
 
 
 @kernel
 def most_calls_to_rest(braking: Braking) -> int:
-    """Calls that the braking takes from any step that the next call may take."""
+    """Return calls that the braking takes from any step that the next call may take."""
     b, longest = braking, 1.0
     for g in range(b.first.shape[0]):
         if b.change[g] < inf:
@@ -159,7 +159,7 @@ def most_calls_to_rest(braking: Braking) -> int:
 
 @kernel
 def set_caps(calls: int, braking_out: Braking) -> float:
-    """Let the candidate be one that takes at most so many calls to rest; its way then, in steps."""
+    """Limit the candidate to one that takes at most so many calls to rest; return its way then, in steps."""
     b = braking_out
     for g in range(b.first.shape[0]):
         b.cap[g] = min(b.most[g], calls * b.change[g])
@@ -168,7 +168,7 @@ def set_caps(calls: int, braking_out: Braking) -> float:
 
 @kernel
 def set_brake(braking_out: Braking) -> None:
-    """The step of the braking in this call."""
+    """Set the step of the braking in this call."""
     b = braking_out
     left = 1.0 - 1.0 / b.calls[0] if b.calls[0] > 1 else 0.0
     for j in range(b.brake.shape[0]):
@@ -177,8 +177,8 @@ def set_brake(braking_out: Braking) -> None:
 
 @kernel
 def share_inside(point: Line, way: Line, centre: Line, is_centred: bool, radius: float, first: int, last: int) -> float:
-    """Share, at most 1, of the way from a point in a ball of degrees first .. last - 1 to another one that is in it; the ball is
-    about `centre`, or about zero."""
+    """Return the share, at most 1, of the way from a point in a ball of degrees first .. last - 1 to another one that is in it;
+    the ball is about `centre`, or about zero."""
     along, across, rest = 0.0, 0.0, -radius * radius
     for j in range(first, last):
         step, from_centre = way[j] - point[j], point[j] - (centre[j] if is_centred else 0.0)
@@ -211,8 +211,8 @@ def keep_limits(braking: Braking, step_out: Line) -> None:
 
 @kernel
 def caught_up(lag: float, change: float) -> float:
-    """Step towards a target that stands still and is `lag` away: all of it, or as much as can be braked in time, in calls, by
-    EASE of the largest change."""
+    """Return the step to a target at rest `lag` away: all of it, or as much as can be braked in time, in calls, by EASE of the
+    largest change."""
     if not (change < inf):
         return lag
     ease = EASE * change
@@ -221,7 +221,7 @@ def caught_up(lag: float, change: float) -> float:
 
 @kernel
 def choose_wanted(skel: Skeleton, braking_out: Braking) -> None:
-    """The step that is wanted: the target's own since the last call, and what catches up with it; within limits."""
+    """Set the wanted step: the target's own since the last call, and a part that catches up with it; within limits."""
     b = braking_out
     tangent_error(skel, b.avatars, 0, b.shown, b.incoming, b.error)
     tangent_error(skel, b.avatars, 0, b.shown, b.target, b.wanted)
@@ -243,7 +243,7 @@ def choose_wanted(skel: Skeleton, braking_out: Braking) -> None:
 
 @kernel
 def set_bounds(skel: Skeleton, steps: float, braking_out: Braking) -> None:
-    """Bounds of every degree by the limits, and so that after so many steps of it a hinge is within its range, if it can be."""
+    """Set bounds of every degree by the limits, and so that after so many such steps a hinge is within its range, if possible."""
     b, s = braking_out, braking_out.scratch
     for g in range(b.first.shape[0]):
         most, change = b.cap[g], b.change[g]

@@ -13,7 +13,7 @@ from avatarsim.model.skeleton import Posture, Skeleton
 from avatarsim.settings import PostureSettings
 
 ARRIVED = 3e-2
-"""[rad or m] a step smaller than this ends the frame: what is left is left for the next one. Larger: contacts are followed late;
+"""[rad or m] a step smaller than this ends the frame: the rest is left for the next one. Larger: contacts are followed late;
 smaller: second steps that show nothing."""
 
 
@@ -22,9 +22,9 @@ def begin_frame(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, moving: Index,
     posture: Posture, poses: Poses, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Take over what has moved, clip the target, and open the budgets of a frame of dt [s].
+    """Copy poses of moved bodies, clip the target, and open the budgets of a frame of dt [s].
 
-    dt = 0: once more in the same frame, after loose bodies have moved on; what is left of its budget is used.
+    dt = 0: once more in the same frame, after loose bodies have moved on; the rest of its budget is used.
     moving (nb): 1 for bodies that may have moved since the last call; empty if that is not known.
     """
     s, state = scratch_out, state_out
@@ -46,7 +46,7 @@ def solve(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
     state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Bring the posture towards the target by certified steps within what is left of the frame's budget."""
+    """Move the posture towards the target by certified steps within the rest of the frame's budget."""
     s, state = scratch_out, state_out
     first, count = 0, avatars.first_link.shape[0] - 1
     while first < count:
@@ -67,7 +67,7 @@ def solve(
 
 @kernel
 def activate(first: int, last: int, scratch_out: IkScratch) -> None:
-    """Solve for members first .. last; all other avatars stand still meanwhile."""
+    """Solve for members first .. last; all other avatars stay where they are meanwhile."""
     scratch_out.is_active[:] = 0
     for m in range(first, last):
         scratch_out.is_active[scratch_out.members[m]] = 1

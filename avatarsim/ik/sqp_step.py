@@ -5,8 +5,7 @@ is still refused its goal is drawn nearer, for all of an avatar by one factor, a
 (backtracking with a second-order correction at each trial; section 18.3): a limb that is cut alone leaves the line to the minimum
 and the rest of the body makes up for it, frame by frame, to and fro.
 
-Contact forces of the last step, multipliers times normals: what they press on each link with, and how they bend the
-Lagrangian.
+Contact forces of the last step, multipliers times normals: forces on each link, and how they bend the Lagrangian.
 """
 
 from avatarsim.ik.certify import certify, foresee
@@ -51,7 +50,7 @@ CONTACT = int(RowKind.CONTACT)
 
 @kernel
 def forget_forces(avatars: Avatars, avatar: int, state_out: IkState) -> None:
-    """Nothing presses on the links of an avatar."""
+    """Set the contact forces on the links of an avatar to zero."""
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         put_row(state_out.force, link, (0.0, 0.0, 0.0))
         state_out.bend[link] = 0.0
@@ -59,7 +58,7 @@ def forget_forces(avatars: Avatars, avatar: int, state_out: IkState) -> None:
 
 @kernel
 def note_forces(geo: Geometry, skel: Skeleton, avatars: Avatars, rows: ConstraintRows, state_out: IkState) -> None:
-    """Add what the contact rows of a solved step press on each link with."""
+    """Add the forces of the contact rows of a solved step on each link."""
     s = state_out
     for k in range(rows.used[0]):
         if (rows.kind[k] != CONTACT and rows.kind[k] != FRICTION) or rows.multiplier[k] == 0.0:
@@ -82,7 +81,7 @@ are before the avatar stays. Fewer, or nearer to 1: it stays more often; more: s
 
 @kernel
 def work_done(scratch: IkScratch) -> int:
-    """Work of this frame so far, in units of about a microsecond; counted, so that results repeat.
+    """Return the work of this frame so far, in units of about a microsecond; counted, so that results repeat.
 
     The weights were fitted to the times of frames of 75 hostile returns of three avatars: within a fifth for half of them."""
     c = scratch.counts
@@ -94,7 +93,7 @@ def sqp_step(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture_out: Posture, poses_out: Poses,
     first: int, last: int, most_work: int, state_out: IkState, scratch_out: IkScratch,
 ) -> float:
-    """One certified step of members first .. last; its largest part [rad or m]."""
+    """Take one certified step of members first .. last; return its largest part [rad or m]."""
     s, state = scratch_out, state_out
     s.counts[STEPS] += last - first
     state.pairs.step[0] += 1
@@ -134,7 +133,7 @@ def try_qp(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, posture: Posture, poses: Poses, first: int,
     last: int, is_soft: bool, most_work: int, state_out: IkState, scratch_out: IkScratch,
 ) -> int:
-    """Solve and certify with growing rows; the number of failures that are left."""
+    """Solve and certify with growing rows; return the number of failures left."""
     s, failed, tolerance = scratch_out, 0, FINE * least_gap(settings.stand_off)
     add_touching(geo, skel, avatars, settings, is_soft, poses, state_out, s)
     for round_ in range(CUTS + 1):
@@ -161,8 +160,8 @@ def choose_step(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, poses: Poses, first: int, last: int,
     tolerance: float, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """The straight way to the target where no row is in its way: there it is the least of the objective, and no metric is needed.
-    Else the QP's step."""
+    """Choose the straight way to the target where no row is in its way: there it is the least of the objective, and no metric is
+    needed. Else the QP's step."""
     s, state = scratch_out, state_out
     if state.tracking.has_model[s.members[first]] == 0:
         is_legal = True
@@ -184,7 +183,7 @@ def choose_step(
 
 @kernel
 def straight_step(skel: Skeleton, avatars: Avatars, avatar: int, state_out: IkState, scratch_out: IkScratch) -> None:
-    """The way to the target, with inertia, each joint and root as far along its own as the budget lets it go."""
+    """Set the way to the target, with inertia, each joint and root as far along its own as the budget lets it go."""
     step, error, arrives = scratch_out.step, scratch_out.objective.error, state_out.tracking.is_legal[avatar]
     for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
         step[j] = error[j]
@@ -243,7 +242,7 @@ def stay(
 def note_contacts(
     geo: Geometry, skel: Skeleton, avatars: Avatars, first: int, last: int, state_out: IkState, scratch: IkScratch
 ) -> None:
-    """Keep the active contacts of an island, and what they press on its links with: for the next step, and for the coupling."""
+    """Keep the active contacts of an island, and their forces on its links: for the next step, and for the coupling."""
     c, r, kept = state_out.contacts, scratch.rows, 0
     for k in range(c.used[0]):
         if not is_solved_for(geo, skel, avatars, c.pair[k, 0], c.pair[k, 1], scratch):
@@ -266,7 +265,7 @@ def adopt(
     geo: Geometry, skel: Skeleton, avatars: Avatars, first: int, last: int, posture_out: Posture, poses_out: Poses,
     state_out: IkState, scratch_out: IkScratch,
 ) -> float:
-    """Make the trial of members first .. last the shown state; the largest part of their step [rad or m]."""
+    """Make the trial of members first .. last the shown state; return the largest part of their step [rad or m]."""
     s, most = scratch_out, 0.0
     for m in range(first, last):
         avatar = s.members[m]

@@ -1,16 +1,16 @@
-"""State of the posture solver: what stays from frame to frame, and the working memory of one frame.
+"""State of the posture solver: the arrays that stay from frame to frame, and the working memory of one frame.
 
-All arrays are made once per scene, so that kernels allocate nothing. The links of an avatar, and its degrees of freedom, lie
-beside each other: avatar a has links first_link[a] .. first_link[a + 1] and degrees first_dof[a] .. first_dof[a + 1].
+All arrays are made once per scene, so that kernels allocate nothing. The links of an avatar, and its degrees of freedom, are
+contiguous: avatar a has links first_link[a] .. first_link[a + 1] and degrees first_dof[a] .. first_dof[a + 1].
 
-Warm start of pairs: a hash table with open addressing of what is known of pairs of pieces (Knuth 1973, section 6.4).
+Warm start of pairs: a hash table with open addressing of the data of pairs of pieces (Knuth 1973, section 6.4).
 
 Separating directions hardly change from step to step. The one that last held proves most pairs apart with two supports.
 
 Bounds check of a posture solver's state that comes from bytes: may every place that it names be read and written?
 
-Kernels look up what they themselves wrote without asking. Here is asked, once, what holds between numbers; what holds of a single
-number stands in the ranges of `lower_loop`.
+Kernels do not check numbers that they themselves wrote. Here conditions between numbers are checked, once; those of a single
+number are in the ranges of `lower_loop`.
 """
 
 from enum import IntEnum
@@ -34,16 +34,16 @@ SLOTS_PER_PIECE = 32
 """Slots for each driven piece. A hand of 24 hinges has some ten near pairs a piece."""
 
 PROBES = 8
-"""Slots looked at for a pair; if all are taken the one unused for longest is given up, which costs a query and nothing else."""
+"""Slots searched for a pair; if all are taken the one unused for longest is given up, which costs a query and nothing else."""
 
 EMPTY = -1
 
 
 class PairCache(NamedTuple):
-    """key (n) of the pair in a slot, or EMPTY; used (n) step in which it was last asked for; axis (n, 3) the direction that last
-    held, a unit vector out of the second piece into the first, zero if none has; axis_gap (n) its gap [m] at the shown state,
-    right if axis_step (n) is the present one; normal (n, 3), gap (n) nearest direction and gap [m] at the shown state, right if
-    gap_step (n) is the present one; step (1): number of the present step; pieces (1): how many there are."""
+    """key (n) of the pair in a slot, or EMPTY; used (n) step of its last query; axis (n, 3) the direction that last held, a unit
+    vector out of the second piece into the first, zero if none has; axis_gap (n) its gap [m] at the shown state, right if
+    axis_step (n) is the present one; normal (n, 3), gap (n) nearest direction and gap [m] at the shown state, right if gap_step
+    (n) is the present one; step (1): number of the present step; pieces (1): how many there are."""
 
     key: IndexLine
     used: IndexLine
@@ -58,7 +58,7 @@ class PairCache(NamedTuple):
 
 
 def make_pair_cache(driven: int, pieces: int) -> PairCache:
-    """An empty table for so many driven pieces among all."""
+    """Return an empty table for so many driven pieces among all."""
     n = 64
     while n < SLOTS_PER_PIECE * driven:
         n *= 2
@@ -72,7 +72,7 @@ def make_pair_cache(driven: int, pieces: int) -> PairCache:
 
 @kernel
 def slot_of(cache_out: PairCache, a: int, b: int) -> int:
-    """The slot of a pair, made empty for it if it had none."""
+    """Return the slot of a pair, made empty for it if it had none."""
     c = cache_out
     key, mask, now = a * c.pieces[0] + b, c.key.shape[0] - 1, c.step[0]
     # the golden ratio spreads neighbours, which scene files make of pieces that belong together
@@ -93,7 +93,7 @@ def slot_of(cache_out: PairCache, a: int, b: int) -> int:
 
 @kernel
 def axis_at(cache: PairCache, at: int) -> Vec3:
-    """The direction that last held for the pair in a slot."""
+    """Return the direction that last held for the pair in a slot."""
     return row(cache.axis, at)
 
 
@@ -114,7 +114,7 @@ Flags = NDArray[np.bool_]
 
 ROWS_PER_AVATAR, ROWS_MOST = 96, 768
 """Most constraint rows of an island, per avatar in the scene and in all; more are counted as dropped, and the certificate refuses
-what they would have prevented."""
+steps that they would have prevented."""
 
 TOUCHING_PER_AVATAR = 64
 """Most pairs per avatar that have a row before anything fails; a pair that does not fit gets one when it fails."""
@@ -124,12 +124,12 @@ ACTIVE_CAP = 32
 that is so where a hand grips; more: its factor takes the time of the frame."""
 
 MOST_PRESSED = 1e4
-"""A multiplier beyond this says that the conditions cannot all be met, as between two walls, where it would grow without end.
-Sweeps end there, and the certificate refuses what they leave."""
+"""A multiplier beyond this means that the conditions cannot all be met, as between two walls, where it would grow without end.
+Sweeps end there, and the certificate refuses their result."""
 
 
 class RowKind(IntEnum):
-    """What a constraint row is of."""
+    """Kind of a constraint row."""
 
     CONTACT = 0
     """A pair of pieces keeps a gap [m]."""
@@ -144,14 +144,14 @@ class RowKind(IntEnum):
 
 
 class Mode(IntEnum):
-    """Which target an avatar follows."""
+    """Target that an avatar follows."""
 
     TRACK = 0
     """The tracker's posture."""
     WAIT = 1
-    """The same, but the objective no longer falls: something holds the avatar off."""
+    """The tracker's posture, but the objective no longer falls: something blocks the avatar."""
     PLAN = 2
-    """The same, while a path is searched."""
+    """The tracker's posture, while a path is searched."""
     FOLLOW_PATH = 3
     """The planner's path to a posture near the tracker's."""
 
@@ -187,11 +187,11 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     stalled: Array
     """[s] for which the objective has not fallen as it does where an avatar makes progress."""
     since: Array
-    """[s] since it was measured what the objective falls from."""
+    """[s] since the reference of the objective was measured."""
     objective: Array
-    """[m^2] what it falls from."""
+    """[m^2] the reference of the objective."""
     distance: Array
-    """[m] of the link origin that is farthest from its target, as the frame ends."""
+    """[m] distance of the link origin that is farthest from its target, as the frame ends."""
     reach: Array
     """[m] mean reach of a link: the length that turns radians into metres."""
     island: Index
@@ -201,7 +201,7 @@ class Tracking(np.recarray[Any, np.dtype[Any]]):
     has_failed: Index
     """1 if a pair or a limit of this avatar failed at the trial."""
     is_certified: Index
-    """1 if nothing of this avatar failed at this very trial, so that only what the others have changed is looked at again."""
+    """1 if nothing of this avatar failed at this very trial, so that only changes by the others are checked again."""
     has_model: Index
     """1 if the model of this step, with its metric, is at hand."""
     is_located: Index
@@ -218,12 +218,11 @@ known_as_table(Tracking, TRACKING)
 
 
 class Avatars(NamedTuple):
-    """What never changes: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path (nd, w)
-    the degrees that carry degree j, and with couplings its ancestors in the elimination tree, from the root on, itself at place
-    depth[j] of them; material (nb) of links and fixed bodies,
-    -1 of bodies on which links have no friction, and friction (nm, nm) of pairs of materials; turn_weight (nd) [m^2] of a squared
-    angle, [1] of the squared way of a slide, 0 for translations of a root; link_weight (nl) of a squared distance of a link's
-    origin."""
+    """Constants of the avatars: first_link, first_dof (na + 1); avatar (nl) of a link; joint_of (nd) the link of a degree; path
+    (nd, w) the degrees that carry degree j, and with couplings its ancestors in the elimination tree, from the root on, itself at
+    place depth[j] of them; material (nb) of links and fixed bodies, -1 of bodies on which links have no friction, and friction
+    (nm, nm) of pairs of materials; turn_weight (nd) [m^2] of a squared angle, [1] of the squared way of a slide, 0 for
+    translations of a root; link_weight (nl) of a squared distance of a link's origin."""
 
     first_link: IndexLine
     first_dof: IndexLine
@@ -238,8 +237,8 @@ class Avatars(NamedTuple):
 
 
 class Budget(NamedTuple):
-    """What the avatars may move in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root or slide; turned, moved
-    (nl) what was used of these along the path so far; slack (2) [m, rad] by how much a step of the QP may leave its budget."""
+    """Motion that the avatars may make in this frame: turn (nl) [rad] of each joint, move (nl) [m] of each root or slide; turned,
+    moved (nl) the used part of these along the path so far; slack (2) [m, rad] of a step of the QP beyond its budget."""
 
     turn: Line
     move: Line
@@ -259,7 +258,7 @@ class Contacts(NamedTuple):
 
 
 def make_contacts(room: int) -> Contacts:
-    """Room for so many contacts, of which there are none yet."""
+    """Return room for so many contacts, of which there are none yet."""
     none = np.zeros((room, 2), dtype=np.int64)
     return Contacts(np.zeros(1, dtype=np.int64), none, np.zeros((room, 3)), np.zeros(room))
 
@@ -291,20 +290,20 @@ class Inertia(NamedTuple):
 
 
 class IkState(NamedTuple):
-    """What stays from frame to frame.
+    """State that stays from frame to frame.
 
     tracking          a row per avatar
     before, own       the clipped target and the tracker's posture of the last frame
-    force             (nl, 3) [m] what the contacts of the last step press on each link with: multipliers times normals, a
+    force             (nl, 3) [m] force of the contacts of the last step on each link: multipliers times normals, a
                       gradient of the objective [m^2]
     bend              (nl) [m^2] the inertia by which these forces bend the Lagrangian
     contacts          that were active in the last solved step
     touching          pairs that were in contact lately
-    pairs             what was last known of each pair of pieces
+    pairs             last data of each pair of pieces
     near, near_count  (na, nb), (na) bodies that are no links and in reach of an avatar, and how many
     near_box          (na, 6) [m] low x, y, z and high x, y, z of an avatar, for which the list is good
     axes              (nd, 3) world axes of the degrees at the shown posture
-    budget            what is left to move in this frame
+    budget            rest of the motion of this frame
     inertia           how the avatars move
     """
 
@@ -326,10 +325,10 @@ class IkState(NamedTuple):
 
 class Objective(NamedTuple):
     """The quadratic model of one step: origin, frame the link origins (nl, 3) and rotations (nl, 3, 3) of the tracker's posture;
-    aim (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; own (nd) what of its own motion in
-    this frame is still to be followed; number, inertia (nl), first, pull, load
-    (nl, 3), second, twist (nl, 3, 3) moments that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of
-    the metric; newton (nd) the step to the least of the model."""
+    aim (nl, 3) these origins drawn near; error (nd) the tangent error to the clipped target; own (nd) the part of its own motion
+    in this frame that is still to be followed; number, inertia (nl), first, pull, load (nl, 3), second, twist (nl, 3, 3) moments
+    that `gather` sums up the trees; motion (nd, 6) of each degree; factor (nd, w) of the metric; newton (nd) the step to the
+    least of the model."""
 
     origin: Vectors
     frame: Matrices
@@ -387,11 +386,10 @@ class Failed(NamedTuple):
 
 
 class IkScratch(NamedTuple):
-    """Working memory of a frame. target: the clipped target; trial: poses of the step that is looked at, with axes (nd, 3);
-    swept (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step (nd): bounds, and
-    the step; still (nd) zero; members (na) avatars of the islands
-    one after the other, is_active (na) 1 for those of the island that is solved for; trail (K, nl, 12) positions [m] and
-    rotations of links after each of the first K steps of a frame."""
+    """Working memory of a frame. target: the clipped target; trial: poses of the step that is tested, with axes (nd, 3); swept
+    (ns, 6), swept_links (nb, 6), swept_avatars (na, 6): boxes around both ends of it; low, high, step (nd): bounds, and the step;
+    still (nd) zero; members (na) avatars of the islands one after the other, is_active (na) 1 for those of the island that is
+    solved for; trail (K, nl, 12) positions [m] and rotations of links after each of the first K steps of a frame."""
 
     target: Posture
     trial: Poses
@@ -417,8 +415,8 @@ COUNT_NAMES = (
     "queries", "forwards", "supports", "sweeps", "rows", "steps", "backed_off", "held", "pairs", "rows_dropped", "iterations",
     "bad_queries", "waiting", "out_of_work", "adopted", "avatar_islands", "products", "planning", "following", "plan_work",
 )
-"""What is counted in a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows; `plan_work`: work
-of searches, beside all else."""
+"""Counts of a frame; `held`: avatars whose step came to nothing; `products`: inner products of rows; `plan_work`: work of
+searches, in addition to the rest."""
 
 (
     QUERIES, FORWARDS, SUPPORTS, SWEEPS, ROWS, STEPS, BACKED, HELD, PAIRS, DROPPED, QPS, BAD_QUERIES, WAITING, OUT_OF_WORK,
@@ -434,7 +432,7 @@ def names_pieces(geo: Geometry, skel: Skeleton, pairs: NDArray[np.int64]) -> boo
 
 
 def state_is_sound(geo: Geometry, skel: Skeleton, avatars: Avatars, state: IkState) -> bool:
-    """Return True if all that the state names is there: pairs in contact, bodies in reach, islands."""
+    """Return True if all indices in the state are valid: pairs in contact, bodies in reach, islands."""
     for listed, room in ((state.contacts, len(state.contacts.pair)), (state.touching, len(state.touching.pair))):
         count = int(listed.used[0])
         if not 0 <= count <= room or not names_pieces(geo, skel, listed.pair[:count]):

@@ -17,8 +17,8 @@ from avatarsim.spatial.vec3 import put_row, row
 
 @kernel
 def clip_to_limits(skel: Skeleton, avatars: Avatars, tracker: Posture, tracking_out: Tracking, target_out: Posture) -> None:
-    """The tracker's posture with each joint at the nearest place inside its own limits, followers where their leaders have
-    them; whose it is that keeps them all."""
+    """Clip the tracker's posture: each joint to the nearest place inside its own limits, followers to where their leaders have
+    them; mark avatars that keep them all."""
     for avatar in range(avatars.first_link.shape[0] - 1):
         clip_avatar(skel, avatars, avatar, tracker, tracking_out, target_out)
 
@@ -27,7 +27,7 @@ def clip_to_limits(skel: Skeleton, avatars: Avatars, tracker: Posture, tracking_
 def clip_avatar(
     skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, tracking_out: Tracking, target_out: Posture
 ) -> None:
-    """The same of one avatar."""
+    """Clip the tracker's posture of one avatar."""
     tracking_out.is_legal[avatar] = 1
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind, turn = skel.kind[link], columns(tracker.turn, link)
@@ -63,7 +63,7 @@ def copy_posture(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture
 
 @kernel
 def largest(values: Array, first: int, last: int) -> float:
-    """Largest absolute value of those from first to last."""
+    """Return the largest absolute value of those from first to last."""
     most = 0.0
     for j in range(first, last):
         most = max(most, abs(values[j]))
@@ -72,7 +72,7 @@ def largest(values: Array, first: int, last: int) -> float:
 
 @kernel
 def drop_whole_turns(skel: Skeleton, avatars: Avatars, avatar: int, way_out: Array) -> None:
-    """Make the turns of hinges in a way (nd) at most half a turn: an angle that jumps by 2 pi says the same posture."""
+    """Make the turns of hinges in a way (nd) at most half a turn: an angle that jumps by 2 pi means the same posture."""
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         for j in range(skel.first_dof[link], skel.first_dof[link + 1] if skel.kind[link] == HINGES else 0):
             way_out[j] -= 2.0 * pi * floor(way_out[j] / (2.0 * pi) + 0.5)
@@ -93,7 +93,7 @@ def meet_target(
         tangent_error(skel, avatars, avatar, s.before, scratch_out.target, clipped_way)
         speed = largest(clipped_way, avatars.first_dof[avatar], avatars.first_dof[avatar + 1]) / dt
         tracking.speed[avatar] = max(speed, keeps * tracking.speed[avatar])
-        # what one avatar sets free another may hold, so the fastest of an island speaks for all of it
+        # a body that one avatar sets free another may hold, so the fastest of an island speaks for all of it
         first = tracking.island[avatar]
         tracking.speed[first] = max(tracking.speed[first], tracking.speed[avatar])
     for avatar in range(avatars.first_link.shape[0] - 1):
