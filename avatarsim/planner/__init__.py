@@ -1,1 +1,1 @@
-"""Paths around what an avatar is stalled by: RRT-Connect over certified steps, and the supervisor that drives the target."""
+"""Paths around obstacles that stall an avatar: RRT-Connect over certified steps, and the supervisor that drives the target."""

@@ -1,16 +1,16 @@
 """Following a path: pure pursuit (Coulter 1992) of the farthest node in sight, as ordinary tracking within the motion budget.
 
-In sight is a node to which the straight motion from the shown posture is certified. On that way joints and root go on by one
-factor, as far as the frame's budget lets them, so that what is shown is a part of what was certified, and no corner is cut that
+A node is in sight if the straight motion to it from the shown posture is certified. On that way joints and root advance by one
+factor, as far as the frame's budget lets them, so that the shown motion is a part of the certified one, and no corner is cut that
 is not free.
 
-Sight: is the straight motion from one posture to another certified, with all else where it stands?
+Sight: is the straight motion from one posture to another certified, with all else where it is?
 
-Random shortcuts: certified steps straight between two places of a path take the place of what lies between, if they take less
-time (Geraerts and Overmars 2007).
+Random shortcuts: certified steps straight between two places of a path replace the path between them, if they take less time
+(Geraerts and Overmars 2007).
 
-A path is shortened from when it is found, and what is ahead of the avatar also while it is followed. Every other shortcut goes to
-where the target is by now, since targets move on while paths are searched, paid and followed.
+A path is shortened from when it is found, and the part ahead of the avatar also while it is followed. Every other shortcut goes
+to the target's present place, since targets move on while paths are searched, paid and followed.
 """
 
 from avatarsim.ik.broad_phase import sweep_boxes
@@ -44,7 +44,7 @@ def is_in_sight(
     avatar = s.members[m]
     if work_done(s) >= settings.work:
         return False
-    # what is known of the shown state is of the last step
+    # data of the shown state are of the last step
     state_out.pairs.step[0] += 1
     tangent_error(skel, avatars, avatar, posture, s.target, s.step)
     try_step(geo, skel, avatars, avatar, posture, s)
@@ -56,15 +56,14 @@ CUT, TRY_CUT, TRY_END = int(Phase.CUT), int(Phase.TRY_CUT), int(Phase.TRY_END)
 
 SHORT = 1
 """Edges of a path, or of a part of one, that are not worth a shortcut; and how many ahead of the node that is followed are left
-alone, since the avatar goes on meanwhile."""
+alone, since the avatar moves on meanwhile."""
 
 
 @kernel
 def begin_cut(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, ghost_out: Ghost
 ) -> bool:
-    """Choose two places of the path, from `first` on, between which a straight way is tried; False where there is nothing to
-    gain."""
+    """Choose two places of the path, from `first` on, between which a straight way is tried; False if nothing is to gain."""
     s = plan_out.searches
     last = s.length[avatar] - 1
     if last - first <= SHORT or s.count[avatar] >= NODES:
@@ -84,8 +83,8 @@ def begin_cut(
 def begin_end(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, first: int, plan_out: Plan, ghost_out: Ghost
 ) -> None:
-    """Leave the path for the target as it is by now, node AIM: from its end, if that is elsewhere, else from a place of it, from
-    `first` on, for a shorter way."""
+    """Leave the path for the present target, node AIM: from its end, if that is elsewhere, else from a place of it, from `first`
+    on, for a shorter way."""
     g, s = ghost_out, plan_out.searches
     last = s.length[avatar] - 1
     time_between(skel, avatars, settings, avatar, plan_out.path[avatar, last], AIM, plan_out, g)
@@ -118,15 +117,15 @@ def begin_at(avatar: int, start: int, phase: int, plan_out: Plan) -> None:
 
 @kernel
 def end_cut(avatar: int, has_reached: bool, is_lost: bool, plan_out: Plan) -> None:
-    """After a step of a shortcut: if it has arrived its nodes are put into the path; it is dropped if it is trapped or takes
-    longer than what it spares, or if the avatar has gone past where it leaves."""
+    """Finish a step of a shortcut: if it has arrived its nodes are put into the path; it is dropped if it is trapped or takes
+    longer than the part that it spares, or if the avatar has gone past its start."""
     s, path = plan_out.searches, plan_out.path
     start, begun, to_end = s.cut_from[avatar], s.begun[avatar], s.phase[avatar] == TRY_END
     end = s.length[avatar] if to_end else s.cut_to[avatar]
     steps = s.count[avatar] - begun
     is_lost = is_lost or start < s.place[avatar]
     if has_reached and not is_lost:
-        # what comes after it moves up; a new end may be farther than the old one
+        # nodes after it move up; a new end may be farther than the old one
         shift, length = start + 1 + steps - end, s.length[avatar]
         for k in range(length - end):
             j = end + k if shift <= 0 else length - 1 - k
@@ -145,8 +144,8 @@ def end_cut(avatar: int, has_reached: bool, is_lost: bool, plan_out: Plan) -> No
 def spares_time(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, plan: Plan, ghost_out: Ghost
 ) -> bool:
-    """Return True if a shortcut, and a straight way from where it has come to on to where it goes, takes less time than what it
-    is to take the place of. From the end of the path there is no other way."""
+    """Return True if a shortcut, and a straight way from its present end to its goal, takes less time than the part that it is to
+    replace. From the end of the path there is no other way."""
     s, total, last = plan.searches, 0.0, plan.path[avatar, plan.searches.cut_from[avatar]]
     if s.cut_from[avatar] == s.length[avatar] - 1:
         return True
@@ -161,7 +160,7 @@ def spares_time(
 def time_between(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, k: int, m: int, plan: Plan, ghost_out: Ghost
 ) -> float:
-    """Time [s] that the catch-up speeds take from node k to node m. The ghost's posture and aim are these then."""
+    """Return the time [s] that the catch-up speeds take from node k to node m. The ghost's posture and aim are these then."""
     g = ghost_out
     get_node(skel, avatars, avatar, k, plan, g.posture)
     get_node(skel, avatars, avatar, m, plan, g.aim)
@@ -175,7 +174,7 @@ AHEAD = 3.0
 """Budgets of a frame within which nodes are looked at. 1: kinks of the path are shown as shaking limbs; more costs work."""
 
 AT = FINE
-"""Budgets of a frame within which an avatar is at a node, and goes on whether it sees the next one or not: along its edge.
+"""Budgets of a frame within which an avatar is at a node, and continues whether it sees the next one or not: along its edge.
 Larger: it leaves that edge; smaller: it stops at nodes."""
 
 
@@ -184,8 +183,8 @@ def aim_along_paths(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, dt: float, posture: Posture, poses: Poses,
     plan_out: Plan, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """The target of avatars that follow a path: a point of the straight way to the farthest of its nodes that is in sight; with
-    none in sight the next node. dt = 0: again in the same frame, the same node."""
+    """Set the target of avatars that follow a path: a point of the straight way to the farthest of its nodes that is in sight;
+    with none in sight the next node. dt = 0: again in the same frame, the same node."""
     t, s = state_out.tracking, scratch_out
     for m in range(avatars.first_link.shape[0] - 1):
         avatar = s.members[m]
@@ -193,7 +192,7 @@ def aim_along_paths(
             continue
         sees = look_ahead(geo, skel, avatars, settings, m, dt, posture, poses, plan_out, state_out, s)
         t.is_led[avatar] = 1
-        # what moves meanwhile is certified against this avatar where it is shown
+        # a body that moves meanwhile is certified against this avatar where it is shown
         copy_poses(geo, skel, avatars, avatar, poses, s.trial)
         sweep_boxes(geo, skel, avatars, avatar, poses, least_gap(settings.stand_off), s)
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
@@ -207,7 +206,7 @@ def aim_along_paths(
             copy_posture(skel, avatars, avatar, posture, s.target)
         t.is_legal[avatar], t.is_located[avatar] = 1, 0
         locate(skel, avatars, avatar, s.target, t, s.objective)
-        # what the target moves by in this frame, in place of the tracker's own motion
+        # the target's motion in this frame, in place of the tracker's own motion
         for j in range(avatars.first_dof[avatar], avatars.first_dof[avatar + 1]):
             s.objective.own[j] = s.step[j]
 
@@ -218,7 +217,7 @@ def look_ahead(
     plan_out: Plan, state_out: IkState, scratch_out: IkScratch,
 ) -> bool:
     """Make the node that member m goes to the target: the farthest in sight, as halving finds it between the first that is not
-    near and the one it went to before. Whether it is in sight."""
+    near and the one it went to before. Return whether it is in sight."""
     s, p = scratch_out, plan_out.searches
     avatar = s.members[m]
     place, last = p.place[avatar], p.length[avatar] - 1
@@ -247,7 +246,7 @@ def look_ahead(
 
 @kernel
 def arrival_time(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, way: Array) -> float:
-    """Time [s] within which an avatar that sets out from rest arrives at the end of a way (nd)."""
+    """Return the time [s] within which an avatar that sets out from rest arrives at the end of a way (nd)."""
     return time_of(skel, avatars, settings, avatar, way) + SETTLING / settings.natural_frequency
 
 

@@ -1,7 +1,6 @@
 """The ghost: certified steps of an unseen avatar, the local planner of RRT-Connect (LaValle 2006, section 5.4).
 
-A step is one of the posture solver, towards any posture, so it slides along what is in its way; all else stands where it is
-shown.
+A step is one of the posture solver, towards any posture, so it slides along obstacles; all else is where it is shown.
 """
 
 from avatarsim.ik.broad_phase import forget_near, sweep_boxes
@@ -32,7 +31,7 @@ SLOWEST = 0.1
 slide along something; smaller: they creep."""
 
 TRAPPED, ADVANCED, REACHED = range(3)
-"""What a step came to, in the words of Kuffner and LaValle (2000)."""
+"""Result of a step, in the words of Kuffner and LaValle (2000)."""
 
 
 @kernel
@@ -68,7 +67,7 @@ def copy_body(geo: Geometry, b: int, poses: Poses, poses_out: Poses) -> None:
 def notice_world(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, poses: Poses, ghost_out: Ghost
 ) -> None:
-    """As a slice begins: all but the avatar as it is shown, and nothing remembered of earlier slices."""
+    """Reset the ghost's world as a slice begins: all but the avatar as it is shown, and nothing remembered of earlier slices."""
     g, s = ghost_out, ghost_out.scratch
     for b in range(skel.first):
         if has_moved(poses, b, g):
@@ -98,7 +97,7 @@ def notice_world(
 
 @kernel
 def put_ghost(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> None:
-    """Put the ghost where its posture says; what it touched elsewhere is forgotten."""
+    """Put the ghost where its posture places it; its contacts from elsewhere are forgotten."""
     g = ghost_out
     carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
     place_avatar(geo, skel, avatars, avatar, g.poses)
@@ -118,14 +117,13 @@ def put_ghost_at(geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, k
 
 @kernel
 def aim_ghost(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, ghost_out: Ghost) -> None:
-    """Make node k what the ghost goes to."""
+    """Make node k the aim of the ghost."""
     get_node(skel, avatars, avatar, k, plan, ghost_out.aim)
 
 
 @kernel
 def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost) -> tuple[float, float]:
-    """Objective [m^2] of the ghost towards its aim, and the distance [m] of its farthest origin; the tangent error is then at
-    hand."""
+    """Return objective [m^2] of the ghost towards its aim, and distance [m] of its farthest origin; keeps the tangent error."""
     g = ghost_out
     g.state.tracking.is_located[avatar] = 0
     locate(skel, avatars, avatar, g.aim, g.state.tracking, g.scratch.objective)
@@ -135,8 +133,8 @@ def value_to_aim(skel: Skeleton, avatars: Avatars, avatar: int, ghost_out: Ghost
 
 @kernel
 def set_carrot(skel: Skeleton, avatars: Avatars, avatar: int, strides: float, ghost_out: Ghost) -> None:
-    """The target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound of
-    every joint, each of them a row of the QP."""
+    """Set the target of the next step: on the straight way to the aim, as far as a step goes. A farther one would break the bound
+    of every joint, each of them a row of the QP."""
     g, s, b, t = ghost_out, ghost_out.scratch, ghost_out.state.budget, ghost_out.state.tracking
     turn, move = strides * STRIDE, strides * STRIDE * t.reach[avatar]
     b.slack[0], b.slack[1] = SLACK * move, SLACK * turn
@@ -157,8 +155,8 @@ def step_ghost(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, strides: float, most_work: int,
     value: float, ghost_out: Ghost,
 ) -> tuple[int, float, float]:
-    """One step towards the aim of so many strides, where the objective was `value` before: what it came to, the objective after
-    it, and how long the next step may be."""
+    """Take one step towards the aim of so many strides, where the objective was `value` before; return its result, the objective
+    after it, and how long the next step may be."""
     g, reach = ghost_out, ghost_out.state.tracking.reach[avatar]
     set_carrot(skel, avatars, avatar, strides, g)
     moved = sqp_step(geo, skel, avatars, settings, g.posture, g.poses, 0, 1, most_work, g.state, g.scratch)

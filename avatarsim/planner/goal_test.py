@@ -1,15 +1,15 @@
 """Goal test: is there a free posture near the target's, and near enough to be worth a path?
 
-Asked one after the other: the target's posture, the target's root with the joints of the shown posture and of the travel
-posture, and the same three with the root drawn aside. The first that is free and has at most half of the shown posture's
+Candidates, tested one after the other: the target's posture, the target's root with the joints of the shown posture and of the
+travel posture, and the same three with the root drawn aside. The first that is free and has at most half of the shown posture's
 objective is the goal. A hand that presses on a table is half as near nowhere, so it is led nowhere.
 
 Rent or buy (ski rental: Karlin, Manasse, Rudolph and Sleator 1988): a path that leads away from the target first is followed
 once waiting has cost as much as it would.
 
-Nothing says how long a trap lasts. Waiting costs the objective of the shown postures, summed over the time for which the avatar
-has been stalled; so a trap that opens as the path is begun has cost twice the waiting at most. Until then the path is kept and
-shortened, and its end follows the target.
+It is not known how long a trap lasts. Waiting costs the objective of the shown postures, summed over the time for which the
+avatar has been stalled; so a trap that opens as the path is begun has cost twice the waiting at most. Until then the path is kept
+and shortened, and its end follows the target.
 """
 
 from avatarsim.ik.certify import certify
@@ -28,7 +28,7 @@ from avatarsim.settings import PostureSettings
 from avatarsim.spatial.vec3 import norm, put_row, row, scale, sub
 
 CLOSER = 0.5
-"""Share of the shown posture's objective that a goal has at most. Larger: avatars walk about for little."""
+"""Share of the shown posture's objective that a goal has at most. Larger: avatars walk for little gain."""
 
 JOINTS, DIRECTIONS, RINGS = 3, 7, 4
 """Postures of the joints; directions in which the root is drawn aside, six along the axes and one back to where it is shown; and
@@ -41,7 +41,7 @@ CANDIDATES = JOINTS * (1 + DIRECTIONS * RINGS)
 def place_candidate(
     geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, number: int, shown: Posture, target: Posture, ghost_out: Ghost
 ) -> bool:
-    """Put the ghost at a candidate; False where there is none of this number: without a free root, or at the target already."""
+    """Put the ghost at a candidate; False without one of this number: without a free root, or at the target already."""
     g, root = ghost_out, avatars.first_link[avatar]
     joints, place = number % JOINTS, number // JOINTS
     if number > 0 and skel.kind[root] != FREE:
@@ -72,7 +72,7 @@ def is_goal(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, value: float,
     ghost_out: Ghost
 ) -> bool:
-    """Return True if the ghost stands free where a path may end: the shown posture's objective is `value` [m^2].
+    """Return True if the ghost is free where a path may end: the shown posture's objective is `value` [m^2].
 
     The ghost's own objective holds the link origins of the target."""
     g = ghost_out
@@ -101,9 +101,9 @@ def buy(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, tracker: Posture, target: Posture,
     shown: Posture, value: float, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
-    """What there is before a slice. STALE if the goal, or where the path ends by now, is no nearer to the target as it is than
-    the avatar; FOUND if the path ends at a goal, is paid, and has been shortened for a frame. Else it is kept,
-    and shortened on."""
+    """Return the state before a slice. STALE if the goal, or the present end of the path, is no nearer to the target as it is
+    than the avatar; FOUND if the path ends at a goal, is paid, and has been shortened for a frame. Else it is kept, and shortened
+    on."""
     s, has_path = plan_out.searches, plan_out.searches.phase[avatar] >= CUT
     end = plan_out.path[avatar, s.length[avatar] - 1] if has_path else GOAL_NODE
     aim_at_tracker(skel, avatars, avatar, tracker, ghost_out)
@@ -119,7 +119,7 @@ def buy(
 
 @kernel
 def aim_at_tracker(skel: Skeleton, avatars: Avatars, avatar: int, tracker: Posture, ghost_out: Ghost) -> None:
-    """Link origins of the tracker."""
+    """Compute the link origins of the tracker's posture for the ghost."""
     ghost_out.state.tracking.is_located[avatar] = 0
     locate(skel, avatars, avatar, tracker, ghost_out.state.tracking, ghost_out.scratch.objective)
 
@@ -128,7 +128,7 @@ def aim_at_tracker(skel: Skeleton, avatars: Avatars, avatar: int, tracker: Postu
 def value_at(
     skel: Skeleton, avatars: Avatars, avatar: int, k: int, target: Posture, plan: Plan, ghost_out: Ghost
 ) -> float:
-    """Objective [m^2] at node k. The ghost has its posture and link origins then, and no shapes."""
+    """Return the objective [m^2] at node k. The ghost has its posture and link origins then, and no shapes."""
     g = ghost_out
     get_node(skel, avatars, avatar, k, plan, g.posture)
     carry_avatar(skel, avatars, avatar, g.posture, g.scratch.still, g.poses, g.state.axes)
@@ -143,7 +143,7 @@ def cost_of(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, target: Posture, shown: Posture, value: float,
     plan: Plan, ghost_out: Ghost,
 ) -> tuple[float, float]:
-    """The time [s] that a path takes, and its price [m^2 s]: the objective beyond the shown posture's, summed over that time.
+    """Return the time [s] of a path and its price [m^2 s]: the objective beyond the shown posture's, summed over that time.
 
     The ghost's objective holds the link origins of the tracker."""
     g, total, price, before = ghost_out, 0.0, 0.0, value

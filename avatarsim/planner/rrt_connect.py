@@ -1,7 +1,7 @@
 """RRT-Connect (Kuffner and LaValle 2000): two trees of certified steps, from the shown posture and from the goal.
 
 Each in turn is extended towards a sample, as far as it gets, and the other towards where that ended. The first extension of all
-goes straight from the start to the goal. Anytime: `search` goes on until a slice of work is spent, and finds all it needs in the
+goes straight from the start to the goal. Anytime: `search` runs until a slice of work is spent, and finds all it needs in the
 Plan.
 """
 
@@ -57,7 +57,7 @@ def search(
     target: Posture, shown: Posture, poses: Poses, value: float, is_followed: bool, most_work: int, plan_out: Plan,
     ghost_out: Ghost,
 ) -> int:
-    """A slice of a search: towards `target`, the tracker's posture within limits, while the avatar stands at `shown` with
+    """Run a slice of a search: towards `target`, the tracker's posture within limits, while the avatar is at `shown` with
     objective `value` [m^2]. is_followed: the path is followed already, and improved."""
     g, s = ghost_out, plan_out.searches
     notice_world(geo, skel, avatars, settings, avatar, poses, g)
@@ -86,7 +86,7 @@ def shorten(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
     is_followed: bool, plan_out: Plan, ghost_out: Ghost,
 ) -> bool:
-    """Begin the next shortcut, if there is one to try: in turn within the path, and from it to the target as it is by now."""
+    """Begin the next shortcut, if there is one to try: in turn within the path, and from it to the present target."""
     s = plan_out.searches
     if 2 * s.count[avatar] > NODES:
         keep_path(avatar, plan_out)
@@ -112,8 +112,8 @@ def shorten(
 def keep_up(
     skel: Skeleton, avatars: Avatars, avatar: int, shown: Posture, plan_out: Plan, ghost_out: Ghost
 ) -> None:
-    """A node where the avatar is shown, once that is a stride away from the last: the way on which it has gone on meanwhile, each
-    step of it certified, is where its path begins."""
+    """Add a node where the avatar is shown, once that is a stride away from the last: the path begins with its motion meanwhile,
+    each step of it certified."""
     s, g, has_path = plan_out.searches, ghost_out, plan_out.searches.phase[avatar] == CUT
     last = plan_out.path[avatar, 0] if has_path else s.here[avatar]
     get_node(skel, avatars, avatar, last, plan_out, g.posture)
@@ -147,7 +147,7 @@ def find_goal(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, shown: Posture, target: Posture,
     value: float, plan_out: Plan, ghost_out: Ghost,
 ) -> int:
-    """Ask of one candidate whether it may be the goal; if so, the first extension goes straight to it."""
+    """Test whether one candidate may be the goal; if so, the first extension goes straight to it."""
     s = plan_out.searches
     number = s.candidate[avatar]
     if number >= CANDIDATES:
@@ -186,7 +186,7 @@ def extend(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, most_work: int, plan_out: Plan,
     ghost_out: Ghost,
 ) -> None:
-    """One step of the extension that is under way, and what follows if it was the last."""
+    """Take one step of the extension that is under way, and begin the next phase if it was the last."""
     s, phase = plan_out.searches, plan_out.searches.phase[avatar]
     pace = s.pace[avatar]
     outcome, s.value[avatar], s.pace[avatar] = step_ghost(
@@ -221,7 +221,7 @@ def keep_step(
     """Put a step of the extension into its last edge, or a new one if that would be longer than the longest step, or no straight
     motion that is certified; False without room.
 
-    Short steps in contact would else fill the trees with nodes that lie side by side."""
+    Short steps in contact would else fill the trees with nearly equal nodes."""
     s, g = plan_out.searches, ghost_out
     s.edge[avatar] += pace
     if s.count[avatar] > s.begun[avatar] and s.edge[avatar] <= LONGEST:
@@ -243,7 +243,7 @@ def keep_step(
 def begin_connection(
     geo: Geometry, skel: Skeleton, avatars: Avatars, avatar: int, plan_out: Plan, ghost_out: Ghost
 ) -> None:
-    """The other tree goes towards the node at which this extension ended."""
+    """Extend the other tree towards the node at which this extension ended."""
     s = plan_out.searches
     s.meeting[avatar] = s.at[avatar]
     get_node(skel, avatars, avatar, s.at[avatar], plan_out, ghost_out.posture)
@@ -257,7 +257,7 @@ def begin_connection(
 
 @kernel
 def end_connection(avatar: int, has_met: bool, plan_out: Plan) -> None:
-    """The trees meet, or the next sample is drawn, for the tree that was just extended."""
+    """Join the trees if they meet, else draw the next sample, for the tree that was just extended."""
     s = plan_out.searches
     if not has_met:
         s.phase[avatar] = SAMPLE

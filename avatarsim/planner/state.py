@@ -1,8 +1,7 @@
-"""State of the planner: what each avatar's search keeps from frame to frame, and the ghost, an unseen avatar that takes its
-steps.
+"""State of the planner: the search of each avatar from frame to frame, and the ghost, an unseen avatar that takes its steps.
 
-A search goes on over many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The
-ghost is working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
+A search lasts many frames, in slices of work, so all of it is kept: trees, random generator, the extension it is in. The ghost is
+working memory: as a slice begins it is placed at a node, among everything else as it is shown, with nothing remembered.
 
 The arrays of the planner, made once per scene.
 """
@@ -35,10 +34,10 @@ GOAL_NODE = 1
 
 
 class Outcome(IntEnum):
-    """What a slice of a search came to."""
+    """Result of a slice of a search."""
 
     SEARCHING = 0
-    """Its work is spent; it goes on in the next frame."""
+    """Its work is spent; it continues in the next frame."""
     FOUND = 1
     """There is a path, and waiting has cost as much as it does."""
     FAILED = 2
@@ -50,7 +49,7 @@ class Outcome(IntEnum):
 
 
 class Phase(IntEnum):
-    """What a search does next."""
+    """Next activity of a search."""
 
     GOAL = 0
     """Look for a free posture near the target's."""
@@ -65,7 +64,7 @@ class Phase(IntEnum):
     TRY_CUT = 5
     """Extend from one node of the path towards a later one."""
     TRY_END = 6
-    """Extend from a node of the path that is followed towards where the target is by now."""
+    """Extend from a node of the path that is followed towards the present target."""
 
 
 SEARCH = np.dtype(
@@ -86,7 +85,7 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     phase: Index
     """A Phase."""
     candidate: Index
-    """Number of the next posture near the target's that is asked whether it is free."""
+    """Number of the next posture near the target's that is tested for being free."""
     samples: Index
     """Samples drawn in this search."""
     tree: Index
@@ -100,7 +99,7 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     meeting: Index
     """Node of the other tree that a connection goes to."""
     here: Index
-    """Node of tree 0 near which the avatar is shown by now: while a path is searched it goes on tracking."""
+    """Node of tree 0 near which the avatar is shown now: while a path is searched it continues tracking."""
     value: Array
     """[m^2] objective towards the end of the extension after its last step."""
     pace: Array
@@ -114,7 +113,7 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     place: Index
     """Place in the path of the node that is the target now."""
     late: Array
-    """[s] by which the avatar is late at the node that it goes to: since it set out, less what the catch-up speeds take."""
+    """[s] by which the avatar is late at the node that it goes to: since it set out, less the time of the catch-up speeds."""
     cuts: Index
     """Shortcuts tried."""
     cut_from: Index
@@ -128,7 +127,7 @@ class Searches(np.recarray[Any, np.dtype[Any]]):
     pause: Array
     """[s] that it rests after the next search in vain."""
     paid: Array
-    """[m^2 s] what waiting has cost: the objective, summed since it has stopped falling."""
+    """[m^2 s] cost of waiting: the objective, summed since it has stopped falling."""
     random: Index
     """State of the generator (Park and Miller 1988)."""
 
@@ -137,13 +136,13 @@ known_as_table(Searches, SEARCH)
 
 
 class Plan(NamedTuple):
-    """What stays from frame to frame.
+    """State of the searches that stays from frame to frame.
 
     searches  a row per avatar
     node      (na, NODES + 1, w) postures of the nodes, the last of them the end of the extension. One is packed link by link in
               the scene's order, without gaps: of a free root its position (3) [m] and its rotation matrix (9) row by row, of a
-              ball its rotation matrix (9), of hinges and slides their coordinates [rad, m]; what an avatar does not need of
-              w is not read
+              ball its rotation matrix (9), of hinges and slides their coordinates [rad, m]; the part of w that an avatar does
+              not need is not read
     before    (na, NODES) the node that each was reached from, -1 at a root
     tree      (na, NODES) of each node: 0 from the shown posture, 1 from the goal, 2 of shortcuts
     path      (na, NODES) nodes from the shown posture to the goal
@@ -172,7 +171,7 @@ class Ghost(NamedTuple):
 
 
 def packed_width(skel: Skeleton, avatars: Avatars) -> int:
-    """Numbers that the packed posture of any avatar takes."""
+    """Return the numbers that the packed posture of any avatar takes."""
     widths = [0]
     for a in range(len(avatars.first_link) - 1):
         kinds = skel.kind[avatars.first_link[a] : avatars.first_link[a + 1]]
@@ -182,7 +181,7 @@ def packed_width(skel: Skeleton, avatars: Avatars) -> int:
 
 
 def plan_is_sound(plan: Plan) -> bool:
-    """Return True if every node that a plan from bytes names is there, and its trees have no circles."""
+    """Return True if every node that a plan from bytes names exists, and its trees have no circles."""
     s, numbers = plan.searches, np.arange(NODES)
     used, length = s["count"], s["length"]
     last = np.maximum(used - 1, 0)
@@ -201,7 +200,7 @@ def plan_is_sound(plan: Plan) -> bool:
 def make_planner(
     geo: Geometry, skel: Skeleton, avatars: Avatars, shown: IkState, posture: Posture, poses: Poses, gravity: Array, seed: int
 ) -> tuple[Plan, Ghost]:
-    """A planner of avatars that stand at `posture`, in which they travel."""
+    """Return a planner of avatars at `posture`, in which they travel."""
     na, nl, nd = len(avatars.first_link) - 1, len(skel.kind), int(skel.first_dof[-1])
     searches = np.zeros(na, SEARCH).view(Searches)
     for a in range(na):

@@ -1,6 +1,6 @@
 """Supervisor: which target an avatar follows. TRACK until stalled; then PLAN, and FOLLOW_PATH if there is one, else WAIT.
 
-Each avatar for itself. While it plans it goes on tracking, so a search costs it nothing but its slice of work.
+Each avatar for itself. While it plans it continues tracking, so a search costs it nothing but its slice of work.
 
 Progress monitor: does the objective of an avatar that is far from its target still fall?
 """
@@ -33,17 +33,17 @@ def measure(
     skel: Skeleton, avatars: Avatars, avatar: int, settings: PostureSettings, dt: float, poses: Poses, state_out: IkState,
     scratch: IkScratch,
 ) -> float:
-    """After the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it, and for how
-    long the objective has not fallen as it must; the objective.
+    """Measure progress after the steps of a frame of dt [s], with the error to the target at hand: how far the avatar is from it,
+    and for how long the objective has not fallen as it must; return the objective.
 
-    It is compared with what it was a stall time before at most, as the frames ended: what is lost again to a target that walks on
+    It is compared with its value a stall time before at most, at the ends of frames: a gain that is lost again to a moving target
     is no progress."""
     t = state_out.tracking
     value, far = value_of(skel, avatars, avatar, state_out, poses, scratch.objective)
     t.distance[avatar] = far
     t.since[avatar] += dt
     links = avatars.first_link[avatar + 1] - avatars.first_link[avatar]
-    # what origins beyond the loss radius that come nearer with this speed take of the objective
+    # the part of the objective that origins beyond the loss radius lose when they come nearer with this speed
     radius = LOSS_RADIUS * t.reach[avatar]
     least = SLOWEST * min(settings.catch_up_move, terminal_speed(settings, radius, dt)) * links * radius
     least = min(least, FALLEN * t.objective[avatar] / settings.stall_time) * t.since[avatar]
@@ -76,17 +76,17 @@ def supervise(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, dt: float, posture: Posture,
     poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """After the steps of a frame of dt [s]: progress, modes, and a slice of each search."""
+    """Run progress, modes, and a slice of each search after the steps of a frame of dt [s]."""
     t, counts = state_out.tracking, scratch_out.counts
     for avatar in range(avatars.first_link.shape[0] - 1):
         if t.has_arrived[avatar] > 0 and t.mode[avatar] != FOLLOW_PATH:
             t.distance[avatar], t.stalled[avatar], t.since[avatar], t.mode[avatar] = 0.0, 0.0, 0.0, TRACK
             continue
         if t.mode[avatar] == FOLLOW_PATH:
-            # what was located is the path's
+            # the located target is the path's
             t.is_located[avatar] = 0
         locate(skel, avatars, avatar, tracker, t, scratch_out.objective)
-        # the clipped target, whatever was followed
+        # the clipped target, not the target that was followed
         tangent_error(skel, avatars, avatar, posture, state_out.before, scratch_out.objective.error)
         value = measure(skel, avatars, avatar, settings, dt, poses, state_out, scratch_out)
         choose_mode(skel, avatars, settings, avatar, dt, value, posture, plan_out, state_out)
@@ -101,7 +101,7 @@ def supervise(
 
 @kernel
 def may_plan(skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int) -> bool:
-    """Return True if paths are sought for an avatar: one without joints is to lie on what it is pushed into, and waits."""
+    """Return True if paths are sought for an avatar: one without joints lies on the obstacle and waits."""
     if settings.around == NEVER:
         return False
     root = avatars.first_link[avatar]
@@ -114,7 +114,7 @@ def choose_mode(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, dt: float, value: float, posture: Posture,
     plan_out: Plan, state_out: IkState,
 ) -> None:
-    """The mode of an avatar but for what a search or a path decides."""
+    """Choose the mode of an avatar without the results of searches and paths."""
     t, s = state_out.tracking, plan_out.searches
     mode, is_stalled = t.mode[avatar], t.stalled[avatar] >= settings.stall_time
     if mode == FOLLOW_PATH:
@@ -137,8 +137,8 @@ def follow_on(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, value: float, posture: Posture, plan_out: Plan,
     state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """After a frame along a path: at its end the tracker is followed again; an avatar that is held up searches anew. Along a path
-    catch-up speeds hold in full."""
+    """Update an avatar after a frame along a path: at its end the tracker is followed again; a blocked avatar searches anew.
+    Along a path catch-up speeds hold in full."""
     t, s = state_out.tracking, plan_out.searches
     t.speed[avatar] = max(t.speed[avatar], AT_REST)
     last = s.length[avatar] - 1
@@ -156,7 +156,7 @@ def drop_paths(
     geo: Geometry, skel: Skeleton, avatars: Avatars, tracker: Posture, posture: Posture, poses: Poses, plan: Plan,
     ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """As a frame begins: paths whose end is no nearer to the target than the avatar is are followed no more."""
+    """Drop paths, as a frame begins, whose end is no nearer to the target than the avatar is."""
     t, c, g = state_out.tracking, scratch_out.objective, ghost_out
     for avatar in range(avatars.first_link.shape[0] - 1):
         if t.mode[avatar] != FOLLOW_PATH:
@@ -173,7 +173,7 @@ def drop_paths(
 
 @kernel
 def set_free(avatar: int, value: float, state_out: IkState) -> None:
-    """Back to the tracker, whose progress is measured from here on."""
+    """Let an avatar follow its tracker again; its progress is measured from here on."""
     t = state_out.tracking
     t.mode[avatar], t.stalled[avatar], t.since[avatar], t.objective[avatar] = TRACK, 0.0, 0.0, value
 
@@ -183,8 +183,7 @@ def search_all(
     geo: Geometry, skel: Skeleton, avatars: Avatars, settings: PostureSettings, tracker: Posture, posture: Posture,
     poses: Poses, plan_out: Plan, ghost_out: Ghost, state_out: IkState, scratch_out: IkScratch,
 ) -> None:
-    """Deal out the work of a frame's searches, and of improving paths that are followed, in turns, within what is left of the
-    frame's whole budget."""
+    """Deal out the work of searches, and of improving followed paths, in turns, within the rest of the frame's budget."""
     t, count, waiting = state_out.tracking, avatars.first_link.shape[0] - 1, 0
     for avatar in range(count):
         waiting += 1 if t.mode[avatar] == PLAN or t.mode[avatar] == FOLLOW_PATH else 0
@@ -221,7 +220,7 @@ def set_out(
     skel: Skeleton, avatars: Avatars, settings: PostureSettings, avatar: int, posture: Posture, plan_out: Plan,
     scratch_out: IkScratch,
 ) -> None:
-    """Go to where the path begins, from where the avatar is by now."""
+    """Go from the present place of the avatar to the begin of its path."""
     s, way = plan_out.searches, scratch_out.objective.error
     put_target(skel, avatars, avatar, 0, plan_out, scratch_out)
     tangent_error(skel, avatars, avatar, posture, scratch_out.target, way)
@@ -230,8 +229,8 @@ def set_out(
 
 @kernel
 def note_outcome(avatar: int, found: int, settings: PostureSettings, plan_out: Plan, state_out: IkState) -> None:
-    """What follows from a slice. Where no goal is free it is looked again soon, since targets move; after a search in vain each
-    rest is twice as long."""
+    """Act on the result of a slice. Where no goal is free it is looked for again soon, since targets move; after a search in vain
+    each rest is twice as long."""
     t, s = state_out.tracking, plan_out.searches
     if found == FOUND:
         t.mode[avatar] = FOLLOW_PATH

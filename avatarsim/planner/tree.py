@@ -24,13 +24,13 @@ MARGIN = 4.0
 more. The room around them grows with the root of the samples drawn."""
 
 TURN, MOVE = 1.2, 3.0
-"""[rad, mean reaches] how far at most joints, and root and slides, of a local sample are from those of its node. Larger: they
-end in what stands around; smaller: they stay in the trap."""
+"""[rad, mean reaches] how far at most joints, and root and slides, of a local sample are from those of its node. Larger: they end
+in obstacles; smaller: they stay in the trap."""
 
 
 @kernel
 def drawn(avatar: int, plan_out: Plan) -> float:
-    """A random number from 0 to 1."""
+    """Return a random number from 0 to 1."""
     s = plan_out.searches
     s.random[avatar] = s.random[avatar] * MULTIPLIER % MODULUS
     return float(s.random[avatar] / MODULUS)
@@ -53,8 +53,7 @@ def draw_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_o
 
 @kernel
 def place_sample(skel: Skeleton, avatars: Avatars, avatar: int, goal: int, plan_out: Plan, ghost_out: Ghost) -> None:
-    """A place in the room around start and goal, any heading, with the joints of the travel posture, the start's or the
-    goal's."""
+    """Draw a place in the room around start and goal, any heading, with the joints of the travel posture, start or goal."""
     target, root, up = ghost_out.scratch.target, avatars.first_link[avatar], (ghost_out.up[0], ghost_out.up[1], ghost_out.up[2])
     kind = int(4.0 * drawn(avatar, plan_out))
     get_node(skel, avatars, avatar, goal, plan_out, target)
@@ -130,7 +129,7 @@ def put_node(skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, k:
 
 @kernel
 def get_node(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, posture_out: Posture) -> None:
-    """The posture of an avatar at its node k, to the bit."""
+    """Write the posture of an avatar at its node k, to the bit."""
     node, at = plan.node, 0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         kind = skel.kind[link]
@@ -153,7 +152,7 @@ def get_node(skel: Skeleton, avatars: Avatars, avatar: int, k: int, plan: Plan, 
 def add_node(
     skel: Skeleton, avatars: Avatars, avatar: int, posture: Posture, before: int, tree: int, plan_out: Plan
 ) -> int:
-    """Add a node that was reached from node `before`; its number, or -1 where there is no room."""
+    """Add a node that was reached from node `before`; return its number, or -1 where there is no room."""
     k = plan_out.searches.count[avatar]
     if k >= NODES:
         return NONE
@@ -165,7 +164,7 @@ def add_node(
 
 @kernel
 def square_distance(skel: Skeleton, avatars: Avatars, avatar: int, k: int, m: int, plan: Plan) -> float:
-    """Squared distance [m^2] of two nodes; of rotations the chord, 3 - trace."""
+    """Return the squared distance [m^2] of two nodes; of rotations the chord, 3 - trace."""
     node, at, total = plan.node, 0, 0.0
     low, high = avatars.first_link[avatar], avatars.first_link[avatar + 1]
     for link in range(low, high):
@@ -191,7 +190,7 @@ def square_distance(skel: Skeleton, avatars: Avatars, avatar: int, k: int, m: in
 
 @kernel
 def nearest_node(skel: Skeleton, avatars: Avatars, avatar: int, m: int, tree: int, plan: Plan) -> int:
-    """The node of a tree that is nearest to node m."""
+    """Return the node of a tree that is nearest to node m."""
     least, found = inf, 0
     for k in range(plan.searches.count[avatar]):
         if plan.tree[avatar, k] == tree:
