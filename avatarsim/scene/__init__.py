@@ -1,1 +1,1 @@
-"""What the world is: shapes, bodies, joints, avatars, materials, tracker samples, effects. Frozen and valid."""
+"""Description of the world: shapes, bodies, joints, avatars, materials, tracker samples, effects. Frozen and valid."""

@@ -36,10 +36,10 @@ from avatarsim.spatial import rotation
 class Link:
     """A rigid part of an avatar. Its frame sits in the joint's centre.
 
-    `anchor` [m] is that centre in the parent's frame, `orientation` the link's frame in the parent's when the
-    joint is at zero. A root that is not `Free` is anchored to the world. `mass` is what others feel in an impact.
-    `surface_velocity` [m/s] is that of its surface in its frame, as of a conveyor belt: loose bodies on it are carried along.
-    Raises InvalidScene for what is no such thing.
+    `anchor` [m] is that centre in the parent's frame, `orientation` the link's frame in the parent's when the joint is at zero. A
+    root that is not `Free` is anchored to the world. `mass` is the mass that others feel in an impact. `surface_velocity` [m/s]
+    is that of its surface in its frame, as of a conveyor belt: loose bodies on it are carried along. Raises InvalidScene for
+    other values.
     """
 
     name: str
@@ -99,12 +99,12 @@ class Drive:
 class Avatar:
     """A tree of links, parents before children, driven by a tracker.
 
-    `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap because they
-    do so at rest (a shoulder in a chest), however deep, `at_rest` those that may be no deeper [m] than stated. `couplings` say
-    which hinges and slides follow others. `coupled_mass` [kg] is m in eq. 6 and what a simulated body feels in an impact; by
-    default the link's own mass. `drive` replaces the engine's options `spring` and `damping` for this avatar. `size_range` [m]
-    is what its `span` must be in: a human of 1.7 km was meant in millimetres. `moves`: it is no person's but scenery that moves
-    by itself, as `moving` makes it. Raises InvalidScene for links that are no tree, names that are no links, and other sizes.
+    `chains` name the tips of the paper's chains (arms, legs, neck), `ignore` the pairs of links that may overlap because they do
+    so at rest (a shoulder in a chest), however deep, `at_rest` those that may be no deeper [m] than stated. `couplings` name
+    hinges and slides that follow others. `coupled_mass` [kg] is m in eq. 6 and the mass that a simulated body feels in an impact;
+    by default the link's own mass. `drive` replaces the engine's options `spring` and `damping` for this avatar. `size_range` [m]
+    is the range of its `span`: a human of 1.7 km was meant in millimetres. `moves`: it is no person but scenery that moves by
+    itself, as `moving` makes it. Raises InvalidScene for links that are no tree, names that are no links, and other sizes.
     """
 
     name: str
@@ -180,7 +180,7 @@ class Avatar:
 
     @property
     def span(self) -> float:
-        """Twice the farthest that a piece can be from the root's joint with all limbs stretched and all slides at zero [m]."""
+        """Return twice the farthest distance [m] of a piece from the root's joint with limbs stretched and slides at zero."""
         way: dict[str, float] = {}
         farthest = 0.0
         for link in self.links:
@@ -191,17 +191,17 @@ class Avatar:
 
     @property
     def link_names(self) -> tuple[str, ...]:
-        """Names of the links in a scene: `avatar/link`, of one link that of the avatar."""
+        """Return names of the links in a scene: `avatar/link`, of one link that of the avatar."""
         return (self.name,) if len(self.links) == 1 else tuple(f"{self.name}/{link.name}" for link in self.links)
 
     @cached_property
     def hinge_count(self) -> int:
-        """Number of hinges and slides of all links together, which is that of the avatar's `TrackerSample.angles`."""
+        """Return the number of hinges and slides of all links together, which is that of the avatar's `TrackerSample.angles`."""
         return sum(len(axes_of(link.joint)) for link in self.links)
 
 
 def rigid_avatar(name: str, pieces: tuple[Piece, ...], mass: Mass, material: str = "human") -> Avatar:
-    """A driven body without joints, such as a rigid hand: one free link of this `name`, which carries all `pieces`.
+    """Return a driven body without joints, such as a rigid hand: one free link of this `name`, which carries all `pieces`.
 
-    `mass` [kg] is m in eq. 6, what a loose body feels. Raises InvalidScene for what is no such thing."""
+    `mass` [kg] is m in eq. 6, the mass that a loose body feels. Raises InvalidScene for other values."""
     return Avatar(name, (Link(name, None, Free(), pieces, mass, material),))

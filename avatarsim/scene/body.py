@@ -61,7 +61,7 @@ class Mass:
 
 
 def _moments(shape: Shape) -> tuple[float, Array, Array]:
-    """Volume, centroid and covariance integral of x x^T about the centroid, of one shape in its own frame."""
+    """Return the volume, centroid and covariance integral of x x^T about the centroid, of one shape in its own frame."""
     if isinstance(shape, ConvexHull):
         return _hull_moments(shape.vertices)
     if isinstance(shape, Sphere):
@@ -88,7 +88,7 @@ def _capsule_moments(shape: Capsule) -> tuple[float, Array]:
 
 
 def _hull_moments(vertices: Array) -> tuple[float, Array, Array]:
-    """Exact volume, centroid and covariance of a convex polytope, as a fan of tetrahedra from an inner point."""
+    """Return exact volume, centroid and covariance of a convex polytope, as a fan of tetrahedra from an inner point."""
     # qhull comes with scipy, which takes a fifth of a second to import: only scenes with hulls pay for it
     from scipy.spatial import ConvexHull as QuickHull
 
@@ -105,14 +105,14 @@ def _hull_moments(vertices: Array) -> tuple[float, Array, Array]:
 
 
 def volume(shape: Shape) -> float:
-    """Volume [m^3] of one shape."""
+    """Return the volume [m^3] of one shape."""
     if not isinstance(shape, Shape):
         raise InvalidScene("shape whose volume is asked for", shape, "a Sphere, Capsule, Box, Ellipsoid or ConvexHull")
     return _moments(shape)[0]
 
 
 def solid(pieces: Sequence[Piece], mass: float) -> Mass:
-    """Mass properties of a body of total `mass` [kg], spread evenly over its `pieces` (overlaps count twice).
+    """Return the mass properties of a body of total `mass` [kg], spread evenly over its `pieces` (overlaps count twice).
 
     Closed forms of the shapes; of hulls, sums over tetrahedra. Raises InvalidScene for no pieces, or a mass that is none."""
     positive("mass", mass)
@@ -172,11 +172,11 @@ class PairTable:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Every material that occurs, sorted."""
+        """Return every material that occurs, sorted."""
         return tuple(sorted({name for pair in self.pairs for name in pair}))
 
     def contact(self, a: str, b: str) -> ContactLaw:
-        """Coefficients of materials a and b, in either order."""
+        """Return coefficients of materials a and b, in either order."""
         try:
             return self.pairs[a, b]
         except KeyError:
@@ -208,9 +208,9 @@ class Role(Enum):
 class Body:
     """A rigid body: convex pieces, material, first pose, and for simulated ones mass and first velocities.
 
-    `position` [m] and `orientation` (w, x, y, z) place the body frame in the world; `velocity` [m/s] is that of
-    the centre of mass, `angular_velocity` [rad/s] is in world axes. Their components are at most `FARTHEST`, `FASTEST` and
-    `FASTEST_SPIN` of `avatarsim.scene.checks`, where the reasons stand.
+    `position` [m] and `orientation` (w, x, y, z) place the body frame in the world; `velocity` [m/s] is that of the centre of
+    mass, `angular_velocity` [rad/s] is in world axes. Their components are at most `FARTHEST`, `FASTEST` and `FASTEST_SPIN` of
+    `avatarsim.scene.checks`, with the reasons.
     """
 
     name: str
@@ -246,10 +246,10 @@ class Body:
 
 def fixed(name: str, pieces: tuple[Piece, ...], material: str, position: Vector = (0.0, 0.0, 0.0),
           orientation: Quaternion = rotation.IDENTITY) -> Body:
-    """A body that stays where it is: furniture, walls, the ground.
+    """Return a body that stays where it is: furniture, walls, the ground.
 
     `pieces` in the body's frame, which `position` [m] and `orientation` (w, x, y, z) place in the world; `material` a name of the
-    scene's table of pairs. Raises InvalidScene for what is no such thing.
+    scene's table of pairs. Raises InvalidScene for other values.
     """
     return Body(name, Role.FIXED, pieces, material, position, orientation)
 
@@ -257,9 +257,9 @@ def fixed(name: str, pieces: tuple[Piece, ...], material: str, position: Vector 
 def simulated(name: str, pieces: tuple[Piece, ...], material: str, mass: Mass, position: Vector = (0.0, 0.0, 0.0),
               orientation: Quaternion = rotation.IDENTITY, velocity: Vector = (0.0, 0.0, 0.0),
               angular_velocity: Vector = (0.0, 0.0, 0.0)) -> Body:
-    """A loose body, which obeys the laws of physics: eqs 7 to 10 of Schmidl and Lin 2004 where it is struck.
+    """Return a loose body, which obeys the laws of physics: eqs 7 to 10 of Schmidl and Lin 2004 where it is struck.
 
     As `fixed`, and with the `mass` of its pieces (see `solid`), the first `velocity` [m/s] of its centre of mass and the first
-    `angular_velocity` [rad/s] in world axes. Raises InvalidScene for what is no such thing.
+    `angular_velocity` [rad/s] in world axes. Raises InvalidScene for other values.
     """
     return Body(name, Role.SIMULATED, pieces, material, position, orientation, mass, velocity, angular_velocity)

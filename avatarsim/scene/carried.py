@@ -42,7 +42,7 @@ class Carried:
 
 
 def joined(motion: Motion, carried: Sequence[Carried]) -> Motion:
-    """Return a motion of an avatar and of what it carries, in this order. Raises InvalidInput for other times."""
+    """Return a motion of an avatar and of the bodies it carries, in this order. Raises InvalidInput for other times."""
     if not carried:
         return motion
     for one in carried:

@@ -1,4 +1,4 @@
-"""The one place where values handed in are checked: of the right type, finite, positive, of the right shape."""
+"""Checks of values from users: of the right type, finite, positive, of the right shape."""
 
 import math
 from collections.abc import Iterable
@@ -22,8 +22,8 @@ SHORTEST, LONGEST = 1e-6, 1e7
 inertias, which grow with the third and fifth power, leave the range in which sums of them mean anything."""
 
 FARTHEST = 1e8
-"""Largest coordinate [m] of whatever a scene places. Coordinates there are rounded to 1.5e-8 m, a hundredth of the smallest gap
-that the engine keeps (`wedged_gap`). Farther: rounding eats the gaps, and what is shown may overlap."""
+"""Largest coordinate [m] of any part of a scene. Coordinates there are rounded to 1.5e-8 m, a hundredth of the smallest gap that
+the engine keeps (`wedged_gap`). Farther: rounding eats the gaps, and shown bodies may overlap."""
 
 FASTEST = 1e6
 """Largest velocity component [m/s] with which a body begins. In a frame of 1 s, the longest, the instant of an impact is known
@@ -36,7 +36,7 @@ rad/s, 0.3 s with 1e5, and with 1e6 most of a second in every frame."""
 
 
 def as_number(value: object) -> float:
-    """`value` as a float; nan, which no range holds, if it is no number."""
+    """Return `value` as a float; nan, which no range holds, if it is no number."""
     if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
         return math.nan
     try:
@@ -46,7 +46,7 @@ def as_number(value: object) -> float:
 
 
 def positive(thing: str, value: object, error: type[InvalidInput] = InvalidScene) -> float:
-    """`value` as a float, or an error that says it must be finite and above 0."""
+    """Return `value` as a float, or raise an error that it must be finite and above 0."""
     number = as_number(value)
     if not 0.0 < number < math.inf:
         raise error(thing, value, "a finite number above 0")
@@ -54,7 +54,7 @@ def positive(thing: str, value: object, error: type[InvalidInput] = InvalidScene
 
 
 def within(thing: str, value: object, low: float, high: float, error: type[InvalidInput] = InvalidScene) -> float:
-    """`value` as a float, or an error that states the closed interval [low, high]."""
+    """Return `value` as a float, or raise an error that states the closed interval [low, high]."""
     number = as_number(value)
     if not low <= number <= high:
         raise error(thing, value, f"a finite number from {low:g} to {high:g}")
@@ -62,21 +62,21 @@ def within(thing: str, value: object, low: float, high: float, error: type[Inval
 
 
 def length(thing: str, value: object, error: type[InvalidInput] = InvalidScene) -> float:
-    """`value` [m] as a float, or an error that states the lengths that a shape may have."""
+    """Return `value` [m] as a float, or raise an error that states the lengths that a shape may have."""
     return within(f"{thing} [m]", value, SHORTEST, LONGEST, error)
 
 
 def instance(
     thing: str, value: object, kind: type[object] | UnionType, valid: str, error: type[InvalidInput] = InvalidScene
 ) -> None:
-    """Raise unless `value` is of type `kind`; `valid` says in words what that is."""
+    """Raise unless `value` is of type `kind`; `valid` describes that in words."""
     if not isinstance(value, kind):
         raise error(thing, value, valid)
 
 
 def each(thing: str, values: object, kind: type[object], valid: str, error: type[InvalidInput] = InvalidScene) -> None:
-    """Raise unless `values` is a tuple whose entries are all of type `kind`; `valid` says in words what one of them is. A list
-    could be changed once it has been checked."""
+    """Raise unless `values` is a tuple whose entries are all of type `kind`; `valid` describes one of them in words. A list could
+    be changed once it has been checked."""
     if not isinstance(values, tuple):
         raise error(thing, values, f"a tuple, each entry {valid}")
     for k, value in enumerate(values):
@@ -93,7 +93,7 @@ def name_pairs(thing: str, pairs: object) -> None:
 
 
 def depths(thing: str, entries: object) -> tuple[tuple[str, str, float], ...]:
-    """Pairs of names, each with a depth [m], the same pair once; or InvalidScene."""
+    """Return pairs of names, each with a depth [m], an equal pair once; or raise InvalidScene."""
     each(thing, entries, tuple, "two names and a depth [m]")
     found = []
     for k, entry in enumerate(cast(tuple[tuple[object, ...], ...], entries)):
@@ -106,13 +106,13 @@ def depths(thing: str, entries: object) -> tuple[tuple[str, str, float], ...]:
 
 
 def named(thing: str, name: object) -> None:
-    """Raise InvalidScene unless `name` is a text that can be read and told apart from nothing."""
+    """Raise InvalidScene unless `name` is a text that is not blank."""
     if not isinstance(name, str) or not name.strip():
         raise InvalidScene(f"name of {thing}", name, "a text that is not empty")
 
 
 def finite_array(thing: str, value: ArrayLike, shape: tuple[int, ...], error: type[InvalidInput] = InvalidScene) -> Array:
-    """`value` as a float64 array of `shape` (-1 matches any length) with finite entries only."""
+    """Return `value` as a float64 array of `shape` (-1 matches any length) with finite entries only."""
     try:
         array = real_array(value)
     except (TypeError, ValueError, OverflowError):
@@ -132,7 +132,7 @@ def require_near(thing: str, places: Array, error: type[InvalidInput] = InvalidS
 
 
 def real_array(value: ArrayLike) -> Array:
-    """A float64 array of its own of real numbers; TypeError for what numpy would make numbers of without a word: texts, complex
+    """Return a float64 array of its own of real numbers; TypeError for values that numpy would convert silently: texts, complex
     and truth values, and masked arrays, whose masks it would drop."""
     if isinstance(value, np.ma.MaskedArray):
         raise TypeError("a masked array")
@@ -145,8 +145,8 @@ def real_array(value: ArrayLike) -> Array:
 
 
 def _is_plain(value: object, depth: int) -> bool:
-    """Return True if numpy need not be asked what `value` is: of an object that has a length and parts without end it makes an
-    array of as many dimensions as it can, and of a truth value among numbers a number."""
+    """Return True if `value` may go to numpy: of an object that has a length and parts without end it makes an array of as many
+    dimensions as it can, and of a truth value among numbers a number."""
     if isinstance(value, (list, tuple)):
         return depth > 0 and all(_is_plain(part, depth - 1) for part in value)
     if isinstance(value, (bool, np.bool_)):
@@ -155,7 +155,7 @@ def _is_plain(value: object, depth: int) -> bool:
 
 
 def bounded(thing: str, value: Iterable[float], most: float, error: type[InvalidInput] = InvalidScene) -> Vector:
-    """A finite 3-vector as a tuple, none of its components larger than `most`."""
+    """Return a finite 3-vector as a tuple, none of its components larger than `most`."""
     found = vector(thing, value, error)
     if not max(map(abs, found)) <= most:
         raise error(thing, found, f"components from {-most:g} to {most:g}")
@@ -163,23 +163,23 @@ def bounded(thing: str, value: Iterable[float], most: float, error: type[Invalid
 
 
 def place(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Vector:
-    """A position [m] as a tuple, within `FARTHEST`."""
+    """Return a position [m] as a tuple, within `FARTHEST`."""
     return bounded(f"{thing} [m]", value, FARTHEST, error)
 
 
 def parts(value: object) -> ArrayLike:
-    """An array as it is, whose type says what it is; of all else the parts."""
+    """Return an array as it is, whose type gives its kind; of all else the parts."""
     return value if isinstance(value, np.ndarray) else cast(ArrayLike, listed(value))
 
 
 def listed(value: object) -> list[object]:
-    """The parts of a vector; a value without parts is its own only part, which no shape fits."""
+    """Return the parts of a vector; a value without parts is its own only part, which no shape fits."""
     # an array of no dimensions is iterable by its type alone
     return list(value) if isinstance(value, Iterable) and not (isinstance(value, np.ndarray) and value.ndim == 0) else [value]
 
 
 def pair(thing: str, value: object) -> tuple[object, object]:
-    """Two parts, not yet checked themselves."""
+    """Return two parts, not yet checked themselves."""
     parts = listed(value)
     if len(parts) != 2:
         raise InvalidScene(thing, value, "two numbers")
@@ -187,13 +187,13 @@ def pair(thing: str, value: object) -> tuple[object, object]:
 
 
 def vector(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Vector:
-    """A finite 3-vector as a tuple."""
+    """Return a finite 3-vector as a tuple."""
     x, y, z = finite_array(thing, parts(value), (3,), error)
     return float(x), float(y), float(z)
 
 
 def unit_vector(thing: str, value: Iterable[float]) -> Vector:
-    """A finite, non-zero 3-vector, scaled to length 1."""
+    """Return a finite, non-zero 3-vector, scaled to length 1."""
     array = finite_array(thing, parts(value), (3,))
     length = float(np.linalg.norm(array))
     if not length > 1e-12:
@@ -203,7 +203,7 @@ def unit_vector(thing: str, value: Iterable[float]) -> Vector:
 
 
 def unit_quaternion(thing: str, value: Iterable[float], error: type[InvalidInput] = InvalidScene) -> Quaternion:
-    """A quaternion (w, x, y, z) of length 1 to 1e-6, normalised to rounding."""
+    """Return a quaternion (w, x, y, z) of length 1 to 1e-6, normalised to rounding."""
     array = finite_array(thing, parts(value), (4,), error)
     length = float(np.linalg.norm(array))
     if not abs(length - 1.0) <= 1e-6:

@@ -1,6 +1,6 @@
-"""Which effects a scene calls for: derived once from its parts, narrowed by its author if they wish.
+"""Effects that a scene needs: derived once from its parts, narrowed by its author if they wish.
 
-Which part of a scene calls for which effect, why, and what is given up without it: one table, and the finding of the parts.
+Parts of a scene that need an effect, the reason, and the promise given up without it: one table, and the search for the parts.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,8 +17,8 @@ from avatarsim.scene.joint import Ball, Hinges, Slide, axes_of
 
 @dataclass(frozen=True)
 class Effects:
-    """One switch per effect. Which loops a frame has, `frame.py` and `batch.py` decide by them. Within a loop they are asked for
-    once, when a world is built: self-contact by `Scene`, restitution and friction by `model.dynamics`, limits and cones by
+    """One switch per effect. `frame.py` and `batch.py` choose the loops of a frame by them. Within a loop they are read once,
+    when a world is built: self-contact by `Scene`, restitution and friction by `model.dynamics`, limits and cones by
     `model.skeleton`, coupling and dynamics by the loops; and by `simulator.py` and `snapshot.py` where a body comes, goes or is
     put elsewhere."""
 
@@ -42,11 +42,11 @@ class Effects:
                 raise InvalidScene(f"effect {switch.name}", value, "True or False")
 
     def narrowed(self, *off: str) -> "Effects":
-        """The same effects without those named in `off`."""
+        """Return these effects without those named in `off`."""
         return self._switched(off, False)
 
     def widened(self, *on: str) -> "Effects":
-        """The same effects and those named in `on`."""
+        """Return these effects and those named in `on`."""
         return self._switched(on, True)
 
     def _switched(self, names: tuple[str, ...], on: bool) -> "Effects":
@@ -57,17 +57,17 @@ class Effects:
         return replace(self, **dict.fromkeys(names, on))
 
     def missing_from(self, derived: "Effects") -> tuple[str, ...]:
-        """Names of effects that `derived` has and this one lacks: what an author took away."""
+        """Return names of effects that `derived` has and this one lacks: those that an author took away."""
         return tuple(f.name for f in fields(self) if getattr(derived, f.name) and not getattr(self, f.name))
 
 
 ROUND = 1e-9
 """Spread of the principal moments of inertia, relative to the largest, up to which a body turns like a ball: its gyroscopic
-effect is below rounding after a minute. Larger: a nearly round body would not precess; smaller: rounding would call for it."""
+effect is below rounding after a minute. Larger: a nearly round body would not precess; smaller: rounding would need it."""
 
 
 class Parts(NamedTuple):
-    """What a scene is made of, as far as it calls for effects."""
+    """Parts of a scene that may need effects."""
 
     bodies: tuple[Body, ...]
     avatars: tuple[Avatar, ...]
@@ -78,8 +78,8 @@ class Parts(NamedTuple):
 class Call:
     """One row of the table.
 
-    `part` calls for the `effect`; `why` says what it is for; `lapses` which of the engine's promises no longer holds for a scene
-    whose author leaves it out (empty: none does, the scene just shows less); `found` names the parts that call.
+    `part` needs the `effect`; `why` is its purpose; `lapses` the promise of the engine that no longer holds for a scene whose
+    author leaves it out (empty: none, the scene just shows less); `found` names the parts that need it.
     """
 
     effect: str
@@ -90,45 +90,45 @@ class Call:
 
 
 def moving(parts: Parts) -> list[str]:
-    """Simulated bodies, and bodies that move by themselves."""
+    """Return simulated bodies, and bodies that move by themselves."""
     loose = [body.name for body in parts.bodies if body.role is Role.SIMULATED]
     return loose + [avatar.name for avatar in parts.avatars if avatar.moves]
 
 
 def driven(parts: Parts) -> list[str]:
-    """Avatars."""
+    """Return avatars."""
     return [avatar.name for avatar in parts.avatars]
 
 
 def jointed(parts: Parts) -> list[str]:
-    """Avatars with joints that move."""
+    """Return avatars with joints that move."""
     return [a.name for a in parts.avatars if any(isinstance(link.joint, Hinges | Slide | Ball) for link in a.links)]
 
 
 def many_limbed(parts: Parts) -> list[str]:
-    """Avatars with two links at least that are not parent and child."""
+    """Return avatars with two links at least that are not parent and child."""
     return [avatar.name for avatar in parts.avatars if len(avatar.links) > 2]
 
 
 def limited(parts: Parts) -> list[str]:
-    """Links with an interval for a hinge, a slide, or swing and twist."""
+    """Return links with an interval for a hinge, a slide, or swing and twist."""
     joints = [(f"{avatar.name}/{link.name}", link.joint) for avatar in parts.avatars for link in avatar.links]
     return [name for name, joint in joints if axes_of(joint) or (isinstance(joint, Ball) and joint.limits)]
 
 
 def coned(parts: Parts) -> list[str]:
-    """Links with a spherical polygon."""
+    """Return links with a spherical polygon."""
     joints = [(f"{avatar.name}/{link.name}", link.joint) for avatar in parts.avatars for link in avatar.links]
     return [name for name, joint in joints if isinstance(joint, Ball) and joint.cone]
 
 
 def both(parts: Parts) -> list[str]:
-    """Avatars, if there are simulated or moving bodies that they can meet."""
+    """Return avatars, if there are simulated or moving bodies that they can meet."""
     return driven(parts) if moving(parts) else []
 
 
 def met(parts: Parts) -> dict[str, ContactLaw]:
-    """The contacts that a simulated body can make, by `material on material`."""
+    """Return the contacts that a simulated body can make, by `material on material`."""
     free = [body.material for body in parts.bodies if body.role is Role.SIMULATED]
     held = [body.material for body in parts.bodies if body.role is not Role.SIMULATED]
     held += [link.material for avatar in parts.avatars for link in avatar.links]
@@ -138,12 +138,12 @@ def met(parts: Parts) -> dict[str, ContactLaw]:
 
 
 def bouncing(parts: Parts) -> list[str]:
-    """Pairs of materials that bounce."""
+    """Return pairs of materials that bounce."""
     return [f"{pair} {contact.restitution:g}" for pair, contact in met(parts).items() if contact.restitution > 0.0]
 
 
 def rubbing(parts: Parts) -> list[str]:
-    """Pairs of materials with friction: what simulated bodies meet, and links and fixed bodies."""
+    """Return pairs of materials with friction: of surfaces that simulated bodies meet, and of links and fixed bodies."""
     fixed = {body.material for body in parts.bodies if body.role is Role.FIXED}
     links = {link.material for avatar in parts.avatars for link in avatar.links}
     pairs = {(a, b) for a in links for b in fixed if (a, b) in parts.materials.pairs}
@@ -152,7 +152,7 @@ def rubbing(parts: Parts) -> list[str]:
 
 
 def tumbling(parts: Parts) -> list[str]:
-    """Simulated bodies whose principal moments of inertia differ."""
+    """Return simulated bodies whose principal moments of inertia differ."""
     return [
         body.name for body in parts.bodies
         if body.role is Role.SIMULATED and body.mass is not None
@@ -183,7 +183,7 @@ CALLS = (
          NO_OVERLAP, moving),
     Call("sleeping", "a simulated or moving body", "a body at rest costs near nothing", FAST, moving),
 )
-"""The table. A scene has an effect if a part of it calls; the parts are found in the rows' order."""
+"""The table. A scene has an effect if a part of it needs it; the parts are found in the rows' order."""
 
 KEPT = ("kinematics",)
 """Effects that no author can leave out."""

@@ -1,8 +1,8 @@
 """Joints of an avatar: rigid, up to three hinges that share a centre, a slide, or a native ball with swing and twist limits.
 
-The paper builds a ball and socket from three planar joints with a common centre; `Hinges` says exactly that.
-`Ball` is the same joint without gimbal lock, and its limits are stated once: a cone for the limb's direction and
-an interval for the twist about it. `ReachCone` narrows the directions to a spherical polygon.
+The paper builds a ball and socket from three planar joints with a common centre; `Hinges` is exactly that. `Ball` is the same
+joint without gimbal lock, and its limits are stated once: a cone for the limb's direction and an interval for the twist about it.
+`ReachCone` narrows the directions to a spherical polygon.
 
 Reach cones: the directions that a limb may take, as a spherical polygon (Wilhelms and Van Gelder).
 """
@@ -19,7 +19,7 @@ SHORTEST_EDGE, LOWEST_SIGHT = 1e-6, 1e-6
 
 
 def angle(a: np.typing.NDArray[np.float64], b: np.typing.NDArray[np.float64]) -> float:
-    """Angle [rad] of two unit vectors (3,)."""
+    """Return the angle [rad] of two unit vectors (3,)."""
     return float(np.arctan2(np.linalg.norm(np.cross(a, b)), a @ b))
 
 
@@ -43,7 +43,7 @@ class ReachCone:
         self._require_sight()
 
     def _require_sight(self) -> None:
-        """Every edge seen from its inner side, and once around: else the triangles of point and edges are not the polygon."""
+        """Raise unless each edge is seen from inside, once around: else the triangles of point and edges are not the polygon."""
         seen, ends = np.array(self.visible_point), np.roll(self.vertices, -1, axis=0)
         normals = np.cross(self.vertices, ends)
         lengths = np.linalg.norm(normals, axis=1)
@@ -151,7 +151,7 @@ class SwingTwist:
 class Ball:
     """A ball and socket; without `limits` it turns freely. `cone` narrows the directions of the limb further.
 
-    The limb is the `axis` of the limits; without limits it is what points to the cone's visible point at zero.
+    The limb is the `axis` of the limits; without limits it is the axis that points to the cone's visible point at zero.
     """
 
     limits: SwingTwist | None = None
@@ -177,7 +177,7 @@ Joint = Rigid | Hinges | Slide | Ball | Free
 
 
 SMALLEST_RATIO, LARGEST_RATIO = 1e-3, 1e3
-"""Ratios of a coupling, without their signs: beyond, what one joint shows the other cannot, in digits that are kept."""
+"""Ratios of a coupling, without their signs: beyond, the digits of one joint are lost in the other."""
 
 
 @dataclass(frozen=True)

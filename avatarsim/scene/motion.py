@@ -16,7 +16,7 @@ MOST_FRAMES = 1_000_000
 """Frames of a resampled motion at most, two hours at 120 Hz. More: a human's motion passes 1 GB."""
 
 SAME_INSTANT = 1e-9
-"""Share of a step by which an instant may miss a recorded one and still be that one: what sums of steps lose to rounding."""
+"""Share of a step by which an instant may miss a recorded one and still be that one: rounding of sums of steps."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,19 +61,19 @@ class Motion:
 
     @property
     def rate(self) -> float:
-        """Mean number of frames a second [1/s]; nan for a single frame."""
+        """Return the mean number of frames a second [1/s]; nan for a single frame."""
         return (len(self) - 1) / float(self.times[-1] - self.times[0]) if len(self) > 1 else float("nan")
 
     def sample(self, frame: int) -> TrackerSample:
-        """The posture of a frame."""
+        """Return the posture of a frame."""
         return TrackerSample(float(self.times[frame]), self.positions[frame], self.rotations[frame], self.angles[frame])
 
     def between(self, frame: int, share: float) -> TrackerSample:
-        """The posture at `share` (0 to 1) of the way from a frame to the next: what a player shows between frames."""
+        """Return the posture at `share` (0 to 1) of the way from a frame to the next, as a player shows it between frames."""
         return between(self.sample(frame), self.sample(min(frame + 1, len(self) - 1)), share)
 
     def resampled(self, rate: float) -> "Motion":
-        """The motion at `rate` [1/s]: rotations on the great circle between their neighbours, the rest on a straight line.
+        """Return the motion at `rate` [1/s]: rotations on the great circle between their neighbours, the rest on a straight line.
 
         A frame that falls on a recorded one is that one, bit for bit. The last one is at or before the recorded end."""
         if not (np.isfinite(rate) and rate > 0.0):
@@ -105,9 +105,9 @@ class Motion:
 
 
 def _real(thing: str, value: ArrayLike) -> Array:
-    """`value` as rows of float64. Raises InvalidInput for what is no array of real numbers."""
+    """Return `value` as rows of float64. Raises InvalidInput unless it is an array of real numbers."""
     if type(value) is np.ndarray and value.dtype == np.float64:
-        # a motion may be large: no copy of what is one already
+        # a motion may be large: no copy of an array that is one already
         return np.atleast_1d(np.ascontiguousarray(value))
     try:
         return np.atleast_1d(np.ascontiguousarray(real_array(value)))

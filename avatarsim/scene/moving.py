@@ -39,11 +39,11 @@ def moving(
     material          a name of the scene's table of pairs
     position          [m] first place; with a `joint` of hinges that of their centre, for good
     orientation       first orientation (w, x, y, z)
-    largest_force     [N] with which it presses; blocked by more, it stays behind. The default is about what doors of lifts may
-                      press a person with; a lift needs more than the weight that it carries
+    largest_force     [N] with which it presses; blocked by more, it stays behind. The default is about the
+                      limit for doors of lifts on a person; a lift needs more than the weight that it carries
     stiffness         [N/m] of the spring to the given pose: unless it is blocked, it is at most the largest force by this
                       stiffness away. 0: it stays where others push it, as a door on its hinges does
-    mass              [kg] that others feel in an impact, beside the spring
+    mass              [kg] that others feel in an impact, in addition to the spring
     damping           [N s/m] of the spring; critical by default, of a body without stiffness that of hands
     joint             `Hinges` for a body that turns about fixed axes, or a `Slide`, as of a drawer: its angles [rad] or its way
                       [m] are then given instead of a pose
@@ -74,7 +74,7 @@ def with_moving(
         last: the sample of the last frame, from which moving bodies that are not given keep their poses.
 
     Raises:
-        InvalidSample: for a pose that is none. UnknownName: for a name that is no moving body's.
+        InvalidSample: for an invalid pose. UnknownName: for a name that is no moving body's.
     """
     if not isinstance(given, Mapping):
         raise InvalidSample("poses of moving bodies", given, "a mapping {name: (position, orientation)}")
@@ -102,7 +102,7 @@ def with_moving(
 
 
 def _limits(avatar: Avatar) -> NDArray[np.float64]:
-    """Least and largest coordinate of each hinge and slide (hinges, 2) [rad, m]."""
+    """Return the least and largest coordinate of each hinge and slide (hinges, 2) [rad, m]."""
     return np.array([(axis.lower, axis.upper) for link in avatar.links for axis in axes_of(link.joint)])
 
 
@@ -116,7 +116,7 @@ def checked_pose(name: str, pose: Pose) -> tuple[Vector, Quaternion]:
 
 
 def _spread(avatars: Sequence[Avatar], sample: TrackerSample, last: TrackerSample) -> TrackerSample:
-    """A sample of the avatars that do not move by themselves as one of all, the others as in ``last``."""
+    """Return a sample of the avatars that do not move by themselves as one of all, the others as in ``last``."""
     links = np.repeat([not avatar.moves for avatar in avatars], [len(avatar.links) for avatar in avatars])
     hinges = np.repeat([not avatar.moves for avatar in avatars], [avatar.hinge_count for avatar in avatars])
     count, angles = int(links.sum()), int(hinges.sum())

@@ -59,7 +59,7 @@ def posed(avatars: Sequence[Avatar], joints: Mapping[str, ArrayLike | Pose], sta
 
 
 def _numbers(avatars: Sequence[Avatar]) -> dict[str, int]:
-    """Numbers of links among those of all avatars by their names in a scene, and by own names that occur once."""
+    """Return numbers of links among those of all avatars by their names in a scene, and by own names that occur once."""
     whole = [name for avatar in avatars for name in avatar.link_names]
     own = [link.name for avatar in avatars for link in avatar.links]
     return {name: k for k, name in enumerate(own) if own.count(name) == 1} | {name: k for k, name in enumerate(whole)}

@@ -18,8 +18,8 @@ EARTH: Vector = (0.0, 0.0, -9.81)
 """Gravity [m/s^2] at the scenes' one place on earth; every closed form uses the same figure."""
 
 HEAVIEST = 1e4
-"""Largest component of gravity [m/s^2], a thousand times the Earth's. What falls for a hundred seconds has come to `FASTEST`;
-more: bodies are past it, and past the reasons for that limit, before anything has been seen."""
+"""Largest component of gravity [m/s^2], a thousand times the Earth's. A body that falls for a hundred seconds has come to
+`FASTEST`; more: bodies are past it, and past the reasons for that limit, before anything has been seen."""
 
 
 @dataclass(frozen=True)
@@ -27,13 +27,13 @@ class Scene:
     """Everything an engine needs to know before the first frame: `name`, `bodies`, `avatars`, `materials`, `gravity` [m/s^2].
 
     Canonical order, used by every array in the project: `bodies` first, then the links of each avatar.
-    `start` is the avatars' first posture (default: rest posture at the origin); what overlaps begins as near to it as it can.
+    `start` is the avatars' first posture (default: rest posture at the origin); overlapping bodies begin as near as they can.
     `attached` names pairs of a simulated body and the link, or moving body, that holds it from the first frame on.
     `at_rest` names pairs of a link and another link, or a fixed or moving body, that overlap at home, and how deep [m] each may
     be, besides those of an avatar's own `at_rest`.
     `exclude` names pairs that are never tested, `narrow` the effects that the author switches off, `require` those that the
-    scene must call for, or it is refused. `force` runs effects that nothing calls for, which costs time and changes nothing:
-    that is what it is there to show. Raises InvalidScene for parts that contradict one another, and InvalidSample for a start
+    scene must need, or it is refused. `force` runs effects that no part needs, which costs time and changes nothing:
+    its purpose is to show that. Raises InvalidScene for parts that contradict one another, and InvalidSample for a start
     that does not fit the avatars.
     """
 
@@ -74,7 +74,7 @@ class Scene:
             require_near("roots of the start", self.start.positions)
 
     def _require_types(self) -> None:
-        """InvalidScene for a part that is something else than its place is for."""
+        """Raise InvalidScene for a part of another type than its place is for."""
         each(f"bodies of scene {self.name}", self.bodies, Body, "a Body; avatars have a place of their own")
         each(f"avatars of scene {self.name}", self.avatars, Avatar, "an Avatar; bodies have a place of their own")
         instance(f"materials of scene {self.name}", self.materials, PairTable, "a PairTable")
@@ -96,7 +96,7 @@ class Scene:
         return found
 
     def _require_attached(self) -> None:
-        """InvalidScene for a pair that is not a simulated body and a link, and for a body that two links hold."""
+        """Raise InvalidScene for a pair that is not a simulated body and a link, and for a body that two links hold."""
         role = dict(zip(self.names, self.roles, strict=True))
         for at, wanted, said in ((0, Role.SIMULATED, "a simulated body"), (1, Role.DRIVEN, "an avatar's link or a moving body")):
             for name in (pair[at] for pair in self.attached):
@@ -105,7 +105,7 @@ class Scene:
         distinct(f"attached body of scene {self.name}", tuple(body for body, _ in self.attached))
 
     def _agree_on_effects(self) -> None:
-        """InvalidScene for an effect that is unknown, that is required and lacks its part, or is required and narrowed away."""
+        """Raise InvalidScene for an effect that is unknown, or that is required and lacks its part or is narrowed away."""
         Effects().narrowed(*self.narrow, *self.require, *self.force)
         for call in CALLS:
             effect, said = call.effect, f"effect that scene {self.name}"
@@ -118,32 +118,32 @@ class Scene:
 
     @cached_property
     def links(self) -> tuple[Link, ...]:
-        """The links of all avatars, in canonical order."""
+        """Return the links of all avatars, in canonical order."""
         return tuple(link for avatar in self.avatars for link in avatar.links)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
-        """Names in canonical order; a link of an avatar of several links is `avatar/link`."""
+        """Return names in canonical order; a link of an avatar of several links is `avatar/link`."""
         return (*(body.name for body in self.bodies), *(name for avatar in self.avatars for name in avatar.link_names))
 
     @cached_property
     def material_names(self) -> tuple[str, ...]:
-        """Material of each body and link, in canonical order."""
+        """Return the material of each body and link, in canonical order."""
         return (*(body.material for body in self.bodies), *(link.material for link in self.links))
 
     @cached_property
     def roles(self) -> tuple[Role, ...]:
-        """Role of each body and link, in canonical order."""
+        """Return the role of each body and link, in canonical order."""
         return (*(body.role for body in self.bodies), *(Role.DRIVEN for _ in self.links))
 
     @cached_property
     def first_sample(self) -> TrackerSample:
-        """The avatars' first posture."""
+        """Return the avatars' first posture."""
         return self.start if self.start is not None else rest(self.avatars)
 
     @cached_property
     def families(self) -> tuple[int, ...]:
-        """A number for each body and link: those of one number never meet, but for -1, which may meet everything.
+        """Return a number for each body and link: those of one number never meet, but for -1, which may meet everything.
 
         All fixed and moving bodies are one family, and the links of one avatar are when self-contact is switched off.
         """
@@ -154,7 +154,7 @@ class Scene:
 
     @cached_property
     def skipped(self) -> tuple[tuple[int, int], ...]:
-        """Pairs that never meet besides those of one family: a link and its parent, an avatar's `ignore`, the `exclude`."""
+        """Return pairs that never meet besides those of one family: link and parent, an avatar's `ignore`, the `exclude`."""
         index = {name: k for k, name in enumerate(self.names)}
         found = [(index[a], index[b]) for a, b in self.exclude]
         first = len(self.bodies)
@@ -167,7 +167,7 @@ class Scene:
 
     @cached_property
     def pair_filter(self) -> NDArray[np.bool_]:
-        """(n, n) symmetric: True where two bodies must not overlap; for readers of small scenes, see `model.geometry`.
+        """Return (n, n) symmetric: True where two bodies must not overlap; for readers of small scenes, see `model.geometry`.
 
         Left out: fixed and moving bodies with each other, a link with its parent, the avatar's own `ignore`, the author's
         `exclude`, and links of one avatar with each other when self-contact is switched off.
@@ -182,7 +182,7 @@ class Scene:
 
     @cached_property
     def resting(self) -> tuple[tuple[int, int, float], ...]:
-        """Pairs of bodies, by their numbers, that overlap at home, and how deep [m] each may be: of avatars and of the scene."""
+        """Return pairs of bodies, by number, that overlap at home, and the depth [m] of each: of avatars and of the scene."""
         index = {name: k for k, name in enumerate(self.names)}
         found = {(index[a], index[b]): depth for a, b, depth in self.at_rest}
         first = len(self.bodies)
@@ -198,7 +198,7 @@ class Scene:
 
     @cached_property
     def contact_filter(self) -> NDArray[np.bool_]:
-        """(n, n) symmetric: True where two bodies must not overlap at all: `pair_filter` without pairs that overlap at home."""
+        """Return (n, n) symmetric: True where two bodies must not overlap at all: `pair_filter` without the `resting` pairs."""
         wanted = self.pair_filter.copy()
         for a, b, _ in self.resting:
             wanted[a, b] = wanted[b, a] = False
@@ -207,27 +207,27 @@ class Scene:
 
     @cached_property
     def calls(self) -> Mapping[str, tuple[str, ...]]:
-        """For each effect the parts of the scene that call for it, by name."""
+        """Return for each effect the parts of the scene that need it, by name."""
         parts = Parts(self.bodies, self.avatars, self.materials)
         return {call.effect: tuple(call.found(parts)) for call in CALLS}
 
     @cached_property
     def derived_effects(self) -> Effects:
-        """The effects that the parts of the scene call for."""
+        """Return the effects that the parts of the scene need."""
         return Effects(**{effect: bool(parts) for effect, parts in self.calls.items()})
 
     @cached_property
     def effects(self) -> Effects:
-        """The derived effects, less those that the author narrowed away, and those that are forced."""
+        """Return the derived effects, less those that the author narrowed away, and those that are forced."""
         return self.derived_effects.narrowed(*self.narrow).widened(*self.force)
 
     @cached_property
     def whole(self) -> "Scene":
-        """The same scene with the effects that its parts call for: what it is judged as, whatever its author left out."""
+        """Return the scene with the effects that its parts need: it is judged as that, whatever its author left out."""
         return replace(self, narrow=(), require=(), force=()) if self.narrow or self.force else self
 
     @cached_property
     def lapsed(self) -> Mapping[str, str]:
-        """Effects that the author took away although a part calls for them, and the promise that lapses with each."""
+        """Return effects that the author took away although a part needs them, and the promise that lapses with each."""
         gone = self.effects.missing_from(self.derived_effects)
         return {call.effect: call.lapses for call in CALLS if call.effect in gone}

@@ -1,4 +1,4 @@
-"""Convex shapes and where a body carries them. Every shape knows its volume or refuses to exist."""
+"""Convex shapes and their places on a body. Every shape has a volume or refuses to exist."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -47,7 +47,7 @@ class Box:
         given: object = self.size
         size = vector("box size", self.size, InvalidShape)
         if not isinstance(given, tuple):
-            # what is read once would be empty from here on, and a list could be changed
+            # an iterator would be empty from here on, and a list could be changed
             object.__setattr__(self, "size", size)
         for axis, edge in zip("xyz", size, strict=True):
             length(f"box size along {axis}", edge, InvalidShape)
@@ -98,7 +98,7 @@ Shape = Sphere | Capsule | Box | Ellipsoid | ConvexHull
 class Piece:
     """One convex `shape` at its place on a body or link: `position` [m] and `orientation` (w, x, y, z) in that one's frame.
 
-    Pieces of one body may overlap. Raises InvalidShape for a place that is none."""
+    Pieces of one body may overlap. Raises InvalidShape for an invalid place."""
 
     shape: Shape
     position: Vector = (0.0, 0.0, 0.0)
@@ -113,8 +113,8 @@ class Piece:
 def capsule_between(start: Iterable[float], end: Iterable[float], radius: float) -> Piece:
     """Return the capsule of `radius` [m] about the segment from `start` to `end` (x, y, z) [m], in its body's frame.
 
-    Its length is that of the segment: the round ends reach a radius beyond both points. Raises InvalidShape for points that are
-    none, for two equal points, and for a radius that is no length."""
+    Its length is that of the segment: the round ends reach a radius beyond both points. Raises InvalidShape for invalid points,
+    for two equal points, and for a radius that is no length."""
     a, b = (np.array(place(f"{name} of a capsule", point, InvalidShape)) for name, point in (("start", start), ("end", end)))
     distance = float(np.linalg.norm(b - a))
     if not distance >= SHORTEST:
@@ -125,7 +125,7 @@ def capsule_between(start: Iterable[float], end: Iterable[float], radius: float)
 
 
 def reach(piece: Piece) -> float:
-    """A bound of the farthest distance [m] of the piece from the origin of its body, exact for spheres at the origin."""
+    """Return a bound of the farthest distance [m] of the piece from the origin of its body, exact for spheres at the origin."""
     shape = piece.shape
     if isinstance(shape, Sphere):
         extent = shape.radius
@@ -146,7 +146,7 @@ and support queries, which look at every vertex, take microseconds."""
 
 
 def ellipsoid_hull(radii: Vector, vertices: int = 52) -> ConvexHull:
-    """Hull of `vertices` points spread evenly (golden spiral) over an ellipsoid with semi-axes `radii` [m].
+    """Return the hull of `vertices` points spread evenly (golden spiral) over an ellipsoid with semi-axes `radii` [m].
 
     n points in general position span 2 n - 4 triangles, so 52 give the paper's hundred per part of the hand.
     """

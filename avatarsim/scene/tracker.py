@@ -1,4 +1,4 @@
-"""What the user did at one instant: the posture of every avatar of the scene, not checked against anything."""
+"""Tracker sample, the input of a user at one instant: the posture of every avatar of the scene, not checked against anything."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from avatarsim.spatial import rotation
 Array = NDArray[np.float64]
 
 UNIT_SLACK = 1e-6
-"""How far the length of a tracker's quaternion may be from 1: single precision passes, a forgotten normalisation does not."""
+"""Largest deviation of a tracker's quaternion from length 1: single precision passes, a forgotten normalisation does not."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +29,8 @@ class TrackerSample:
     angles     (hinges,) all hinge angles [rad] and ways of slides [m], link by link
 
     Links, hinges and slides are those of all avatars, in the order of the scene; rows that are not used hold any numbers,
-    rotations (1, 0, 0, 0). Nothing is checked here: the engine raises InvalidSample for what is not finite, does not fit the
-    scene's avatars, or is no rotation.
+    rotations (1, 0, 0, 0). Nothing is checked here: the engine raises InvalidSample for samples that are not finite, do not fit
+    the scene's avatars, or have invalid rotations.
     """
 
     time: float
@@ -40,7 +40,7 @@ class TrackerSample:
 
 
 def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
-    """`sample`, in arrays of float64, if it is finite, fits the avatars and its rotations have length 1; else a typed error."""
+    """Return `sample`, as float64 arrays, if it is finite, fits the avatars and has unit rotations; or raise a typed error."""
     if not isinstance(sample, TrackerSample):
         raise InvalidSample("tracker sample", sample, "a TrackerSample")
     links = sum([len(avatar.links) for avatar in avatars])
@@ -63,8 +63,8 @@ def checked(sample: TrackerSample, avatars: Sequence[Avatar]) -> TrackerSample:
 
 
 def _sound(sample: TrackerSample, links: int, hinges: int) -> bool:
-    """Return True if `sample` is beyond doubt what it must be; said of plain numbers only, in a third of the time that it takes
-    to find out what is wrong with others."""
+    """Return True if `sample` is certainly valid; decided by plain numbers only, in a third of the time that it takes to find the
+    fault of others."""
     arrays = (sample.positions, (links, 3)), (sample.rotations, (links, 4)), (sample.angles, (hinges,))
     for array, shape in arrays:
         if type(array) is not np.ndarray or array.dtype != np.float64 or array.shape != shape:
@@ -109,8 +109,8 @@ def from_xyzw(quaternions: ArrayLike) -> Array:
 
 
 def between(before: TrackerSample, after: TrackerSample, share: float) -> TrackerSample:
-    """The posture at `share` (0 to 1) of the way from one sample to the next: rotations on the great circle, the short way round
-    (slerp, Shoemake 1985), the rest and the time on straight lines. For samples that `checked` lets through."""
+    """Return the posture at `share` (0 to 1) of the way from one sample to the next: rotations on the great circle, the short way
+    round (slerp, Shoemake 1985), the rest and the time on straight lines. For samples that `checked` lets through."""
     shares = np.full(len(before.rotations), share)
     return TrackerSample(
         before.time + share * (after.time - before.time), before.positions + share * (after.positions - before.positions),
@@ -120,11 +120,11 @@ def between(before: TrackerSample, after: TrackerSample, share: float) -> Tracke
 
 
 def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
-    """The sample at `time` [s] with all joints at zero, clipped to the limits of hinges and slides, and every root at the origin.
+    """Return the sample at `time` [s] with all joints at zero, within the limits of hinges and slides, every root at the origin.
 
     Moving bodies are at their first poses.
 
-    What a scene starts from by default; `dataclasses.replace(rest(avatars), positions=...)` moves the roots."""
+    The default start of a scene; `dataclasses.replace(rest(avatars), positions=...)` moves the roots."""
     links = sum(len(avatar.links) for avatar in avatars)
     angles: list[float] = []
     for avatar in avatars:
@@ -139,15 +139,15 @@ def rest(avatars: Sequence[Avatar], time: float = 0.0) -> TrackerSample:
 
 
 def link_poses(avatars: Sequence[Avatar], sample: TrackerSample) -> tuple[Array, Array]:
-    """Forward kinematics of the raw sample: positions (links, 3) [m] and orientations (links, 4) in the world.
+    """Return forward kinematics of the raw sample: positions (links, 3) [m] and orientations (links, 4) in the world.
 
-    The plain twin of the posture kernel's kinematics, and what every adapter and measure uses.
+    The plain twin of the posture kernel's kinematics, and used by every adapter and measure.
     """
     return poses_of_links(avatars, sample.positions, sample.rotations, sample.angles)
 
 
 def link_poses_each(avatars: Sequence[Avatar], samples: Sequence[TrackerSample]) -> tuple[Array, Array]:
-    """`link_poses` of F samples at once: (F, links, 3) [m] and (F, links, 4), the same bits as one by one."""
+    """Return `link_poses` of F samples at once: (F, links, 3) [m] and (F, links, 4), the same bits as one by one."""
     links = sum(len(avatar.links) for avatar in avatars)
     return poses_of_links(
         avatars, np.array([sample.positions for sample in samples], dtype=np.float64).reshape(len(samples), links, 3),
@@ -157,7 +157,7 @@ def link_poses_each(avatars: Sequence[Avatar], samples: Sequence[TrackerSample])
 
 
 def poses_of_links(avatars: Sequence[Avatar], roots: Array, rotations: Array, angles: Array) -> tuple[Array, Array]:
-    """Forward kinematics of postures as in `TrackerSample`: roots (..., links, 3) [m], rotations (..., links, 4), angles
+    """Return forward kinematics of postures as in `TrackerSample`: roots (..., links, 3) [m], rotations (..., links, 4), angles
     (..., hinges) [rad, m]; positions (..., links, 3) [m] and orientations (..., links, 4) in the world."""
     positions, orientations = np.empty(np.shape(roots)), np.empty(np.shape(rotations))
     first = hinge = 0

@@ -1,6 +1,6 @@
 """Scenes as plain JSON values and back: algebraic data types with their names as tags, driven by the types' own fields and hints.
 
-What a field may hold stands in one place, its dataclass. Nothing in a file is looked up but in the list of types below, and all
+The type of a field is given in one place, its dataclass. Names in a file are looked up only in the list of types below, and all
 values go through the types' own checks.
 """
 
@@ -37,18 +37,18 @@ LATER = frozenset({"at_rest", "attached", "couplings", "drive", "moves", "surfac
 """Fields that files of earlier versions lack; they get their defaults."""
 
 TAG = "is"
-"""Name of the entry that says of which type an object is."""
+"""Name of the entry that gives the type of an object."""
 
 ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 """By how much a number of a unit vector moves when it is made one again: a few units in the last place."""
 
 LARGEST = 1e100
 """Largest magnitude of a number of a file, in any unit: products of three stay finite, so that all checks of the types end in an
-answer. Larger: squares overflow within them, and what is refused is refused for infinities that stand in no file."""
+answer. Larger: squares overflow within them, and values are refused for infinities that are in no file."""
 
 
 def written(value: object) -> Any:
-    """A scene, or a part of one, as what JSON can hold; numbers keep all their bits."""
+    """Return a scene, or a part of one, as JSON values; numbers keep all their bits."""
     if is_dataclass(value) and not isinstance(value, type):
         return {TAG: type(value).__name__} | {field.name: written(getattr(value, field.name)) for field in fields(value)}
     if isinstance(value, Enum):
@@ -65,16 +65,16 @@ def written(value: object) -> Any:
 
 
 def scene_from(data: object, thing: str) -> Scene:
-    """The scene that `written` made the data of; `thing` is what errors call the file.
+    """Return the scene that `written` made the data of; `thing` is the name of the file in errors.
 
-    Raises InvalidFile for what has another form, with its place in the file, and InvalidInput for values that no scene has."""
+    Raises InvalidFile for data of another form, with its place in the file, and InvalidInput for values that no scene has."""
     scene = _object(data, Scene, thing, "scene")
     assert isinstance(scene, Scene)
     return scene
 
 
 def _read(data: object, hint: Any, thing: str, place: str) -> Any:
-    """The value of a type at a place of the file."""
+    """Return the value of a type at a place of the file."""
     origin = get_origin(hint)
     if hint in TYPES.values():
         return _object(data, hint, thing, place)
@@ -104,7 +104,7 @@ def _read(data: object, hint: Any, thing: str, place: str) -> Any:
 
 
 def _object(data: object, kind: type[Any], thing: str, place: str) -> Any:
-    """A dataclass, all fields of which are there but those in LATER, and no others."""
+    """Return a dataclass, all fields of which are there but those in LATER, and no others."""
     if not isinstance(data, dict) or data.get(TAG) != kind.__name__:
         raise _wrong(thing, place, data, f'an object with "{TAG}": "{kind.__name__}"')
     hints = _hints(kind.__name__)
@@ -129,7 +129,7 @@ def _is_rounding(value: tuple[Any, ...] | np.ndarray, other: Any) -> bool:
 
 
 def _one_of(data: object, kinds: tuple[Any, ...], thing: str, place: str) -> Any:
-    """A value of one of several types: nothing, or the one that the tag names."""
+    """Return a value of one of several types: nothing, or the one that the tag names."""
     if data is None and NoneType in kinds:
         return None
     tag = data.get(TAG) if isinstance(data, dict) else None
@@ -143,7 +143,7 @@ def _one_of(data: object, kinds: tuple[Any, ...], thing: str, place: str) -> Any
 
 
 def _array(data: object, thing: str, place: str) -> np.ndarray:
-    """Numbers, in rows of one length."""
+    """Return numbers, in rows of one length."""
     try:
         array = np.array(_list(data, thing, place), dtype=object)
         if not all(type(one) in (int, float) and abs(one) <= LARGEST for one in array.ravel()):
@@ -157,7 +157,7 @@ def _array(data: object, thing: str, place: str) -> np.ndarray:
 
 
 def _row(data: object, kinds: tuple[Any, ...], thing: str, place: str) -> tuple[Any, ...]:
-    """A tuple: of any length of one type, or of so many types."""
+    """Return a tuple: of any length of one type, or of so many types."""
     found = _list(data, thing, place)
     if len(kinds) == 2 and kinds[1] is Ellipsis:
         kinds = (kinds[0],) * len(found)
@@ -178,7 +178,7 @@ def _wrong(thing: str, place: str, value: object, valid: str) -> InvalidFile:
 
 @cache
 def _hints(name: str) -> Mapping[str, Any]:
-    """The types of a dataclass's fields, in their order."""
+    """Return the types of a dataclass's fields, in their order."""
     kind = TYPES[name]
     hints = get_type_hints(kind)
     return {field.name: hints[field.name] for field in fields(kind)}
