@@ -2,15 +2,15 @@
 
 To call a kernel from Python costs 0.1 to 0.2 microseconds per array, nested or not: for the hundred arrays of a world and its
 memory as much as the kernel itself takes. Here they lie in one array of 64-bit words. `packed` lays out a named tuple, and
-returns it over views, with which Python goes on; `opened(words, Kind)` is the same tuple again, in a kernel by reference
+returns it over views, for use in Python; `opened(words, Kind)` is the same tuple again, in a kernel by reference
 (`by_reference`).
 
-What a field holds is said by its annotation, and nowhere else: an array (`Line`, `Vectors`, ...), a record or a table (`record`),
-another named tuple, a number, a flag.
+The type of a field is given by its annotation alone: an array (`Line`, `Vectors`, ...), a record or a table (`record`), another
+named tuple, a number, a flag.
 
 Words: for which address of the words the image is right, how many addresses are in it, where these are listed, at which byte the
-image begins; per array or number a row that says where it lies; then all data, the image, and the list. The image is the tuple as
-compiled code keeps it (`Image`). Copied words lie elsewhere: `opened` sees that and puts the addresses right.
+image begins; per array or number a row with its place; then all data, the image, and the list. The image is the tuple as compiled
+code keeps it (`Image`). Copied words lie elsewhere: `opened` sees that and puts the addresses right.
 """
 
 from collections.abc import Iterator
@@ -31,7 +31,7 @@ from avatarsim.jit.record import RECORDS, TABLES
 Tree = TypeVar("Tree")
 
 ADDRESS, MANY, LIST, IMAGE, FIRST = range(5)
-"""The first words of an arena, as said above; the fifth begins the first row."""
+"""The first words of an arena, in the order above; the fifth begins the first row."""
 
 AXES_MOST = 4
 """Most axes of an array."""
@@ -46,9 +46,9 @@ WORD = 8
 def packed(tree: Tree) -> tuple[Index, Tree]:
     """Copy the arrays, records and numbers of nested tuples into one array of words.
 
-    Returns the words, and the tuples with views of them in place of the arrays and records; numbers stay as they are. What
-    occurs twice is laid out once: a write to one of them is a write to both. Arrays: C order, float64, int64 or bool, up to four
-    axes; or one axis of records that fill whole words.
+    Returns the words, and the tuples with views of them in place of the arrays and records; numbers stay as they are. An array
+    that occurs twice is laid out once: a write to one of them is a write to both. Arrays: C order, float64, int64 or bool, up to
+    four axes; or one axis of records that fill whole words.
     """
     leaves: list[object] = []
     _collect(tree, leaves)
@@ -93,7 +93,7 @@ def _as_array(leaf: object) -> NDArray[np.generic]:
 
 
 def _like(leaf: object, view: NDArray[np.generic]) -> object:
-    """What stands for a leaf: an array as it is, a record or an array of records again as such, a number itself."""
+    """Return the placeholder of a leaf: an array as it is, a record or an array of records again as such, a number itself."""
     if isinstance(leaf, np.void):
         return view.view(leaf.dtype)[0]
     if isinstance(leaf, np.ndarray):
@@ -110,7 +110,7 @@ def _collect(tree: object, leaves: list[object]) -> None:
 
 
 def _rebuilt(tree: Tree, views: list[object]) -> Tree:
-    """The tree again, its leaves taken from the end of `views`."""
+    """Return the tree again, its leaves taken from the end of `views`."""
     if not isinstance(tree, tuple):
         return views.pop()  # type: ignore[return-value]  # a view of an array, or a number itself
     branches = [_rebuilt(branch, views) for branch in tree]
@@ -119,17 +119,17 @@ def _rebuilt(tree: Tree, views: list[object]) -> Tree:
 
 
 class Image:
-    """Bytes of nested tuples as compiled code keeps them, and where in them words say where something lies.
+    """Bytes of nested tuples as compiled code keeps them, and the words in them that hold addresses.
 
-    Structures within structures: a number is a number, a flag one byte, a record the word where it lies, an array what numba
-    keeps of one: two words for memory that is counted (here none is), how many elements, of how many bytes each, where they lie,
-    the lengths, and the strides.
+    Structures within structures: a number is a number, a flag one byte, a record the word where it lies, an array numba's fields:
+    two words for memory that is counted (here none is), the number of elements, their size in bytes, their address, the lengths,
+    and the strides.
     """
 
     def __init__(self) -> None:
         self.data = bytearray()
         self.addresses: list[int] = []
-        """Where a word lies that is an address, in bytes."""
+        """Places, in bytes, of the words that are addresses."""
 
     def lay(self, tree: object, starts: dict[int, int]) -> None:
         """Lay down a tree; `starts`: by its id, the byte at which an array or record lies."""
@@ -149,7 +149,7 @@ class Image:
         elif isinstance(tree, np.void):
             self.address(starts[id(tree)])
         else:
-            self.words(int(tree))  # type: ignore[call-overload]  # an int, as all that is left
+            self.words(int(tree))  # type: ignore[call-overload]  # an int, the only other kind
 
     def fill(self, alignment: int) -> None:
         """Leave room up to a multiple of so many bytes."""
@@ -160,25 +160,25 @@ class Image:
         self.data += np.array(values, dtype=np.int64).tobytes()
 
     def address(self, byte: int) -> None:
-        """Lay down a word that says where something lies."""
+        """Lay down a word that is an address."""
         self.addresses.append(len(self.data))
         self.words(byte)
 
 
 def aligned(tree: object) -> int:
-    """Of how many bytes the place of a number, an array or a tuple is a multiple: a structure's is that of its strictest part."""
+    """Return the alignment in bytes of a number, an array or a tuple: a structure's is that of its strictest part."""
     if isinstance(tree, tuple):
         return max(map(aligned, tree), default=1)
     return 1 if isinstance(tree, bool | np.bool_) else WORD
 
 
 def opened(words: Index, kind: type[Tree]) -> Tree:
-    """The named tuple of class `kind` that was packed into `words`, which must outlive it."""
+    """Return the named tuple of class `kind` that was packed into `words`, which must outlive it."""
     return cast(Tree, _read(words, kind, iter(range(FIRST, len(words), ROW))))
 
 
 def _read(words: Index, kind: Any, rows: Iterator[int]) -> object:
-    """What a field with this annotation holds, from the next rows."""
+    """Return the value of a field with this annotation, from the next rows."""
     if not (kind in NUMBERS or kind in RECORDS or kind in TABLES or axes_of(kind)):
         return kind(*(_read(words, one, rows) for one in fields(kind)))
     row = next(rows)
@@ -194,7 +194,7 @@ def _read(words: Index, kind: Any, rows: Iterator[int]) -> object:
 
 
 def words_at(place: int, count: int) -> Index:
-    """The `count` words at an address, which must outlive what is returned: how a kernel is handed many arenas at once."""
+    """Return the `count` words at an address, which must outlive the result: so a kernel takes many arenas at once."""
     return np.ctypeslib.as_array((c_int64 * int(count)).from_address(int(place))) if count else np.zeros(0, dtype=np.int64)
 
 

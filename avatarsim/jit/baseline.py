@@ -11,7 +11,7 @@ import llvmlite.binding as llvm
 from avatarsim.errors import InvalidInput
 
 NAME = "x86-64-v3"
-"""Level for kernels that travel: most of what AMD and Intel have sold since 2015, with AVX2 and fused multiplication. A lower
+"""Level for kernels that travel: most processors sold by AMD and Intel since 2015, with AVX2 and fused multiplication. A lower
 level halves the width of vector code; a higher one leaves out most machines."""
 
 FEATURES = (
@@ -21,7 +21,7 @@ FEATURES = (
 """Instructions of that level, as LLVM names them."""
 
 LISTED = ",".join(f"+{feature}" for feature in FEATURES)
-"""The same as LLVM is told them."""
+"""These features as LLVM takes them."""
 
 
 def runs_baseline() -> bool:
@@ -33,7 +33,7 @@ def runs_baseline() -> bool:
 def compile_for_baseline() -> None:
     """Have numba compile for the baseline in this process and its children; to be called before numba is imported.
 
-    Raises InvalidInput on a machine that could not run what it compiles.
+    Raises InvalidInput on a machine that could not run the compiled code.
     """
     if not runs_baseline():
         raise InvalidInput("this machine's processor", llvm.get_host_cpu_name(), f"one that runs {NAME}, or use --cpu host")

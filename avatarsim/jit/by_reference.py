@@ -1,9 +1,9 @@
-"""Named tuples of arrays, handed from kernel to kernel by reference.
+"""Named tuples of arrays, passed from kernel to kernel by reference.
 
-numba hands a tuple over by value: an array is seven to eleven words, a world some hundred arrays, so every call of a kernel that
-is not inlined copied kilobytes, and half of what the compiler worked on was this copying. `refer` puts the tuple into memory
-once, in the entry kernel; from there on one word is handed over, and ``reference.field`` reads what it needs. A field that is
-itself a named tuple is again a reference.
+numba passes a tuple by value: an array is seven to eleven words, a world some hundred arrays, so every call of a kernel that is
+not inlined copied kilobytes, and half of the compiler's work was this copying. `refer` puts the tuple into memory once, in the
+entry kernel; from there on one word is passed, and ``reference.field`` reads the field it needs. A field that is itself a named
+tuple is again a reference.
 
 A reference is valid until the kernel that called `refer` returns, so none may be returned from it or kept.
 """
@@ -53,7 +53,7 @@ class ReferenceFields(AttributeTemplate):
 
 @lower_getattr_generic(Reference)
 def read_field(context: Any, builder: Any, of: Reference, value: Any, name: str) -> Any:
-    """Machine code for ``reference.name``."""
+    """Return machine code for ``reference.name``."""
     place = of.whole.fields.index(name)
     field = cgutils.gep_inbounds(builder, value, 0, place)
     return field if isinstance(of.whole.types[place], types.BaseNamedTuple) else parts(builder, field)
@@ -71,7 +71,7 @@ def parts(builder: Any, pointer: Any) -> Any:
 
 
 def refer(tree: Tree) -> Tree:
-    """The same named tuple, by reference; a reference itself stays as it is."""
+    """Return a reference to the same named tuple; a reference itself stays as it is."""
     return tree
 
 
@@ -87,7 +87,7 @@ if not config.DISABLE_JIT:
 
 
 def place_of(builder: Any, value: Any) -> Any:
-    """Where a value lies: where the kernel that returned it left it, if nothing else is written there, or a place made for it."""
+    """Return the address of a value: where the kernel that returned it left it, if that is not reused, or a new place."""
     if isinstance(value, ir.LoadInstr) and isinstance(value.operands[0], ir.AllocaInstr):
         place = value.operands[0]
         # numba makes one place for the result of each call, and hands it on first of all.
@@ -98,7 +98,7 @@ def place_of(builder: Any, value: Any) -> Any:
 
 
 def reference_in(_context: Any, words: Any, byte: Any, kind: Any) -> Any:
-    """Type and code of `referred`."""
+    """Return the type and code of `referred`."""
     found = Reference(numba_type(kind.instance_class))
 
     def build(context: Any, builder: Any, signature: Any, values: Any) -> Any:
@@ -110,7 +110,7 @@ def reference_in(_context: Any, words: Any, byte: Any, kind: Any) -> Any:
 
 
 def words_from(_context: Any, place: Any, count: Any) -> Any:
-    """Type and code of `lying_at`."""
+    """Return the type and code of `lying_at`."""
     kind = types.Array(types.int64, 1, "C")
 
     def build(context: Any, builder: Any, _signature: Any, values: Any) -> Any:

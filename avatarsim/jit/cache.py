@@ -1,7 +1,7 @@
 """Persistent compilation cache: one checked file per compiled kernel, signature and processor.
 
-It stands in for numba's own cache, which unpickles whatever lies in its files, keeps an index that a crash can leave behind
-wrong, names files by absolute paths, and reads from nothing that it cannot write to.
+It replaces numba's own cache, which unpickles any content of its files, keeps an index that a crash can leave behind wrong, names
+files by absolute paths, and reads from no folder that it cannot write to.
 
 Everything that shapes the machine code is in the name of the entry: the digest of sources, versions and settings (which names the
 folder), the kernel's name, its bytecode and closure, the types of its arguments, the processor. None of it depends on where the
@@ -27,12 +27,12 @@ from avatarsim.jit.places import SHIPPED, SUFFIX
 from avatarsim.jit.processor import Cpu, compiled_for, usable
 
 LATCH = ".compiling"
-"""How the name of a lock file ends, which is there while a process compiles a kernel."""
+"""End of the name of a lock file, which is there while a process compiles a kernel."""
 
 
 class KernelFiles(ABC):
-    """The entries of one kernel, as numba's dispatcher asks for them. `folder` is that of its source file within a place; `kind`
-    tells compilations of it apart."""
+    """The entries of one kernel, as numba's dispatcher uses them. `folder` is that of its source file within a place; `kind`
+    distinguishes compilations of it."""
 
     def __init__(self, function: Callable[..., object], kind: str, folder: Path) -> None:
         self.folder, self.kind, self.module = folder, kind, function.__module__
@@ -44,23 +44,23 @@ class KernelFiles(ABC):
 
     @abstractmethod
     def pickled(self, tree: object) -> bytes:
-        """Bytes of what is kept."""
+        """Return bytes of the kept data."""
 
     @abstractmethod
     def arguments(self, signature: Any) -> tuple[Any, ...]:
-        """Types of the arguments in a signature."""
+        """Return types of the arguments in a signature."""
 
     @abstractmethod
     def reduce(self, compiled: Any) -> Any:
-        """What is kept of a compiled kernel."""
+        """Return the kept data of a compiled kernel."""
 
     @abstractmethod
     def rebuild(self, target_context: Any, payload: Any) -> Any:
-        """A compiled kernel from what was kept, or None if it cannot be used."""
+        """Return a compiled kernel from the kept data, or None if it cannot be used."""
 
     @property
     def cache_path(self) -> str:
-        """The folder within each place."""
+        """Return the folder within each place."""
         return str(self.folder)
 
     def flush(self) -> None:
@@ -71,7 +71,7 @@ class KernelFiles(ABC):
                 _remove(path)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled kernel for a signature from disk; None if it has to be compiled, which is announced.
+        """Return the compiled kernel for a signature from disk; None if it has to be compiled, which is announced.
 
         Before that it waits for any other process that is compiling the same kernel, and looks again.
         """
@@ -115,7 +115,7 @@ class KernelFiles(ABC):
             path = folder / f"{self.name}-{self.kind}{LATCH}"
             latch = self._held.enter_context(open(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_CLOEXEC, 0o600), "wb"))
             fcntl.flock(latch, fcntl.LOCK_EX)
-            # What waits here holds the same file open; what comes later finds the entry.
+            # Processes that wait here hold the same file open; later ones find the entry.
             self._held.callback(_remove, path)
 
     def _file(self, arguments: tuple[Any, ...], cpu: Cpu) -> str:
@@ -133,18 +133,18 @@ class KernelFiles(ABC):
         return None
 
     def _loaded(self, data: bytes, arguments: tuple[Any, ...], target_context: Any, path: Path) -> Any:
-        """The compiled kernel of an entry; None if it is for other arguments or cannot be loaded, which is said."""
+        """Return the compiled kernel of an entry; None if it is for other arguments or cannot be loaded, which is reported."""
         try:
             kept_for, payload = pickle.loads(data)
             return self.rebuild(target_context, payload) if kept_for == arguments else None
         except (AvatarsimError, MemoryError):
             raise
-        except Exception as error:  # whatever a pickle of other versions raises
+        except Exception as error:  # any error of a pickle of other versions
             _discard(path, f"{path} cannot be loaded ({type(error).__name__}: {error})")
             return None
 
     def _read(self, base: Path, file: str) -> bytes | None:
-        """The content of an entry; None if there is none that can be used, and if that is a fault it is said."""
+        """Return the content of an entry; None if there is none that can be used, and a fault is reported."""
         path = base / self.folder / file
         try:
             data = read_entry(path, must_be_private=base != SHIPPED)

@@ -1,7 +1,7 @@
-"""What does LLVM do with the code of a kernel? It is optimised once, and becomes machine code only where that is called.
+"""LLVM passes over the code of a kernel: it is optimised once, and becomes machine code only where that is called.
 
 numba tidies every function with nearly all of LLVM's passes, inlines and tidies again for the sake of reference counting, and
-then begins in earnest. Kernels count no references, and the last of the three does all that the others do. Two kernels of three
+then begins in earnest. Kernels count no references, and the last of the three does the work of the others. Two kernels of three
 are so small that each caller has them inlined: of these only LLVM's code is kept, which is never translated or loaded.
 """
 
@@ -13,8 +13,8 @@ from numba.core import compiler
 from numba.core.codegen import JITCodeLibrary
 
 SEALED_FROM = 200
-"""Size, in LLVM instructions, from which a kernel is called instead of inlined. LLVM's inliner stops at some 50, but goes on for
-straight code whose arguments are known; well above this value the same code is compiled again in every caller."""
+"""Size, in LLVM instructions, from which a kernel is called instead of inlined. LLVM's inliner stops at some 50, but continues
+for straight code whose arguments are known; well above this value the same code is compiled again in every caller."""
 
 BRANCHING_FROM = 13
 """Blocks from which a kernel of half that size is called as well: LLVM inlines one in twenty of these. Without this compiling
@@ -30,11 +30,11 @@ def is_large(function: Any) -> bool:
 
 
 class NoMachine:
-    """What stands for numba's code generator where there is no machine code."""
+    """Stand-in for numba's code generator where there is no machine code."""
 
     @staticmethod
     def set_env(name: str, environment: object) -> None:
-        """Nothing: code that never runs reads no environment."""
+        """Do nothing: code that never runs reads no environment."""
 
 
 class KernelLibrary(JITCodeLibrary):
@@ -49,7 +49,7 @@ class KernelLibrary(JITCodeLibrary):
 
     @classmethod
     def inlined(cls, codegen: Any, name: str, code: bytes) -> "KernelLibrary":
-        """The library of a small kernel from its LLVM code."""
+        """Return the library of a small kernel from its LLVM code."""
         library = cls(codegen, name, from_python=False)
         library._final_module, library.only_inlined = llvm.parse_bitcode(code), True
         library._finalize_final_module()
@@ -57,11 +57,11 @@ class KernelLibrary(JITCodeLibrary):
 
     @property
     def codegen(self) -> Any:
-        """Where an environment is handed to the machine code."""
+        """Return the code generator, which passes an environment to the machine code."""
         return NoMachine if self.only_inlined else self._codegen
 
     def get_pointer_to_function(self, name: str) -> int:
-        """Where the machine code of a function lies; 0 if there is none."""
+        """Return the address of the machine code of a function; 0 if there is none."""
         self._ensure_finalized()
         return 0 if self.only_inlined else int(super().get_pointer_to_function(name))
 
@@ -69,11 +69,11 @@ class KernelLibrary(JITCodeLibrary):
         module.data_layout = self._codegen._data_layout
 
     def _optimize_final_module(self) -> None:
-        # sums of three and four products side by side are most of what a kernel computes; this changes no result
+        # adjacent sums of three and four products are most of a kernel's work; this changes no result
         manager, builder = self._codegen._module_pass_manager(slp_vectorize=True)
         manager.run(self._final_module, builder)
         if not self.from_python:
-            # What was linked in is known by another linkage.
+            # Code that was linked in has another linkage.
             own = [one for one in self._final_module.functions if not one.is_declaration and one.linkage == llvm.Linkage.external]
             self.only_inlined = not any(is_large(function) for function in own)
 
@@ -87,10 +87,10 @@ class KernelLibrary(JITCodeLibrary):
 
 
 class KernelCompiler(compiler.Compiler):
-    """numba's compiler, with LLVM's passes as KernelLibrary says."""
+    """numba's compiler, with LLVM's passes as in KernelLibrary."""
 
     def compile_extra(self, function: Any) -> Any:
-        """Compile a function; its code goes to a library of ours."""
+        """Compile a function; its code goes to a library of this module."""
         codegen, flags = self.state.targetctx.codegen(), self.state.flags
         self.state.library = KernelLibrary(codegen, function.__qualname__, from_python=not flags.no_cpython_wrapper)
         self.state.library.enable_object_caching()

@@ -12,11 +12,11 @@ SECONDS = 0.1
 """[s] of one core that a kernel takes to compile, on average over the engine, on a machine of 2024."""
 
 PACKAGE = "avatarsim."
-"""How the names of modules and of kernel folders begin whose compilation is announced."""
+"""First part of the names of modules and of kernel folders whose compilation is announced."""
 
 
 def announcement(count: int) -> str:
-    """The line printed before the first kernel that a program has to wait for, when `count` kernels are not compiled."""
+    """Return the line printed before the first kernel that a program has to wait for, when `count` kernels are not compiled."""
     return (
         f"compiling up to {count} kernels of the engine, once for this version and machine: up to {seconds(count)} s;"
         " `python -m avatarsim compile` does it ahead, on two cores"
@@ -24,12 +24,12 @@ def announcement(count: int) -> str:
 
 
 def seconds(count: int, cores: int = 1) -> int:
-    """[s] that compiling `count` kernels takes, at least 1."""
+    """Return the time [s] that compiling `count` kernels takes, at least 1."""
     return max(1, round(SECONDS * count / cores))
 
 
 class FirstCompile:
-    """Says on standard error that kernels are being compiled although a program waits for them.
+    """Notice on standard error that kernels are being compiled while a program waits for them.
 
     Compiles are nested, since a kernel is compiled when the first one that calls it is.
     """
@@ -42,7 +42,7 @@ class FirstCompile:
         self._progress: Progress | None = None
 
     def begin(self, module: str) -> None:
-        """A kernel of a module is about to be compiled; those outside this package are few, and not announced."""
+        """Announce that a kernel of a module is about to be compiled; not for the few outside this package."""
         if self.silent or not module.startswith(PACKAGE):
             return
         if self.compiled == 0:
@@ -59,12 +59,12 @@ class FirstCompile:
                 self._progress.step(self.compiled / most, f"kernel {self.compiled} of at most {most}")
 
     def own(self) -> set[tuple[Path, str]]:
-        """The declared kernels of the engine itself."""
+        """Return the declared kernels of the engine itself."""
         return {(folder, name) for folder, name in self.declared if folder.parts[0].startswith(PACKAGE)}
 
     @contextmanager
     def nested(self) -> Iterator[None]:
-        """A block in which a kernel is looked for and perhaps compiled; at the end of the outermost one the bar goes."""
+        """Return a block in which a kernel is looked for and perhaps compiled; at the end of the outermost one the bar goes."""
         self._depth += 1
         try:
             yield
@@ -76,4 +76,4 @@ class FirstCompile:
 
 
 FIRST_COMPILE = FirstCompile()
-"""That of this process; silent where progress is shown by other means."""
+"""The instance of this process; silent where progress is shown by other means."""

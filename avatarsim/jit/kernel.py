@@ -10,12 +10,12 @@ Why these options:
   kernel, which doubles the time of the narrow phase. The price: **a kernel allocates nothing**; scratch
   memory is made once, outside.
 
-Why not numba's own cache: numba stamps a compiled function with the content of *its own* file only.
-Edit a callee in another file and the callers go on running the old code. Here the folder of a file's kernels
-is named by a hash of that file, of everything in this package and its own that it imports, directly or not,
-and of the versions and flags that shape the machine code. So an edit recompiles exactly what could have changed. For
-that to hold a kernel imports, at the top of its file or under TYPE_CHECKING, every module whose kernels,
-constants or named tuples it uses. How entries are kept is the matter of `jit/cache.py`, where of `jit/places.py`.
+Why not numba's own cache: numba stamps a compiled function with the content of *its own* file only. Edit a callee in another file
+and the callers still run the old code. Here the folder of a file's kernels is named by a hash of that file, of everything in this
+package and its own that it imports, directly or not, and of the versions and flags that shape the machine code. So an edit
+recompiles exactly the code that could have changed. For that to hold a kernel imports, at the top of its file or under
+TYPE_CHECKING, every module whose kernels, constants or named tuples it uses. How entries are kept is the matter of
+`jit/cache.py`, where of `jit/places.py`.
 """
 
 import functools
@@ -32,7 +32,7 @@ import numpy as np
 
 from avatarsim.jit.tested_versions import guarded, installed
 
-# Whatever imports a kernel comes past here first.
+# Every import of a kernel runs this first.
 with guarded():
     from avatarsim.jit.linking import KernelDispatcher
 
@@ -61,8 +61,8 @@ SHAPING = ("jit/kernel.py", "jit/linking.py", "jit/compiler_passes.py")
 """Files that shape the machine code of every kernel."""
 
 STOCK = "AVATARSIM_STOCK_NUMBA"
-"""Environment variable: 1 compiles with numba alone, as `numba.njit(cache=True)` does, to tell a fault of what is built upon it
-from others. Compiling takes several times as long, and numba's cache does not notice an edit of what a kernel calls."""
+"""Environment variable: 1 compiles with numba alone, as `numba.njit(cache=True)` does, to separate faults of this package's
+compiler from others. Compiling takes several times as long, and numba's cache does not notice an edit of a kernel's callees."""
 
 _IMPORT = re.compile(r"^\s*(?:from|import)\s+(\w+(?:\.\w+)*)\b", re.MULTILINE)
 _RELATIVE_IMPORT = re.compile(r"^\s*from\s+\.", re.MULTILINE)
@@ -82,7 +82,7 @@ def kernel(function: Function) -> Function:
 
 
 def entry_kernel(function: Function) -> Function:
-    """The same for a kernel that Python calls to run a whole stage of a frame: other Python threads run meanwhile.
+    """Compile a kernel as `kernel` does, for one that runs a whole stage of a frame: other Python threads run meanwhile.
 
     To let go of the lock and take it again costs a call some 0.05 us, which is too much for kernels that take little longer.
     """
@@ -108,7 +108,7 @@ def kernel_folder(source: str) -> Path:
 
 @functools.cache
 def source_hash(source: str) -> str:
-    """Hash of one file, of all it imports from this package and its own (directly or not), and of `compiled_by`."""
+    """Return the hash of one file, of all it imports from this package and its own (directly or not), and of `compiled_by`."""
     digest = hashlib.sha256("\n".join(compiled_by()).encode())
     for name, path in sorted((_place(path), path) for path in _closure(Path(source).resolve())):
         digest.update(f"\n{name}\n".encode() + _content(path))
@@ -116,14 +116,14 @@ def source_hash(source: str) -> str:
 
 
 def compiled_by() -> list[str]:
-    """Versions and settings that machine code, or the Python objects that are kept with it, depend on."""
+    """Return versions and settings that machine code, or the Python objects that are kept with it, depend on."""
     # Any build of a Python of this minor version runs the same code, and any patch of numpy has its types in the same modules.
     python, numpy = [sys.implementation.cache_tag or "", getattr(sys, "abiflags", "")], np.__version__.split(".")[:2]
     return [*python, *numpy, *installed().values(), *(f"{flag}={getattr(config, flag)}" for flag in FLAGS)]
 
 
 def _place(path: Path) -> str:
-    """Where a file lies within the package, wherever that is; of a file elsewhere its name."""
+    """Return the path of a file within the package, wherever that is; of a file elsewhere its name."""
     return path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else path.name
 
 
@@ -140,16 +140,15 @@ def _closure(source: Path) -> set[Path]:
 
 @functools.cache
 def _content(source: Path) -> bytes:
-    """Digest of a file's bytes; read once, although dozens of others import it."""
+    """Return the digest of a file's bytes; read once, although dozens of others import it."""
     return hashlib.sha256(source.read_bytes()).digest()
 
 
 @functools.cache
 def _imported(source: Path) -> tuple[Path, ...]:
-    """Files of this package, and of the one beside it that ``source`` is in, named in its import lines; a folder stands for all
-    that is in it."""
+    """Return files of this package, and of the neighbouring one of ``source``, in its import lines; a folder means all files."""
     text = source.read_text(encoding="utf-8")
-    # kernels of the harness lie beside the package
+    # kernels of the harness are next to the package
     own = source.relative_to(ROOT.parent).parts[0] if source.is_relative_to(ROOT.parent) else ROOT.name
     names = {name for name in _IMPORT.findall(text) if name.partition(".")[0] in (ROOT.name, own)}
     names |= {ROOT.name} if _RELATIVE_IMPORT.search(text) else set()

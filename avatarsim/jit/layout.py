@@ -1,4 +1,4 @@
-"""What fields of named tuples hold, said by their annotations: arrays with their axes, records, tables, numbers, named tuples."""
+"""Fields of named tuples, described by their annotations: arrays with their axes, records, tables, numbers, named tuples."""
 
 from dataclasses import dataclass
 from functools import cache
@@ -19,7 +19,7 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Axes:
-    """How many axes an array has, and what it is of."""
+    """Number of axes of an array, and type of its elements."""
 
     count: int
     kind: type[np.generic]
@@ -52,7 +52,7 @@ NUMBERS: dict[object, Any] = {float: types.float64, int: types.int64, bool: type
 
 @cache
 def numba_type(kind: Any) -> Any:
-    """numba's type of what a field with this annotation holds."""
+    """Return numba's type of a field with this annotation."""
     if kind in NUMBERS:
         return NUMBERS[kind]
     if kind in RECORDS:
@@ -65,13 +65,13 @@ def numba_type(kind: Any) -> Any:
 
 
 def axes_of(kind: Any) -> Axes | None:
-    """The axes of what a field with this annotation holds; None if that is no array."""
+    """Return the axes of a field with this annotation; None if that is no array."""
     return next((one for one in getattr(kind, "__metadata__", ()) if isinstance(one, Axes)), None)
 
 
 @cache
 def fields(kind: Any) -> tuple[Any, ...]:
-    """Annotations of the fields of a named tuple, in their order."""
+    """Return annotations of the fields of a named tuple, in their order."""
     if not hasattr(kind, "_fields"):
         raise AvatarsimError(f"an arena holds no {kind}: this is a defect")
     hints = get_type_hints(kind, include_extras=True)

@@ -1,11 +1,11 @@
-"""How one compiled kernel calls another: small ones are inlined, large ones are compiled once and called by name.
+"""Calls of compiled kernels by others: small ones are inlined, large ones are compiled once and called by name.
 
 numba links the code of everything a function calls, directly or not, into that function's own module and optimises all of it
 again. A frame of this engine is a tree of some two hundred kernels, so the narrow phase was compiled again in each of its dozens
-of callers: two thirds of the compile time, and of what a start reads from disk. Here a kernel that is too large to be worth
-inlining is **sealed**: its callers know it by a name alone, which the JIT linker resolves to the one compiled copy.
+of callers: two thirds of the compile time, and of the data that a start reads from disk. Here a kernel that is too large to be
+worth inlining is **sealed**: its callers know it by a name alone, which the JIT linker resolves to the one compiled copy.
 
-What must hold, and how it does:
+Conditions, and how they are met:
 
 - a name must not change between processes, or a caller kept on disk would look for a callee that is not there. numba's own
   symbol names count up per process, so a sealed kernel is registered under one made of its source digest and signature;
@@ -35,7 +35,7 @@ from avatarsim.jit.compiler_passes import KernelCompiler, KernelLibrary, is_larg
 from avatarsim.jit.first_compile import FIRST_COMPILE
 
 PREFIX = "avatarsim-sealed:"
-"""What the name of every sealed kernel starts with: by it the calls are found in a compiled module."""
+"""Start of the name of every sealed kernel: by it the calls are found in a compiled module."""
 
 
 class Callee(NamedTuple):
@@ -102,19 +102,19 @@ class KernelDispatcher(CalledKernel):
         FIRST_COMPILE.declared.add((folder, self._cache.name))
 
     def __reduce__(self) -> tuple[Callable[..., object], tuple[str, str]]:
-        """Pickled as a function is: by name."""
+        """Pickle by name, as a function is pickled."""
         return found, (self.py_func.__module__, self.py_func.__qualname__)
 
     @functools.cached_property
     def called(self) -> CalledKernel:
-        """The kernel as other kernels call it; most are never called from Python, and some by Python alone."""
+        """Return the kernel as other kernels call it; most are never called from Python, and some by Python alone."""
         options = {**self.targetoptions, "no_cpython_wrapper": True}
         inner = CalledKernel(self.py_func, targetoptions=options, pipeline_class=KernelCompiler)
         inner.keep_in_cache(self.folder)
         return inner
 
     def get_call_template(self, args: tuple[types.Type, ...], kws: dict[str, types.Type]) -> Any:
-        """Take a literal as any number of its type: without this, numba compiles a kernel anew for every constant it is given."""
+        """Take a literal as any number of its type: without this, numba compiles a kernel anew for every constant argument."""
         plain = tuple(types.unliteral(value) for value in args)
         named = {name: types.unliteral(value) for name, value in kws.items()}
         if plain in self.overloads:
@@ -122,7 +122,7 @@ class KernelDispatcher(CalledKernel):
         return self.called.get_call_template(plain, named)
 
     def get_overload(self, sig: Any) -> Any:
-        """The compiled function for a signature that ``get_call_template`` found."""
+        """Return the compiled function for a signature that ``get_call_template`` found."""
         arguments = tuple(sigutils.normalize_signature(sig)[0])
         return (self if arguments in self.overloads else self.called).overloads[arguments].entry_point
 
@@ -135,7 +135,7 @@ class WithoutCode:
         self.compiled = compiled
 
     def serialize_using_object_code(self) -> tuple[str, str, tuple[bytes, bytes]]:
-        """In numba's form, which asks for the LLVM code beside the machine code."""
+        """Serialize in numba's form, which includes the LLVM code with the machine code."""
         library = self.compiled.library
         return library.name, "object", (library._get_compiled_object(), names_alone(self.compiled))
 
@@ -148,12 +148,12 @@ class CodeAlone:
         self.library = library
 
     def serialize_using_object_code(self) -> tuple[str, bytes]:
-        """What `KernelLibrary.inlined` makes it of again."""
+        """Serialize the LLVM code, which `KernelLibrary.inlined` reads back."""
         return self.library.name, self.library._get_module_for_linking().as_bitcode()
 
 
 class KernelCache(KernelFiles):
-    """What is kept on disk of a compiled kernel: numba's data, whether it is sealed, the sealed kernels it calls."""
+    """Data of a compiled kernel on disk: numba's data, whether it is sealed, the sealed kernels it calls."""
 
     def pickled(self, tree: object) -> bytes:
         return cast(bytes, dumps(tree))
@@ -184,7 +184,7 @@ def small_again(
     context: Any, code: Any, descriptor: Any, environment: Any, signature: Any, objectmode: Any, lifted: Any, annotation: Any,
     reload: Any, environments: Any,
 ) -> Any:
-    """A kernel that is only inlined, from what is kept of it, as numba has one with machine code."""
+    """Return a kernel that is only inlined, from its kept data, as numba has one with machine code."""
     library = KernelLibrary.inlined(context.codegen(), *code)
     return compile_result(
         typing_context=context.typing_context, target_context=context, library=library, fndesc=descriptor,
@@ -194,7 +194,7 @@ def small_again(
 
 
 def sealed_name(compiled: Any) -> str | None:
-    """Name under which callers find a compiled kernel; None if it is small enough to be inlined."""
+    """Return the name under which callers find a compiled kernel; None if it is small enough to be inlined."""
     library = compiled.library
     if not hasattr(library, "sealed_name"):
         large = not library.only_inlined and is_large(library._final_module.get_function(compiled.fndesc.llvm_func_name))
@@ -211,25 +211,25 @@ def _name(compiled: Any) -> str:
 
 
 def called(library: Any) -> dict[str, Callee]:
-    """Sealed kernels that the code of a library calls, by the name that it knows them by."""
+    """Return sealed kernels that the code of a library calls, by the name that it knows them by."""
     names = [function.name for function in library._final_module.functions if function.is_declaration]
     return {name: _CALLEES[name] for name in names if name.startswith(PREFIX)}
 
 
 def found(module: str, qualname: str) -> KernelDispatcher:
-    """The kernel of that name in a module."""
+    """Return the kernel of that name in a module."""
     return cast(KernelDispatcher, functools.reduce(getattr, qualname.split("."), importlib.import_module(module)))
 
 
 def load(callee: Callee, name: str) -> bool:
-    """Bring a sealed kernel into memory, from disk or by compiling it; False if it is not known by that name then."""
+    """Bring a sealed kernel into memory, from disk or by compiling it; return False if it is not known by that name then."""
     if name not in _CALLEES:
         found(callee.module, callee.qualname).called.compile(callee.arguments)
     return name in _CALLEES
 
 
 def names_alone(compiled: Any) -> bytes:
-    """LLVM code that defines the names of a compiled kernel and no more: from it numba learns what the machine code defines."""
+    """Return LLVM code that only defines a compiled kernel's names: from it numba learns those that the machine code defines."""
     names = (compiled.fndesc.llvm_func_name, compiled.fndesc.llvm_cpython_wrapper_name)
     defined = [name for name in names if compiled.library._codegen._engine.is_symbol_defined(name)]
     lines = [f'define void @"{name}"() {{ unreachable }}' for name in defined]

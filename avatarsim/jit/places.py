@@ -14,16 +14,16 @@ from avatarsim.errors import AvatarsimError
 from avatarsim.files import PART, bases, is_readable, is_writable
 
 NAME = "avatarsim-kernels"
-"""What the folder of compiled kernels is called wherever it lies."""
+"""Name of the folder of compiled kernels wherever it lies."""
 
 SUFFIX = ".kernel"
-"""How the names of entries end."""
+"""End of the names of entries."""
 
 VARIABLE = "NUMBA_CACHE_DIR"
 """numba's own variable for a cache folder is respected for kernels, too."""
 
 SHIPPED = Path(__file__).resolve().parent.parent / NAME
-"""Kernels that a wheel carries. They lie beside the sources, so they are trusted as these are."""
+"""Kernels that a wheel carries. They lie with the sources, so they are trusted as these are."""
 
 MOST_DAYS = 60.0
 """[days] since the last use after which compiled kernels are removed. Less: a checkout that rests for a holiday compiles again;
@@ -31,25 +31,25 @@ more: kernels of sources that are gone stay longer. MOST_BYTES holds in any case
 
 MOST_BYTES = 1_000_000_000
 """Total size [bytes] of a folder of compiled kernels above which those that were not used for longest are removed. One set of
-sources, Python and flags takes 20 MB, so some 50 sets live side by side; with less they evict one another sooner."""
+sources, Python and flags takes 20 MB, so some 50 sets fit; with less they evict one another sooner."""
 
 DAY = 86_400.0
 """[s] a day. The time of use is written down no more often than that: a start touches 140 folders, but seldom."""
 
 
 _VERSION = re.compile(r"[0-9a-f]{20}")
-"""What the folder of one version of a source file's kernels is called: its digest. Nothing else is ever removed."""
+"""Name of the folder of one version of a source file's kernels: its digest. Nothing else is ever removed."""
 
 
 class CannotKeep(AvatarsimError):
-    """Compiled kernels cannot be kept although that was what they were compiled for."""
+    """Compiled kernels cannot be kept although they were compiled for that."""
 
 
 class Places:
-    """Folders of compiled kernels, chosen when they are first asked for.
+    """Folders of compiled kernels, chosen at their first use.
 
     `only` names the one folder to read from and to keep in, instead of the user's; with `required`, failing to keep a kernel
-    raises CannotKeep instead of being said once.
+    raises CannotKeep instead of being reported once.
     """
 
     def __init__(self, only: Path | None = None, required: bool = False) -> None:
@@ -60,7 +60,7 @@ class Places:
 
     @property
     def read(self) -> tuple[Path, ...]:
-        """Folders to read from, best first."""
+        """Return folders to read from, best first."""
         if self._read is None:
             found = [base for base in self._bases() if is_readable(base)]
             self._read = (*found, SHIPPED) if self.only is None else tuple(found)
@@ -68,7 +68,7 @@ class Places:
 
     @property
     def write(self) -> Path | None:
-        """The folder to keep in; None if there is none, which is said once."""
+        """Return the folder to keep in; None if there is none, which is reported once."""
         if not self._write:
             tried = self._bases()
             self._write.append(next((base for base in tried if is_writable(base)), None))
@@ -80,7 +80,7 @@ class Places:
         return self._write[0]
 
     def keep_no_more(self, error: OSError) -> None:
-        """From here on keep nothing: the folder cannot take more."""
+        """Keep nothing from here on: the folder cannot take more."""
         place = self._write[0] if self._write else None
         self._write = [None]
         self._cannot_keep(f"{place or 'the folder'} cannot be written to: {error.strerror or error}")
@@ -118,8 +118,8 @@ def prune(base: Path) -> None:
 
 
 def _sets(base: Path) -> list[tuple[float, int, Path]]:
-    """(time of last use, size [bytes], folder) of each version of each source file's kernels; files that a killed process left
-    half-written a day ago are removed."""
+    """Return (time of last use, size [bytes], folder) of each version of each source file's kernels; files that a killed process
+    left half-written a day ago are removed."""
     found = []
     for folder in base.glob("*/*/"):
         if not _VERSION.fullmatch(folder.name):
@@ -137,7 +137,7 @@ def _sets(base: Path) -> list[tuple[float, int, Path]]:
 
 
 PLACES = Places()
-"""Those of this process."""
+"""The folders of this process."""
 
 
 def use_places(places: Places) -> None:
@@ -147,18 +147,18 @@ def use_places(places: Places) -> None:
 
 
 def current() -> Places:
-    """The folders in force."""
+    """Return the folders in force."""
     return PLACES
 
 
 def kept_kernels(folder: Path) -> Counter[str]:
-    """Entries of each kernel of one source file, by the kernel's name, in all folders that are read."""
+    """Return entries of each kernel of one source file, by the kernel's name, in all folders that are read."""
     files = {path.name for base in current().read for path in (base / folder).glob(f"*{SUFFIX}")}
     return Counter(file.rpartition("-")[0] for file in files)
 
 
 def missing(kernels: Iterable[tuple[Path, str]]) -> int:
-    """How many of `kernels`, each the folder of its source file and its name, have no entry in any folder that is read."""
+    """Return how many of `kernels`, each the folder of its source file and its name, have no entry in any folder that is read."""
     wanted = set(kernels)
     kept = {folder: kept_kernels(folder) for folder, _ in wanted}
     return sum(1 for folder, name in wanted if name not in kept[folder])

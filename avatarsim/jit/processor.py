@@ -1,4 +1,4 @@
-"""Processor part of the cache key: for which processor is machine code compiled, and which of it may be loaded here?"""
+"""Processor part of the cache key: the processor that machine code is compiled for, and the code that may be loaded here."""
 
 import functools
 from typing import NamedTuple
@@ -20,7 +20,7 @@ class Cpu(NamedTuple):
 
 @functools.cache
 def compiled_for() -> Cpu:
-    """The processor for which numba compiles in this process."""
+    """Return the processor for which numba compiles in this process."""
     name, features = numba.config.CPU_NAME, numba.config.CPU_FEATURES
     return Cpu(
         llvm.get_process_triple(),
@@ -31,9 +31,9 @@ def compiled_for() -> Cpu:
 
 @functools.cache
 def usable() -> tuple[Cpu, ...]:
-    """Processors whose machine code may be loaded here, best first: the one compiled for, and the baseline of `jit/baseline.py`.
+    """Return processors whose code may be loaded here, best first: the one compiled for, and the baseline of `jit/baseline.py`.
 
-    The latter is left out if numba was told a processor, or not to use vector code.
+    The latter is left out if numba's settings name a processor or disable vector code.
     """
     own, config = compiled_for(), numba.config
     asked = config.CPU_NAME is not None or config.CPU_FEATURES is not None or not config.ENABLE_AVX

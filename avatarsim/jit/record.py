@@ -1,8 +1,8 @@
-"""Structured memory in kernels: one record that is handed on as a pointer, and tables of records that share one array.
+"""Structured memory in kernels: one record that is passed as a pointer, and tables of records that share one array.
 
-numba hands every array of a tuple on as seven words or more, so a tuple of fifteen arrays costs more to hand on than many
-kernels take. A record it hands on as a pointer, but copies the whole of it into every tuple that holds it; so there is a type
-of its own for it here, which differs in nothing else.
+numba passes every array of a tuple as seven words or more, so passing a tuple of fifteen arrays costs more than many kernels
+take. A record it passes as a pointer, but copies the whole of it into every tuple that holds it; so there is a type of its own
+for it here, which differs in nothing else.
 """
 
 from typing import Any
@@ -33,7 +33,7 @@ class Pointer(types.Record):  # type: ignore[misc]  # numba's annotations know n
 
 @register_model(Pointer)
 class PointerModel(models.RecordModel):  # type: ignore[misc]
-    """In memory, and so in a tuple, what a function is given: the pointer."""
+    """In memory, and so in a tuple, the form of an argument: the pointer."""
 
     def get_data_type(self) -> Any:
         return self.get_value_type()
@@ -60,6 +60,6 @@ def known_by_pointer(kind: type, layout: Layout) -> None:
 def known_as_table(kind: type, layout: Layout) -> None:
     """Have arenas hold tables of class ``kind`` whose rows have this layout, which fills whole words.
 
-    `table[i]` is a record, which kernels hand on as a pointer; `table.field[i]` works too.
+    `table[i]` is a record, which kernels pass as a pointer; `table.field[i]` works too.
     """
     TABLES[kind] = layout

@@ -24,12 +24,12 @@ PRIVATE = {
 
 
 def installed() -> dict[str, str]:
-    """Version of each package that is guarded."""
+    """Return the version of each package that is guarded."""
     return {"numba": numba.__version__, "llvmlite": llvmlite.__version__}
 
 
 def untested() -> list[str]:
-    """Packages of another minor version than the tested one, with both; empty if there are none."""
+    """Return packages of another minor version than the tested one, with both; empty if there are none."""
     return [
         f"{package} {version} (tested: {'.'.join(map(str, TESTED[package]))})"
         for package, version in installed().items()
@@ -38,12 +38,12 @@ def untested() -> list[str]:
 
 
 def remedy() -> str:
-    """What installs the tested versions."""
+    """Return the command that installs the tested versions."""
     return "pip install " + " ".join(f"'{package}=={'.'.join(map(str, minor))}.*'" for package, minor in TESTED.items())
 
 
 def missing() -> list[str]:
-    """Private parts that the installed numba does not have."""
+    """Return private parts that the installed numba does not have."""
     found = []
     for module, names in PRIVATE.items():
         try:
@@ -57,8 +57,8 @@ def missing() -> list[str]:
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """For a block that imports private parts: an untested version is warned of, and if it lacks any of them, or the block fails,
-    UnsupportedVersion says so with the remedy."""
+    """Guard a block that imports private parts: warn of an untested version; if it lacks any of them, or the block fails, raise
+    UnsupportedVersion with the remedy."""
     if not (found := untested()):
         yield
         return
