@@ -34,7 +34,7 @@ def move_together(drive: DriveState, a: int, b: int) -> bool:
 
 @kernel
 def arm_of(drive: DriveState, poses: Poses, b: int) -> Vec3:
-    """Centre of attached body b from the joint of its link [m]."""
+    """Return the centre of attached body b from the joint of its link [m]."""
     return sub(row(poses.position, b), row(poses.position, drive.carrier[b]))
 
 

@@ -76,7 +76,7 @@ def go_back(
 
 @kernel
 def take_share(before: Array, b: int, share: float, after: Array) -> None:
-    """after[b] becomes before[b] and ``share`` of the change since."""
+    """Set after[b] to before[b] and ``share`` of the change since."""
     put_row(after, b, along(row(before, b), share, sub(row(after, b), row(before, b))))
 
 
@@ -92,7 +92,7 @@ def witness(
         return
     for other in range(memory.moving.shape[0]):
         if memory.moving[other] == 1 and islands.due[other] > now and paths.kind[other] != STILL:
-            # to record changes nothing: neither the trial poses nor what is known of the path
+            # to record changes nothing: neither the trial poses nor the data of the path
             paths.time[other] = -1.0
             move_along(
                 geometry, memory.began, islands.linear, islands.angular, paths, memory.series, other,

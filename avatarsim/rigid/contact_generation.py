@@ -49,7 +49,7 @@ def note_drift(velocities: Velocities, memory: Memory, k: int) -> None:
 
     A free driven body strikes with the user's velocity. A hand that is held back, itself
     (`coupling.tracked_motion.project_velocities`) or by its arm or a limit, must not drag a body like a conveyor belt while its
-    user goes on: there the displayed, slower velocity counts.
+    user moves on: there the displayed, slower velocity counts.
     """
     contacts, side = memory.contacts, 0 if memory.contacts.driven[k] == DRIVEN_A else 1
     b, n = contacts.body[k, side], axis(contacts, k, 0)

@@ -14,31 +14,31 @@ from avatarsim.spatial.vec3 import Vec3, add, along, cross, dot, norm, scale, su
 
 @kernel
 def point_velocity(linear: Vec3, angular: Vec3, arm: Vec3) -> Vec3:
-    """Velocity [m/s] of the point of a rigid body at ``arm`` [m] from its centre of mass."""
+    """Return the velocity [m/s] of the point of a rigid body at ``arm`` [m] from its centre of mass."""
     return add(linear, cross(angular, arm))
 
 
 @kernel
 def relative_velocity(velocity_a: Vec3, velocity_b: Vec3) -> Vec3:
-    """v_ab [m/s]: velocity of A's contact point as seen from B's."""
+    """Return v_ab [m/s]: velocity of A's contact point as seen from B's."""
     return sub(velocity_a, velocity_b)
 
 
 @kernel
 def normal_velocity(n: Vec3, v_ab: Vec3) -> float:
-    """Eq. 7: v_n = n . v_ab [m/s], n out of B into A; negative while the bodies approach."""
+    """Return v_n = n . v_ab [m/s] (eq. 7), n out of B into A; negative while the bodies approach."""
     return dot(n, v_ab)
 
 
 @kernel
 def tangential_velocity(n: Vec3, v_ab: Vec3) -> Vec3:
-    """v_t of eq. 10 [m/s]: what is left of v_ab without its part along n."""
+    """Return v_t of eq. 10 [m/s]: v_ab without its part along n."""
     return along(v_ab, -dot(n, v_ab), n)
 
 
 @kernel
 def velocity_after(restitution: float, before: float) -> float:
-    """Eq. 8: v+ = -e v- [m/s]."""
+    """Return v+ = -e v- [m/s] (eq. 8)."""
     return -restitution * before
 
 
@@ -47,7 +47,7 @@ def velocity_after(restitution: float, before: float) -> float:
 
 @kernel
 def turning_term(inverse_inertia: Columns, arm: Vec3, n: Vec3) -> float:
-    """A or B of eq. 9 [1/kg]: n . ((I^-1 (r x n)) x r), the rotational part of the inverse effective mass.
+    """Return A or B of eq. 9 [1/kg]: n . ((I^-1 (r x n)) x r), the rotational part of the inverse effective mass.
 
     ``inverse_inertia`` is in world axes; all zero for a body that cannot turn.
     """
@@ -58,7 +58,7 @@ def turning_term(inverse_inertia: Columns, arm: Vec3, n: Vec3) -> float:
 def collision_impulse(
     restitution: float, before: float, inverse_mass_a: float, inverse_mass_b: float, turning_a: float, turning_b: float
 ) -> float:
-    """Eq. 9: j = -(1 + e) v- / (1/m_b + 1/m_a + A + B) [N s]; j n acts on A and -j n on B.
+    """Return j = -(1 + e) v- / (1/m_b + 1/m_a + A + B) [N s] (eq. 9); j n acts on A and -j n on B.
 
     Not finite if neither body can yield; such pairs are never tested.
     """
@@ -73,7 +73,7 @@ NO_SLIP = 1e-300
 
 @kernel
 def friction_impulse(friction: float, j: float, v_t: Vec3) -> Vec3:
-    """Eq. 10 as printed: j_t = -mu j v_t / |v_t| [N s], on A; zero without slip.
+    """Return j_t = -mu j v_t / |v_t| [N s] on A (eq. 10 as printed); zero without slip.
 
     Unlimited: with a light enough slip it reverses v_t and may add energy. `limited_friction_impulse` does not.
     """
@@ -83,21 +83,21 @@ def friction_impulse(friction: float, j: float, v_t: Vec3) -> Vec3:
 
 @kernel
 def limited_friction_impulse(friction: float, j: float, v_t: Vec3, sticking: float) -> Vec3:
-    """Eq. 10 limited to ``sticking`` [N s], the size of the impulse that just ends the slip; also along -v_t."""
+    """Return the impulse of eq. 10 limited to ``sticking`` [N s], the size of the impulse that just ends the slip; along -v_t."""
     slip = norm(v_t)
     return scale(v_t, -min(friction * j, sticking) / slip) if slip > NO_SLIP else (0.0, 0.0, 0.0)
 
 
 @kernel
 def kinetic_friction(friction: float, j: float, slip_x: float, slip_y: float, slip: float) -> tuple[float, float]:
-    """Friction [N s] along both tangents under the normal impulse j [N s], against a slip of that velocity and size [m/s]."""
+    """Return friction [N s] along both tangents by the normal impulse j [N s], against a slip of that velocity and size [m/s]."""
     pull = friction * j / slip
     return -pull * slip_x, -pull * slip_y
 
 
 @kernel
 def in_friction_disc(x: float, y: float, most: float) -> tuple[float, float]:
-    """The nearest friction impulse to (x, y) [N s] that is at most ``most`` = mu times the normal impulse: Coulomb's disc.
+    """Return the nearest friction impulse to (x, y) [N s] that is at most ``most`` = mu times the normal impulse: Coulomb's disc.
 
     With an infinite mu all impulses are in it, also without a normal impulse.
     """

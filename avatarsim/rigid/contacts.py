@@ -39,7 +39,7 @@ def is_diagonal(tensors: Array, b: int) -> bool:
 
 @kernel
 def to_world(body_axes: Array, rotation: Array, b: int, world_out: Array) -> None:
-    """world[b] = R M R^T for the tensor M of body b in its own axes; all arrays (nb, 3, 3)."""
+    """Compute world[b] = R M R^T for the tensor M of body b in its own axes; all arrays (nb, 3, 3)."""
     diagonal = is_diagonal(body_axes, b)
     for i in range(3):
         for k in range(i, 3):
@@ -56,7 +56,7 @@ def to_world(body_axes: Array, rotation: Array, b: int, world_out: Array) -> Non
 
 @kernel
 def yielding(masses: Masses, b: int, arm: Vec3, j: Vec3) -> Vec3:
-    """Change of velocity [m/s] of the point at ``arm`` of body b under the impulse j [N s] at that point."""
+    """Return the change of velocity [m/s] of the point at ``arm`` of body b under the impulse j [N s] at that point."""
     m = masses.inverse_mass[b]
     inertia: Columns = columns(masses.inverse_inertia, b)
     w = cross(turned(inertia, cross(arm, j)), arm)
@@ -68,7 +68,7 @@ Index = NDArray[np.int64]
 # The points, and velocities there.
 
 ROOM = 2048
-"""Least room for contact points. A wall of 100 boxes has about 1000; too many are told by a status, never dropped silently."""
+"""Least room for contact points. A wall of 100 boxes has about 1000; a status reports too many, none is dropped silently."""
 
 ROOM_PER_BODY = 24
 """Room for contact points per simulated body, if that is more: a box in the middle of a wall touches others with 24 corners, each
@@ -119,7 +119,7 @@ def make_responses(links: int) -> Responses:
 
 
 class Contacts(NamedTuple):
-    """Contact points k < used[0]; those of one pair of bodies stand together.
+    """Contact points k < used[0]; those of one pair of bodies are contiguous.
 
     body (cap, 2) A and B; key (cap) names the point from one segment to the next; driven (cap) one of the above;
     face (cap) 1 or 2 if the normal belongs to a face of A or of B and turns with it, else 0;
@@ -129,20 +129,20 @@ class Contacts(NamedTuple):
     cross_response (cap, 2) velocity along the tangents per impulse along the normal [1/kg];
     lever_a, lever_b (cap, 3, 3) angular rows of the contact Jacobian: arm x axis for each axis of the frame; turn_a, turn_b
     (cap, 3, 3) angular rows of M^-1 J^T: angular velocity [rad/s] per impulse [N s] along each axis;
-    target (cap) least normal velocity asked for (bias velocity) [m/s], -inf where a point takes no part;
+    target (cap) least normal velocity required (bias velocity) [m/s], -inf where a point takes no part;
     slide (cap, 2) velocity along the tangents at which friction is zero [m/s];
     drift (cap, 2) part of the user's velocity along the tangents that is not displayed [m/s]: see `rigid.contact_generation`;
     impulse (cap, 3) along the rows of frame [N s];
     standing (1) 1 while a driven body that recedes counts as standing still along the normal: see `velocity_at`;
     visits (1) points visited by the solver since the count was last set to 0, a measure of its work;
-    edge_a, edge_b (cap, 3) directions of the edges where two edges cross or one touches what is smooth, of any length, or zero;
+    edge_a, edge_b (cap, 3) directions of the edges where two edges cross or one touches a smooth surface, of any length, or zero;
     sway_a, sway_b (cap, 3) rates of the lever arms [m/s], zero where a body is driven;
     smooth (cap) see above; radii_a, radii_b (cap, 3, 3) radii of curvature [m]: how far the point of a smooth surface moves per
     turn of its normal; zero for corners, without meaning along an edge;
     turns (cap, 2) how fast the contact changes as either body turns [rad/s];
     pace (1): factor on speeds that count as slow, see `pace_of`;
     approach (cap) velocity along the normal [m/s] when the queue of impacts last looked;
-    rows (cap, ROW), motion (bodies, MOTION): what a pass of the solver reads, see `rigid.solver`;
+    rows (cap, ROW), motion (bodies, MOTION): data of a pass of the solver, see `rigid.solver`;
     linked (cap, 2) block of ``responses`` of A and of B, or one of the above.
     """
 
@@ -188,8 +188,8 @@ class Contacts(NamedTuple):
 
 
 def pace_of(gravity: Array) -> float:
-    """Factor on the slow speeds of this engine under a gravity (3) [m/s^2], at most 1: with it a body that leaves a floor rises
-    as high as on Earth. 1 without gravity, and under a stronger one."""
+    """Return the factor on the slow speeds of this engine under a gravity (3) [m/s^2], at most 1: with it a body that leaves a
+    floor rises as high as on Earth. 1 without gravity, and under a stronger one."""
     pull = float(np.linalg.norm(gravity))
     return 1.0 if pull == 0.0 else min(1.0, sqrt(pull / EARTH))
 
@@ -229,7 +229,7 @@ def lacks_responses(contacts: Contacts) -> bool:
 
 @kernel
 def axis(contacts: Contacts, k: int, i: int) -> Vec3:
-    """Normal (i = 0) or tangent (1, 2) of contact k."""
+    """Return the normal (i = 0) or tangent (1, 2) of contact k."""
     return (contacts.frame[k, i, 0], contacts.frame[k, i, 1], contacts.frame[k, i, 2])
 
 
@@ -266,20 +266,19 @@ def add_contact(contacts: Contacts, a: int, b: int, driven: int, n: Vec3, arm_a:
 
 @kernel
 def weigh(contacts: Contacts, masses: Masses) -> None:
-    """Fill ``inverse_effective_mass`` of all contacts: 1/m_b + 1/m_a + A + B of eq. 9, and the same across the normal; also
-    levers and turns."""
+    """Fill ``inverse_effective_mass``: 1/m_b + 1/m_a + A + B of eq. 9, and likewise across the normal; also levers and turns."""
     weigh_after(contacts, masses, 0.0)
 
 
 @kernel
 def weigh_after(contacts: Contacts, masses: Masses, t: float) -> None:
-    """`weigh` with the arms as they are t seconds later, to first order."""
+    """Do `weigh` with the arms as they are t seconds later, to first order."""
     weigh_from(contacts, masses, t, 0)
 
 
 @kernel
 def weigh_from(contacts: Contacts, masses: Masses, t: float, first: int) -> None:
-    """`weigh_after` of the contacts from ``first`` on."""
+    """Do `weigh_after` for the contacts from ``first`` on."""
     for k in range(first, contacts.used[0]):
         a, b = contacts.body[k, 0], contacts.body[k, 1]
         inertia_a, inertia_b = columns(masses.inverse_inertia, a), columns(masses.inverse_inertia, b)
@@ -302,21 +301,21 @@ def weigh_from(contacts: Contacts, masses: Masses, t: float, first: int) -> None
 
 @kernel
 def largest_across(one: float, other: float, both: float) -> float:
-    """Larger eigenvalue of the symmetric 2 x 2 response across a normal [1/kg]: a step by its inverse never overshoots."""
+    """Return larger eigenvalue of the symmetric 2 x 2 response across a normal [1/kg]: a step by its inverse never overshoots."""
     half, mean = 0.5 * (one - other), 0.5 * (one + other)
     return mean + sqrt(half * half + both * both)
 
 
 @kernel
 def turning(contacts: Contacts, k: int, i: int, j: int) -> float:
-    """Velocity along axis i of contact k per impulse along axis j [1/kg] that comes of turning: A + B of eq. 9 for the normal."""
+    """Return the turning part of the velocity along axis i of contact k per impulse along j [1/kg]: for normals A + B (eq. 9)."""
     on_a = dot(row(contacts.lever_a[k], i), row(contacts.turn_a[k], j))
     return float(on_a + dot(row(contacts.lever_b[k], i), row(contacts.turn_b[k], j)))
 
 
 @kernel
 def velocity_at(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
-    """v_ab [m/s] at contact k.
+    """Return v_ab [m/s] at contact k.
 
     For equations 7 to 10 it is the true one, less the drift. For paths (``standing``) a driven body that recedes counts as
     standing still along the normal: its pose does not change before the next frame, and a body that followed it would overlap it.
@@ -339,7 +338,7 @@ def velocity_at(contacts: Contacts, k: int, linear: Array, angular: Array) -> Ve
 
 @kernel
 def impulse_of(contacts: Contacts, k: int) -> Vec3:
-    """The impulse held by contact k, on A, world axes [N s]."""
+    """Return the impulse held by contact k, on A, world axes [N s]."""
     p = row(contacts.impulse, k)
     j = (0.0, 0.0, 0.0)
     for i in range(3):
@@ -349,7 +348,7 @@ def impulse_of(contacts: Contacts, k: int) -> Vec3:
 
 @kernel
 def speed_along(contacts: Contacts, k: int, i: int, linear: Array, angular: Array) -> float:
-    """Part of `velocity_at` along axis i of contact k [m/s], from the levers that `weigh` left."""
+    """Return the part of `velocity_at` along axis i of contact k [m/s], from the levers that `weigh` left."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     f, p, q = contacts.frame, contacts.lever_a, contacts.lever_b
     on_a = f[k, i, 0] * linear[a, 0] + f[k, i, 1] * linear[a, 1] + f[k, i, 2] * linear[a, 2]
@@ -395,7 +394,7 @@ def push_along(contacts: Contacts, masses: Masses, k: int, i: int, d: float, lin
 
 @kernel
 def push_all(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, angular: Array) -> None:
-    """`push_along` all three axes of contact k at once."""
+    """Apply `push_along` for all three axes of contact k at once."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     f, p, q = contacts.frame, contacts.turn_a, contacts.turn_b
     of_a, of_b = masses.inverse_mass[a], masses.inverse_mass[b]
@@ -451,7 +450,7 @@ def make_last_forces(bodies: int, points: int) -> LastForces:
 
 @kernel
 def slot_of(table: LastForces, key: int, tried: int) -> int:
-    """Slot number ``tried`` of the probe sequence of ``key``."""
+    """Return the slot number ``tried`` of the probe sequence of ``key``."""
     return int(((key * SPREAD >> SHIFT) + tried) & (table.key.shape[0] - 1))
 
 

@@ -71,7 +71,7 @@ REGROUPS = ROUNDS
 
 @kernel
 def is_crowd(dynamics: Dynamics, memory: Memory, members: Index) -> bool:
-    """Return whether the island of these members advances by substeps: a crowd, or what a coupled driven body touches."""
+    """Return whether the island of these members advances by substeps: a crowd, or bodies that touch a coupled driven body."""
     for m in range(members.shape[0]):
         if memory.substeps.crowd[members[m]] == 1 or dynamics.drive.coupled[members[m]] == 1:
             return True
@@ -116,7 +116,7 @@ def try_rest(
     """Let the members stand still for the rest of the frame if their contacts hold them, or ``untried`` in any case."""
     put_ways(velocities, memory, members)
     held = holds_from_rest(geometry, dynamics, poses, velocities, memory, members, h) or untried
-    # if in vain, the next try goes on from these forces
+    # if in vain, the next try starts from these forces
     remember_forces(memory.contacts, h, members, memory.last)
     if not held:
         put_back(velocities, memory, members)
@@ -133,8 +133,8 @@ def prove_ways(
 ) -> int:
     """Find ways of the members that stay in their promised boxes and are proved free.
 
-    Where they leave their boxes these are made anew, and the islands. As long as no other body joins, the members go on together,
-    whatever islands they are in now.
+    Where they leave their boxes these are made anew, and the islands. As long as no other body joins, the members continue
+    together, in whichever islands they are now.
 
     Returns:
         DONE, OUT_OF_ROOM or NOT_FINITE; AGAIN if another body joins, CROWDED, or UNPROVED unless ``at_last``.
@@ -164,7 +164,7 @@ def prove_ways(
 
 @kernel
 def rises_of(dynamics: Dynamics, memory: Memory, members: Index, h: float) -> tuple[float, float]:
-    """Potential energy [J] that bodies with contacts gain in h seconds: (sum of gains, sum of losses below 0)."""
+    """Return potential energy [J] that bodies with contacts gain in h seconds: (sum of gains, sum of losses below 0)."""
     sub_, rises, falls = memory.substeps, 0.0, 0.0
     for m in range(members.shape[0]):
         b = members[m]
@@ -270,7 +270,7 @@ def find_ways(
 def go_ways(
     geometry: Geometry, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, h: float
 ) -> float:
-    """Take the members along their ways for h seconds, or as long as they stay in their promised boxes; returns how long."""
+    """Take the members along their ways for h seconds, or as long as they stay in their promised boxes; return how long."""
     islands, until = memory.islands, h
     put_ways(velocities, memory, members)
     while not all_keep(poses, velocities, memory, members, until):
@@ -290,7 +290,7 @@ def crowd_step(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, memory: Memory,
     events: Events, switches: Switches,
 ) -> int:
-    """Take island i through one substep; returns a status or AGAIN."""
+    """Take island i through one substep; return a status or AGAIN."""
     islands, contacts = memory.islands, memory.contacts
     size = islands.first[i + 1] - islands.first[i]
     members = memory.substeps.members[:size]

@@ -32,7 +32,7 @@ MOST_ELASTIC = 2.0
 def defer_impacts(velocities: Velocities, memory: Memory, members: Index, left: float) -> None:
     """Take from simulated bodies the velocity with which they would enter driven ones in ``left`` seconds; it is owed to them.
 
-    Half of the gap to the driven body may be closed: slower bodies go on.
+    Half of the gap to the driven body may be closed: slower bodies continue.
     """
     contacts, v, w = memory.contacts, velocities.linear, velocities.angular
     contacts.standing[0] = 1
@@ -73,7 +73,7 @@ def restore_deferred(velocities: Velocities, memory: Memory, members: Index) -> 
 
 @kernel
 def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, first: int, last: int) -> float:
-    """Share in 0 .. 1 of the contact forces of one pair that its driven body can take over the segment.
+    """Return the share in 0 .. 1 of the contact forces of one pair that its driven body can take over the segment.
 
     Without the forces the simulated body would approach it by v = p / M, less what the driven one recedes. A mass m that is met
     at v takes 2 m v at most (eq. 9).
@@ -84,7 +84,7 @@ def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, firs
     for k in range(first, last):
         n = axis(contacts, k, 0)
         pressed += contacts.impulse[k, 0]
-        # the path's velocity differs from the true one by what is owed
+        # the path's velocity differs from the true one by the owed velocity
         apart = dot(n, velocity_at(contacts, k, velocities.linear, velocities.angular))
         sign = -1.0 if driven == 0 else 1.0
         apart += sign * dot(n, row(memory.owed_linear, body))
@@ -97,9 +97,9 @@ def share_taken(dynamics: Dynamics, velocities: Velocities, memory: Memory, firs
 
 @kernel
 def transfer_impulses(dynamics: Dynamics, velocities: Velocities, memory: Memory, owes: bool) -> None:
-    """Add the contact forces of a segment to the impulses of driven bodies; what these cannot take is owed to the others.
+    """Add the contact forces of a segment to the impulses of driven bodies; the excess is owed to the other bodies.
 
-    Unless ``owes`` it is lost: in a crowd it may be the force of another driven body, which goes on.
+    Unless ``owes`` it is lost: in a crowd it may be the force of another driven body, which continues.
     """
     contacts = memory.contacts
     count, first = contacts.used[0], 0

@@ -26,7 +26,7 @@ Index = NDArray[np.int64]
 
 @kernel
 def lag_of(drive: DriveState, poses: Poses, b: int, now: float, dt: float) -> tuple[Vec3, Vec3]:
-    """Lag [m], [rad] of body b behind its tracker, ``now`` seconds into a frame of dt seconds."""
+    """Return the lag [m], [rad] of body b behind its tracker, ``now`` seconds into a frame of dt seconds."""
     left = dt - now
     way = along(scale(row(drive.linear, b), left), 0.5 * left * now, row(drive.ramp, b))
     turn = along(scale(row(drive.angular, b), left), 0.5 * left * now, row(drive.ramp_turn, b))
@@ -40,7 +40,7 @@ def aim(drive: DriveState, poses: Poses, velocities: Velocities, memory: Memory,
 
     The substep begins ``now`` seconds into a frame of dt seconds and lasts h seconds. The force of a blocked body, and its torque
     at the size of the body, are constant: see `bound_forces`. The rate at which a lag is made up is limited to ``fastest``, so
-    that a jump of the tracker throws nothing, and to what the largest force can brake.
+    that a jump of the tracker throws nothing, and to the speed that the largest force can brake.
     """
     middle = now + 0.5 * (h - dt)
     put_row(drive.user, b, along(row(drive.linear, b), middle, row(drive.ramp, b)))
@@ -75,7 +75,7 @@ def pulled(drive: DriveState, b: int, u: Vec3, lag: Vec3, is_blocked: bool, h: f
 
 @kernel
 def braked(drive: DriveState, b: int, lag: float) -> float:
-    """Speed [m/s] of a lag [m] that the largest force brakes on this way."""
+    """Return the speed [m/s] of a lag [m] that the largest force brakes on this way."""
     return sqrt(2.0 * drive.largest_force[b] * lag / drive.mass[b]) + SMALL if lag > 0.0 else inf
 
 
@@ -115,7 +115,7 @@ def presses(dynamics: Dynamics, other: int) -> bool:
 def aim_all(
     dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, now: float, dt: float, h: float
 ) -> None:
-    """`aim` the members that are coupled."""
+    """Run `aim` for the members that are coupled."""
     for m in range(members.shape[0]):
         if dynamics.drive.coupled[members[m]] == 1:
             aim(dynamics.drive, poses, velocities, memory, members[m], now, dt, h)
@@ -139,7 +139,7 @@ def strikes_with(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 @kernel
 def beside_chord(w: Vec3, r: Vec3, h: float) -> Vec3:
-    """Mean velocity over h seconds of a vector r that turns at w, less its first velocity w x r [m/s] (Rodrigues)."""
+    """Return the mean velocity over h seconds of a vector r that turns at w, less its first velocity w x r [m/s] (Rodrigues)."""
     angle = h * norm(w)
     if not (angle * angle * norm(r) > h * NOTHING):
         return (0.0, 0.0, 0.0)
@@ -177,7 +177,7 @@ def note_lag(dynamics: Dynamics, velocities: Velocities, members: Index) -> None
 
 @kernel
 def note_load(dynamics: Dynamics, memory: Memory) -> None:
-    """Mark driven bodies on which what `presses` had a force in the last solve; sum impulses of loose bodies on coupled ones."""
+    """Mark driven bodies that others press on (`presses`) in the last solve; sum impulses of loose bodies on coupled ones."""
     contacts, role = memory.contacts, dynamics.role
     for k in range(contacts.used[0]):
         if contacts.impulse[k, 0] > 0.0:

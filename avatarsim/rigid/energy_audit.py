@@ -29,14 +29,14 @@ which has so little energy, gain more than a part in 1e9 in a frame."""
 
 @kernel
 def kinetic_energy(masses: Masses, inertia: Array, b: int, linear: Array, angular: Array) -> float:
-    """m v^2 / 2 + w . I w / 2 [J] of body b; ``inertia`` (nb, 3, 3) in world axes."""
+    """Return m v^2 / 2 + w . I w / 2 [J] of body b; ``inertia`` (nb, 3, 3) in world axes."""
     v, w = row(linear, b), row(angular, b)
     return float(0.5 * dot(v, v) / masses.inverse_mass[b] + 0.5 * dot(w, turned(columns(inertia, b), w)))
 
 
 @kernel
 def potential_energy(masses: Masses, b: int, pull: Vec3, position: Array) -> float:
-    """-m g . x [J] of body b."""
+    """Return -m g . x [J] of body b."""
     return float(-dot(pull, row(position, b)) / masses.inverse_mass[b])
 
 
@@ -45,7 +45,7 @@ def held_energy(
     masses: Masses, inertia: Array, members: Index, held: Index, dynamics: Dynamics, position: Array, linear: Array,
     angular: Array,
 ) -> tuple[float, float]:
-    """(kinetic, potential) energy [J] of all members with ``held`` 1: those that contact forces act on."""
+    """Return (kinetic, potential) energy [J] of all members with ``held`` 1: those that contact forces act on."""
     kinetic, potential = 0.0, 0.0
     for m in range(members.shape[0]):
         b = members[m]
@@ -77,7 +77,7 @@ def take_back(gain: float, kinetic: float, members: Index, held: Index, linear: 
 def energy_of(
     dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, of_all: bool
 ) -> tuple[float, float]:
-    """(kinetic, potential) energy [J] of the members held by contact forces, or of all that move, which then count as held."""
+    """Return (kinetic, potential) energy [J] of members held by contact forces, or of all that move, which then count as held."""
     for m in range(members.shape[0]):
         b = members[m]
         if of_all:
@@ -92,7 +92,7 @@ def energy_of(
 
 @kernel
 def work_on(memory: Memory, members: Index, linear: Array, angular: Array) -> float:
-    """Work [J] of the impulses behind ``linear_end`` and ``angular_end`` on held members that move so [m/s], [rad/s]."""
+    """Return the work [J] of the impulses behind ``linear_end``, ``angular_end`` on held members that move so [m/s], [rad/s]."""
     total, dv, dw = 0.0, memory.linear_end, memory.angular_end
     for m in range(members.shape[0]):
         b = members[m]
@@ -113,7 +113,7 @@ def any_rolls(contacts: Contacts) -> bool:
 
 @kernel
 def put_forces(dynamics: Dynamics, memory: Memory, members: Index, t: float) -> None:
-    """Changes of velocity by contacts and gravity in a segment of t seconds, into ``linear_end`` and ``angular_end``."""
+    """Write changes of velocity by contacts and gravity in a segment of t seconds, into ``linear_end`` and ``angular_end``."""
     dv, dw = memory.linear_end, memory.angular_end
     for m in range(members.shape[0]):
         b = members[m]
@@ -131,7 +131,7 @@ def put_forces(dynamics: Dynamics, memory: Memory, members: Index, t: float) -> 
 
 @kernel
 def take_along_forces(gain: float, velocities: Velocities, memory: Memory, members: Index) -> float:
-    """Take a ``gain`` [J] by the motion along the forces of the last segment; returns how much.
+    """Take a ``gain`` [J] by the motion along the forces of the last segment; return how much.
 
     Spin about an axis without torque stays. At most the forces count as none, or twice.
     """

@@ -39,9 +39,9 @@ from avatarsim.spatial.vec3 import Vec3, along, dot, norm, row, sub
 
 @kernel
 def motion_of(memory: Memory, b: int, t: float) -> tuple[Vec3, Vec3, Vec3]:
-    """Position, velocity and acceleration of the centre of body b, t seconds along its path."""
+    """Return the position, velocity and acceleration of the centre of body b, t seconds along its path."""
     if memory.paths.kind[b] == STILL:
-        # a body that stands or was stopped is at the pose of the last trial
+        # a body at rest or stopped is at the pose of the last trial
         return row(memory.trial.position, b), (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     x, v, a = row(memory.began.position, b), row(memory.islands.linear, b), row(memory.paths.linear, b)
     return along(along(x, t, v), 0.5 * t * t, a), along(v, t, a), a
@@ -49,8 +49,8 @@ def motion_of(memory: Memory, b: int, t: float) -> tuple[Vec3, Vec3, Vec3]:
 
 @kernel
 def ahead_of(memory: Memory, a: int, b: int, t: float) -> tuple[float, float, float]:
-    """Gap [m] of the bounding balls of bodies a and b at t, its rate [m/s] and acceleration [m/s^2] along the line of centres;
-    nan or inf if any number is."""
+    """Return the gap [m] of the bounding balls of bodies a and b at t, its rate [m/s] and acceleration [m/s^2] along the line of
+    centres; nan or inf if any number is."""
     (x_a, v_a, a_a), (x_b, v_b, a_b) = motion_of(memory, a, t), motion_of(memory, b, t)
     d = sub(x_a, x_b)
     apart = norm(d)
@@ -63,7 +63,7 @@ def ahead_of(memory: Memory, a: int, b: int, t: float) -> tuple[float, float, fl
 
 @kernel
 def balls_meet(memory: Memory, a: int, b: int, begin: float, h: float) -> tuple[int, float]:
-    """First event of two balls on their paths from ``begin`` to h seconds: (outcome, time) as `time_of_impact` has them.
+    """Return the first event of two balls on their paths from ``begin`` to h seconds: (outcome, time) as of `time_of_impact`.
 
     The separating plane is fixed over a round, so the gap along its normal bounds the true one from below: each round advances to
     the zero of that bound, and two or three find the impact.
@@ -94,8 +94,8 @@ Index = NDArray[np.int64]
 
 SEARCH_WORK, ROUND_WORK = QUERY_WORK, 25
 """Work of one search for an impact, a query, and of each of its rounds after the first, see `state.WORK`. Most searches take five
-rounds or none; of boxes that slide past each other's edges a hundred, and 300 such searches a frame take 35 ms. Less: frames
-of such boxes take longer than the budget says; more: they lose time."""
+rounds or none; of boxes that slide past each other's edges a hundred, and 300 such searches a frame take 35 ms. Less: frames of
+such boxes take longer than the budget allows; more: they lose time."""
 
 
 @kernel
@@ -109,7 +109,7 @@ def out_of_reach(memory: Memory, a: int, b: int, begin: float, h: float) -> bool
 
 @kernel
 def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: float, h: float) -> float:
-    """Time in begin .. h of the first event of bodies a and b on their paths; inf if there is none, -1 if not finite."""
+    """Return the time in begin .. h of the first event of bodies a and b on their paths; inf without one, -1 if not finite."""
     islands, found, pace = memory.islands, inf, memory.contacts.pace[0]
     if memory.paths.kind[a] == STILL and memory.paths.kind[b] == STILL:
         return found
@@ -145,7 +145,7 @@ def event_of_pair(geometry: Geometry, memory: Memory, a: int, b: int, begin: flo
 
 @kernel
 def first_event(geometry: Geometry, memory: Memory, pairs: Index, h: float, likely: int) -> tuple[float, int]:
-    """(time, pair) of the first event of any of these pairs (count, 2), at most h [s], with pair -1 if there is none before h.
+    """Return (time, pair) of the first event of these pairs (count, 2), at most h [s], with pair -1 if there is none before.
 
     The time is -1 if a pose is not finite. Pair ``likely``, if there is one of that number, is searched first: an early event
     shortens the search of all other pairs.

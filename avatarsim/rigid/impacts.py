@@ -1,6 +1,6 @@
 """Sequential impacts at one instant (eqs 7 to 10): the fastest approach first, one block of impulses per pair of bodies.
 
-Before them the time at which an impact is recorded; after them what is left where the budget ends, and the closed-form tail of a
+Before them the time at which an impact is recorded; after them the rest where the budget ends, and the closed-form tail of a
 ball's Zeno sequence of bounces.
 """
 
@@ -40,13 +40,13 @@ Array = NDArray[np.float64]
 
 @kernel
 def time_to_close(gap: float, v: float, a: float) -> float:
-    """First t with gap + v t + a t^2 / 2 = 0 for v < 0; the instant of least gap if that stays above 0."""
+    """Return the first t with gap + v t + a t^2 / 2 = 0 for v < 0; the instant of least gap if that stays above 0."""
     return 2.0 * gap / (sqrt(max(0.0, v * v - 2.0 * a * gap)) - v)
 
 
 @kernel
 def time_to_contact(contacts: Contacts, head: int, linear: Array, angular: Array, pull: Array, twist: Array) -> float:
-    """Seconds from now until the pair of contact ``head`` would touch, moving as it does.
+    """Return seconds from now until the pair of contact ``head`` would touch, moving as it does.
 
     Args:
         contacts: ``bend`` filled by `curvature`.
@@ -94,7 +94,7 @@ BLOCK_SWEEPS = BLOCK_VISITS // (2 * MANIFOLD_POINTS)
 """Double sweeps per block: those of the points of one pair of shapes. A box face needs about 25."""
 
 ROUGH_TOLERANCE, ROUGH_SWEEPS = ROUGH, PATIENCE
-"""The same where many blocks follow each other at one instant: the approach that is left is resolved by a later block."""
+"""Block tolerance and sweeps where many blocks follow each other at one instant: a later block resolves the rest."""
 
 NOTHING = -1
 """No contact."""
@@ -106,7 +106,7 @@ not influence each other and eqs 9 and 10 are the exact answer."""
 
 @kernel
 def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple[int, float]:
-    """Head of the queue: the contact with the most negative v_n of eq. 7 and that v_n; (-1, 0) if none approaches.
+    """Return the head of the queue: the contact with the most negative v_n of eq. 7 and that v_n; (-1, 0) if none approaches.
 
     ``contacts.approach`` holds v_n of all of them afterwards.
     """
@@ -117,7 +117,7 @@ def fastest_approach(contacts: Contacts, linear: Array, angular: Array) -> tuple
 
 @kernel
 def head_of_queue(contacts: Contacts) -> tuple[int, float]:
-    """`fastest_approach` by the velocities in ``contacts.approach``."""
+    """Return `fastest_approach` by the velocities in ``contacts.approach``."""
     v, count = contacts.approach, contacts.used[0]
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     # four minima side by side, so that no comparison depends on the one before
@@ -158,7 +158,7 @@ def chain_by_body(contacts: Contacts, masses: Masses, newest: Index, older: Inde
 def next_approach(
     contacts: Contacts, first: int, last: int, linear: Array, angular: Array, newest: Index, older: Index
 ) -> tuple[int, float]:
-    """`fastest_approach` after the block first <= k < last was resolved; updates the contacts of bodies in the block only.
+    """Return `fastest_approach` after the block first <= k < last was resolved; updates the contacts of bodies in the block only.
 
     ``newest``, ``older``: of `chain_by_body`.
     """
@@ -225,12 +225,12 @@ def central(contacts: Contacts, k: int) -> bool:
 
 @kernel
 def lone_impact(contacts: Contacts, masses: Masses, k: int, literal: bool, linear: Array, angular: Array) -> None:
-    """Equations 7, 9 and 10 in turn for one point, as printed if ``literal``, else with friction limited to sticking."""
+    """Apply eqs 7, 9 and 10 in turn to one point, as printed if ``literal``, else with friction limited to sticking."""
     n, v_ab = axis(contacts, k, 0), velocity_at(contacts, k, linear, angular)
     before, v_t = normal_velocity(n, v_ab), tangential_velocity(n, v_ab)
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     restitution = contacts.restitution[k] if contacts.target[k] > 0.0 else 0.0
-    # a body of infinite mass has inverse mass 0 and turns not at all, central arms or not: its terms vanish
+    # a body of infinite mass has inverse mass 0 and does not turn, central arms or not: its terms vanish
     j = collision_impulse(
         restitution, before, masses.inverse_mass[a], masses.inverse_mass[b],
         turning_term(columns(masses.inverse_inertia, a), row(contacts.arm_a, k), n),
@@ -245,7 +245,7 @@ def lone_impact(contacts: Contacts, masses: Masses, k: int, literal: bool, linea
 
 @kernel
 def in_frame(contacts: Contacts, k: int, j: Vec3) -> Vec3:
-    """A world vector in the axes of contact k: along the normal, and the two tangents."""
+    """Return a world vector in the axes of contact k: along the normal, and the two tangents."""
     return (dot(axis(contacts, k, 0), j), dot(axis(contacts, k, 1), j), dot(axis(contacts, k, 2), j))
 
 
@@ -317,7 +317,7 @@ def guard_energy(
 
 @kernel
 def collect(contacts: Contacts, first: int, last: int, received: Array) -> None:
-    """Add the impulses of these contacts to what each driven body received, for eq. 6."""
+    """Add the impulses of these contacts to those that each driven body received, for eq. 6."""
     for k in range(first, last):
         if contacts.driven[k] != NOT_DRIVEN and contacts.target[k] != -inf:
             j = impulse_of(contacts, k)
@@ -334,7 +334,7 @@ def settle(
     angular: Array,
     linear_before: Array, angular_before: Array, before: Array, direction: Array, received: Array,
 ) -> float:
-    """End the approach that is left, all contacts together and without rebound; returns the residual [m/s].
+    """End the approach that is left, all contacts together and without rebound; return the residual [m/s].
 
     No energy is added, even if the solver stops half way.
     """
@@ -355,7 +355,7 @@ def settle(
     return left
 
 
-# Closed-form tail of a Zeno sequence: the infinitely many last bounces of a ball, too low to be told apart from rest. After an
+# Closed-form tail of a Zeno sequence: the infinitely many last bounces of a ball, too low to be distinguished from rest. After an
 # impact from which it rebounds with v, too slowly to leave its stand-off, all flights to come take 2 v / (g (1 - e)) together.
 # For that long it lies where it is, with the speed v of its last rebound; then it is at rest.
 
@@ -365,13 +365,13 @@ NONE = -1.0
 
 @kernel
 def tail_lasts(restitution: float, rebound: float, pull: float) -> float:
-    """Sum of all flights [s] that begin with ``rebound`` [m/s] under the acceleration ``pull`` [m/s^2] towards the surface."""
+    """Return the sum of all flights [s] that begin with ``rebound`` [m/s] at the acceleration ``pull`` [m/s^2] to the surface."""
     return 2.0 * rebound / (pull * (1.0 - restitution))
 
 
 @kernel
 def begin_tail(contacts: Contacts, dynamics: Dynamics, memory: Memory, k: int, before: float, now: float) -> None:
-    """After an impact of contact k with the velocity ``before`` < 0 at ``now`` [s]: if it was a ball's last, its tail begins.
+    """Begin the tail of a ball if the impact of contact k with velocity ``before`` < 0 at ``now`` [s] was its last.
 
     All flights begin and end at the stand-off, so it does not matter when the surfaces would meet.
     """
@@ -407,7 +407,7 @@ def end_tails(
 
 @kernel
 def until_tail_ends(memory: Memory, members: Index, now: float, left: float) -> float:
-    """Time from ``now`` to the first end of a tail of the members, at most ``left`` [s]."""
+    """Return the time from ``now`` to the first end of a tail of the members, at most ``left`` [s]."""
     for m in range(members.shape[0]):
         if memory.tail_end[members[m]] > now:
             left = min(left, memory.tail_end[members[m]] - now)
@@ -416,7 +416,7 @@ def until_tail_ends(memory: Memory, members: Index, now: float, left: float) -> 
 
 @kernel
 def show_zeno(velocities: Velocities, memory: Memory, dt: float) -> None:
-    """At the end of a frame of dt seconds: a ball within its tail is shown with its rebound speed."""
+    """Show a ball within its tail with its rebound speed, at the end of a frame of dt seconds."""
     for b in range(memory.moving.shape[0]):
         if memory.tail_end[b] > dt:
             memory.tail_end[b] -= dt
@@ -427,7 +427,7 @@ def show_zeno(velocities: Velocities, memory: Memory, dt: float) -> None:
 
 @kernel
 def resume_zeno(velocities: Velocities, memory: Memory) -> None:
-    """At the start of a frame: a ball within its tail is at rest, unless its velocity was set to another one meanwhile."""
+    """Let a ball within its tail rest, at the start of a frame, unless its velocity was set to another one meanwhile."""
     for b in range(memory.moving.shape[0]):
         if memory.tail_end[b] > NONE:
             same = True

@@ -84,7 +84,7 @@ def note(geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, k: 
 
 @kernel
 def of_pair(memory: Memory, k: int, side: int, j: int) -> Vec3:
-    """Normal of contact j of the body on this side of contact k, with the sign that it has in the pair of contact k."""
+    """Return the normal of contact j of the body on this side of contact k, with its sign in the pair of contact k."""
     contacts = memory.contacts
     n = axis(contacts, j, 0)
     return n if contacts.body[j, side] == contacts.body[k, side] else neg(n)
@@ -92,7 +92,7 @@ def of_pair(memory: Memory, k: int, side: int, j: int) -> Vec3:
 
 @kernel
 def before(memory: Memory, b: int, j: int) -> int:
-    """The contact of body b listed before j; NOTHING if there is none."""
+    """Return the contact of body b listed before j; NOTHING if there is none."""
     return int(memory.older[j, 0] if memory.contacts.body[j, 0] == b else memory.older[j, 1])
 
 
@@ -156,7 +156,7 @@ def lean(contacts: Contacts, first: int, pair: int, m: Vec3, radius_a: float, ra
 
 @kernel
 def least_height(rows: Array, count: int) -> float:
-    """Height [m] of the lowest vertex over the plane."""
+    """Return the height [m] of the lowest vertex over the plane."""
     least = inf
     for i in range(count):
         least = min(least, rows[i, 0])
@@ -165,8 +165,8 @@ def least_height(rows: Array, count: int) -> float:
 
 @kernel
 def depth_to_pass(geometry: Geometry, memory: Memory, sa: int, sb: int, left: float) -> float:
-    """For shapes sa and sb that meet at the poses of ``memory.trial``: the gap [m] < 0 below which their contact is an event if
-    it is at an internal edge, else 0."""
+    """Return, for shapes sa and sb that meet at the poses of ``memory.trial``, the gap [m] < 0 below which their contact is an
+    event if it is at an internal edge, else 0."""
     contacts, islands, paths, trial = memory.contacts, memory.islands, memory.paths, memory.trial
     pair, slow = sa * geometry.body.shape[0] + sb, RESTING * contacts.pace[0]
     for side in range(2):

@@ -54,7 +54,7 @@ assert -JUDGED < DEEPEST < FLUSH < DIP
 
 @kernel
 def weigh_bodies(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index) -> None:
-    """Inertia in world axes of the members that move."""
+    """Compute inertia in world axes of the members that move."""
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1 and dynamics.role[b] == SIMULATED:
@@ -67,7 +67,7 @@ def step(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, memory: Memory,
     events: Events, switches: Switches,
 ) -> int:
-    """Take island i to its next event, or to the end of the frame once the budget is spent; returns a status or AGAIN."""
+    """Take island i to its next event, or to the end of the frame once the budget is spent; return a status or AGAIN."""
     islands, contacts, status = memory.islands, memory.contacts, DONE
     size = islands.first[i + 1] - islands.first[i]
     members = islands.order[islands.first[i] : islands.first[i + 1]]
@@ -117,7 +117,7 @@ def fly_or_slide(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, i: int, members: Index,
     pairs: Index, memory: Memory, status: int, switches: Switches,
 ) -> int:
-    """Take island i, whose impacts are resolved, along its paths to its next event; returns the worse status, or AGAIN."""
+    """Take island i, whose impacts are resolved, along its paths to its next event; return the worse status, or AGAIN."""
     islands, size, lead = memory.islands, members.shape[0], members[0]
     now = islands.due[lead]
     left = dt - now

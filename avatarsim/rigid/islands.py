@@ -25,7 +25,7 @@ class Islands(NamedTuple):
     island i at pair_first[i] <= p < pair_first[i + 1]; label (nb) island of a body, -1 for none; mark (nb) working memory;
     charged (nb) number of the last segment of a body in this frame; spent (nb) segments that its island has spent of its budget;
     earliest (nb) of the island that a body leads, the number of the near pair that had the first event last;
-    begun, due (nb) [s] since the frame began at which the last segment of a body began, and at which it stands now;
+    begun, due (nb) [s] since the frame began at which the last segment of a body began, and its present local time;
     linear, angular, received, owed_linear, owed_angular (nb, 3): state when it began; the pose is in `Memory.began`.
     linear_before, angular_before (nb, 3): the same velocities, but as they were before a substep changed them at once;
     at_once (nb) flag: a substep did, and the velocity at the end is another than that of the path.
@@ -71,7 +71,7 @@ def make_islands(bodies: int, room: int) -> Islands:
 
 @kernel
 def root_of(parent: Index, b: int) -> int:
-    """Representative of the group of b (union-find with path halving)."""
+    """Return the representative of the group of b (union-find with path halving)."""
     while parent[b] != b:
         parent[b] = parent[parent[b]]
         b = parent[b]
@@ -155,7 +155,7 @@ def share(islands: Islands, near: Index, count: int, moving: Index) -> None:
 
 @kernel
 def due_of(islands: Islands, i: int) -> float:
-    """Earliest local time [s] of the members of island i."""
+    """Return the earliest local time [s] of the members of island i."""
     earliest = inf
     for m in range(islands.first[i], islands.first[i + 1]):
         earliest = min(earliest, islands.due[islands.order[m]])
@@ -164,7 +164,7 @@ def due_of(islands: Islands, i: int) -> float:
 
 @kernel
 def behind(islands: Islands, dt: float, now: float, start: int) -> int:
-    """The island with the earliest local time before ``dt``, searched from number ``start`` on; -1 if none is left.
+    """Return the island with the earliest local time before ``dt``, searched from number ``start`` on; -1 if none is left.
 
     No local time is before ``now`` [s], so the first island found at ``now`` is taken.
     """

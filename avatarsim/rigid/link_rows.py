@@ -25,7 +25,7 @@ its digits are rounding. Such a row takes no impulse."""
 def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) -> None:
     """Store the responses of links for the contacts from ``first`` on, and correct their effective masses.
 
-    A contact without room, see `lacks_responses`, takes no impulse: the certificate stops what it would stop.
+    A contact without room, see `lacks_responses`, takes no impulse: the certificate stops the motion that it would stop.
     """
     contacts, drive = memory.contacts, dynamics.drive
     responses = contacts.responses
@@ -62,7 +62,7 @@ def weigh_links(dynamics: Dynamics, poses: Poses, memory: Memory, first: int) ->
 def respond(
     linkage: Linkage, poses: Poses, contacts: Contacts, k: int, side: int, same: bool, first: int, end: int
 ) -> None:
-    """Velocities of links first .. end per unit impulse along each axis of contact k, on one side or, if ``same``, on both."""
+    """Compute velocities of links first .. end per unit impulse along each axis of contact k, on a side or, if ``same``, both."""
     skel, block = linkage.skeleton, contacts.linked[k, side]
     low, high = skel.first_dof[first], skel.first_dof[end]
     for i in range(3):
@@ -85,7 +85,7 @@ def respond(
 
 @kernel
 def response_of(contacts: Contacts, memory: Memory, k: int, side: int, i: int) -> tuple[Vec3, Vec3]:
-    """Change of the velocities of a body of contact k per impulse along axis i."""
+    """Return the change of the velocities of a body of contact k per impulse along axis i."""
     b, sign = contacts.body[k, side], 1.0 if side == 0 else -1.0
     block = contacts.linked[k, side]
     if block == NOT_LINKED:
@@ -99,7 +99,7 @@ def response_of(contacts: Contacts, memory: Memory, k: int, side: int, i: int) -
 
 @kernel
 def speed_per_impulse(contacts: Contacts, memory: Memory, k: int, i: int, j: int) -> float:
-    """Velocity along axis i of contact k per impulse along axis j [1/kg]."""
+    """Return the velocity along axis i of contact k per impulse along axis j [1/kg]."""
     v_a, w_a = response_of(contacts, memory, k, 0, j)
     v_b, w_b = response_of(contacts, memory, k, 1, j)
     n = axis(contacts, k, i)
@@ -109,7 +109,7 @@ def speed_per_impulse(contacts: Contacts, memory: Memory, k: int, i: int, j: int
 
 @kernel
 def weigh_linked(contacts: Contacts, memory: Memory, k: int) -> None:
-    """Effective masses of contact k with links, as `weigh_from` has them for free bodies."""
+    """Compute effective masses of contact k with links, as `weigh_from` has them for free bodies."""
     contacts.inverse_effective_mass[k, 0] = speed_per_impulse(contacts, memory, k, 0, 0)
     one, other = speed_per_impulse(contacts, memory, k, 1, 1), speed_per_impulse(contacts, memory, k, 2, 2)
     contacts.inverse_effective_mass[k, 1] = largest_across(one, other, speed_per_impulse(contacts, memory, k, 1, 2))

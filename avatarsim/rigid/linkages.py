@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 @kernel
 def is_linked(drive: DriveState, b: int) -> bool:
-    """Return whether the upper loop moves body b with all links of an avatar: its links, and what is attached to them."""
+    """Return whether the upper loop moves body b with all links of an avatar: its links, and bodies attached to them."""
     link = holder_of(drive, b)
     return bool(drive.coupled[link] == 1 and drive.linked[link] == 1)
 
@@ -46,7 +46,7 @@ def leads_linkage(drive: DriveState, b: int) -> bool:
 
 @kernel
 def links_of(drive: DriveState, b: int) -> tuple[int, int]:
-    """First link of the avatar with root body b, and the end of its range of links."""
+    """Return the first link of the avatar with root body b, and the end of its range of links."""
     first = drive.linkage.skeleton.first
     end = b - first + 1
     while end < drive.linkage.skeleton.kind.shape[0] and drive.tied[first + end] == b:
@@ -65,7 +65,7 @@ def has_linkage(dynamics: Dynamics, members: Index) -> bool:
 
 @kernel
 def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float) -> None:
-    """Axes, limits and mass matrices of the linkages among the members, where they are now, for a step of h seconds."""
+    """Compute axes, limits and mass matrices of the linkages among the members, where they are now, for a step of h seconds."""
     drive, linkage = dynamics.drive, dynamics.drive.linkage
     for m in range(members.shape[0]):
         b = members[m]
@@ -97,7 +97,7 @@ def weigh_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: In
 
 @kernel
 def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
-    """Least and largest rate of the degrees of links first .. end over h seconds.
+    """Compute the least and largest rate of the degrees of links first .. end over h seconds.
 
     The axes of a ball with limits become dual to the gradients of its twist and of the two nearest edges for its limb, so that
     each of these limits bounds one rate.
@@ -127,7 +127,7 @@ def bound_degrees(linkage: Linkage, first: int, end: int, h: float) -> None:
 
 @kernel
 def put_masses(linkage: Linkage, memory: Memory, first: int, end: int) -> None:
-    """Mass, first moment and inertia of each link about its joint."""
+    """Compute mass, first moment and inertia of each link about its joint."""
     skel = linkage.skeleton
     for link in range(first, end):
         body = skel.first + link
@@ -157,7 +157,7 @@ def sum_masses(linkage: Linkage, poses: Poses, first: int, end: int) -> None:
 
 @kernel
 def fill_matrix(linkage: Linkage, poses: Poses, first: int, end: int) -> None:
-    """Mass matrix of the avatar of links first .. end by composite bodies (Featherstone 2008, section 6.2)."""
+    """Compute the mass matrix of the avatar of links first .. end by composite bodies (Featherstone 2008, section 6.2)."""
     skel = linkage.skeleton
     low, high = skel.first_dof[first], skel.first_dof[end]
     for i in range(low, high):
@@ -187,7 +187,7 @@ def moves_straight(skel: Skeleton, link: int, j: int) -> bool:
 
 @kernel
 def at_parent(skel: Skeleton, poses: Poses, link: int, force: Vec3, torque: Vec3) -> Vec3:
-    """Torque about the joint of a link's parent of a force and torque at its own; unchanged for a root."""
+    """Return the torque about the joint of a link's parent of a force and torque at its own; unchanged for a root."""
     if skel.parent[link] < 0:
         return torque
     arm = sub(row(poses.position, skel.first + link), row(poses.position, skel.first + skel.parent[link]))
@@ -277,7 +277,7 @@ def hold_at_limits(linkage: Linkage, low: int, high: int) -> bool:
 
 @kernel
 def move_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index) -> bool:
-    """Velocities of links from their momenta without contact, the impulses at contacts, joints and limits.
+    """Compute velocities of links from their momenta without contact, the impulses at contacts, joints and limits.
 
     Updates ``linear_end`` and ``angular_end``. Returns whether other degrees are at a limit than before.
     """
@@ -313,7 +313,7 @@ def move_linkages(dynamics: Dynamics, poses: Poses, memory: Memory, members: Ind
 
 @kernel
 def put_momenta(linkage: Linkage, memory: Memory, first: int, end: int) -> None:
-    """Momenta without contact of links first .. end, about their joints."""
+    """Compute momenta without contact of links first .. end, about their joints."""
     for link in range(first, end):
         b = linkage.skeleton.first + link
         put_row(linkage.force, link, scale(row(memory.linear_end, b), 1.0 / memory.hold.inverse_mass[b]))
@@ -322,7 +322,7 @@ def put_momenta(linkage: Linkage, memory: Memory, first: int, end: int) -> None:
 
 @kernel
 def sum_momenta(linkage: Linkage, poses: Poses, first: int, end: int) -> None:
-    """Momentum without contact of each degree of links first .. end, leaves first."""
+    """Compute the momentum without contact of each degree of links first .. end, leaves first."""
     skel = linkage.skeleton
     for link in range(end - 1, first - 1, -1):
         force, torque, parent = row(linkage.force, link), row(linkage.torque, link), skel.parent[link]
@@ -361,7 +361,7 @@ def add_impulses(linkage: Linkage, poses: Poses, contacts: Contacts, first: int,
 def velocities_of(
     linkage: Linkage, poses: Poses, first: int, end: int, rate: Array, linear_out: Array, angular_out: Array
 ) -> None:
-    """Velocities of links first .. end (nl, 3) by the rates of their joints (nd), root first."""
+    """Compute velocities of links first .. end (nl, 3) by the rates of their joints (nd), root first."""
     skel = linkage.skeleton
     for link in range(first, end):
         parent, v, w = skel.parent[link], (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
@@ -425,7 +425,7 @@ def turn_ball(linkage: Linkage, poses: Poses, link: int, d: int) -> None:
 
 @kernel
 def even_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
-    """Set the share of all links of an avatar, and of what is attached to them, to the smallest of them."""
+    """Set the share of all links of an avatar, and of bodies attached to them, to the smallest of them."""
     share, drive = memory.substeps.share, dynamics.drive
     for m in range(members.shape[0]):
         if is_linked(drive, members[m]):

@@ -1,8 +1,8 @@
 """Contact rows of a substep: speculative contacts (Catto, Continuous Collision, GDC 2013) with a stand-off, and refused pairs.
 
-Each near pair of pieces gives the points of its manifold that may close within the substep. A row asks that its gap closes no
+Each near pair of pieces gives the points of its manifold that may close within the substep. A row requires that its gap closes no
 further than to the stand-off. A pair whose certificate fails gets rows where it is nearest on its way, the deepest point in any
-case, which ask for the least gap that can be proved and no more: bodies wedged between two others have no room for a stand-off.
+case, which require the least gap that can be proved and no more: bodies wedged between two others have no room for a stand-off.
 """
 
 import numpy as np
@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 
 LOWER = 0.5
 UPPER = 2.0 - LOWER
-"""[stand-offs] between which a gap is left as it is: corners of one face, a micrometre apart in height, would otherwise ask for
+"""[stand-offs] between which a gap is left as it is: corners of one face, a micrometre apart in height, would otherwise require
 velocities that no rigid body can have."""
 
 LIFT = 0.05
@@ -58,7 +58,7 @@ falls on another gets its rows one corner after the other."""
 
 @kernel
 def stand_off_of(memory: Memory) -> float:
-    """Gap [m] that bodies of a crowd in motion keep: a tenth of the margin of the broad phase, 50 um unless all are small."""
+    """Return the gap [m] that bodies of a moving crowd keep: a tenth of the broad phase's margin, 50 um unless all are small."""
     return float(FINE * memory.margin[0])
 
 
@@ -70,7 +70,7 @@ def driven_side(dynamics: Dynamics, a: int, b: int) -> int:
 
 @kernel
 def friction_of(dynamics: Dynamics, a: int, b: int) -> float:
-    """Return the friction of a pair: none between driven bodies and what does not move, along which they slide."""
+    """Return the friction of a pair: none between driven bodies and fixed ones, along which they slide."""
     if dynamics.role[a] != SIMULATED and dynamics.role[b] != SIMULATED:
         return 0.0
     return float(dynamics.friction[dynamics.material[a], dynamics.material[b]])
@@ -78,7 +78,7 @@ def friction_of(dynamics: Dynamics, a: int, b: int) -> float:
 
 @kernel
 def closing_bound(memory: Memory, a: int, b: int) -> float:
-    """Largest speed [m/s] at which points of bodies a and b may approach by their velocities without contact."""
+    """Return the largest speed [m/s] at which points of bodies a and b may approach by their velocities without contact."""
     v, w, span = memory.linear_end, memory.angular_end, memory.span
     return float(norm(sub(row(v, a), row(v, b))) + norm(row(w, a)) * span[a] + norm(row(w, b)) * span[b])
 
@@ -163,7 +163,7 @@ def slide_with_surface(dynamics: Dynamics, poses: Poses, contacts: Contacts, k: 
 
 @kernel
 def slide_with_driven(velocities: Velocities, contacts: Contacts, k: int) -> None:
-    """Let friction of row k go by the velocity along the tangents of its driven body, which stands in the solve."""
+    """Let friction of row k go by the velocity along the tangents of its driven body, which does not move in the solve."""
     side = 0 if contacts.driven[k] == DRIVEN_A else 1
     b, arm = contacts.body[k, side], row(contacts.arm_a, k) if side == 0 else row(contacts.arm_b, k)
     u = point_velocity(row(velocities.linear, b), row(velocities.angular, b), arm)
@@ -174,7 +174,7 @@ def slide_with_driven(velocities: Velocities, contacts: Contacts, k: int) -> Non
 
 @kernel
 def work_of_surfaces(dynamics: Dynamics, poses: Poses, contacts: Contacts) -> float:
-    """Work [J] that surfaces with a velocity of their own can do on what lies on them, by the impulses of friction."""
+    """Return the work [J] that surfaces with a velocity of their own can do on bodies on them, by the impulses of friction."""
     total = 0.0
     for k in range(contacts.used[0]):
         for side in range(2):
@@ -212,8 +212,7 @@ def add_point(
 
 @kernel
 def aim_rows(contacts: Contacts, count: int, d: float, h: float, lifts: bool) -> None:
-    """Set the target velocities of rows k < count: a gap closes to UPPER stand-offs d at most, and with ``lifts`` opens slowly
-    below LOWER."""
+    """Set target velocities of rows k < count: gaps close to UPPER stand-offs d, and with ``lifts`` open slowly below LOWER."""
     for k in range(count):
         gap = contacts.gap[k]
         contacts.target[k] = 0.0
@@ -230,10 +229,10 @@ def add_refused(
 ) -> bool:
     """Append rows of refused pair q where it is nearest on its way, for a stand-off d [m]; False without room.
 
-    They ask for the gap that is to be proved and ``error`` [m], what the solver may leave. No more: bodies wedged between two
-    others have no room, and to lift costs energy.
+    They require the gap that is to be proved and ``error`` [m], the solver's tolerance. No more: bodies wedged between two others
+    have no room, and to lift costs energy.
 
-    Velocities that the rows see are those of the way. A corner of a face that is farther away asks for its share of the
+    Velocities that the rows see are those of the way. A corner of a face that is farther away requires its share of the
     stand-off, as a row of the start does.
     """
     sub_, contacts = memory.substeps, memory.contacts

@@ -37,7 +37,7 @@ bound: another gives wider boxes, and more pairs."""
 
 
 def margin_for(span: Array, simulated: Flags, driven: bool) -> float:
-    """Margin of every box of a world [m]; ``simulated`` (nb): True for simulated bodies, ``driven``: there is a driven one."""
+    """Return the margin of every box of a world [m]; ``simulated`` (nb) flags such bodies, ``driven``: there is a driven one."""
     if driven or not simulated.any():
         return MARGIN
     return min(MARGIN, max(NARROW, PART * float(span[simulated].min())))
@@ -47,7 +47,7 @@ def margin_for(span: Array, simulated: Flags, driven: bool) -> float:
 def grow(
     hulls: Array, position: Array, span: Array, b: int, v: Array, a: Array, turn: float, t: float, margin: float, boxes_out: Array
 ) -> None:
-    """Box around body b for t seconds with velocity v[b] and constant acceleration a (3), turning by at most ``turn`` [rad].
+    """Grow a box around body b for t seconds with velocity v[b] and constant acceleration a (3), turning by up to ``turn`` [rad].
 
     ``span`` (nb): largest distance of a point of the body from its centre of mass, radii included [m].
     """
@@ -61,7 +61,7 @@ def grow(
 
 @kernel
 def turn_within(w: float, t: float) -> float:
-    """Bound of the angle [rad] in t seconds of a free body that spins at w [rad/s] now."""
+    """Return the bound of the angle [rad] in t seconds of a free body that spins at w [rad/s] now."""
     return w * t / max(0.5, 1.0 - w * t)
 
 
@@ -70,7 +70,7 @@ def promise(
     hulls: Array, position: Array, span: Array, chosen: Index, moving: Index, linear: Array, angular: Array, gravity: Array,
     left: float, margin: float, boxes_out: Array,
 ) -> None:
-    """Box of every body of the list that bounds its motion for ``left`` seconds, if nothing hits it."""
+    """Make a box of every body of the list that bounds its motion for ``left`` seconds, if nothing hits it."""
     for m in range(chosen.shape[0]):
         b = chosen[m]
         if moving[b] == 1:
@@ -107,7 +107,7 @@ def near_pairs(
     hulls: Array, position: Array, span: Array, chosen: Index, moving: Index, asleep: Index, linear: Array, angular: Array,
     gravity: Array, left: float, margin: float, wanted: PairFilter, boxes: Array, sweep: SweepMemory, pairs: Index,
 ) -> tuple[int, int]:
-    """Near pairs by sweep and prune over the motion bounds, anew for the listed bodies; wakes sleepers near moving bodies.
+    """Find near pairs by sweep and prune over the motion bounds, anew for the listed bodies; wake sleepers near moving bodies.
 
     Returns (status of the broad phase, number of pairs).
     """

@@ -78,7 +78,7 @@ def list_pieces_of(geometry: Geometry, poses: Poses, memory: Memory, members: In
 
 @kernel
 def list_more(geometry: Geometry, poses: Poses, memory: Memory, members: Index, before: Array, now: Array) -> bool:
-    """`list_pieces` of all islands that a member leads."""
+    """Run `list_pieces` for all islands that a member leads."""
     islands = memory.islands
     for m in range(members.shape[0]):
         i = islands.label[members[m]]

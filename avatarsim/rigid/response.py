@@ -72,13 +72,13 @@ GOOD = -ROUGH
 
 @kernel
 def share_of(masses: Masses, b: int, evenly: bool) -> float:
-    """Factor on displacements of body b: with ``evenly`` its mass, so that bodies of one shape yield alike; else 1."""
+    """Return the factor on displacements of body b: with ``evenly`` its mass, so that bodies of one shape yield alike; else 1."""
     return 1.0 / masses.inverse_mass[b] if evenly and masses.inverse_mass[b] > 0.0 else 1.0
 
 
 @kernel
 def displace(contacts: Contacts, masses: Masses, evenly: bool, linear: Array, angular: Array) -> None:
-    """Displacements [m], [rad], of all bodies that bring the gaps of all contacts to the stand-off, to first order."""
+    """Compute displacements [m], [rad], of all bodies that bring the gaps of all contacts to the stand-off, to first order."""
     linear[:, :] = 0.0
     angular[:, :] = 0.0
     for _ in range(ROUNDS):
@@ -106,7 +106,7 @@ def displace(contacts: Contacts, masses: Masses, evenly: bool, linear: Array, an
 def project_positions(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, pairs: Index, memory: Memory
 ) -> float:
-    """Push overlapping simulated bodies out of each other and of the others; returns the smallest gap left [m]."""
+    """Push overlapping simulated bodies out of each other and of the others; return the smallest gap left [m]."""
     linear, angular = memory.linear_end, memory.angular_end
     worst = 0.0
     for k in range(PASSES + 1):
@@ -135,15 +135,15 @@ def project_positions(
 
 
 IMPACTS_PER_POINT = 4
-"""Most impacts per contact point, beside EVENTS_CAP, resolved one after the other at one instant. Contacts that still approach
-then are resolved together without rebound: they pass ever slower rebounds between the same bodies."""
+"""Most impacts per contact point, in addition to EVENTS_CAP, resolved one after the other at one instant. Contacts that still
+approach then are resolved together without rebound: they pass ever slower rebounds between the same bodies."""
 
 GENTLE_TURN = 0.1
 """Largest turn [rad] of a touching body that is no ball in one segment; its contact points move on arcs, not on lines.
 Larger: it dips or gains energy, which is taken back; smaller: more segments."""
 
 STEADY_TURN = 2.0
-"""The same [rad] about any axis for smooth bodies that are no balls, such as a rolling log: over larger turns the gyroscopic
+"""Largest turn [rad] about any axis for smooth bodies that are no balls, such as a rolling log: over larger turns the gyroscopic
 torque, taken from the start of the segment, makes a tilt of nanometres grow from segment to segment."""
 
 RISE = 0.8 * TOUCH
@@ -156,7 +156,7 @@ SETTLED, BRISKLY_SETTLED = PROOF, SLIGHT
 PRECISE, VISITS, LOOKS = 24, 20000, 80000
 """Impacts of one instant that are solved to rounding; solver visits of contact points after which the remaining impacts of this
 instant are resolved together, and that the sweeps of a fallback step may make; the same for points searched for the fastest
-approach. Fewer: restitution is less exact, or lost in what is left; more: instants with many impacts take longer."""
+approach. Fewer: restitution is less exact, or lost in the rest; more: instants with many impacts take longer."""
 
 FIRST_SWEEPS = 60
 """Double sweeps of bodies in motion, friction included, before normals are solved alone. Fewer: friction is left where it is;
@@ -190,7 +190,7 @@ def impacts(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, events: Events, members: Index,
     now: float, hasty: bool, switches: Switches,
 ) -> int:
-    """Resolve all impacts of this instant, ``hasty``: all together and without rebound; returns DONE or OUT_OF_IMPACTS.
+    """Resolve all impacts of this instant, ``hasty``: all together and without rebound; return DONE or OUT_OF_IMPACTS.
 
     The approach that is left is ended too, without rebound. Events are recorded with the time at which the surfaces meet, and the
     poses at the stand-off.
@@ -232,7 +232,7 @@ def impacts(
         rough = hasty or fastest < -slow or 2 * contacts.used[0] * BRISK.sweeps > CAREFUL_VISITS
         few = contacts.used[0] <= MANY and not rough
         care = care_for(memory, velocities, members, rough)
-        # forces brake what is left within a nanometre
+        # forces brake the rest within a nanometre
         tolerance = max(care.tolerance if care.tolerance > SOLVED else calm, -JUDGED * fastest)
         settle(
             contacts, memory.strike, members, care.attempts == ONCE, ROUNDING if few else tolerance, care.first, care.sweeps, v,
@@ -243,7 +243,7 @@ def impacts(
 
 @kernel
 def care_for(memory: Memory, velocities: Velocities, members: Index, hasty: bool) -> Care:
-    """Accuracy and sweeps for the contacts of these bodies: the more contacts, the fewer sweeps.
+    """Return the accuracy and sweeps for the contacts of these bodies: the more contacts, the fewer sweeps.
 
     Where the bound of visits does not cover the first sweeps, friction stays as these leave it, and is not solved anew from zero.
     """
@@ -272,7 +272,7 @@ def is_brisk(memory: Memory, velocities: Velocities, members: Index) -> bool:
 
 @kernel
 def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: int, side: int) -> float:
-    """How fast contact k changes as its body on this side turns, or as its spin precesses without torque if faster [rad/s]."""
+    """Return how fast contact k changes as its body on this side turns, or as its spin precesses freely if faster [rad/s]."""
     b = contacts.body[k, side]
     fastest = float(contacts.turns[k, side])
     if contacts.smooth[k] != SHARP and memory.round[b] == 0:
@@ -285,7 +285,7 @@ def turns_with(contacts: Contacts, memory: Memory, velocities: Velocities, k: in
 
 @kernel
 def longest_segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, left: float) -> float:
-    """Time [s], at most ``left``, for which constant contact forces are accurate; marks members that roll in ``held``."""
+    """Return the time [s] up to ``left`` for which constant contact forces are accurate; mark members that roll in ``held``."""
     contacts, moving, held, h, count = memory.contacts, memory.moving, memory.held, left, memory.contacts.used[0]
     pull = norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
     curvature(contacts, velocities.linear, velocities.angular)
@@ -315,7 +315,7 @@ def longest_segment(dynamics: Dynamics, velocities: Velocities, memory: Memory, 
 def segment(
     dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, left: float
 ) -> float:
-    """Solve contact forces and set the paths of the members for at most ``left`` seconds; returns for how long they hold."""
+    """Solve contact forces and set the paths of the members for at most ``left`` seconds; return for how long they hold."""
     contacts, moving, paths, held, h = memory.contacts, memory.moving, memory.paths, memory.held, left
     count = contacts.used[0]
     for m in range(members.shape[0]):

@@ -43,7 +43,7 @@ PARALLEL = NOTHING
 
 @kernel
 def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
-    """Return True if contacts i and k are of the same shapes, or of one body and one immovable face, which may be of several
+    """Return True if contacts i and k are of the same shapes, or of one body and one immovable face, perhaps of several
     pieces."""
     if contacts.key[i] // POINTS_OF_PAIR == contacts.key[k] // POINTS_OF_PAIR:
         return True
@@ -58,7 +58,7 @@ def one_face(contacts: Contacts, masses: Masses, i: int, k: int) -> bool:
 
 @kernel
 def remainder(contacts: Contacts, k: int, h: float, angular: Array, angular_end: Array) -> float:
-    """Speed [m/s] at which contact k may slip after a segment of h seconds that was to hold it.
+    """Return the speed [m/s] at which contact k may slip after a segment of h seconds that was to hold it.
 
     Constant forces include the lever arms of the midpoint and the bias acceleration of the start; the error is h^2 / 2 (w x r'' +
     w' x r'), at most h^2 / 2 w (w^2 + 2 w') r. Ended as a slip, it would shorten the segments of a pivoting corner without end.
@@ -78,7 +78,7 @@ def remainder(contacts: Contacts, k: int, h: float, angular: Array, angular_end:
 def slip_that_ends(
     contacts: Contacts, k: int, h: float, linear: Array, angular: Array, angular_end: Array
 ) -> tuple[Vec3, float]:
-    """(slip velocity of contact k at the start of a segment of h seconds, its norm [m/s]); zero where its end is not searched."""
+    """Return (slip velocity of contact k at the start of a segment of h seconds, its norm [m/s]); zero without a search."""
     u = tangential_velocity(axis(contacts, k, 0), velocity_at(contacts, k, linear, angular))
     slip = norm(u)
     if slip * h > SLIPPED and slip > remainder(contacts, k, h, angular, angular_end):
@@ -90,7 +90,7 @@ def slip_that_ends(
 def end_of_slip(
     contacts: Contacts, masses: Masses, h: float, linear: Array, angular: Array, linear_end: Array, angular_end: Array
 ) -> float:
-    """Time <= h at which the first slip ends.
+    """Return the time <= h at which the first slip ends.
 
     Summed over the points of a face that slip at the start, since their shares of the friction are not unique. Less friction than
     sliding gives means that the slip ended at that part of h; a slip that reversed went through zero meanwhile. Whether it ended
@@ -145,7 +145,7 @@ Index = NDArray[np.int64]
 LEVEL, HOVER, DETERMINED = 1.5, 5.0, 3
 """Heights in stand-offs: a held point below LEVEL stays at its height, a higher one is brought down to LEVEL. Among more than
 DETERMINED points it may stay up to HOVER: a body may have more of them than it needs, and the corners of one face, a nanometre
-apart in height, would ask for velocities that no rigid body can have at once."""
+apart in height, would require velocities that no rigid body can have at once."""
 
 PARTING = LIFTED
 """Contacts that separate faster than this [m/s] get no force: a force constant over the segment would hold them back. Must be
@@ -165,7 +165,7 @@ slower."""
 
 SWEEPS = 600
 """Double sweeps of one resting solve; a stack of ten boxes takes about 100 from cold, 1 when at rest. Fewer: walls sink, or
-creep; more: what does not converge takes longer."""
+creep; more: solves that do not converge take longer."""
 
 GUESSES = 8
 """Rounds in which normals are solved and the friction of slipping contacts is set in turn, before all are solved together.
@@ -175,7 +175,7 @@ ALONE = 32
 """Most contact points for which that is done. Among more, some slip and some stick, and it does not converge."""
 
 ATTEMPTS = 6
-"""Times one segment may be shortened because a slip ends inside it. Fewer: friction goes on after a slip has ended; more:
+"""Times one segment may be shortened because a slip ends inside it. Fewer: friction continues after a slip has ended; more:
 solves."""
 
 ONCE = 1
@@ -183,8 +183,8 @@ ONCE = 1
 
 
 class Care(NamedTuple):
-    """How exactly forces are solved for: accuracy [m/s], double sweeps of the first try and of each later one, and
-    attempts; ONCE asks for `solve_roughly`."""
+    """Accuracy of a solve for forces: accuracy [m/s], double sweeps of the first try and of each later one, and attempts; ONCE
+    selects `solve_roughly`."""
 
     tolerance: float
     first: int
@@ -201,7 +201,7 @@ def can_pay(contacts: Contacts, k: int, dip: float, linear: Array) -> bool:
 
 @kernel
 def way_to_go(contacts: Contacts, k: int, linear: Array) -> float:
-    """Distance [m] by which contact k is to close, or, below 0, to open; 0 where neither body has the energy for the lift."""
+    """Return the distance [m] by which contact k is to close, or, below 0, to open; 0 where no body has energy for the lift."""
     gap = contacts.gap[k]
     stays = (HOVER if contacts.used[0] > DETERMINED else LEVEL) * STAND_OFF
     way = gap - LEVEL * STAND_OFF if gap > stays else min(0.0, gap)
@@ -210,7 +210,7 @@ def way_to_go(contacts: Contacts, k: int, linear: Array) -> float:
 
 @kernel
 def known_bend(contacts: Contacts, k: int, angular: Array) -> Vec3:
-    """Part [m/s^2] of the bias acceleration of contact k due to its turning lever arms; midpoint arms include half of it."""
+    """Return the part [m/s^2] of contact k's bias acceleration by its turning lever arms; midpoint arms include half of it."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     return sub(cross(row(angular, a), row(contacts.sway_a, k)), cross(row(angular, b), row(contacts.sway_b, k)))
 

@@ -34,14 +34,14 @@ Array = NDArray[np.float64]
 
 @kernel
 def normal_of_edges(e: Vec3, f: Vec3, n: Vec3, turn_a: Vec3, turn_b: Vec3) -> Vec3:
-    """n' [1/s] while n stays at right angles to both edges, e of A and f of B; ``turn_a``, ``turn_b`` are w x n of each."""
+    """Return n' [1/s] while n stays at right angles to both edges, e of A and f of B; ``turn_a``, ``turn_b``: their w x n."""
     wide = dot(n, cross(e, f))
     return along(scale(cross(f, n), dot(turn_a, e) / wide), dot(turn_b, f) / wide, cross(n, e))
 
 
 @kernel
 def normal_of_edge(e: Vec3, n: Vec3, turn: Vec3, bends: Columns, gap: float, drive: Vec3) -> Vec3:
-    """n' [1/s] while n stays at right angles to one edge, unit e, whose body turns it by ``turn``; see `normal_of_points`."""
+    """Return n' [1/s] while n stays at right angles to an edge, unit e, that turns by ``turn``; see `normal_of_points`."""
     g = cross(n, e)
     along_e = dot(turn, e)
     across = (dot(g, drive) - along_e * dot(g, turned(bends, e))) / (dot(g, turned(bends, g)) + gap)
@@ -50,7 +50,7 @@ def normal_of_edge(e: Vec3, n: Vec3, turn: Vec3, bends: Columns, gap: float, dri
 
 @kernel
 def normal_of_points(n: Vec3, bends: Columns, gap: float, drive: Vec3) -> Vec3:
-    """n' [1/s] of two points of finite curvature: (H_a + H_b + gap) n' = drive = u + H_a (w_a x n) + H_b (w_b x n), across n."""
+    """Return n' [1/s] of two points with curvature, across n: (H_a + H_b + gap) n' = drive: u + H_a (w_a x n) + H_b (w_b x n)."""
     p = perpendicular(n)
     q = cross(n, p)
     bend_p, bend_q = turned(bends, p), turned(bends, q)
@@ -62,7 +62,7 @@ def normal_of_points(n: Vec3, bends: Columns, gap: float, drive: Vec3) -> Vec3:
 
 @kernel
 def roll_on(contacts: Contacts, k: int, linear: Array, angular: Array) -> tuple[Vec3, Vec3, Vec3]:
-    """(n' [1/s], rates of the arms of A and B [m/s]) at contact k, of which a side at least is smooth.
+    """Return (n' [1/s], rates of the arms of A and B [m/s]) at contact k, of which a side at least is smooth.
 
     Both arms lead to one point throughout, so that forces at their midpoints keep angular momentum.
     """
@@ -85,7 +85,7 @@ def roll_on(contacts: Contacts, k: int, linear: Array, angular: Array) -> tuple[
         turns = turn_b
     elif long_e > 0.0 and long_f > 0.0 and norm(cross(e, f)) > SLIM * long_e * long_f:
         turns = normal_of_edges(e, f, n, turn_a, turn_b)
-        # the point runs along e by what is left of the way over B's edge
+        # the point runs along e by the rest of the way over B's edge
         rest = sub(add(turned(bend_a, turns), turned(bend_b, turns)), drive)
         more = dot(rest, cross(f, n)) / dot(n, cross(e, f))
     else:
@@ -105,7 +105,7 @@ def roll_on(contacts: Contacts, k: int, linear: Array, angular: Array) -> tuple[
 
 @kernel
 def pace_of_arm(arm: Vec3, sway: Vec3, turns: Vec3) -> float:
-    """How fast a contact of a smooth surface changes [rad/s]: its arm or its normal, whichever turns faster."""
+    """Return how fast a contact of a smooth surface changes [rad/s]: its arm or its normal, whichever turns faster."""
     return max(norm(turns), norm(sway) / max(norm(arm), 1e-300))
 
 
@@ -113,7 +113,7 @@ def pace_of_arm(arm: Vec3, sway: Vec3, turns: Vec3) -> float:
 def curvature(contacts: Contacts, linear: Array, angular: Array) -> None:
     """Fill ``bend``: how A's contact point accelerates as seen from B's [m/s^2] without any force; ``sway`` and ``turns``.
 
-    Gap' = n . (v_a + w_a x r_a - v_b - w_b x r_b), so gap'' = n . (w_a x r_a' - w_b x r_b') + n' . u and what forces do.
+    Gap' = n . (v_a + w_a x r_a - v_b - w_b x r_b), so gap'' = n . (w_a x r_a' - w_b x r_b') + n' . u and the effect of forces.
     """
     for k in range(contacts.used[0]):
         if contacts.smooth[k] == TWO_BALLS:
@@ -141,7 +141,7 @@ def curvature(contacts: Contacts, linear: Array, angular: Array) -> None:
 
 @kernel
 def bend_of_balls(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
-    """``bend`` of two balls: |v_t|^2 / distance along n, and across it what spins about n carries along as n turns."""
+    """Return ``bend`` of two balls: |v_t|^2 / distance along n, and across it the effect of a spin about n as n turns."""
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     n, across = axis(contacts, k, 0), sub(row(linear, a), row(linear, b))
     across = tangential_velocity(n, across)
@@ -153,10 +153,10 @@ def bend_of_balls(contacts: Contacts, k: int, linear: Array, angular: Array) -> 
 
 @kernel
 def bend_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -> Vec3:
-    """``bend`` of a contact of corners, edges and faces; fills ``sway``.
+    """Return ``bend`` of a contact of corners, edges and faces; fills ``sway``.
 
-    A corner that pivots moves on a circle, w x (w x r). What slides with u over a face that turns with w meets or leaves it by
-    2 (w x n) . u (Coriolis).
+    A corner that pivots moves on a circle, w x (w x r). A body that slides with u over a face that turns with w meets or leaves
+    it by 2 (w x n) . u (Coriolis).
     """
     a, b = contacts.body[k, 0], contacts.body[k, 1]
     w_a, w_b = row(angular, a), row(angular, b)
@@ -182,13 +182,13 @@ def bend_of_corners(contacts: Contacts, k: int, linear: Array, angular: Array) -
 
 EVEN = ROUGH
 """Corners that are lower along a normal than the farthest by no more than this part of a shape's size touch as well. Larger:
-balls near a corner count as on its edge; smaller than what the normal is accurate to: balls on a face count as on its edge."""
+balls near a corner count as on its edge; smaller than the accuracy of the normal: balls on a face count as on its edge."""
 
 INSIDE = JUDGED
 """A point of a segment that is farther from both of its ends than this part of its length is no end."""
 
 CORNER, EDGE, FACE = 1, 2, 3
-"""How many corners are farthest; three stand for all more."""
+"""Number of farthest corners; three stand for all more."""
 
 
 @kernel
@@ -199,7 +199,7 @@ def is_smooth(shapes: Shapes, s: int) -> bool:
 
 @kernel
 def facing(vertices: Rows, shapes: Shapes, s: int, m: Vec3, touching: Vec3) -> tuple[int, Vec3]:
-    """(CORNER, EDGE or FACE of shape s that is farthest along m, direction of the edge) where it touches at ``touching``.
+    """Return (CORNER, EDGE or FACE of shape s that is farthest along m, direction of the edge) where it touches at ``touching``.
 
     Where an edge ends it is a corner, and its direction is given all the same. The ball around the points does not matter.
     """
@@ -219,13 +219,13 @@ def facing(vertices: Rows, shapes: Shapes, s: int, m: Vec3, touching: Vec3) -> t
 
 @kernel
 def is_lone(shapes: Shapes, s: int) -> bool:
-    """Return True if shape s touches in one point whatever it touches: a ball or an ellipsoid."""
+    """Return True if shape s touches in one point on any shape: a ball or an ellipsoid."""
     return bool(shapes.kind[s] != POINTS or shapes.start[s + 1] - shapes.start[s] == 1)
 
 
 @kernel
 def put_radius(radius: float, m: Vec3, out: Array) -> None:
-    """`put_radii` of points swept by a ball."""
+    """Run `put_radii` for points swept by a ball."""
     for i in range(3):
         e = (1.0 if i == 0 else 0.0, 1.0 if i == 1 else 0.0, 1.0 if i == 2 else 0.0)
         put_row(out, i, scale(along(e, -m[i], m), radius))
@@ -233,7 +233,7 @@ def put_radius(radius: float, m: Vec3, out: Array) -> None:
 
 @kernel
 def put_radii(vertices: Rows, shapes: Shapes, s: int, m: Vec3, out: Array) -> None:
-    """Second derivative of the support function of shape s at the unit normal m [m], (3, 3): how far its point moves per turn."""
+    """Compute the second derivative of shape s's support function at unit normal m [m], (3, 3): its point's motion per turn."""
     if shapes.kind[s] == POINTS:
         put_radius(shapes.radius[s], m, out)
         return
@@ -253,7 +253,7 @@ def note_smooth(
     """Fill what `rigid.rolling` needs for the contacts of shapes sa and sb, from ``first`` on; ``raw``: normal of the query.
 
     Two points that are of no face are those of edges along each other: both count as edges to their very ends. The manifold takes
-    whatever a ball touches for a face; it may be an edge or a corner.
+    any surface that a ball touches for a face; it may be an edge or a corner.
     """
     smooth = (ROUND_A if is_smooth(shapes, sa) else 0) + (ROUND_B if is_smooth(shapes, sb) else 0)
     lone, several = is_lone(shapes, sa) or is_lone(shapes, sb), contacts.used[0] - first > 1

@@ -26,9 +26,9 @@ Index = NDArray[np.int64]
 
 AT_LAST = 0.5
 CALM, AGAIN_AFTER = AT_LAST / 10.0, AT_LAST / 3.0
-"""Times [s] for which all were slow after which all stand untried, before rest is tried, and after which it is tried again,
-since half a second of slowness is rest to the eye. Shorter: bodies that are slow for a moment are tried, or stop too soon;
-longer: heaps sleep later, and what rests is solved for as long as what moves."""
+"""Times [s] for which all were slow after which all stand untried, before rest is tried, and after which it is tried again, since
+half a second of slowness is rest to the eye. Shorter: bodies that are slow for a moment are tried, or stop too soon; longer:
+heaps sleep later, and bodies at rest are solved for as long as moving ones."""
 
 HELD_SHARE, HELD_VISITS = 5e-4, 5 * VISITS
 """Share of the pull of gravity that the test may leave to a body that counts as held, and most contact points that each stage of
@@ -41,19 +41,19 @@ HELD_GAP = UPPER + LOWER
 
 @kernel
 def pull_of(dynamics: Dynamics) -> float:
-    """Size of gravity [m/s^2]."""
+    """Return the size of gravity [m/s^2]."""
     return float(norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])))
 
 
 @kernel
 def slow_speed(dynamics: Dynamics, memory: Memory) -> float:
-    """Speed [m/s] below which a body may come to rest: a tenth of that of a fall through the stand-off."""
+    """Return the speed [m/s] below which a body may come to rest: a tenth of that of a fall through the stand-off."""
     return FINE * sqrt(2.0 * stand_off_of(memory) * pull_of(dynamics))
 
 
 @kernel
 def note_calm(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index) -> None:
-    """At the end of a frame: count the frames in which each member was slow."""
+    """Count the frames in which each member was slow, at the end of a frame."""
     calm, slow = memory.substeps.calm, slow_speed(dynamics, memory)
     for m in range(members.shape[0]):
         b = members[m]
@@ -64,13 +64,13 @@ def note_calm(dynamics: Dynamics, velocities: Velocities, memory: Memory, member
 
 @kernel
 def frames_in(time: float, dt: float) -> int:
-    """Number of frames of dt seconds that last for ``time`` [s] or longer."""
+    """Return the number of frames of dt seconds that last for ``time`` [s] or longer."""
     return max(1, int(ceil(time / dt - ROUNDING)))
 
 
 @kernel
 def calm_frames(memory: Memory, members: Index, most: int) -> int:
-    """Frames, at most so many, for which all members that move have been slow."""
+    """Return frames, at most so many, for which all members that move have been slow."""
     least = most
     for m in range(members.shape[0]):
         if memory.moving[members[m]] == 1:

@@ -1,4 +1,4 @@
-"""Sleeping and broad phase of the upper loop: begins a frame, wakes bodies beside driven ones that moved, finds near pairs."""
+"""Sleeping and broad phase of the upper loop: begins a frame, wakes bodies next to driven ones that moved, finds near pairs."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ Index = NDArray[np.int64]
 def begin(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, memory: Memory, sleeping: bool
 ) -> int:
-    """Mark the moving bodies, wake those beside a driven body that moved, and return how many will move in dt seconds.
+    """Mark the moving bodies, wake those next to a driven body that moved, and return how many will move in dt seconds.
 
     Only the flags of fixed and sleeping bodies are read, of which there may be thousands.
     """
@@ -71,7 +71,7 @@ def make_ready(velocities: Velocities, memory: Memory, b: int) -> None:
 
 @kernel
 def notice_driven(geometry: Geometry, poses: Poses, velocities: Velocities, dt: float, memory: Memory, b: int) -> None:
-    """If driven body b was moved, or moves: wake bodies that sleep beside it, and take over its pose and displayed velocity."""
+    """Wake bodies that sleep next to driven body b if it was moved, or moves, and copy its pose and displayed velocity."""
     trial = memory.trial
     same = stands(velocities.linear, velocities.angular, b)
     for i in range(3):

@@ -5,7 +5,7 @@ gradients (Fletcher and Reeves 1964) act on whole double sweeps, forth and back 
 Erleben 2010.
 
 Nearly all time of bodies in motion is spent here. So a sweep (Catto 2005, Iterative Dynamics with Temporal Coherence) is one flat
-kernel, and Jacobian, M^-1 J^T, bias and effective mass of a contact stand in one row of memory: packed in fours, for vector
+kernel, and Jacobian, M^-1 J^T, bias and effective mass of a contact are in one row of memory: packed in fours, for vector
 instructions, and scaled by the effective mass; those of the normal come first, since many contacts have no friction. Velocities
 are packed in fours as well during a solve.
 """
@@ -51,7 +51,7 @@ CROSS_RESPONSE = TANGENT_RESPONSE + 2 * LANES * RESPONSE_PARTS
 
 @kernel
 def three(rows: Array, k: int, at: int) -> Vec3:
-    """Three numbers of row k from column ``at`` on."""
+    """Return three numbers of row k from column ``at`` on."""
     return (rows[k, at], rows[k, at + 1], rows[k, at + 2])
 
 
@@ -63,7 +63,7 @@ def put_three(rows: Array, k: int, at: int, x: Vec3) -> None:
 
 @kernel
 def lay_out(contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array) -> None:
-    """Fill ``contacts.rows`` of first <= k < last from what `weigh` left, and from targets, slides and frictions; and
+    """Fill ``contacts.rows`` of first <= k < last from the results of `weigh`, and from targets, slides and frictions; and
     ``contacts.motion`` of their bodies from linear, angular (nb, 3).
 
     The tangential part of a contact without friction and without tangential impulse is neither written nor read.
@@ -111,7 +111,7 @@ def take_motion(contacts: Contacts, first: int, last: int, linear: Array, angula
 
 @kernel
 def stopping_impulses(rows: Array, k: int, motion: Array, a: int, b: int) -> Vec3:
-    """Impulses [N s] that would stop contact k of bodies a and b along each axis of its frame, by the velocities ``motion``."""
+    """Return impulses [N s] that would stop contact k of bodies a and b along each axis of its frame, by their ``motion``."""
     u = sub(three(motion, a, 0), three(motion, b, 0))
     w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
     along, first = stopping_impulse(rows, k, 0, u, w_a, w_b), stopping_impulse(rows, k, 1, u, w_a, w_b)
@@ -120,7 +120,7 @@ def stopping_impulses(rows: Array, k: int, motion: Array, a: int, b: int) -> Vec
 
 @kernel
 def stopping_impulse(rows: Array, k: int, i: int, u: Vec3, w_a: Vec3, w_b: Vec3) -> float:
-    """The impulse along axis i, by the velocity u of A's centre relative to B's and both angular velocities."""
+    """Return the impulse along axis i, by the velocity u of A's centre relative to B's and both angular velocities."""
     at, step = JACOBIANS + i, LANES
     straight = rows[k, at] * u[0] + rows[k, at + step] * u[1] + rows[k, at + 2 * step] * u[2]
     on_a = rows[k, at + 3 * step] * w_a[0] + rows[k, at + 4 * step] * w_a[1] + rows[k, at + 5 * step] * w_a[2]
@@ -140,7 +140,7 @@ def apply_impulse(rows: Array, k: int, d: Vec3, motion: Array, a: int, b: int) -
 
 @kernel
 def apply_normal_impulse(rows: Array, k: int, d: float, motion: Array, a: int, b: int) -> None:
-    """`apply_impulse` of an impulse d along the normal."""
+    """Run `apply_impulse` for an impulse d along the normal."""
     for part in range(RESPONSE_PARTS):
         added = scale(three(rows, k, RESPONSE + LANES * part), d)
         add_velocity(motion, a if part < 2 else b, LANES * (part % 2), added, part < 2)
@@ -170,7 +170,7 @@ def apply_to_links(contacts: Contacts, k: int, d: Vec3) -> None:
 
 @kernel
 def normal_stopping_impulse(rows: Array, k: int, motion: Array, a: int, b: int) -> float:
-    """Impulse that would stop contact k of bodies a and b along its normal: the first of `stopping_impulses`."""
+    """Return the impulse that would stop contact k of bodies a and b along its normal: the first of `stopping_impulses`."""
     u = sub(three(motion, a, 0), three(motion, b, 0))
     w_a, w_b = three(motion, a, LANES), three(motion, b, LANES)
     return dot(three(rows, k, JACOBIAN), u) + (dot(three(rows, k, JACOBIAN + 3), w_a) - dot(three(rows, k, JACOBIAN + 6), w_b))
@@ -178,7 +178,7 @@ def normal_stopping_impulse(rows: Array, k: int, motion: Array, a: int, b: int) 
 
 @kernel
 def wish_beside_driven(rows: Array, k: int, motion: Array, a: int, b: int, driven: int) -> float:
-    """The same where a driven body that recedes counts as standing still: see `velocity_at`."""
+    """Return that impulse where a driven body that recedes counts as standing still: see `velocity_at`."""
     on_a = dot(three(rows, k, JACOBIAN), three(motion, a, 0)) + dot(three(rows, k, JACOBIAN + 3), three(motion, a, LANES))
     on_b = dot(three(rows, k, JACOBIAN), three(motion, b, 0)) + dot(three(rows, k, JACOBIAN + 6), three(motion, b, LANES))
     return min(0.0, on_a) - on_b if driven == DRIVEN_A else on_a - max(0.0, on_b)
@@ -241,7 +241,7 @@ def gauss_seidel_sweep(contacts: Contacts, first: int, last: int, back: bool, gr
 
 @kernel
 def go_on_along(contacts: Contacts, first: int, last: int, beta: float, before: Array, direction: Array) -> None:
-    """Conjugate-gradient step: impulses change by ``beta`` ``direction``, which becomes that plus the change since ``before``."""
+    """Take a conjugate-gradient step: impulses change by ``beta`` ``direction``, which then gains the change since ``before``."""
     impulse, rows, motion, body = contacts.impulse, contacts.rows, contacts.motion, contacts.body
     for turn in range(last - first):
         k = max(0, first + turn)
@@ -273,7 +273,7 @@ between them for thousands of sweeps without a measurable change of velocities. 
 converge."""
 
 POINTS_OF_FACE, PATIENCE_OF_FACE = 4, 30
-"""The same for as few points as a face has, which converge slowly only where load wanders between corners. Not for impacts that
+"""Patience for as few points as a face has, which converge slowly only where load wanders between corners. Not for impacts that
 are solved to a tolerance of PROOF [m/s] or less: two corners of a thin box, a micrometre apart, take thousands of sweeps."""
 
 WANDERING, WANDERS = 2.0 * JUDGED, 10
@@ -282,20 +282,20 @@ target velocities no rigid body can have at once (one is a nanometre higher) pas
 
 STALE, SHRINKS, STALE_BELOW = 12, 0.8, 0.5 * LEAVING
 """Stop rule for tolerances of at least ROUGH [m/s]: after STALE double sweeps whose change stays above SHRINKS times the least so
-far, and that below STALE_BELOW [m/s], only the load wanders. Corners of one face at different heights ask bodies in motion for
-velocities that no rigid body can have, at micrometres a second. STALE_BELOW is less than what sets a contact free."""
+far, and that below STALE_BELOW [m/s], only the load wanders. Corners of one face at different heights require velocities that no
+rigid body can have, at micrometres a second. STALE_BELOW is less than the speed that sets a contact free."""
 
 
 @kernel
 def wanted_normal(contacts: Contacts, k: int, linear: Array, angular: Array) -> float:
-    """Normal impulse of contact k for its target velocity, with all other impulses fixed, projected to be not negative."""
+    """Return the normal impulse of contact k for its target velocity, with all other impulses fixed, but not below 0."""
     short = speed_along(contacts, k, 0, linear, angular) - contacts.target[k]
     return float(max(0.0, contacts.impulse[k, 0] - short / contacts.inverse_effective_mass[k, 0]))
 
 
 @kernel
 def wanted_friction(contacts: Contacts, k: int, normal: float, linear: Array, angular: Array) -> tuple[float, float]:
-    """Friction impulse of contact k that ends its slip, projected onto the friction disc of that normal impulse."""
+    """Return the friction impulse of contact k that ends its slip, projected onto the friction disc of that normal impulse."""
     limit = contacts.friction[k] * normal
     if limit == 0.0:
         return 0.0, 0.0
@@ -315,7 +315,7 @@ def change(contacts: Contacts, masses: Masses, k: int, d: Vec3, linear: Array, a
 
 @kernel
 def unsolved(contacts: Contacts, first: int, last: int, linear: Array, angular: Array) -> float:
-    """Residual [m/s]: largest change of any contact first <= k < last in another sweep."""
+    """Return the residual [m/s]: largest change of any contact first <= k < last in another sweep."""
     worst = 0.0
     for k in range(first, last):
         if contacts.target[k] != -inf:
@@ -332,7 +332,7 @@ def sweeps(
     contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, cap: int,
     grip: bool, before: Array, direction: Array,
 ) -> tuple[float, bool]:
-    """At most ``cap`` accelerated double sweeps, fewer if they lead nowhere. Without ``grip`` friction is left out.
+    """Run at most ``cap`` accelerated double sweeps, fewer if they lead nowhere. Without ``grip`` friction is left out.
 
     Returns the change of the last one [m/s], and whether more would be of no use: solved, or the load only wanders.
     """
@@ -346,7 +346,7 @@ def sweeps(
 def passes(
     contacts: Contacts, first: int, last: int, tolerance: float, cap: int, grip: bool, before: Array, direction: Array,
 ) -> tuple[float, bool]:
-    """`sweeps` of contacts that are laid out."""
+    """Run `sweeps` for contacts that are laid out."""
     last_square, best, earlier, astray, worst, points = inf, inf, inf, 0, inf, 0
     least, stale = inf, 0
     for k in range(first, last):
@@ -413,7 +413,7 @@ def solve_roughly(
     contacts: Contacts, masses: Masses, first: int, last: int, linear: Array, angular: Array, tolerance: float, tries: int,
     cap: int, before: Array, direction: Array,
 ) -> float:
-    """As `solve_contacts`, cheaper: friction as ``tries`` double sweeps leave it, then normals alone, at most ``cap`` sweeps.
+    """Solve like `solve_contacts`, cheaper: ``tries`` double sweeps with friction, then normals alone, at most ``cap`` sweeps.
 
     Nothing approaches by more than the tolerance when normals end in time; friction may be off, and outside its disc.
     """

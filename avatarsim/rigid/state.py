@@ -66,7 +66,7 @@ def make_events(bodies: int, cap: int = 64) -> Events:
 def record(
     events: Events, kind: int, time: float, a: int, b: int, position: Array, rotation: Array, linear: Array, angular: Array
 ) -> None:
-    """Append one event; the count goes on when there is no room, so that the loss shows."""
+    """Append one event; the count increases when there is no room, so that the loss shows."""
     k = events.kept[0]
     events.kept[0] = k + 1
     if k >= events.time.shape[0]:
@@ -81,7 +81,7 @@ def record(
 
 
 def snapshots(world: World, events: Events, begun: float) -> tuple[Snapshot, ...]:
-    """One snapshot per recorded event; `begun` [s] is when the frame began."""
+    """Return one snapshot per recorded event; `begun` [s] is when the frame began."""
     kept = []
     for k in range(min(int(events.kept[0]), len(events.time))):
         positions, orientations = np.empty_like(events.position[k]), np.empty((len(world.centres), 4))
@@ -93,8 +93,8 @@ def snapshots(world: World, events: Events, begun: float) -> tuple[Snapshot, ...
 
 
 def trail_snapshots(world: World, trail: Array, time: float) -> tuple[Snapshot, ...]:
-    """One snapshot, at `time` [s], per row of the trail (k, nl, 12) of a lower loop: positions [m] and rotations of links; all
-    other bodies, and all velocities, as they are now."""
+    """Return one snapshot, at `time` [s], per row of the trail (k, nl, 12) of a lower loop: positions [m] and rotations of links;
+    all other bodies, and all velocities, as they are now."""
     first, kept = world.skeleton.first, []
     for links in trail:
         position, rotation = world.poses.position.copy(), world.poses.rotation.copy()
@@ -108,7 +108,7 @@ def trail_snapshots(world: World, trail: Array, time: float) -> tuple[Snapshot, 
 
 PAIRS_ROOM, PAIRS_PER_BODY = 65536, 32
 """Near pairs held, or so many per body if that is more: a heap of a thousand has about ten thousand, a packed lattice 13 for
-each. A pair without room is not checked, so its bodies pass through each other: the status says so."""
+each. A pair without room is not checked, so its bodies pass through each other: the status reports it."""
 
 CANDIDATES_MORE = 4
 """Room for so many times the number of bodies more candidates than pairs: see `collision.grid`."""
@@ -145,9 +145,9 @@ QUERY_WORK = 8
 """Work of one contact query."""
 
 EVENTS_CAP = 100
-"""Events of one island that are taken one after the other, before what is left is taken at once: segments of a frame, of which a
-bouncing ball needs 2, a landing box 5 to 20, and each costs a contact solve; and, beside `response.IMPACTS_PER_POINT`, impacts of
-an instant. Fewer: bodies lose time, and Newton's cradles speed; more: a struck stack takes thousands."""
+"""Events of one island that are taken one after the other, before the rest is taken at once: segments of a frame, of which a
+bouncing ball needs 2, a landing box 5 to 20, and each costs a contact solve; and, in addition to `response.IMPACTS_PER_POINT`,
+impacts of an instant. Fewer: bodies lose time, and Newton's cradles speed; more: a struck stack takes thousands."""
 
 
 class Switches(NamedTuple):
@@ -161,7 +161,7 @@ class Switches(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the upper loop keeps from frame to frame, and its working memory (`WORKING`). nb bodies; flags are 0 or 1.
+    """State of the upper loop from frame to frame, and its working memory (`WORKING`). nb bodies; flags are 0 or 1.
 
     received           (nb, 3) [N s] impulses that each driven body got in this frame, for eq. 6
     moving, asleep     (nb) flags: moves in this frame; left alone until something comes near
@@ -180,7 +180,7 @@ class Memory(NamedTuple):
     boxes              (nb, 6) [m] around the motion of bodies to the end of the frame: low x, y, z, high x, y, z
     wanted             pairs of bodies that may meet, those left out of driven ones that the lower loop alone moves
     sweep, pairs       working memory of the broad phase; (room, 2) near pairs
-    a_rows, b_rows     (vertices, 6) of two pieces, what bounds the motion of each vertex: see `collision.motion_bounds`
+    a_rows, b_rows     (vertices, 6) of two pieces, bounds of the motion of each vertex: see `collision.motion_bounds`
     last               forces of the last segment
     counts             work done in this frame: see `COUNT_NAMES`
     owed_linear        (nb, 3) [m/s] velocities that bodies get back: see `rigid.deferred_impacts`
@@ -274,7 +274,7 @@ def most_links(drive: DriveState) -> int:
 def make_memory(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, gyroscopic: bool = True, stand_off: float = 0.0
 ) -> Memory:
-    """Allocate for a world whose bodies stand at ``poses``; driven ones keep ``stand_off`` [m] from everything."""
+    """Allocate for a world whose bodies are at ``poses``; driven ones keep ``stand_off`` [m] from everything."""
     n = len(dynamics.role)
     simulated = dynamics.role == Role.SIMULATED.value
     moments = np.linalg.eigvalsh(dynamics.inertia)

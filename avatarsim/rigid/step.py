@@ -46,7 +46,7 @@ from avatarsim.spatial.vec3 import put_row, row
 __all__ = ["DONE", "STATUS_NAMES", "advance"]
 
 STEPS_CAP = 2 * EVENTS_CAP
-"""Segments of all islands of a frame, per body, whatever happens: after so many of its own an island keeps its members."""
+"""Segments of all islands of a frame, per body, in any case: after so many of its own an island keeps its members."""
 
 
 @kernel
@@ -54,7 +54,7 @@ def advance(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, dt: float, memory: Memory, events: Events,
     switches: Switches,
 ) -> int:
-    """One frame of ``dt`` seconds for all simulated bodies; fixed and driven ones do not move.
+    """Advance all simulated bodies by one frame of ``dt`` seconds; fixed and driven ones do not move.
 
     Args:
         poses, velocities: changed in place. Driven bodies keep their poses, but have velocities: set by the caller, changed by
@@ -104,7 +104,7 @@ MOST = 2**60
 
 
 class UpperParts(NamedTuple):
-    """What lies in the arena of the upper loop."""
+    """Contents of the arena of the upper loop."""
 
     memory: Memory
     events: Events
@@ -113,7 +113,7 @@ class UpperParts(NamedTuple):
 
 @entry_kernel
 def advance_opened(world: Index, kept: Index, dt: float) -> int:
-    """`advance` on the arenas of a world and of its upper loop."""
+    """Run `advance` on the arenas of a world and of its upper loop."""
     w, own = opened(world, WorldParts), opened(kept, UpperParts)
     return advance(w.geometry, w.dynamics, w.poses, w.velocities, dt, own.memory, own.events, own.switches)
 
@@ -136,7 +136,7 @@ class SimulatedLoop:
         self._moving = np.flatnonzero(world.drive.moves)
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Flags, bodies, segments of the table of forces, and numbers of frames that are compared and counted on."""
+        """Return ranges of flags, bodies, segments of the table of forces, and numbers of frames that are counted on."""
         bodies, flag, number = len(self.memory.moving), (0, 1), (-1, MOST)
         return {
             "moving": flag, "asleep": flag, "held": flag, "owing": flag, "joins": flag, "at_once": flag, "kind": (STILL, HELD),
@@ -145,18 +145,18 @@ class SimulatedLoop:
         }
 
     def go_on(self) -> None:
-        """The memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""
+        """Continue after the memory was replaced; the broad phase finds by itself that its fat boxes no longer hold."""
 
     def advance(self, dt: float) -> None:
         """Pass `dt` seconds."""
         self.status = advance_opened(self.world.words, self.words, dt)
 
     def counts(self) -> Tally:
-        """Work done in the last frame."""
+        """Return the work done in the last frame."""
         return Tally(COUNT_NAMES, self.memory.counts.tobytes())
 
     def statuses(self) -> dict[str, int]:
-        """What did not end well in the last frame."""
+        """Return counts of failures in the last frame, by name."""
         found = {} if self.status == DONE else {f"motion {STATUS_NAMES[self.status]}": 1}
         drive, moving = self.world.drive, self._moving
         if len(moving) and (blocked := int((drive.blocked[moving] | drive.blocked_turn[moving]).sum())) > 0:
@@ -166,5 +166,5 @@ class SimulatedLoop:
         return found
 
     def inside(self, begun: float) -> tuple[Snapshot, ...]:
-        """Events of the last frame, which began at `begun` [s], if they are recorded."""
+        """Return events of the last frame, which began at `begun` [s], if they are recorded."""
         return snapshots(self.world, self.events, begun) if self.record else ()

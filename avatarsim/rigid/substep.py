@@ -1,8 +1,8 @@
 """Certified substep of a crowd: an island whose events are too many to be taken one after the other.
 
 Velocities without contact -> contact rows with a stand-off -> one solve for all -> ways of the bodies, each pair of which is
-proved free over the whole substep; pairs that are not become rows, and the solve is repeated -> what is refused still goes less
-of its way -> velocities without the push, with restitution -> next poses.
+proved free over the whole substep; pairs that are not become rows, and the solve is repeated -> pairs still refused go less of
+their way -> velocities without the push, with restitution -> next poses.
 """
 
 from math import ceil, inf, sqrt
@@ -39,7 +39,7 @@ TOLERANCE, SWEEPS = 0.02, 20
 """Accuracy of the solve of a longest substep, in stand-offs, and its most double sweeps."""
 
 SLOW, FINER = 0.1, FINE * FINE
-"""[m/s] speed below which an island is solved finer, by this factor: errors of a solve are what makes a tower sway."""
+"""[m/s] speed below which an island is solved finer, by this factor: errors of a solve make a tower sway."""
 
 VISITS, SWEEPS_OF_FINE = 48000, 15 * SWEEPS
 """Most contact points that one solve visits, if that allows more than SWEEPS: few contacts, as of a heavy body on light ones,
@@ -54,7 +54,7 @@ heap lands take longer."""
 
 CUTS = 1
 """Times that a substep of an island that can be solved finer is halved and solved anew where its ways cannot be proved, before
-ways are shortened instead. Fewer: what is struck loses momentum; more: frames in which that happens take longer."""
+ways are shortened instead. Fewer: struck bodies lose momentum; more: frames in which that happens take longer."""
 
 ROUNDS = 6
 """Solves of a substep, each with rows of the pairs refused in the last; and of one solve while joints come to their limits or
@@ -66,16 +66,16 @@ HOPS = ROUNDS // 2
 
 @kernel
 def length_of(dt: float, left: float) -> float:
-    """Length [s] of the next substep of a frame of dt seconds of which ``left`` are left."""
+    """Return the length [s] of the next substep of a frame of dt seconds of which ``left`` are left."""
     longest = dt / ceil(dt / SUBSTEP - ROUNDING)
     return left / max(1, ceil(left / longest - ROUNDING))
 
 
 @kernel
 def tolerance_of(memory: Memory, h: float, fine: bool) -> float:
-    """Accuracy [m/s] of a solve for h seconds: the same part of what gravity adds in h, however short.
+    """Return the accuracy [m/s] of a solve for h seconds: a fixed part of the speed that gravity adds in h, however short.
 
-    Finer where bodies of the exact path are nearer than what is to be proved, and no lift parts them: half of their room to dip.
+    Finer where bodies of the exact path are nearer than the gap to be proved, and no lift parts them: half of their room to dip.
     """
     least = TOLERANCE * FINER * stand_off_of(memory)
     error = least if fine else TOLERANCE * stand_off_of(memory)
@@ -89,7 +89,7 @@ def tolerance_of(memory: Memory, h: float, fine: bool) -> float:
 
 @kernel
 def sweeps_for(count: int) -> int:
-    """Most double sweeps of a solve of so many rows in a slow island, or of one that is repeated."""
+    """Return most double sweeps of a solve of so many rows in a slow island, or of one that is repeated."""
     return int(max(SWEEPS, VISITS // (2 * max(1, count))))
 
 
@@ -97,7 +97,7 @@ def sweeps_for(count: int) -> int:
 def fall_free(
     dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
 ) -> None:
-    """Velocities of the members after h seconds without contact, into ``linear_end``, ``angular_end``.
+    """Compute velocities of the members after h seconds without contact, into ``linear_end``, ``angular_end``.
 
     Driven bodies have what `driven.aim` gave them, or stand.
     """
@@ -115,7 +115,7 @@ def fall_free(
 
 @kernel
 def spin_after(dynamics: Dynamics, poses: Poses, b: int, w: Vec3, h: float) -> Vec3:
-    """Angular velocity [rad/s] of body b after h seconds of its gyroscopic torque.
+    """Return the angular velocity [rad/s] of body b after h seconds of its gyroscopic torque.
 
     One Newton step of implicit Euler in body axes, which is stable for any spin (Catto, Numerical Methods, GDC 2015).
     """
@@ -153,7 +153,7 @@ def note_pushed(memory: Memory) -> None:
 
 @kernel
 def visits_left(memory: Memory) -> int:
-    """Visits that the solves of this frame may still make; below 0 when they are spent."""
+    """Return visits that the solves of this frame may still make; below 0 when they are spent."""
     return int(FRAME_VISITS - memory.counts[WORK] - memory.contacts.visits[0])
 
 
@@ -185,7 +185,7 @@ def solve(
 
 @kernel
 def weigh_again(dynamics: Dynamics, poses: Poses, memory: Memory) -> None:
-    """Responses of links after degrees came to a limit or left it; rows that take no part still take none."""
+    """Compute responses of links anew after degrees came to a limit or left it; rows that take no part still take none."""
     contacts = memory.contacts
     count, idle = contacts.used[0], memory.substeps.idle
     for k in range(count):
@@ -199,7 +199,7 @@ def weigh_again(dynamics: Dynamics, poses: Poses, memory: Memory) -> None:
 
 @kernel
 def put_targets(contacts: Contacts, first: int, count: int) -> None:
-    """Bias velocities of rows first <= k < count as `lay_out` has them, after their targets changed."""
+    """Set bias velocities of rows first <= k < count as `lay_out` has them, after their targets changed."""
     for k in range(first, count):
         contacts.rows[k, BIAS] = contacts.target[k] * contacts.effective_mass[k, 0]
 
@@ -242,7 +242,7 @@ def find_free_ways(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float,
     fine: bool, at_last: bool,
 ) -> bool:
-    """Ways of the members that are proved free: rows for refused pairs and another solve; ``at_last`` shorter ways.
+    """Find ways of the members that are proved free: rows for refused pairs and another solve; ``at_last`` shorter ways.
 
     Returns whether they are found.
     """
@@ -260,7 +260,7 @@ def find_free_ways(
         if turn == ROUNDS - 1 or sub_.lacking[0] == 1:
             break
         for m in range(members.shape[0]):
-            # joints carry on what a contact does to one link
+            # joints transmit the effect of a contact on one link
             sub_.changed[members[m]] = 1 if is_linked(dynamics.drive, members[m]) else 0
         spread_from_refused(memory, HOPS if turn < ROUNDS // 2 else 2 * HOPS)
         count = memory.contacts.used[0]
@@ -275,7 +275,7 @@ def find_free_ways(
 
 @kernel
 def relax(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, fine: bool) -> None:
-    """Solve again without lifts and without what refused pairs asked for: velocities lose the push that ways had."""
+    """Solve again without lifts and without the gaps required of refused pairs: velocities lose the push that ways had."""
     contacts, count = memory.contacts, memory.contacts.used[0]
     aim_rows(contacts, count, stand_off_of(memory), h, False)
     put_targets(contacts, 0, count)
@@ -284,11 +284,11 @@ def relax(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: f
 
 @kernel
 def rebound(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h: float, tolerance: float) -> None:
-    """Newton's restitution (eq. 8) of all points that were hit, together; its impulses are scaled by one factor so that the
-    kinetic energy of the members is at most what it was before all contacts acted.
+    """Apply Newton's restitution (eq. 8) at all points that were hit, together; its impulses are scaled by one factor so that the
+    kinetic energy of the members is at most that before all contacts acted.
 
-    Between velocities that approach nowhere lie only such, so the scaled ones are sound too. A point counts as hit above what
-    gravity adds in two substeps.
+    Between velocities that approach nowhere lie only such, so the scaled ones are sound too. A point counts as hit above the
+    speed that gravity adds in two substeps.
     """
     contacts, sub_, any_hit = memory.contacts, memory.substeps, False
     slow = 2.0 * h * norm((dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2]))
@@ -323,7 +323,7 @@ def rebound(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index, h:
 
 @kernel
 def kinetic_of(memory: Memory, members: Index, linear: Array, angular: Array) -> float:
-    """Kinetic energy [J] of the members that move; ``memory.inertia`` is in world axes."""
+    """Return the kinetic energy [J] of the members that move; ``memory.inertia`` is in world axes."""
     total = 0.0
     for m in range(members.shape[0]):
         if memory.moving[members[m]] == 1:
@@ -333,7 +333,7 @@ def kinetic_of(memory: Memory, members: Index, linear: Array, angular: Array) ->
 
 @kernel
 def leave_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
-    """Of the relaxed velocities leave what is left of the ways."""
+    """Reduce the relaxed velocities as far as the ways were shortened."""
     weigh_groups(memory, members)
     for m in range(members.shape[0]):
         b = members[m]
@@ -344,7 +344,7 @@ def leave_shares(dynamics: Dynamics, memory: Memory, members: Index) -> None:
 
 @kernel
 def take_step(velocities: Velocities, memory: Memory, members: Index) -> None:
-    """Velocities of the members at the end of the substep."""
+    """Set velocities of the members at the end of the substep."""
     for m in range(members.shape[0]):
         b = members[m]
         if memory.moving[b] == 1:
@@ -355,7 +355,7 @@ def take_step(velocities: Velocities, memory: Memory, members: Index) -> None:
 
 @kernel
 def forget_ways(memory: Memory, members: Index) -> None:
-    """The members stand, until they have other ways."""
+    """Let the members stand still until they have other ways."""
     sub_ = memory.substeps
     for m in range(members.shape[0]):
         b = members[m]
@@ -366,7 +366,7 @@ def forget_ways(memory: Memory, members: Index) -> None:
 
 @kernel
 def gained(dynamics: Dynamics, velocities: Velocities, memory: Memory, members: Index, h: float) -> float:
-    """Energy [J] that the members gain in h seconds at the solved velocities."""
+    """Return the energy [J] that the members gain in h seconds at the solved velocities."""
     found = kinetic_of(memory, members, memory.linear_end, memory.angular_end)
     found -= kinetic_of(memory, members, velocities.linear, velocities.angular)
     for m in range(members.shape[0]):
@@ -381,7 +381,7 @@ def lift_within_energy(
     dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float, d: float,
     tolerance: float, sweeps: int,
 ) -> None:
-    """If gaps open at the cost of more energy than contacts dissipate: solve without lifts, and lift by the share that is paid.
+    """Solve without lifts if gaps open at the cost of more energy than contacts dissipate, and lift by the share that is paid.
 
     Between velocities with lifts and without lie those of smaller ones.
     """
@@ -429,8 +429,8 @@ def solve_ways(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index,
     h: float, slow: bool,
 ) -> tuple[bool, bool]:
-    """First solve of a substep of h seconds, and the ways that follow; returns whether there was room for all contacts, and
-    whether it was solved finer."""
+    """Run the first solve of a substep of h seconds, and the ways that follow; return whether there was room for all contacts,
+    and whether it was solved finer."""
     sub_, contacts = memory.substeps, memory.contacts
     fall_free(dynamics, poses, velocities, memory, members, h)
     contacts.used[0] = 0

@@ -14,8 +14,8 @@ FIXED_GROUP = -1
 """Group index of bodies that are stopped by a body that does not move."""
 
 PIECES_ROOM, PIECES_PER_PAIR = 65536, 2
-"""Room for near pairs of pieces, or so many per near pair of bodies if that is more. An island whose pairs have no room waits
-for the next frame, and the status says so."""
+"""Room for near pairs of pieces, or so many per near pair of bodies if that is more. An island whose pairs have no room waits for
+the next frame, and the status reports it."""
 
 
 class Substeps(NamedTuple):
@@ -43,7 +43,7 @@ class Substeps(NamedTuple):
     kinetic         (1) [J] kinetic energy of the island before the solve
     lasting         (1) rows that have a key and are remembered; rows of refused pairs follow
     low, high       poses on the way, for bisection
-    spare_linear, spare_angular, change_linear, change_angular   (nb, 3) velocities before restitution, and what it changes
+    spare_linear, spare_angular, change_linear, change_angular   (nb, 3) velocities before restitution, and its changes
     """
 
     members: IndexLine

@@ -31,15 +31,15 @@ PARTS, SHORTEST = 80, 2e-3
 refused; more: a refused pair takes longer."""
 
 SAGITTA = 0.125
-"""Factor of t^2 times the largest second derivative in how far a height leaves its chord."""
+"""Factor of t^2 times the largest second derivative in the distance of a height from its chord."""
 
 NOWHERE = (0.0, 0.0, 0.0)
 
 
 @kernel
 def least_of(gap: float) -> float:
-    """Gap [m] that is to be proved for a pair with this gap at the start. Bodies of the exact path stand STAND_OFF apart or have
-    dipped to DIP: they may dip so deep here too, or stand still."""
+    """Return the gap [m] that is to be proved for a pair with this gap at the start. Bodies of the exact path are STAND_OFF apart
+    or have dipped to DIP: they may dip so deep here too, or stand still."""
     return LEAST if gap >= 2.0 * LEAST else min(DIP, gap - PROOF)
 
 
@@ -57,7 +57,7 @@ class Refusal(NamedTuple):
 
 @kernel
 def pose_on_way(geometry: Geometry, poses: Poses, memory: Memory, b: int, t: float, out: Poses) -> None:
-    """Put body b of ``out`` where it is t seconds into the substep that begins at ``poses``."""
+    """Put body b of ``out`` at its pose t seconds into the substep that begins at ``poses``."""
     sub_, a = memory.substeps, acceleration(memory.paths, b)
     x = along(row(poses.position, b), t, row(sub_.way, b))
     put_row(out.position, b, along(x, 0.5 * t * t, a))
@@ -97,7 +97,7 @@ def boxes_stay_apart(start: Poses, end: Poses, i: int, k: int, room: float) -> b
 
 @kernel
 def least_between(before: float, after: float, bulge: float) -> float:
-    """Least of before + (after - before) s - 4 bulge s (1 - s) for s in 0 .. 1: the lower bound of a gap between two ends."""
+    """Return the least of before + (after - before) s - 4 bulge s (1 - s) for s in 0 .. 1: a lower bound of the gap between."""
     rise = after - before
     if not (bulge > 0.0) or abs(rise) >= 4.0 * bulge:
         return min(before, after)
@@ -107,8 +107,8 @@ def least_between(before: float, after: float, bulge: float) -> float:
 
 @kernel
 def bulge_of_carried(memory: Memory, start: Poses, end: Poses, carrier: int, other: int, h: float, share: float) -> float:
-    """How far [m] core points of body ``other`` leave their chords along a direction that turns with ``carrier``, over a share of
-    the substep of h seconds.
+    """Return how far [m] core points of body ``other`` leave their chords along a direction that turns with ``carrier``, over a
+    share of the substep of h seconds.
 
     With n' = w x n the height n . (d + r) has the second derivative n'' . d + 2 n' . d' + n . d'' and that of a vector r that
     turns at both rates.
@@ -179,7 +179,7 @@ def separates(
 
 @kernel
 def query(geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, margin: float) -> tuple[float, Vec3, Vec3, Vec3]:
-    """Gap [m], exact below ``margin``, direction and closest points of two pieces."""
+    """Return the gap [m], exact below ``margin``, direction and closest points of two pieces."""
     memory.counts[WORK] += QUERY_WORK
     _, gap, n, on_a, on_b = signed_distance_up_to(poses.vertices, geometry.shapes, sa, sb, NOWHERE, margin, memory.scratch)
     return gap + allowed_depth(geometry, sa, sb), n, on_a, on_b
@@ -187,7 +187,7 @@ def query(geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, ma
 
 @kernel
 def speed_bound(memory: Memory, a: int, b: int, h: float) -> float:
-    """Largest rate [m/s] at which the gap of bodies a and b can change in this substep."""
+    """Return the largest rate [m/s] at which the gap of bodies a and b can change in this substep."""
     sub_, pull = memory.substeps, sub(acceleration(memory.paths, a), acceleration(memory.paths, b))
     turning = norm(row(sub_.turning, a)) * memory.reach[a] + norm(row(sub_.turning, b)) * memory.reach[b]
     return float(norm(sub(row(sub_.way, a), row(sub_.way, b))) + h * norm(pull) + turning)
@@ -197,7 +197,7 @@ def speed_bound(memory: Memory, a: int, b: int, h: float) -> float:
 def proved_by_parts(
     geometry: Geometry, poses: Poses, memory: Memory, sa: int, sb: int, n: Vec3, gap: float, h: float, least: float
 ) -> Refusal:
-    """Certificate of a pair by parts of its way, each proved by a direction, or by a gap larger than the way.
+    """Return the certificate of a pair by parts of its way, each proved by a direction, or by a gap larger than the way.
 
     n, gap: at the start. Parts are halved where the proof fails, down to SHORTEST.
     """
@@ -241,7 +241,7 @@ def proved_by_parts(
 
 @kernel
 def certify_pieces(geometry: Geometry, poses: Poses, memory: Memory, q: int, h: float) -> Refusal:
-    """Certificate of near pair q of pieces from ``poses`` to `Memory.trial`, h seconds later."""
+    """Return the certificate of near pair q of pieces from ``poses`` to `Memory.trial`, h seconds later."""
     sub_, trial = memory.substeps, memory.trial
     sa, sb = sub_.pieces[q, 0], sub_.pieces[q, 1]
     a, b = geometry.body[sa], geometry.body[sb]

@@ -29,10 +29,10 @@ NONE_LEFT = 0.25
 def set_ways(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, members: Index, h: float
 ) -> None:
-    """Ways of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
+    """Set ways of the members over h seconds, by the solved velocities: trial poses, turns and bulges.
 
     A body with contacts moves straight at its end velocity, any other on its parabola. For a body that moves farther than
-    estimated, more pairs of pieces are listed; ``lacking`` says where there is no room for them.
+    estimated, more pairs of pieces are listed; ``lacking`` marks where there is no room for them.
     """
     sub_, paths, wider = memory.substeps, memory.paths, False
     for m in range(members.shape[0]):
@@ -68,8 +68,7 @@ def set_ways(
 
 @kernel
 def way_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3, Vec3]:
-    """Constant velocities [m/s], [rad/s] from the pose of b, a link or attached to one, to that of forward kinematics h seconds
-    later."""
+    """Return constant velocities [m/s], [rad/s] from the pose of b, a link or attached, to forward kinematics h seconds later."""
     ahead = dynamics.drive.linkage.ahead
     if dynamics.drive.carrier[b] >= 0:
         put_on_link(dynamics.drive, b, ahead)
@@ -79,7 +78,7 @@ def way_ahead(dynamics: Dynamics, poses: Poses, b: int, h: float) -> tuple[Vec3,
 
 @kernel
 def shared(dynamics: Dynamics, memory: Memory, b: int) -> tuple[Vec3, Vec3]:
-    """Velocities of body b [m/s], [rad/s]: its share of its own, and the mean of its group for the rest."""
+    """Return velocities of body b [m/s], [rad/s]: its share of its own, and the mean of its group for the rest."""
     sub_, v, w = memory.substeps, row(memory.linear_end, b), row(memory.angular_end, b)
     if sub_.share[b] == 1.0:
         return v, w
@@ -100,7 +99,7 @@ def leader_of(sub_: Substeps, b: int) -> int:
 def certify_all(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, memory: Memory, h: float, d: float, error: float
 ) -> tuple[int, bool]:
-    """Certify every near pair of pieces whose bodies changed, or that was refused; returns (refused, room for their rows).
+    """Certify every near pair of pieces whose bodies changed, or that was refused; return (refused, room for their rows).
 
     Refused pairs are marked, and their bodies ``near``; with an ``error`` [m] > 0 they get rows: see `add_refused`.
     """
@@ -171,7 +170,7 @@ def halt(
 
 @kernel
 def join_refused(geometry: Geometry, dynamics: Dynamics, memory: Memory) -> int:
-    """Join the groups of refused pairs and halve the larger share of each; returns how many bodies changed.
+    """Join the groups of refused pairs and halve the larger share of each; return how many bodies changed.
 
     ``changed`` marks the bodies whose share was halved in this turn.
     """
