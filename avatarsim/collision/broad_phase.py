@@ -31,7 +31,7 @@ Index = NDArray[np.int64]
 
 @kernel
 def sort_ascending(keys: Index, count: int) -> None:
-    """Heapsort of the first ``count`` keys, in place; lists of a few are sorted by insertion."""
+    """Sort the first ``count`` keys in place by heapsort; lists of a few by insertion."""
     if count <= 16:
         for k in range(1, count):
             key, at = keys[k], k
@@ -113,9 +113,9 @@ SLOW, SHARE = 2.0, 0.125
 smaller: bodies that tremble leave their boxes more often."""
 
 TIGHT, WIDE = 0.5, 64.0
-"""Limits of the room to move on one side, as parts of what the box measures that way: so it takes the same share of candidates
-more on any side, for slabs and rods too. It doubles when a body leaves its fat box and is LONELY
-in the next one, and halves when it is in a CROWD: room costs candidates where bodies are many, and nothing where they are few."""
+"""Limits of the room to move on one side, as parts of the box's length that way: so it takes the same share of candidates more on
+any side, for slabs and rods too. It doubles when a body leaves its fat box and is LONELY in the next one, and halves when it is
+in a CROWD: room costs candidates where bodies are many, and nothing where they are few."""
 
 THIN = 1.0 / WIDE
 """A box counts as no thinner than this part of its length, so that one without thickness has room for its own length at most. 0:
@@ -147,7 +147,7 @@ def holds(fat: Boxes, boxes: Boxes, b: int) -> bool:
 
 @kernel
 def find_leavers(boxes: Boxes, fat: Boxes, is_present: Index, listed_out: Index) -> int:
-    """List the bodies that are no longer in their fat boxes; returns how many, or -1 if a bound is not finite.
+    """List the bodies that are no longer in their fat boxes; return how many, or -1 if a bound is not finite.
 
     Takes arrays and not the whole memory, since passing that takes as long as testing twenty boxes.
     """
@@ -191,13 +191,13 @@ def fatten(boxes: Boxes, memory: SweepMemory, b: int) -> None:
 
 @kernel
 def below(lead: float) -> float:
-    """By how much a fat box with this lead is wider on the low side; with the lead's sign changed: on the high side."""
+    """Return by how much a fat box with this lead is wider on the low side; with the lead's sign changed: on the high side."""
     return -lead if lead < 0.0 else BACKWARD * lead
 
 
 @kernel
 def drop_candidates(memory: SweepMemory) -> int:
-    """Keep only candidates of two known bodies; returns how many."""
+    """Keep only candidates of two known bodies; return how many."""
     kept = 0
     for c in range(memory.found[0]):
         key = memory.candidates[c]
@@ -237,7 +237,7 @@ def renew_candidates(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, leav
 
 @kernel
 def search_everything(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
-    """All pairs without candidates, where these do not fit; the next call starts anew, with smaller fat boxes."""
+    """Find all pairs without candidates, where these do not fit; the next call starts anew, with smaller fat boxes."""
     memory.found[0], memory.calm[0], found = 0, memory.sweep[0] + PATIENCE, 0
     memory.known[:] = False
     for b in range(boxes.shape[0]):
@@ -268,7 +268,7 @@ def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs
         pairs_out: (cap, 2) the pairs, i < j, in ascending order of i, then of j.
 
     Returns:
-        (status, count). OUT_OF_ROOM: count says how many there are; some cap of them were written.
+        (status, count). OUT_OF_ROOM: count is the number found, of which cap were written.
         NOT_FINITE: a bound is nan or infinite, nothing was written.
     """
     wanted, memory = refer(wanted), refer(memory)
@@ -292,7 +292,7 @@ def sweep_and_prune(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, pairs
 
 @kernel
 def all_pairs(boxes: Boxes, wanted: PairFilter, pairs_out: NDArray[np.int64]) -> tuple[int, int]:
-    """Reference of `sweep_and_prune` with all bodies present: every pair is tested; the order is the same."""
+    """Find the pairs of `sweep_and_prune` with all bodies present, as its reference: every pair is tested; the same order."""
     count = 0
     for i in range(boxes.shape[0]):
         for j in range(i + 1, boxes.shape[0]):

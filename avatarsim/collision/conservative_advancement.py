@@ -34,19 +34,19 @@ TOLERANCE = FINE * STAND_OFF
 """Accuracy [m] of the gap found: above rounding."""
 
 DIP = -0.25 * JUDGED
-"""How far [m] bodies that rest or roll on each other may dip before that is an event. Nearer to 0: a hundred segments a frame for
-rocking boxes; lower: overlap that one can measure, the promise being JUDGED."""
+"""Depth [m] to which bodies that rest or roll on each other may dip before that is an event. Nearer to 0: a hundred segments a
+frame for rocking boxes; lower: overlap that one can measure, the promise being JUDGED."""
 
 CREEP = 2.0 * TOLERANCE
-"""How much lower [m] a pair that has dipped already may go before the next event. Above the tolerance, else such a pair has an
-event at once, again and again; resting forces lift it in the meantime."""
+"""Further depth [m] to which a pair that has dipped already may go before the next event. Above the tolerance, else such a pair
+has an event at once, again and again; resting forces lift it in the meantime."""
 
 TOUCH = JUDGED
 """Gap [m] below which a pair counts as touching at the start of its path: more could be seen."""
 
 LEAVING = 1e-4
-"""Normal velocity [m/s] above which a touching pair separates; below it rests or rolls. Larger: what flies off is followed as if
-it touched, and may dip; smaller: resting pairs that tremble have events. The other slow speeds are multiples of it."""
+"""Normal velocity [m/s] above which a touching pair separates; below it rests or rolls. Larger: a body that flies off is followed
+as if it touched, and may dip; smaller: resting pairs that tremble have events. The other slow speeds are multiples of it."""
 
 LIFT = 2.0 * LEAVING
 """Speed [m/s] at which a dip is lifted, if the body has the energy for it (`can_pay`): within 3 ms, and a flight of 2e-9 m at its
@@ -79,7 +79,7 @@ budget of rounds is spent; they overlapped from the start (never an outcome of `
 
 @kernel
 def slowest_touch(rows: Array, count: int) -> float:
-    """Least velocity [m/s] over the plane of the vertices that touch it; inf if none does."""
+    """Return the least velocity [m/s] over the plane of the vertices that touch it; inf if none does."""
     slowest = inf
     for i in range(count):
         if rows[i, 0] < TOUCH:
@@ -89,7 +89,7 @@ def slowest_touch(rows: Array, count: int) -> float:
 
 @kernel
 def reach_of(geometry: Geometry, paths: Paths, reach: Array, b: int, h: float) -> float:
-    """Bound of the motion [m] of any point of body b in h seconds; ``reach`` (nb): largest radius about the centre of mass."""
+    """Return a bound of the motion [m] of any point of body b in h seconds; ``reach`` (nb): largest radius about the centre."""
     if paths.kind[b] == STILL:
         return 0.0
     way = h * (norm(row(paths.v, b)) + 0.5 * h * norm(row(paths.linear, b)))
@@ -101,7 +101,7 @@ def reach_of(geometry: Geometry, paths: Paths, reach: Array, b: int, h: float) -
 
 @kernel
 def farthest(start: Poses, a: int, b: int) -> float:
-    """Largest coordinate of two bodies [m]."""
+    """Return the largest coordinate of two bodies [m]."""
     far = 0.0
     for i in range(3):
         far = max(far, abs(start.position[a, i]), abs(start.position[b, i]))
@@ -110,7 +110,7 @@ def farthest(start: Poses, a: int, b: int) -> float:
 
 @kernel
 def margin_of(geometry: Geometry, paths: Paths, reach: Array, a: int, b: int, left: float, stand_off: float) -> float:
-    """Gap [m] beyond which two bodies cannot meet in ``left`` seconds; nan or inf if a velocity is."""
+    """Return the gap [m] beyond which two bodies cannot meet in ``left`` seconds; nan or inf if a velocity is."""
     margin = reach_of(geometry, paths, reach, a, left) + reach_of(geometry, paths, reach, b, left) + 2.0 * stand_off
     # the minimum in `reach_of` may hide a velocity that is not finite
     return margin + 0.0 * (norm(row(paths.w, a)) + norm(row(paths.w, b)))
@@ -121,7 +121,7 @@ def follow_both(
     geometry: Geometry, angular: Array, paths: Paths, reach: Array, sa: int, sb: int, n: Vec3, left: float, trial: Poses,
     a_rows: Array, b_rows: Array,
 ) -> tuple[int, int, float]:
-    """Fill both shapes' rows (see ``follow``); returns their numbers and the horizon over which their bounds hold."""
+    """Fill both shapes' rows (see ``follow``); return their numbers and the horizon over which their bounds hold."""
     a, b = geometry.body[sa], geometry.body[sb]
     horizon = min(left, longest_horizon(geometry, paths, sa), longest_horizon(geometry, paths, sb))
     ball_a, ball_b = reach[a] == 0.0, reach[b] == 0.0
@@ -146,8 +146,8 @@ def safe_time(
     geometry: Geometry, angular: Array, paths: Paths, reach: Array, sa: int, sb: int, n: Vec3, target: float, left: float,
     horizon: float, trial: Poses, a_rows: Array, b_rows: Array, count_a: int, count_b: int,
 ) -> float:
-    """Time <= left during which the gap of the shapes stays above ``target``: the longest of the steps proved by a plane that
-    turns with B, by one that turns with A, and, for bodies that turn, by their bounding balls. The rows are overwritten."""
+    """Return a time <= left during which the gap of the shapes stays above ``target``: the longest of the steps proved by a plane
+    that turns with B, by one that turns with A, and, for bodies that turn, by their bounding balls. The rows are overwritten."""
     a, b = geometry.body[sa], geometry.body[sb]
     ball_a, ball_b = reach[a] == 0.0, reach[b] == 0.0
     step = longest_safe_step(a_rows, count_a, paths, a, b, ball_a, ball_b, target, horizon)
@@ -185,7 +185,7 @@ def slowest_edge(
     geometry: Geometry, angular: Array, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, trial: Poses,
     edges: Array,
 ) -> float:
-    """Separation velocity [m/s] of two edges that face each other; -inf if the closest features are no such edges."""
+    """Return the separation velocity [m/s] of two edges that face each other; -inf if the closest features are no such edges."""
     a, b = geometry.body[sa], geometry.body[sb]
     spin_a, twist_a = spinning(paths, angular, trial.rotation, a)
     spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
@@ -199,7 +199,7 @@ def edge_time(
     geometry: Geometry, angular: Array, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, target: float,
     left: float, trial: Poses, edges: Array,
 ) -> float:
-    """As `safe_time`, by the plane along two edges that face each other; 0 if the closest features are no such edges."""
+    """Return `safe_time` by the plane along two edges that face each other; 0 if the closest features are no such edges."""
     a, b = geometry.body[sa], geometry.body[sb]
     spin_a, twist_a = spinning(paths, angular, trial.rotation, a)
     spin_b, twist_b = spinning(paths, angular, trial.rotation, b)
@@ -215,7 +215,7 @@ def time_of_impact(
     begin: float, h: float, depth: float, pace: float, trial: Poses, a_rows: Array, b_rows: Array, edges: Array,
     scratch: Scratch,
 ) -> tuple[int, float, int]:
-    """First event of shapes sa and sb on the paths of their bodies from ``begin`` to h seconds, for the upper loop.
+    """Return the first event of shapes sa and sb on the paths of their bodies from ``begin`` to h seconds, for the upper loop.
 
     Args:
         start, linear, angular: poses and velocities at the start of the segment.

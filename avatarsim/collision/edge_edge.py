@@ -1,8 +1,8 @@
 """Conservative advancement of two crossing edges: the separating plane spanned by both, which turns with neither body alone.
 
-Through a plane that turns with one body an end of the other's edge passes at once, although it is beyond the contact.
-The plane spanned by both edges always holds both ends of each; what remains to be bounded is the distance of the edges' lines,
-and that no other corner reaches the plane.
+Through a plane that turns with one body an end of the other's edge passes at once, although it is beyond the contact. The plane
+spanned by both edges always holds both ends of each; two bounds remain: the distance of the edges' lines, and that no other
+corner reaches the plane.
 """
 
 from math import sqrt
@@ -33,7 +33,7 @@ Larger than sqrt(3) - 1: not proved; smaller: shorter steps."""
 
 @kernel
 def lone_edge(vertices: Rows, shapes: Shapes, s: int, m: Vec3) -> tuple[bool, Vec3, Vec3]:
-    """(whether exactly two corners of shape s are farthest along m, one of them, the way to the other)."""
+    """Return (whether exactly two corners of shape s are farthest along m, one of them, the way to the other)."""
     first, last = shapes.start[s], shapes.start[s + 1]
     none = (0.0, 0.0, 0.0)
     if shapes.kind[s] != POINTS or last - first < 2 or shapes.radius[s] > 0.0:
@@ -52,11 +52,11 @@ def lone_edge(vertices: Rows, shapes: Shapes, s: int, m: Vec3) -> tuple[bool, Ve
 
 @kernel
 def least_slope(vertices: Rows, shapes: Shapes, s: int, m: Vec3, on: Vec3, edge: Vec3) -> float:
-    """Least height / distance below the plane at ``on`` with normal m of all corners of shape s but the two of its ``edge``."""
+    """Return the least height / distance below the plane at ``on`` with normal m of all corners of shape s but its ``edge``'s."""
     least, length = 1.0, norm(edge)
     for i in range(shapes.start[s], shapes.start[s + 1]):
         d = sub(row(vertices, i), on)
-        # the two ends lie along the edge, whatever rounding says about their height
+        # the two ends lie along the edge, whatever their height by rounding
         if norm(cross(d, edge)) > ON_PLANE * length:
             least = min(least, -dot(m, d) / norm(d))
     return least
@@ -64,13 +64,13 @@ def least_slope(vertices: Rows, shapes: Shapes, s: int, m: Vec3, on: Vec3, edge:
 
 @kernel
 def triple(a: Vec3, b: Vec3, c: Vec3) -> float:
-    """(a x b) . c."""
+    """Return (a x b) . c."""
     return dot(cross(a, b), c)
 
 
 @kernel
 def point_rates(arm: Vec3, spin: Vec3, twist: Vec3) -> tuple[Vec3, Vec3]:
-    """First and second derivative of a vector that turns with a body."""
+    """Return the first and second derivative of a vector that turns with a body."""
     once = cross(spin, arm)
     return once, add(cross(twist, arm), cross(spin, once))
 
@@ -80,7 +80,7 @@ def edges_apart(
     geometry: Geometry, trial: Poses, paths: Paths, sa: int, sb: int, n: Vec3, on_a: Vec3, on_b: Vec3, spin_a: Vec3,
     twist_a: Vec3, spin_b: Vec3, twist_b: Vec3, rows_out: Array,
 ) -> bool:
-    """Return True if two edges face each other along n; then ``rows_out[0]`` and ``rows_out[1]`` hold what `edge_step` needs.
+    """Return True if two edges face each other along n; then ``rows_out[0]`` and ``rows_out[1]`` hold the input of `edge_step`.
 
     With e, f along the edges and p from B's line to A's, N = (e x f) . p is their distance times |e x f|. First row: N, N', N'',
     |e x f|, |e| |f|, least slope of the other corners. Second: |e|, |f|, |p|, |p'|, distances of the points from the centres.
@@ -126,7 +126,7 @@ def edges_apart(
 def edge_step(
     paths: Paths, a: int, b: int, spin: float, slide: float, rows: Array, target: float, left: float
 ) -> float:
-    """A time <= left [s] during which two edges surely keep the distance ``target``; ``rows`` from `edges_apart`.
+    """Return a time <= left [s] during which two edges surely keep the distance ``target``; ``rows`` from `edges_apart`.
 
     ``spin`` is the angular speed of one body seen from the other [rad/s], ``slide`` the acceleration of one centre seen from the
     other [m/s^2].

@@ -1,9 +1,9 @@
 """Newton's method on the unit normal: nearest point of A - B to the origin where an ellipsoid makes its surface smooth.
 
-Depth and distance are one problem: the least value over unit m of the support function h(m) of A - B, a depth if
-positive, minus a distance if negative. Near the answer the other shape, if it has corners, takes part with one feature:
-a vertex, an edge (m stays at right angles to it) or a face (m is its normal). GJK or EPA bring m near and name the
-feature; what Newton finds counts only with a proof, see below.
+Depth and distance are one problem: the least value over unit m of the support function h(m) of A - B, a depth if positive, minus
+a distance if negative. Near the answer the other shape, if it has corners, takes part with one feature: a vertex, an edge (m
+stays at right angles to it) or a face (m is its normal). GJK or EPA bring m near and name the feature; Newton's result counts
+only with a proof, see below.
 
 Optimality proofs for the depth of two cores, one of them an ellipsoid: lower bounds of the support function of A - B.
 
@@ -44,7 +44,7 @@ SLACK = ROUNDING
 
 @kernel
 def stretched(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> Vec3:
-    """E d: the products of d with the semi-axes of ellipsoid s; zero for points, which do not bend."""
+    """Return E d: the products of d with the semi-axes of ellipsoid s; zero for points, which do not bend."""
     if shapes.kind[s] == POINTS:
         return NOWHERE
     f = shapes.start[s]
@@ -53,7 +53,7 @@ def stretched(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> Vec3:
 
 @kernel
 def gathered(vertices: Rows, shapes: Shapes, s: int, e: Vec3) -> Vec3:
-    """E^T e: the sum of the semi-axes of ellipsoid s with weights e; zero for points."""
+    """Return E^T e: the sum of the semi-axes of ellipsoid s with weights e; zero for points."""
     if shapes.kind[s] == POINTS:
         return NOWHERE
     f = shapes.start[s]
@@ -63,7 +63,7 @@ def gathered(vertices: Rows, shapes: Shapes, s: int, e: Vec3) -> Vec3:
 
 @kernel
 def curvature(s: Vec3, u: Vec3, v: Vec3) -> float:
-    """Second derivative along E^-1 u and E^-1 v of |E m|, given s = E m."""
+    """Return the second derivative along E^-1 u and E^-1 v of |E m|, given s = E m."""
     length = norm(s)
     if not (length > 0.0):
         return 0.0
@@ -74,12 +74,12 @@ def curvature(s: Vec3, u: Vec3, v: Vec3) -> float:
 def newton(
     vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, centre: Vec3, edge: Vec3, free: int, size: float
 ) -> tuple[bool, Vec3, Vec3]:
-    """Where h(m) = centre.m + |A m| + |B m| is stationary, m on the unit sphere and at right angles to ``edge``.
+    """Find where h(m) = centre.m + |A m| + |B m| is stationary, m on the unit sphere and at right angles to ``edge``.
 
     Args:
         free: directions in which m may turn: 2, or 1 along a great circle, or 0.
 
-    Returns (whether found, m, point of A - B with outward normal m, for the feature that ``centre`` stands for).
+    Returns (whether found, m, point of A - B with outward normal m, for the feature of ``centre``).
     """
     steep, w = inf, centre
     for _ in range(STEPS_CAP):
@@ -120,11 +120,11 @@ def newton(
 
 @kernel
 def polish(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, i: int, j: int, k: int) -> Found:
-    """From a direction m near the answer, and vertex rows i j k of the shape with corners, to the answer.
+    """Refine a direction m near the answer, with vertex rows i j k of the shape with corners, to the answer.
 
-    Equal rows make an edge or a vertex; two ellipsoids need none. Found is a value h(m) of the support function together
-    with points of A and B that differ by h(m) m. If h(m) < 0 that is a proof: the shapes are no nearer than h says and no
-    farther than the points. If not, it may be a way out that is only locally the shortest.
+    Equal rows make an edge or a vertex; two ellipsoids need none. Found is a value h(m) of the support function together with
+    points of A and B that differ by h(m) m. If h(m) < 0 that is a proof: the shapes are no nearer than h and no farther than the
+    points. If not, it may be a way out that is only locally the shortest.
     """
     size = max(shapes.extent[a], shapes.extent[b])
     cornered = a if shapes.kind[a] == POINTS else b
@@ -155,7 +155,7 @@ def polish(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, i: int, j: i
     if not found:
         return False, m, 0.0, NOWHERE, NOWHERE
     height = dot(w, m)
-    # What is left of w across m is made up for along the feature.
+    # The rest of w across m is made up for along the feature.
     left = scale(along(w, -height, m), -sign)
     if free == 1:
         t = dot(left, edge) / dot(edge, edge)
@@ -182,10 +182,10 @@ def polish(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, i: int, j: i
 
 @kernel
 def rolling_radius(vertices: Rows, shapes: Shapes, s: int) -> float:
-    """Radius [m] of the largest ball that rolls inside ellipsoid s everywhere; zero for points.
+    """Return the radius [m] of the largest ball that rolls inside ellipsoid s everywhere; zero for points.
 
-    It is the least radius of curvature, short^2 / long: what is left after taking it off is convex, and swept by it is the
-    ellipsoid again (Blaschke).
+    It is the least radius of curvature, short^2 / long: the rest after taking it off is convex, and swept by it is the ellipsoid
+    again (Blaschke).
     """
     if shapes.kind[s] == POINTS:
         return 0.0
@@ -263,7 +263,7 @@ def not_negative(x: Vec3, y: Vec3, z: Vec3, shift: float, rounding: float) -> bo
 
 @kernel
 def least_cosine(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: float) -> float:
-    """Cosine of a cone about the stationary normal m in which h is nowhere below ``depth`` = h(m); above 1: none is known.
+    """Return the cosine of a cone about stationary normal m in which h is nowhere below ``depth`` = h(m); above 1: unknown.
 
     Stationary means that the point of A - B at m is depth m, so that h(d) >= depth + (bend - depth) (1 - cos t).
     """
@@ -295,7 +295,7 @@ def bends_out(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, w: Vec3, 
 
 @kernel
 def least_bend(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, cos: float) -> float:
-    """A length K [m], as large as is known, with h(d) >= w.d + K (1 - cos t) for all d at angles t from m up to arccos ``cos``.
+    """Return a length K [m], as large as is known, with h(d) >= w.d + K (1 - cos t) for all d at angles t up to arccos ``cos``.
 
     w is the point of A - B farthest along m. Let x be the point of an ellipsoid E with normal m, r = |E m|, and k its radius of
     curvature towards d: |E d|^2 = (x.d)^2 + r k sin^2 t, so |E d| - x.d = k (1 - cos t) r (1 + cos t) / (|E d| + x.d). Each
@@ -314,10 +314,10 @@ def least_bend(vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, cos: flo
 
 @kernel
 def least_share(vertices: Rows, shapes: Shapes, s: int, m: Vec3, e: Vec3, cos: float) -> float:
-    """Least r (1 + cos t) / (|E d| + x.d) over d in a cone about m, for `least_bend`; e = E m. 1 at m; 0 for points.
+    """Return the least r (1 + cos t) / (|E d| + x.d) over d in a cone about m, for `least_bend`; e = E m. 1 at m; 0 for points.
 
     With s the length of x across m and L the longest semi-axis, x.d <= r cos t + s sin t and
-    |E d|^2 <= r^2 cos^2 t + 2 r s sin t cos t + L^2 sin^2 t. What they leave of it falls with t, so the rim decides.
+    |E d|^2 <= r^2 cos^2 t + 2 r s sin t cos t + L^2 sin^2 t. The rest of it falls with t, so the rim decides.
     """
     r = norm(e)
     if not (r > 0.0):
@@ -331,7 +331,7 @@ def least_share(vertices: Rows, shapes: Shapes, s: int, m: Vec3, e: Vec3, cos: f
 
 @kernel
 def longest_axis(vertices: Rows, shapes: Shapes, s: int) -> float:
-    """Longest semi-axis of ellipsoid s [m]; 0 for points."""
+    """Return the longest semi-axis of ellipsoid s [m]; 0 for points."""
     if shapes.kind[s] == POINTS:
         return 0.0
     f = shapes.start[s]

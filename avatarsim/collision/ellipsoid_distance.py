@@ -31,15 +31,15 @@ from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, put_row, row
 from avatarsim.tolerances import NOTHING, PROOF
 
 START = 0.03
-"""Relative to the shapes' size: how near GJK and EPA come before Newton is tried. Larger: it is tried in vain; smaller:
-they do slowly what it does fast."""
+"""Relative to the shapes' size: how near GJK and EPA come before Newton is tried. Larger: it is tried in vain; smaller: they are
+slower than it."""
 
 NEARER = 0.5
 """Part of its distance by which EPA comes nearer before Newton is tried again, if it found nothing new. Larger: it is tried in
-vain; smaller: EPA does slowly what it does fast."""
+vain; smaller: EPA is slower than it."""
 
 FEATURE = 3
-"""Points in which the rows of a vertex, an edge or a face are handed on: rows may repeat."""
+"""Points in which the rows of a vertex, an edge or a face are passed: rows may repeat."""
 
 MINIMA_KEPT = 24
 """Stationary points kept in one query, in the last slots of the scratch. Fewer: symmetric pairs converge slowly."""
@@ -53,7 +53,7 @@ EXPLAINED = PROOF
 
 @kernel
 def explained(f: int, minima: int, depth: float, scratch: Scratch) -> bool:
-    """Return True if what face f may hide at less than ``depth`` lies in the cone of a stationary point.
+    """Return True if the directions that face f may hide at less than ``depth`` lie in the cone of a stationary point.
 
     A direction d with h(d) < depth has the point depth d outside the polytope, beyond the plane of a face of height H
     and normal n, so n.d > H / depth; hence d is at most the sum of two angles from the stationary normal.
@@ -84,7 +84,7 @@ def already_found(m: Vec3, minima: int, scratch: Scratch) -> bool:
 def smooth_depth(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, balls: Balls, count: int, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
-    """As `core_distance`, for cores, one of them an ellipsoid, that GJK left with ``count`` points and no gap but for the balls.
+    """Return `core_distance` of cores, one an ellipsoid, that GJK left with ``count`` points and no gap but for the balls.
 
     Heights and depths in here are those without the balls, and so are the points of the polytope.
 
@@ -182,7 +182,7 @@ def smooth_depth(
 
 @kernel
 def same_feature(vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3, scratch: Scratch) -> Answer:
-    """Newton from normal n (out of b into a) and the feature whose rows are in the first three points of the scratch.
+    """Run Newton from normal n (out of b into a) and the feature whose rows are in the first three points of the scratch.
 
     The answer counts as known only if it is proved.
     """
@@ -197,10 +197,10 @@ def same_feature(vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3, scratc
 def smooth_distance(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
-    """As `core_distance`, if one of the two is an ellipsoid.
+    """Return `core_distance` if one of the two is an ellipsoid.
 
-    GJK and EPA see the ellipsoids without the largest balls that roll inside them. What is left is smaller and less round:
-    shallow overlaps are distances, and of deep ones fewer facets come nearer. Newton sees the whole.
+    GJK and EPA see the ellipsoids without the largest balls that roll inside them. The rest is smaller and less round: shallow
+    overlaps are distances, and of deep ones fewer facets come nearer. Newton sees the whole.
 
     Points returned: FEATURE if Newton gave the answer, and the scratch then holds the rows of the feature; else 0.
     """

@@ -39,7 +39,7 @@ from avatarsim.tolerances import GRAIN, NOTHING, PROOF, ROUNDING, SLIM
 
 @kernel
 def corners(f: int, scratch: Scratch) -> tuple[Vec3, Vec3, Vec3]:
-    """The corners of face f."""
+    """Return the corners of face f."""
     i, j, k = number(scratch.corner[f, 0]), number(scratch.corner[f, 1]), number(scratch.corner[f, 2])
     return row(scratch.w, i), row(scratch.w, j), row(scratch.w, k)
 
@@ -62,7 +62,7 @@ def set_plane(f: int, scratch: Scratch) -> bool:
 
 @kernel
 def lowest_face(faces: int, scratch: Scratch) -> tuple[int, float]:
-    """The face with the smallest height among the first slots, and that height: -1 and inf if there is none.
+    """Return the face with the smallest height among the first slots, and that height: -1 and inf if there is none.
 
     Four runs, because each comparison waits for the one before it; of equal faces the first.
     """
@@ -189,7 +189,7 @@ FLAT = ROUNDING
 
 @kernel
 def off_the_others(points: int, w: Vec3, scratch: Scratch) -> float:
-    """Distance of w from the point, line or plane through the first 1, 2 or 3 points."""
+    """Return the distance of w from the point, line or plane through the first 1, 2 or 3 points."""
     from_first = sub(w, row(scratch.w, 0))
     if points == 1:
         return norm(from_first)
@@ -202,7 +202,7 @@ def off_the_others(points: int, w: Vec3, scratch: Scratch) -> float:
 
 @kernel
 def outward_try(points: int, k: int, scratch: Scratch) -> Vec3:
-    """The k-th direction (of 6) in which to look for a point off the first ``points``."""
+    """Return the k-th direction (of 6) in which to look for a point off the first ``points``."""
     if points == 1:
         sign = 1.0 if k < 3 else -1.0
         axis = k % 3
@@ -238,8 +238,7 @@ def move_point(source: int, target: int, scratch: Scratch) -> None:
 def grow_tetrahedron(
     vertices: Rows, shapes: Shapes, a: int, b: int, balls: Balls, count: int, size: float, scratch: Scratch
 ) -> int:
-    """Make four independent points of A - B in the first rows of the scratch, starting from the ``count``
-    there.
+    """Make four independent points of A - B in the first rows of the scratch, from the ``count`` there.
 
     Point 3 ends up below the plane 0 1 2 (corners counter-clockwise from above). Returns 4, or fewer if A - B
     is flat: 3 a plane, 2 a line, 1 a point; the points then span it.
@@ -279,7 +278,7 @@ EXACT = ROUNDING
 rounding only."""
 
 SMOOTH = 0.5 * NOTHING
-"""The same for ellipsoids, whose surface facets only approach; below NOTHING. Tighter: more iterations than the scratch has
+"""EXACT for ellipsoids, whose surface facets only approach; below NOTHING. Tighter: more iterations than the scratch has
 points."""
 
 VISIBLE = GRAIN
@@ -300,7 +299,7 @@ above. Larger: rounding passes for an answer; smaller: it is reported as DEGENER
 def epa(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, count: int, scratch: Scratch
 ) -> tuple[int, Vec3, float, int, int]:
-    """Depth of the cores of shapes a and b, from the first ``count`` points that `gjk` left in the scratch.
+    """Return the depth of the cores of shapes a and b, from the first ``count`` points that `gjk` left in the scratch.
 
     Returns:
         (status, m, depth, points, faces). m is the unit normal of A - B at its surface point nearest to the origin:
@@ -319,7 +318,7 @@ def epa(
 def epa_to(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, balls: Balls, count: int, tolerance: float, scratch: Scratch
 ) -> tuple[int, Vec3, float, int, int, int]:
-    """As `epa` of the cores without the balls, to a tolerance [m]; the face that is lowest comes last."""
+    """Run `epa` on the cores without the balls, to a tolerance [m]; the face that is lowest comes last."""
     size = max(shapes.extent[a], shapes.extent[b])
     points = grow_tetrahedron(vertices, shapes, a, b, balls, count, size, scratch)
     if points < 4:
@@ -340,8 +339,8 @@ def expand(
     Returns:
         (status, m, depth, points, faces) as `epa`, and the lowest face. Why CONVERGED with depth > 0 holds for *any*
         closed oriented surface whose corners are points of A - B, convex or not: if every face has the origin below its
-        plane, each covers a positive solid angle seen from there, so together they cover every direction, and what they
-        bound holds a ball of the lowest height; the support says that no larger one fits.
+        plane, each covers a positive solid angle seen from there, so together they cover every direction, and their
+        interior holds a ball of the lowest height; by the support no larger one fits.
     """
     size = max(shapes.extent[a], shapes.extent[b])
     least, toward = inf, NOWHERE
@@ -370,7 +369,7 @@ def expand(
 
 @kernel
 def flat_normal(points: int, seed: Vec3, scratch: Scratch) -> Vec3:
-    """A unit vector at right angles to the first ``points`` (1 to 3) points, as near to -seed as can be."""
+    """Return a unit vector at right angles to the first ``points`` (1 to 3) points, as near to -seed as can be."""
     wish = scale(seed, -1.0)
     if points == 3:
         edge = sub(row(scratch.w, 1), row(scratch.w, 0))
@@ -392,14 +391,14 @@ def flat_normal(points: int, seed: Vec3, scratch: Scratch) -> Vec3:
 
 @kernel
 def points_agree(on_a: Vec3, on_b: Vec3, m: Vec3, depth: float, size: float) -> bool:
-    """Return True if points of A and of B differ by depth m, as far as it counts. If depth < 0 that proves the distance: m says
-    that it is no smaller, the points that it is no larger."""
+    """Return True if points of A and of B differ by depth m, as far as it counts. If depth < 0 that proves the distance: by m it
+    is no smaller, by the points no larger."""
     return norm(along(sub(on_a, on_b), -depth, m)) <= POINTS_APART * size
 
 
 @kernel
 def deepest_points(m: Vec3, depth: float, faces: int, size: float, scratch: Scratch) -> tuple[Vec3, Vec3]:
-    """The points of A and of B that make the surface point depth m of A - B.
+    """Return the points of A and of B that make the surface point depth m of A - B.
 
     A facet with more than three corners is several faces; the one that holds the point is taken. If the
     polytope was left unfinished, no face has this plane, and the nearest face of all is taken.

@@ -1,8 +1,8 @@
 """Continuous collision detection of two bodies: conservative advancement (Mirtich 1996) with accelerations, as a public query.
 
 The search is that of the upper loop, with tolerances and statuses of its own. A pair of pieces is advanced until its gap has come
-down to the stand-off: that is ``time``, never late, without overlap. The search goes on to a thousandth of the stand-off: that is
-``contact``, when the surfaces meet, never late but by rounding.
+down to the stand-off: that is ``time``, never late, without overlap. The search continues to a thousandth of the stand-off: that
+is ``contact``, when the surfaces meet, never late but by rounding.
 
 Continuous collision detection for users: `first_contact` of two bodies, with arrays built once for many queries.
 """
@@ -60,7 +60,7 @@ rounding decides whether they have; more: they may come nearer again for longer.
 
 
 class Budget(NamedTuple):
-    """What a search may cost and how near it may come: stand-off [m], rounds per pair of pieces and phase."""
+    """Limits of a search: stand-off [m], rounds per pair of pieces and phase."""
 
     stand_off: float = STAND_OFF
     rounds: int = ROUNDS
@@ -91,11 +91,11 @@ def approach(
     begin: float, h: float, target: float, lowered: bool, stand_off: float, rounding: float, rounds: int, trial: Poses,
     a_rows: Array, b_rows: Array, scratch: Scratch,
 ) -> tuple[int, float, float, int]:
-    """Time >= begin at which the gap of shapes sa and sb has come down to ``target``: (outcome, time, gap, rounds).
+    """Return the time >= begin at which the gap of shapes sa and sb has come down to ``target``: (outcome, time, gap, rounds).
 
-    A ``lowered`` target is raised to the stand-off once the gap is RESTORED; until then only half of each safe step is taken,
-    so that an arc from touch to touch is not crossed in one. A target below 0 stands for touching; the time is then the last
-    one at which they did no more than that.
+    A ``lowered`` target is raised to the stand-off once the gap is RESTORED; until then only half of each safe step is taken, so
+    that an arc from touch to touch is not crossed in one. A target below 0 means touching; the time is then the last one at which
+    they did no more than that.
     """
     a, b = geometry.body[sa], geometry.body[sb]
     t, safe, held, n = begin, begin, inf, (0.0, 0.0, 0.0)
@@ -135,17 +135,17 @@ def first_contact_of_pieces(
     geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, sa: int, sb: int,
     h: float, budget: Budget, trial: Poses, a_rows: Array, b_rows: Array, scratch: Scratch,
 ) -> Found:
-    """First contact of shapes sa and sb on the paths of their bodies within h seconds.
+    """Return the first contact of shapes sa and sb on the paths of their bodies within h seconds.
 
     Args:
         start, linear, angular, paths, series, reach, trial, a_rows, b_rows: see `time_of_impact`; ``paths.time`` must not be 0
-            or ``trial`` must stand at ``start``.
+            or ``trial`` must be at ``start``.
         budget: the stand-off may be as small as 1e-12 of the coordinates; it is raised to 2e-13 of them.
 
     Returns:
         CLEAR: no gap as small as the stand-off within h. IMPACT: see `Found`; time is early by at most 1.1 stand-offs / closing
         speed, contact by 1.1e-3 of that. OVERLAPPING at the start: time and contact 0, gap the depth. SPENT: the gap holds up to
-        time, nothing is known of what follows (out of rounds, or tumbled by 1000 rad). BROKEN: something is not finite, or h < 0.
+        time, nothing is known of later times (out of rounds, or tumbled by 1000 rad). BROKEN: something is not finite, or h < 0.
 
         Pieces that start nearer than the stand-off keep half their gap instead; if they touch, only an approach by more than
         rounding is an impact, at 0. Once apart they keep the stand-off.
@@ -190,7 +190,7 @@ def first_contact(
     geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, a: int, b: int,
     h: float, budget: Budget, trial: Poses, a_rows: Array, b_rows: Array, scratch: Scratch,
 ) -> Found:
-    """First contact of any piece of body a with any of body b; arguments and result as for pieces.
+    """Return the first contact of any piece of body a with any of body b; arguments and result as for pieces.
 
     The earliest time and the earliest contact may be of different pieces; those named are of the earliest time.
     """
@@ -213,11 +213,11 @@ def first_contact(
 NAMES = {
     CLEAR: "clear", IMPACT: "impact", DIPPED: "dipped", BROKEN: "not finite", SPENT: "out of rounds", OVERLAPPING: "overlapping",
 }
-"""What to print for each outcome."""
+"""Text to print for each outcome."""
 
 
 def reaches(geo: Geometry) -> Array:
-    """(nb,) largest distance of a body's points from its centre of mass, rounding radii left out [m]."""
+    """Return (nb,) largest distance of a body's points from its centre of mass, rounding radii left out [m]."""
     found = np.zeros(len(geo.first_shape) - 1)
     for s, b in enumerate(geo.body):
         points = geo.local[geo.shapes.start[s] : geo.shapes.start[s + 1]]
@@ -231,7 +231,7 @@ def first_contact_referred(
     geometry: Geometry, start: Poses, linear: Array, angular: Array, paths: Paths, series: Series, reach: Array, h: float,
     budget: Budget, trial: Poses, a_rows: Array, b_rows: Array, scratch: Scratch,
 ) -> Found:
-    """`first_contact` of bodies 0 and 1 by kernels that the engine has compiled: tuples by value would be others."""
+    """Return `first_contact` of bodies 0 and 1 by kernels that the engine has compiled: tuples by value would be others."""
     return first_contact(
         refer(geometry), refer(start), linear, angular, refer(paths), refer(series), reach, 0, 1, h, budget, refer(trial), a_rows,
         b_rows, scratch,
@@ -267,9 +267,9 @@ class TwoBodies:
         self, positions: Sequence[Sequence[float]], orientations: Sequence[Sequence[float]],
         velocities: Sequence[Sequence[float]], angular_velocities: Sequence[Sequence[float]],
     ) -> None:
-        """Body frames (2, 3) [m] and (2, 4); velocities of the centres of mass (2, 3) [m/s], spins (2, 3) [rad/s], world axes.
+        """Set body frames (2, 3) [m] and (2, 4); velocities of centres of mass (2, 3) [m/s], spins (2, 3) [rad/s], world axes.
 
-        Not checked: what is not finite comes back as the outcome "not finite".
+        Not checked: numbers that are not finite give the outcome "not finite".
         """
         turn = np.array(orientations, dtype=np.float64)
         centre = np.array(positions, dtype=np.float64) + rotation.rotate(turn, np.array(self._centres))
@@ -280,7 +280,7 @@ class TwoBodies:
         self, seconds: float, *, acceleration_a: Sequence[float] = (0.0, 0.0, 0.0),
         acceleration_b: Sequence[float] = (0.0, 0.0, 0.0), budget: Budget | None = None,
     ) -> Found:
-        """First contact within `seconds`; constant accelerations [m/s^2] move what is not fixed. See `first_contact.Found`.
+        """Return the first contact within `seconds` under constant accelerations [m/s^2] of simulated bodies: see `Found`.
 
         Raises:
             InvalidInput: seconds or an acceleration is not finite, or seconds < 0; a budget below 1 round or without stand-off.

@@ -24,13 +24,13 @@ FLAT = GRAIN
 rounding noise, and it is treated as the union of its faces. Larger: well-formed thin ones lose their inside."""
 
 NOISE = 2.0 * LAST_PLACES
-"""Relative: what rounding may do to a product of three lengths. A face of a tetrahedron is passed over only if the origin is
-on its inner side by more."""
+"""Relative: error of a product of three lengths by rounding. A face of a tetrahedron is passed over only if the origin is on its
+inner side by more."""
 
 
 @kernel
 def across(v: Vec3, u: Vec3) -> Vec3:
-    """The part of v at right angles to u.
+    """Return the part of v at right angles to u.
 
     Taken off twice, because the first time leaves as much along u as rounding does to v, which may be more than there is
     across.
@@ -42,7 +42,7 @@ def across(v: Vec3, u: Vec3) -> Vec3:
 
 @kernel
 def upright(u: Vec3, v: Vec3) -> Vec3:
-    """u x v, at right angles to both but for the rounding of their lengths, however nearly parallel they are."""
+    """Return u x v, at right angles to both but for the rounding of their lengths, however nearly parallel they are."""
     n, uu, vv = cross(u, v), dot(u, u), dot(v, v)
     if dot(n, n) > SLIM * SLIM * uu * vv or not (uu > 0.0 and vv > 0.0):
         return n
@@ -51,7 +51,7 @@ def upright(u: Vec3, v: Vec3) -> Vec3:
 
 @kernel
 def closest_on_segment(a: Vec3, b: Vec3) -> tuple[Vec3, Share2]:
-    """Closest point to the origin on the segment a b, and its shares of a and b."""
+    """Return the closest point to the origin on the segment a b, and its shares of a and b."""
     ab = sub(b, a)
     square, t = dot(ab, ab), -dot(a, ab)
     if not (t > 0.0):
@@ -67,7 +67,7 @@ def closest_on_segment(a: Vec3, b: Vec3) -> tuple[Vec3, Share2]:
 
 @kernel
 def closest_on_triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, Vec3]:
-    """Closest point to the origin on the triangle a b c, and its shares of a, b and c.
+    """Return the closest point to the origin on the triangle a b c, and its shares of a, b and c.
 
     Sub-areas n.(p x q) are formed with an edge as one factor, n.(p x (q - p)): far from the origin, p x q
     would cancel. If one is not positive the closest point lies on that edge, or on another such edge, and the
@@ -100,10 +100,10 @@ def closest_on_triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, Vec3]:
 
 @kernel
 def closest_on_thin_triangle(a: Vec3, b: Vec3, c: Vec3) -> tuple[Vec3, Vec3]:
-    """As `closest_on_triangle`, for any triangle, flat ones too.
+    """Return `closest_on_triangle` for any triangle, flat ones too.
 
-    With u an edge and v the other part of another across it, the origin's foot is a + t (c - a) + s u, t from v alone and s
-    from what t leaves: an error of t, which is large where v is short, moves the foot across v only.
+    With u an edge and v the other part of another across it, the origin's foot is a + t (c - a) + s u, t from v alone and s from
+    the rest: an error of t, which is large where v is short, moves the foot across v only.
     """
     p, two = closest_on_segment(a, b)
     nearest, best, share = dot(p, p), p, (two[0], two[1], 0.0)
@@ -184,17 +184,15 @@ ITERATIONS_CAP = 128
 failure."""
 
 CLOSE_ENOUGH = GRAINS
-"""Relative to the shapes' size: largest difference between the distance found and the one proved. Below
-rounding (2e-16 times the coordinates) smooth shapes would never end; polytopes end exactly, whatever it
-is."""
+"""Relative to the shapes' size: largest difference between the distance found and the one proved. Below rounding (2e-16 times the
+coordinates) smooth shapes would never end; polytopes end exactly with any value."""
 
 ACCEPTED = PROOF
 """Relative to the shapes' size: when rounding stops progress, a larger difference than this is reported as
 DEGENERATE."""
 
 TOUCHING = ROUNDING
-"""Relative to the shapes' size: closer cores are handed to `epa`, whose normal does not come from the
-vanishing distance."""
+"""Relative to the shapes' size: closer cores are passed to `epa`, whose normal does not come from the vanishing distance."""
 
 STALLS_CAP = 8
 """Times that rounding may leave a point no nearer than the last. Fewer: a pair with nearly parallel edges, where the next
@@ -203,8 +201,8 @@ support would have mattered, is given up; more: only costs time on a failure."""
 NOWHERE = (0.0, 0.0, 0.0)
 
 Balls = tuple[float, float]
-"""Radii [m] of balls taken off the cores of A and B: a core is then what is left, and swept by the ball it is the core again.
-Zero for points. At most the least radius of curvature, see `ellipsoid.rolling_radius`, or what is left is not convex."""
+"""Radii [m] of balls taken off the cores of A and B: a core is then the rest, and swept by the ball it is the core again. Zero
+for points. At most the least radius of curvature, see `ellipsoid.rolling_radius`, or the rest is not convex."""
 
 WHOLE: Balls = (0.0, 0.0)
 """Nothing taken off."""
@@ -275,7 +273,7 @@ def known(slot: int, scratch: Scratch) -> bool:
 def proved_by_facet(
     vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, balls: Balls, scratch: Scratch
 ) -> tuple[Vec3, float]:
-    """The unit normal of the first three points of A - B, towards v, and the distance along it that two supports prove.
+    """Return the unit normal of the first three points of A - B, towards v, and the distance along it that two supports prove.
 
     Of a gap of 1e-8 of the size v is the difference of two places a hundred million times as long: it leans by as many
     times their rounding. A facet's own normal does not. Zero for points on a line.
@@ -293,7 +291,7 @@ def proved_by_facet(
 def gjk(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
 ) -> tuple[int, Vec3, float, int]:
-    """Distance of the cores of shapes a and b, radii left out.
+    """Return the distance of the cores of shapes a and b, radii left out.
 
     Args:
         vertices: (nv, 3) world coordinates [m].
@@ -303,7 +301,7 @@ def gjk(
 
     Returns:
         (status, n, distance, count). n is the unit normal out of b into a. Distance 0 means: they overlap, or
-        are too close for GJK to tell, and n is zero. The simplex is in the first ``count`` rows of the
+        are too close for GJK to decide, and n is zero. The simplex is in the first ``count`` rows of the
         scratch, ``scratch.share`` its barycentric coordinates. Stopped by the margin, or with another status
         than CONVERGED, distance is a proved lower bound along n and the simplex is unfinished.
     """
@@ -313,7 +311,7 @@ def gjk(
 
 @kernel
 def first_direction(vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3) -> Vec3:
-    """The seed, if it is a direction; else from the first row of b to that of a; never zero."""
+    """Return the seed, if it is a direction; else from the first row of b to that of a; never zero."""
     if 0.0 < dot(seed, seed) < inf:
         return seed
     v = sub(row(vertices, shapes.start[a]), row(vertices, shapes.start[b]))
@@ -325,7 +323,7 @@ def gjk_from(
     vertices: Rows, shapes: Shapes, a: int, b: int, v: Vec3, balls: Balls, count: int, margin: float, close: float,
     scratch: Scratch,
 ) -> tuple[int, Vec3, float, int]:
-    """As `gjk`, going on from a simplex: v is the point closest to the origin of the first ``count`` points.
+    """Run `gjk` from a simplex: v is the point closest to the origin of the first ``count`` points.
 
     Without points v is any direction to try first. Any points of A - B will do: they cost time, not truth. A distance
     is found when it is proved but for ``close``, relative to the shapes' size. One above the margin is always proved.
@@ -343,7 +341,7 @@ def gjk_from(
         measured = count > 0
         if measured:
             missing = length - proved
-            # A coarse answer must at least prove the cores apart; a fine one that does not says that they touch.
+            # A coarse answer must at least prove the cores apart; a fine one that does not means that they touch.
             done = missing <= (close if proved > 0.0 else CLOSE_ENOUGH) * size + LAST_PLACES * length
             if done or stalls > STALLS_CAP or known(count, scratch):
                 if not (proved > 0.0):
@@ -351,7 +349,7 @@ def gjk_from(
                 # Far from the origin the coordinates themselves are no finer than this.
                 grain = LAST_PLACES * norm(row(scratch.on_a, count))
                 if missing <= max(close, ACCEPTED) * size + LAST_PLACES * length + grain:
-                    # Only what was proved may be above the margin, and that was not.
+                    # Only a proved distance may be above the margin, and this was not.
                     return CONVERGED, scale(v, 1.0 / length), min(length, margin), count
                 n, facet = proved_by_facet(vertices, shapes, a, b, v, balls, scratch) if count > 1 else (NOWHERE, 0.0)
                 if facet > 0.0 and length - facet <= max(close, ACCEPTED) * size + grain:
@@ -376,7 +374,7 @@ def gjk_from(
 
 @kernel
 def closest_points(count: int, scratch: Scratch) -> tuple[Vec3, Vec3]:
-    """The points of A and of B that make the closest point of A - B, from the simplex that `gjk` left."""
+    """Return the points of A and of B that make the closest point of A - B, from the simplex that `gjk` left."""
     on_a, on_b = NOWHERE, NOWHERE
     for i in range(count):
         on_a = along(on_a, scratch.share[i], row(scratch.on_a, i))

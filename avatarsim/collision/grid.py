@@ -39,7 +39,7 @@ NOWHERE: Final = -1
 """The level of a body that is in no cell."""
 
 ROOM: Final = 3
-"""Column of `SweepMemory.lead`: see there."""
+"""Column of `SweepMemory.lead` for the room to move."""
 
 LOOKED: Final = 32
 """Cells that are visited together. A box has 1 to 12 cells around it on its level; more are visited in portions."""
@@ -93,7 +93,7 @@ class SweepMemory(NamedTuple):
 
 
 def make_sweep_memory(count: int, room: int, present: bool = True) -> SweepMemory:
-    """Fresh memory for ``count`` bodies, all there or all absent, and ``room`` candidates."""
+    """Return fresh memory for ``count`` bodies, all there or all absent, and ``room`` candidates."""
     table = 1 << max(count - 1, 1).bit_length()
     fat = np.tile([np.inf] * 3 + [-np.inf] * 3, (count, 1))
     lead = np.zeros((count, 4))
@@ -130,7 +130,7 @@ POSITIVE = 2**62 - 1
 
 @kernel
 def level_of(fat: Boxes, b: int) -> int:
-    """The level of box b: lengths up to 2^(LOWEST + 2 level); BEYOND if it is too far away."""
+    """Return the level of box b: lengths up to 2^(LOWEST + 2 level); BEYOND if it is too far away."""
     length, far = 0.0, 0.0
     for k in range(3):
         length = max(length, fat[b, k + 3] - fat[b, k])
@@ -144,19 +144,19 @@ def level_of(fat: Boxes, b: int) -> int:
 
 @kernel
 def half_cell(x: float, level: int) -> int:
-    """Number of the half cell that x lies in on one axis: exact, as cells are powers of two long."""
+    """Return the number of the half cell that x lies in on one axis: exact, as cells are powers of two long."""
     return int(np.floor(x * PER_METRE[level]))
 
 
 @kernel
 def key_of(x: int, y: int, z: int, level: int) -> int:
-    """The cell x, y, z of a level as one number."""
+    """Return the cell x, y, z of a level as one number."""
     return (((level << AXIS_BITS | z & AXIS_MASK) << AXIS_BITS | y & AXIS_MASK) << AXIS_BITS) | x & AXIS_MASK
 
 
 @kernel
 def place_of(key: int, table: int) -> int:
-    """Where the chain of a cell begins: neighbours along x lie side by side in memory. ``table``: a power of two."""
+    """Return where the chain of a cell begins: neighbours along x are adjacent in memory. ``table``: a power of two."""
     row = ((key >> AXIS_BITS) * SPREAD) & POSITIVE
     return ((row >> 24) + key) & (table - 1)
 
@@ -224,7 +224,7 @@ def boxes_meet(boxes: Boxes, i: int, j: int) -> bool:
 
 @kernel
 def consider(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, k: int, found: int) -> int:
-    """Add the pair of b and k to the fresh ones if their boxes meet; returns how many were found by now.
+    """Add the pair of b and k to the fresh ones if their boxes meet; return how many were found so far.
 
     A pair of two bodies that both left is found twice, and taken once.
     """
@@ -237,7 +237,7 @@ def consider(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, k: i
 
 @kernel
 def first_cell(boxes: Boxes, b: int, axis: int, level: int) -> int:
-    """First cell of a level, along one axis, in which the low corner of a box can lie that meets box b.
+    """Return the first cell of a level, along one axis, in which the low corner of a box can lie that meets box b.
 
     Boxes of this level are less than half a cell long, so a low corner is at most one half cell below that of b.
     """
@@ -246,13 +246,13 @@ def first_cell(boxes: Boxes, b: int, axis: int, level: int) -> int:
 
 @kernel
 def last_cell(boxes: Boxes, b: int, axis: int, level: int) -> int:
-    """The last of these cells."""
+    """Return the last of these cells."""
     return half_cell(boxes[b, axis + 3], level) >> 1
 
 
 @kernel
 def cells_around(boxes: Boxes, memory: SweepMemory, b: int) -> float:
-    """Number of cells that a query of box b visits; inf if there are more than keys can distinguish."""
+    """Return the number of cells that a query of box b visits; inf if there are more than keys can distinguish."""
     cells = 0.0
     for level in range(memory.lowest[0], min(memory.highest[0] + 1, LEVELS)):
         if memory.on_level[level] > 0:
@@ -267,7 +267,7 @@ def cells_around(boxes: Boxes, memory: SweepMemory, b: int) -> float:
 
 @kernel
 def partners(boxes: Boxes, wanted: PairFilter, memory: SweepMemory, b: int, found: int) -> int:
-    """Add the pairs of body b to the ``found`` fresh ones; returns how many there are, whether they fit or not.
+    """Add the pairs of body b to the ``found`` fresh ones; return how many there are, whether they fit or not.
 
     ``boxes``: the fat boxes, or boxes inside them.
     """

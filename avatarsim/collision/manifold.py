@@ -35,25 +35,25 @@ from avatarsim.tolerances import NOTHING, ROUNDING, SAME_DIRECTION
 Array = NDArray[np.float64]
 
 SLIVER = 1e-5
-"""Polygons of less area than this part of their squared perimeter are taken as segments: their plane is noise.
-Larger: narrow faces stand like edges; smaller: the noise tilts contact normals."""
+"""Polygons of less area than this part of their squared perimeter are taken as segments: their plane is noise. Larger: narrow
+faces count as edges; smaller: the noise tilts contact normals."""
 
 
 @kernel
 def copy_row(source: Array, i: int, out: Array, k: int) -> None:
-    """out[k] = source[i], three numbers."""
+    """Set out[k] = source[i], three numbers."""
     out[k, 0], out[k, 1], out[k, 2] = source[i, 0], source[i, 1], source[i, 2]
 
 
 @kernel
 def left_of(ax: float, ay: float, bx: float, by: float, px: float, py: float) -> float:
-    """Twice the area of the triangle a, b, p: positive if p is left of the line from a to b."""
+    """Return twice the area of the triangle a, b, p: positive if p is left of the line from a to b."""
     return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
 
 
 @kernel
 def wrap(points: Array, count: int, equal: float, out: Array) -> int:
-    """Convex hull of the first ``count`` points, counter-clockwise into ``out``; returns its number of corners.
+    """Write the convex hull of the first ``count`` points, counter-clockwise, into ``out``; return its number of corners.
 
     Points closer than ``equal`` are one. Points on an edge are left out.
     """
@@ -103,7 +103,7 @@ def flat(corner: Array, count: int) -> bool:
 
 @kernel
 def to_segment(corner: Array, count: int) -> int:
-    """Keep the two corners that are farthest apart; returns how many are left."""
+    """Keep the two corners that are farthest apart; return how many are left."""
     if count <= 2:
         return count
     p, q, far = 0, 1, -1.0
@@ -120,7 +120,7 @@ def to_segment(corner: Array, count: int) -> int:
 
 @kernel
 def slope(corner: Array, count: int) -> tuple[float, float, float]:
-    """(c, p, q) with height = c + p u + q v over a polygon (Newell's normal) or along a segment."""
+    """Return (c, p, q) with height = c + p u + q v over a polygon (Newell's normal) or along a segment."""
     if count < 2:
         return corner[0, 2], 0.0, 0.0
     if count == 2:
@@ -141,7 +141,7 @@ def slope(corner: Array, count: int) -> tuple[float, float, float]:
 
 @kernel
 def cut(points: Array, count: int, a: float, b: float, c: float, out: Array) -> int:
-    """Part of a polygon (or segment, given as two corners) with a u + b v <= c; returns its number of corners."""
+    """Cut a polygon (or segment, given as two corners) to its part with a u + b v <= c; return its number of corners."""
     kept = 0
     for i in range(count):
         k = (i + 1) % count
@@ -180,12 +180,12 @@ def clip(subject: Array, count: int, window: Array, sides: int, other: Array) ->
 
 
 MANIFOLD_POINTS = 8
-"""Most contact points of two convex shapes; an octagon of support stands like the whole face. Fewer: discs stand on less; more:
+"""Most contact points of two convex shapes; an octagon of support is as good as the whole face. Fewer: discs rest on less; more:
 contacts of faces take longer to solve."""
 
 FEATURE_ROOM = 64
 """Vertices of one touching feature; the face of a hull rarely has ten. Of one with more, those stay that are farthest in so many
-directions all around: a disc of a thousand corners stands on all of its rim but a thousandth of its radius."""
+directions all around: a disc of a thousand corners rests on all of its rim but a thousandth of its radius."""
 
 PARALLEL = SAME_DIRECTION
 """Sine of the angle below which two edges touch along a stretch and not in a point."""
@@ -195,8 +195,8 @@ EQUAL = ROUNDING
 
 
 LEANING = 1e-2
-"""Rise of a face over its own size up to which it counts as lying on another, and not as standing on its edge. Larger: faces that
-stand on an edge get more points than touch; smaller: corners beyond the crossing of two edges are missed."""
+"""Rise of a face over its own size up to which it counts as lying on another, and not as resting on its edge. Larger: faces that
+rest on an edge get more points than touch; smaller: corners beyond the crossing of two edges are missed."""
 
 EVEN = NOTHING
 """Corners that leave their common plane by more than this part of the shapes' size are of several faces."""
@@ -235,7 +235,7 @@ def feature(
     vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, band: float, loose: Array,
     out: Array,
 ) -> int:
-    """Hull, in the plane (u, v), of the vertices of shape s within ``band`` of its farthest along side n; returns its corners."""
+    """Write the hull, in (u, v), of vertices of shape s within ``band`` of its farthest along side n; return its corners."""
     first, last = shapes.start[s], shapes.start[s + 1]
     top = side * dot(n, sub(row(vertices, first), origin))
     for i in range(first + 1, last):
@@ -259,7 +259,7 @@ def feature(
 def farthest_around(
     vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, least: float, loose: Array
 ) -> None:
-    """Of the vertices of shape s at least ``least`` high, the farthest in each of as many directions as there is room for."""
+    """Write, of the vertices of shape s at least ``least`` high, the farthest in as many directions as there is room for."""
     room = loose.shape[0]
     for k in range(room):
         turn, most = 2.0 * pi * k / room, -inf
@@ -277,7 +277,7 @@ def beyond_edge(
     vertices: Rows, shapes: Shapes, s: int, side: float, n: Vec3, u: Vec3, v: Vec3, origin: Vec3, size: float, loose: Array,
     out: Array,
 ) -> int:
-    """The face behind an edge that lies on a face, in place of the edge, if it is tilted against that by less than LEANING.
+    """Write the face behind an edge that lies on a face, in place of the edge, if it is tilted against that by less than LEANING.
 
     Where the edges of two faces cross at a small angle, the touching corner beyond the crossing is one of the other face, and no
     point of the edge. ``out`` holds the edge; returns its new number of corners.
@@ -298,7 +298,7 @@ def beyond_edge(
 
 @kernel
 def only_witness(found: Manifold, on_a: Vec3, on_b: Vec3, gap: float) -> int:
-    """The closest points alone."""
+    """Return the closest points alone."""
     put_row(found.on_a, 0, on_a)
     put_row(found.on_b, 0, on_b)
     found.gap[0] = gap
@@ -309,7 +309,7 @@ def only_witness(found: Manifold, on_a: Vec3, on_b: Vec3, gap: float) -> int:
 def manifold(
     vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3, on_a: Vec3, on_b: Vec3, gap: float, band: float, found: Manifold
 ) -> tuple[int, Vec3]:
-    """Contact points of shapes a and b whose gap is below ``band`` [m].
+    """Return contact points of shapes a and b whose gap is below ``band`` [m].
 
     Args:
         n, on_a, on_b, gap: from `signed_distance`.
@@ -379,7 +379,7 @@ def manifold(
 
 @kernel
 def tilted(n: Vec3, u: Vec3, v: Vec3, face: Array, corners: int) -> Vec3:
-    """Normal of a face given as heights over (u, v), on the side of n."""
+    """Return the normal of a face given as heights over (u, v), on the side of n."""
     _, p, q = slope(face, corners)
     return unit(sub(n, add(scale(u, p), scale(v, q))))
 

@@ -35,8 +35,8 @@ smaller: more rounds."""
 
 @kernel
 def earliest_touch(gap: float, v: float, a: float, h: float) -> float:
-    """Smallest t in (0, h] with gap + v t + a t^2 / 2 <= 0, else h. A gap <= 0 counts as just touching: if it opens, the touch
-    looked for is the next one."""
+    """Return the smallest t in (0, h] with gap + v t + a t^2 / 2 <= 0, else h. A gap <= 0 counts as just touching: if it opens,
+    the touch looked for is the next one."""
     if gap <= 0.0:
         if v < 0.0 or (v == 0.0 and a < 0.0):
             return 0.0
@@ -58,7 +58,7 @@ def earliest_touch(gap: float, v: float, a: float, h: float) -> float:
 
 @kernel
 def longest_horizon(geometry: Geometry, paths: Paths, s: int) -> float:
-    """Longest time [s] over which the bounds of ``turning`` hold, and those of turning ellipsoids stay tight, for shape s."""
+    """Return the longest time [s] over which bounds of ``turning`` hold, and are tight for turning ellipsoids, for shape s."""
     b = geometry.body[s]
     speed = norm(row(paths.w, b))
     if paths.kind[b] == STILL:
@@ -75,7 +75,7 @@ def longest_horizon(geometry: Geometry, paths: Paths, s: int) -> float:
 
 @kernel
 def turning(paths: Paths, b: int, ball: bool, horizon: float) -> Vec3:
-    """Bounds over the horizon for body b: angular speed [1/s], angular acceleration [1/s^2], |r'''| / r of its points [1/s^3].
+    """Return bounds over the horizon for body b: angular speed [1/s] and acceleration [1/s^2], |r'''| / r of its points [1/s^3].
 
     Nothing for a ball, whose plane need not turn and whose one vertex has no arm. Held: w^3 + 3 w alpha with w at its largest.
     Free: |w'| <= w^2 and |w''| <= 2 w^3 for every real solid (its moments obey the triangle inequality), and w grows at most to
@@ -96,9 +96,9 @@ def turning(paths: Paths, b: int, ball: bool, horizon: float) -> Vec3:
 
 @kernel
 def arm_about(paths: Paths, b: int, r: Vec3, horizon: float) -> float:
-    """Arm [m], at most |r|, by which the bounds of ``turning`` may be multiplied for the point r of body b.
+    """Return the arm [m], at most |r|, by which the bounds of ``turning`` may be multiplied for the point r of body b.
 
-    What turns about one axis moves its points by their distance from that axis. A held body does but for the part of its angular
+    A turn about one axis moves points by their distance from that axis. A held body does but for the part of its angular
     acceleration across the axis: that tilts the axis by 2 ``tilt`` at most since the path began, and accelerates by itself.
     """
     w, arm = row(paths.w, b), norm(r)
@@ -120,7 +120,7 @@ def arm_about(paths: Paths, b: int, r: Vec3, horizon: float) -> float:
 
 @kernel
 def safe_step(rows: Array, count: int, own: Vec3, plane: Vec3, slide: float, target: float, h: float) -> float:
-    """A time <= h during which no vertex of ``follow`` comes closer than ``target`` to the plane.
+    """Return a time <= h during which no vertex of ``follow`` comes closer than ``target`` to the plane.
 
     ``own`` and ``plane`` are bounds from ``turning`` for the body of the vertices and for the plane; ``slide`` is the
     acceleration of one centre seen from the other [m/s^2].
@@ -151,7 +151,7 @@ def safe_step(rows: Array, count: int, own: Vec3, plane: Vec3, slide: float, tar
 def longest_safe_step(
     rows: Array, count: int, paths: Paths, b: int, c: int, ball: bool, plane_of_ball: bool, target: float, h: float
 ) -> float:
-    """``safe_step`` over the horizon, at most h, whose bounds leave the longest step; vertices of body b, plane of body c."""
+    """Return ``safe_step`` for the horizon, at most h, whose bounds leave the longest step; vertices of body b, plane of c."""
     slide = norm(sub(acceleration(paths, b), acceleration(paths, c)))
     horizon, step = h, 0.0
     for _ in range(HORIZONS):
@@ -166,7 +166,7 @@ def longest_safe_step(
 
 @kernel
 def height(geometry: Geometry, trial: Poses, s: int, m: Vec3) -> float:
-    """How far shape s reaches along m beyond its body's centre of mass [m], radius included."""
+    """Return how far shape s reaches along m beyond its body's centre of mass [m], radius included."""
     shapes, vertices = geometry.shapes, trial.vertices
     reach = reach_along(vertices, shapes, s, m) + shapes.radius[s]
     return float(reach - dot(m, row(trial.position, geometry.body[s])))
@@ -177,7 +177,7 @@ def follow(
     geometry: Geometry, trial: Poses, paths: Paths, s: int, f: int, own_spin: Vec3, own_twist: Vec3, spin: Vec3, twist: Vec3,
     own_most: Vec3, plane_most: Vec3, horizon: float, m: Vec3, out: Array,
 ) -> int:
-    """Vertices of shape s as seen from shape f, over the plane that touches f with outward normal m and turns with it.
+    """Return vertices of shape s as seen from shape f, over the plane that touches f with outward normal m and turns with it.
 
     Whatever the plane does, a vertex above it has not touched f; turning with f, it stays on a face of it, so that neither a
     spinning face nor two boxes that topple together seem to approach. ``own_spin`` and ``own_twist`` are angular velocity and
@@ -233,7 +233,7 @@ def follow(
 def follow_ball(
     geometry: Geometry, trial: Poses, paths: Paths, radius: float, b: int, f: int, spin: Vec3, twist: Vec3, m: Vec3, out: Array
 ) -> None:
-    """As ``follow``, for the ball of ``radius`` about the centre of body b: however it tumbles, it stays in there. One row."""
+    """Do as ``follow`` for the ball of ``radius`` about the centre of body b: however it tumbles, it stays in there. One row."""
     c = geometry.body[f]
     d = sub(row(trial.position, b), row(trial.position, c))
     v, a = sub(row(paths.v, b), row(paths.v, c)), sub(acceleration(paths, b), acceleration(paths, c))
@@ -247,7 +247,7 @@ def follow_ball(
 
 @kernel
 def follow_centres(geometry: Geometry, trial: Poses, paths: Paths, radii: float, b: int, c: int, out: Array) -> None:
-    """The balls about two bodies, ``radii`` together, along the line of their centres. One row; no plane turns."""
+    """Write the row of the balls about two bodies, ``radii`` together, along the line of their centres. No plane turns."""
     d = sub(row(trial.position, b), row(trial.position, c))
     v, a = sub(row(paths.v, b), row(paths.v, c)), sub(acceleration(paths, b), acceleration(paths, c))
     far = norm(d)

@@ -47,7 +47,7 @@ def make_series() -> Series:
 
 @kernel
 def spun(turn: Columns, w: Vec3, t: float) -> Columns:
-    """Rotation after t seconds at the constant angular velocity w [rad/s], world axes."""
+    """Return the rotation after t seconds at the constant angular velocity w [rad/s], world axes."""
     speed = norm(w)
     if speed * t == 0.0:
         return turn
@@ -58,7 +58,7 @@ def spun(turn: Columns, w: Vec3, t: float) -> Columns:
 
 @kernel
 def from_quaternion(w: float, x: float, y: float, z: float) -> Columns:
-    """Rotation matrix of a quaternion that need not be of unit length."""
+    """Return the rotation matrix of a quaternion that need not be of unit length."""
     s = 2.0 / (w * w + x * x + y * y + z * z)
     return (
         (1.0 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)),
@@ -69,7 +69,7 @@ def from_quaternion(w: float, x: float, y: float, z: float) -> Columns:
 
 @kernel
 def series_step(inverse_inertia: Columns, momentum: Vec3, h: float, series: Series) -> Columns:
-    """Rotation of the body during h seconds, in its own axes at the start.
+    """Return the rotation of the body during h seconds, in its own axes at the start.
 
     m' = m x w, w = I^-1 m, q' = q w / 2, in units of h: products of series are sums of products of their coefficients.
     """
@@ -106,8 +106,7 @@ def series_step(inverse_inertia: Columns, momentum: Vec3, h: float, series: Seri
 def tumbled(
     inertia: Columns, inverse_inertia: Columns, turn: Columns, w: Vec3, t: float, series: Series
 ) -> tuple[Columns, Vec3]:
-    """Rotation and angular velocity after t seconds without torque; angular momentum is conserved by construction, except
-    beyond STEPS_CAP.
+    """Return rotation and angular velocity after t seconds without torque; conserves angular momentum, except beyond STEPS_CAP.
 
     Args:
         inertia, inverse_inertia: in body axes.
@@ -133,8 +132,8 @@ STILL, FREE, HELD = 0, 1, 2
 class Paths(NamedTuple):
     """One path per body, from the velocities at the start of the segment.
 
-    kind (nb); linear, angular (nb, 3) accelerations [m/s^2], [rad/s^2]; round (nb) 1 if no torque arises from spinning;
-    inertia, inverse_inertia (nb, 3, 3) in body axes; time (nb) [s] at which `trial` poses stand; v, w (nb, 3) velocities then.
+    kind (nb); linear, angular (nb, 3) accelerations [m/s^2], [rad/s^2]; round (nb) 1 if no torque arises from spinning; inertia,
+    inverse_inertia (nb, 3, 3) in body axes; time (nb) [s] of the `trial` poses; v, w (nb, 3) velocities then.
     """
 
     kind: IndexLine
@@ -149,7 +148,7 @@ class Paths(NamedTuple):
 
 
 def make_paths(inertia: Array, inverse_inertia: Array, round_: Index) -> Paths:
-    """Paths of bodies at rest."""
+    """Return paths of bodies at rest."""
     n = len(round_)
     return Paths(
         np.zeros(n, np.int64), np.zeros((n, 3)), np.zeros((n, 3)), round_, inertia, inverse_inertia, np.zeros(n),
@@ -192,7 +191,7 @@ def move_along(
 
 @kernel
 def of_rotation_vector(theta: Vec3, rate: Vec3, gain: Vec3) -> tuple[Vec3, Vec3]:
-    """Angular velocity and acceleration of exp(theta), whose rotation vector changes by ``rate`` and that by ``gain``.
+    """Return the angular velocity and acceleration of exp(theta), whose rotation vector changes by ``rate`` and that by ``gain``.
 
     w = rate + B theta x rate + C theta x (theta x rate) with B = (1 - cos f) / f^2, C = (f - sin f) / f^3, f = |theta|, and its
     derivative. Only while theta and rate are parallel is w the rate itself.
@@ -221,16 +220,16 @@ def of_rotation_vector(theta: Vec3, rate: Vec3, gain: Vec3) -> tuple[Vec3, Vec3]
 
 @kernel
 def acceleration(paths: Paths, b: int) -> Vec3:
-    """Of body b on its path [m/s^2]; none of a body at rest, be it that it stopped on a path that goes on."""
+    """Return the acceleration of body b on its path [m/s^2]; none of a body at rest, even if its path continues."""
     return (0.0, 0.0, 0.0) if paths.kind[b] == STILL else row(paths.linear, b)
 
 
 @kernel
 def spinning(paths: Paths, angular: Array, turn: Array, b: int) -> tuple[Vec3, Vec3]:
-    """True angular velocity and acceleration, world axes, of body b where ``move_along`` left it.
+    """Return the true angular velocity and acceleration, world axes, of body b where ``move_along`` left it.
 
     ``angular`` (nb, 3) velocities at the start of the segment; ``turn`` (nb, 3, 3) rotations now. That of a held body differs
-    from ``paths.w`` where it does not turn about one axis: its rotation vector is what grows evenly.
+    from ``paths.w`` where it does not turn about one axis: its rotation vector grows evenly.
     """
     if paths.kind[b] == HELD:
         t, w, alpha = paths.time[b], row(angular, b), row(paths.angular, b)
@@ -242,7 +241,7 @@ def spinning(paths: Paths, angular: Array, turn: Array, b: int) -> tuple[Vec3, V
 
 @kernel
 def gyroscopic(paths: Paths, turn: Array, b: int) -> Vec3:
-    """Euler's I^-1 ((I w) x w) [rad/s^2], world axes."""
+    """Return Euler's I^-1 ((I w) x w) [rad/s^2], world axes."""
     r = columns(turn, b)
     w = turned_back(r, row(paths.w, b))
     return turned(r, turned(columns(paths.inverse_inertia, b), cross(turned(columns(paths.inertia, b), w), w)))

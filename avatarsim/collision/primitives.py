@@ -27,8 +27,7 @@ BOX_CORNERS = 8
 """Points of a box, in the order of three nested loops over low and high x, y, z: corner 0 is opposite to corner 7."""
 
 NONE, TWO_POINTS, TWO_SEGMENTS, POINT_AND_BOX, BOX_AND_POINT = 0, 1, 2, 3, 4
-"""What `form` says: nothing but iterations; two spheres; sphere or capsule and capsule; sphere and what may be a box,
-in both orders."""
+"""Results of `form`: no formula; two spheres; sphere or capsule and capsule; sphere and a possible box, in both orders."""
 
 UNKNOWN = (False, 0.0, NOWHERE, NOWHERE, NOWHERE)
 """The answer where no formula gives one."""
@@ -40,7 +39,7 @@ by as much; smaller: boxes whose corners are rounded, far from the origin, are m
 
 @kernel
 def form(shapes: Shapes, a: int, b: int) -> int:
-    """Which formula there is for shapes a and b.
+    """Return the formula that there is for shapes a and b.
 
     The queries call the formula themselves, which saves a call for pairs that take as long as a few calls.
     """
@@ -57,7 +56,7 @@ def form(shapes: Shapes, a: int, b: int) -> int:
 
 @kernel
 def between_points(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Distance of two points; not known if they coincide."""
+    """Return the distance of two points; not known if they coincide."""
     p, q = row(vertices, shapes[a].start), row(vertices, shapes[b].start)
     v = sub(p, q)
     length = norm(v)
@@ -68,7 +67,7 @@ def between_points(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
 
 @kernel
 def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Distance of two segments or points: that of the origin from the parallelogram of their differences.
+    """Return the distance of two segments or points: that of the origin from the parallelogram of their differences.
 
     Not known if they touch, or if no plane proves the distance.
     """
@@ -82,7 +81,7 @@ def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
     if not (TOUCHING * size < length < inf):
         return between_segments_by_triangles(p, q, r, s, size)
     n = scale(w, 1.0 / length)
-    # The least of four heights: p - r and what the other ends add to it.
+    # The least of four heights: p - r and the additions of the other ends.
     proved = dot(n, between) + min(dot(n, u), 0.0) - max(dot(n, v), 0.0)
     if not (length - proved <= CLOSE_ENOUGH * size + LAST_PLACES * length):
         return between_segments_by_triangles(p, q, r, s, size)
@@ -91,10 +90,10 @@ def between_segments(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
 
 @kernel
 def shares(u: Vec3, v: Vec3, between: Vec3) -> Share2:
-    """Shares t, x in [0, 1] of the nearest points p + t u and r + x v of two segments; between = p - r.
+    """Return shares t, x in [0, 1] of the nearest points p + t u and r + x v of two segments; between = p - r.
 
-    Each is the best for the other, t for the lines first. What rounding makes of nearly parallel ones is the caller's matter.
-    Without branches, which a processor would guess wrong half of the time. A segment of no length has share 0.
+    Each is the best for the other, t for the lines first. Rounding of nearly parallel ones is the caller's matter. Without
+    branches, which a processor would guess wrong half of the time. A segment of no length has share 0.
     """
     uu, vv, uv, u_p, v_p = dot(u, u), dot(v, v), dot(u, v), dot(u, between), dot(v, between)
     across = uu * vv - uv * uv
@@ -105,14 +104,14 @@ def shares(u: Vec3, v: Vec3, between: Vec3) -> Share2:
 
 @kernel
 def within(share: float) -> float:
-    """The nearest number from 0 to 1."""
+    """Return the nearest number from 0 to 1."""
     share = share if share > 0.0 else 0.0
     return share if share < 1.0 else 1.0
 
 
 @kernel
 def between_segments_by_triangles(p: Vec3, q: Vec3, r: Vec3, s: Vec3, size: float) -> Answer:
-    """As `between_segments`, of p q and r s, however nearly parallel they are: the parallelogram as two triangles."""
+    """Return `between_segments` of p q and r s, however nearly parallel they are: the parallelogram as two triangles."""
     pr, qr, ps, qs = sub(p, r), sub(q, r), sub(p, s), sub(q, s)
     v, x = closest_on_triangle(pr, qr, qs)
     u, y = closest_on_triangle(pr, qs, ps)
@@ -132,11 +131,11 @@ def between_segments_by_triangles(p: Vec3, q: Vec3, r: Vec3, s: Vec3, size: floa
 
 @kernel
 def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of a point a from the surface of a box b; not known if b is no box or a is on its surface."""
+    """Return the signed distance of a point a from the surface of a box b; not known if b is no box or a is on its surface."""
     first, size, extent = shapes[b].start, max(shapes[a].extent, shapes[b].extent), shapes[b].extent
     low, three, five, six = row(vertices, first), row(vertices, first + 3), row(vertices, first + 5), row(vertices, first + 6)
     x, y, z = sub(row(vertices, first + 4), low), sub(row(vertices, first + 2), low), sub(row(vertices, first + 1), low)
-    # The fourth corner of a face beside the first, three times, and the corner opposite to it.
+    # The fourth corner of a face next to the first, three times, and the corner opposite to it.
     bent = max(
         off(sub(six, low), x, y), off(sub(five, low), x, z), off(sub(three, low), y, z),
         off(sub(row(vertices, first + 7), low), x, sub(three, low)),
@@ -163,13 +162,13 @@ def point_and_box(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
 
 @kernel
 def beyond(share: float) -> float:
-    """How far a coordinate is above 1 or below 0; nan stays."""
+    """Return how far a coordinate is above 1 or below 0; nan stays."""
     return share if share < 0.0 else (share - 1.0 if not (share <= 1.0) else 0.0)
 
 
 @kernel
 def point_in_box(p: Vec3, d: Vec3, x: Vec3, y: Vec3, z: Vec3, size: float) -> Answer:
-    """Depth of a point p, d from a corner with edges x y z, in the box, which may be sheared: the nearest of six planes.
+    """Return the depth of a point p, d from a corner with edges x y z, in the box, which may be sheared: by the nearest plane.
 
     The ball about p that touches it is in the box, and so is the point where it does.
     """
@@ -196,7 +195,7 @@ def point_in_box(p: Vec3, d: Vec3, x: Vec3, y: Vec3, z: Vec3, size: float) -> An
 
 @kernel
 def off(corner: Vec3, u: Vec3, v: Vec3) -> float:
-    """Largest coordinate difference of a corner from u + v."""
+    """Return the largest coordinate difference of a corner from u + v."""
     d = sub(sub(corner, u), v)
     return max(abs(d[0]), abs(d[1]), abs(d[2]))
 
@@ -237,7 +236,7 @@ def edges_of(vertices: Rows, shapes: Shapes, s: int) -> tuple[bool, Edges]:
 
 @kernel
 def height(n: Vec3, c: Vec3, u: Edges, v: Edges) -> float:
-    """Height of the lower of two opposite facets of normal n, times |n|: half the width of A - B less the way to its centre."""
+    """Return the height of the lower of two opposite facets of normal n, times |n|: half A - B's width less its centre's way."""
     of_a = abs(dot(n, u[0])) + abs(dot(n, u[1])) + abs(dot(n, u[2]))
     of_b = abs(dot(n, v[0])) + abs(dot(n, v[1])) + abs(dot(n, v[2]))
     return 0.5 * (of_a + of_b) - abs(dot(n, c))
@@ -245,7 +244,7 @@ def height(n: Vec3, c: Vec3, u: Edges, v: Edges) -> float:
 
 @kernel
 def lowest_facet(c: Vec3, u: Edges, v: Edges) -> tuple[float, Vec3, int, int]:
-    """Height and outward unit normal of the lowest facet of A - B, whose centre is c, and what makes it: edges i of A and j of B.
+    """Return the height and outward unit normal of the lowest facet of A - B, centre c, and its sources: edges i of A and j of B.
 
     i and -1: a face of A, which edge i leaves; -1 and j: one of B. Height 0: none holds, because A - B does not hold the origin
     or edges are parallel.
@@ -274,7 +273,7 @@ def lowest_facet(c: Vec3, u: Edges, v: Edges) -> tuple[float, Vec3, int, int]:
 
 @kernel
 def corner_towards(low: Vec3, u: Edges, m: Vec3, free: int) -> Vec3:
-    """The corner of a box farthest along m; edge ``free`` is left at its beginning."""
+    """Return the corner of a box farthest along m; edge ``free`` is left at its beginning."""
     p = low
     for k in range(3):
         if k != free and dot(u[k], m) > 0.0:
@@ -288,7 +287,7 @@ def on_face(p: Vec3, low: Vec3, u: Edges, i: int) -> bool:
     d, s, t = sub(p, low), u[(i + 1) % 3], u[(i + 2) % 3]
     n = cross(s, t)
     nn = dot(n, n)
-    # What d has along the edge that leaves the face is taken off: it may be at an angle.
+    # The part of d along the edge that leaves the face is taken off: it may be at an angle.
     d = along(d, -dot(d, n) / dot(u[i], n), u[i])
     x, y = dot(cross(d, t), n) / nn, dot(cross(s, d), n) / nn
     return -BESIDE <= x <= 1.0 + BESIDE and -BESIDE <= y <= 1.0 + BESIDE
@@ -296,9 +295,9 @@ def on_face(p: Vec3, low: Vec3, u: Edges, i: int) -> bool:
 
 @kernel
 def box_depth(vertices: Rows, shapes: Shapes, a: int, b: int) -> Answer:
-    """Signed distance of two boxes that overlap; not known if they do not, are no boxes, or have parallel edges.
+    """Return the signed distance of two boxes that overlap; not known if they do not, are no boxes, or have parallel edges.
 
-    The height of the lowest facet is what moving by it proves, and no other facet is lower.
+    Moving by the height of the lowest facet proves that height, and no other facet is lower.
     """
     size = max(shapes[a].extent, shapes[b].extent)
     box_a, u = edges_of(vertices, shapes, a)

@@ -1,7 +1,7 @@
-"""Working memory of the convex queries: made once, handed to every call, holds nothing between calls.
+"""Working memory of the convex queries: made once, passed to every call, holds nothing between calls.
 
-One structured record and no tuple of arrays: numba hands a record on as one pointer, an array as seven words or more. With a
-tuple of these fifteen arrays the calls within the narrow phase copied more than 1 kB each.
+One structured record and no tuple of arrays: numba passes a record as one pointer, an array as seven words or more. With a tuple
+of these fifteen arrays the calls within the narrow phase copied more than 1 kB each.
 """
 
 import numpy as np
@@ -98,5 +98,5 @@ def make_scratch() -> Scratch:
 
 @kernel
 def number(stored: np.uint32) -> int:
-    """The number of a face or point as any other integer; that it is not negative is known to the compiler all the same."""
+    """Return the number of a face or point as any other integer; the compiler still knows that it is not negative."""
     return np.int64(stored)  # type: ignore[return-value]  # to Python it is one

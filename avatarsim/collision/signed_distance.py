@@ -33,7 +33,7 @@ from avatarsim.spatial.vec3 import Rows, Vec3, along, neg
 def signed_distance_up_to(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3]:
-    """As `signed_distance`, but stop as soon as a gap > margin [m] is proved.
+    """Return `signed_distance`, but stop as soon as a gap > margin [m] is proved.
 
     The gap returned is then a proved lower bound > margin along n, and both points are zero.
     """
@@ -58,7 +58,7 @@ def signed_distance_up_to(
 def with_radii(
     shapes: Shapes, a: int, b: int, status: int, distance: float, n: Vec3, on_a: Vec3, on_b: Vec3, margin: float
 ) -> tuple[int, float, Vec3, Vec3, Vec3]:
-    """From the distance and points of the cores to those of the shapes, as `signed_distance_up_to` returns them."""
+    """Convert distance and points of the cores to those of the shapes, as `signed_distance_up_to` returns them."""
     radius_a, radius_b = shapes.radius[a], shapes.radius[b]
     if status == NOT_FINITE or distance > margin + (radius_a + radius_b):
         return status, distance - (radius_a + radius_b), n, NOWHERE, NOWHERE
@@ -69,7 +69,7 @@ def with_radii(
 def core_distance(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, margin: float, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3, int, int]:
-    """Signed distance of the cores, radii left out, by GJK and, if they overlap, by EPA; ellipsoids by Newton after them.
+    """Return the signed distance of the cores, radii left out, by GJK and, if they overlap, EPA; ellipsoids by Newton after them.
 
     Returns:
         (status, distance, n, point_a, point_b, points, faces). The scratch holds ``points`` points: the simplex of cores
@@ -102,7 +102,7 @@ def core_distance(
 def signed_distance(
     vertices: Rows, shapes: Shapes, a: int, b: int, seed: Vec3, scratch: Scratch
 ) -> tuple[int, float, Vec3, Vec3, Vec3]:
-    """Signed distance of shapes a and b, radii included.
+    """Return the signed distance of shapes a and b, radii included.
 
     Args:
         vertices: (nv, 3) world coordinates [m].

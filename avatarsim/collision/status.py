@@ -29,4 +29,4 @@ NAMES: Final = {
     CANCELLING: "cancelling",
     OUT_OF_ROOM: "out of room",
 }
-"""What to print for each status."""
+"""Text to print for each status."""

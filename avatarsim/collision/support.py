@@ -12,7 +12,7 @@ from avatarsim.spatial.vec3 import Rows, Vec3, along, dot, neg, row
 
 @kernel
 def farthest(vertices: Rows, first: int, last: int, d: Vec3) -> int:
-    """The row among first .. last - 1 whose product with d is largest; of equal ones the lowest.
+    """Return the row among first .. last - 1 whose product with d is largest; of equal ones the lowest.
 
     Most of the time of a query between hulls goes into this scan and that of `largest`. Rows are compared by twos, the better one
     with the best so far, since each of these comparisons waits for the last. Where no product is a number: the first row.
@@ -30,7 +30,7 @@ def farthest(vertices: Rows, first: int, last: int, d: Vec3) -> int:
 
 @kernel
 def largest(vertices: Rows, first: int, last: int, d: Vec3) -> float:
-    """The largest product of rows first .. last - 1 with d, in two thirds of the time of `farthest`.
+    """Return the largest product of rows first .. last - 1 with d, in two thirds of the time of `farthest`.
 
     Odd and even rows are compared among themselves. Where the product of the first row is no number, nor is this.
     """
@@ -48,7 +48,7 @@ def largest(vertices: Rows, first: int, last: int, d: Vec3) -> float:
 
 @kernel
 def support(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> tuple[Vec3, int]:
-    """Farthest point of the core of shape s (its radius left out) in direction d, and its row.
+    """Return the farthest point of the core of shape s (its radius left out) in direction d, and its row.
 
     Points: see `farthest`. Ellipsoid with centre c and semi-axes a_i: c + sum_i a_i (a_i.d) / sqrt(sum_i (a_i.d)^2); its row
     is that of the centre.
@@ -68,7 +68,7 @@ def support(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> tuple[Vec3, int]
 
 @kernel
 def reach(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> float:
-    """Support function of the core of shape s: the largest x.d over its points x."""
+    """Return the support function of the core of shape s: the largest x.d over its points x."""
     first = shapes[s].start
     if shapes[s].kind == POINTS:
         return largest(vertices, first, shapes[s + 1].start, d)
@@ -80,11 +80,10 @@ def reach(vertices: Rows, shapes: Shapes, s: int, d: Vec3) -> float:
 
 @kernel
 def gap_along(vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3) -> float:
-    """Signed gap [m] of shapes a and b along the unit vector n (out of b into a), radii included.
+    """Return the signed gap [m] of shapes a and b along the unit vector n (out of b into a), radii included.
 
-    min_A n.x - max_B n.x - r_A - r_B. Whatever produced n, a result > 0 proves that the shapes are apart by
-    at least that much. Write the test as ``not (gap > 0)``: a nan in a pose reaches every vertex of the body,
-    hence the first, hence the result.
+    min_A n.x - max_B n.x - r_A - r_B. For any n, a result > 0 proves that the shapes are apart by at least that much. Write the
+    test as ``not (gap > 0)``: a nan in a pose reaches every vertex of the body, hence the first, hence the result.
     """
     rounding: float = shapes.radius[a] + shapes.radius[b]
     return -reach(vertices, shapes, a, neg(n)) - reach(vertices, shapes, b, n) - rounding
@@ -92,7 +91,7 @@ def gap_along(vertices: Rows, shapes: Shapes, a: int, b: int, n: Vec3) -> float:
 
 @kernel
 def foremost(vertices: Rows, shapes: Shapes, s: int, m: Vec3, band: float) -> tuple[int, Vec3, Vec3]:
-    """(number of corners of shape s at most ``band`` [m] behind its farthest along m, the second of them, the first).
+    """Return (number of corners of shape s at most ``band`` [m] behind its farthest along m, the second of them, the first).
 
     With one corner both are that and zero. The ball around the points does not matter.
     """

@@ -65,7 +65,7 @@ a cached face the origin is."""
 def signed_distance_coherent(
     vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, scratch: Scratch, memory_out: PairMemory, pair: int
 ) -> tuple[int, float, Vec3, Vec3, Vec3]:
-    """As `signed_distance_up_to`, faster if the relative pose of shapes a and b has changed little since the last call.
+    """Return `signed_distance_up_to`, faster if the relative pose of shapes a and b has changed little since the last call.
 
     Args:
         margin: stop as soon as a gap > margin [m] is proved; inf: the exact distance.
@@ -93,7 +93,7 @@ def signed_distance_coherent(
 def core_distance_coherent(
     vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[int, float, Vec3, Vec3, Vec3]:
-    """As `core_distance`, warm-started from the cache of the pair where that gives an answer."""
+    """Return `core_distance`, warm-started from the cache of the pair where that gives an answer."""
     smooth, used = shapes[a].kind != POINTS or shapes[b].kind != POINTS, memory_out.used[0]
     if used > FEATURE and not smooth:
         known, distance, n, on_a, on_b = same_facet(vertices, shapes, a, b, scratch, memory_out)
@@ -140,7 +140,7 @@ def core_distance_coherent(
 def still_apart(
     vertices: Rows, shapes: Shapes, a: int, b: int, count: int, margin: float, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Distance of the cores by GJK from the ``count`` cached points in the scratch; not known if they touch."""
+    """Return the distance of the cores by GJK from the ``count`` cached points in the scratch; not known if they touch."""
     _, v, count = closest_in_simplex(count, scratch)
     if not (0.0 < norm(v) < inf):
         return UNKNOWN
@@ -156,7 +156,7 @@ def still_apart(
 def same_simplex(
     vertices: Rows, shapes: Shapes, a: int, b: int, margin: float, memory: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Distance of the cores if the cached 1 to 3 points of A - B, at the present poses, still hold its nearest point.
+    """Return the distance of the cores if the cached 1 to 3 points of A - B, at the present poses, still hold its nearest point.
 
     The result of the first step of GJK, by the same test, in less time and without writing the simplex.
     """
@@ -193,7 +193,7 @@ def same_simplex(
 def same_facet(
     vertices: Rows, shapes: Shapes, a: int, b: int, scratch: Scratch, memory: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Depth of the cores if the cached polytope, at the present poses, proves it: its lowest face is one of A - B's.
+    """Return the depth of the cores if the cached polytope, at the present poses, proves it: its lowest face is one of A - B's.
 
     The proof is that of `expand`, in less time and without writing: two supports, and a surface around the origin without a
     lower face.
@@ -216,7 +216,7 @@ def same_facet(
 def still_overlapping(
     vertices: Rows, shapes: Shapes, a: int, b: int, count: int, scratch: Scratch, memory_out: PairRecord
 ) -> tuple[bool, float, Vec3, Vec3, Vec3]:
-    """Depth of the cores by EPA from the cached polytope over the ``count`` points in the scratch.
+    """Return the depth of the cores by EPA from the cached polytope over the ``count`` points in the scratch.
 
     Not known if the polytope is not closed or does not hold the origin. The answer is proved by `expand` alone.
     """

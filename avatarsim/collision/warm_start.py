@@ -1,7 +1,7 @@
 """Warm-start cache of the signed distance of a pair: last normal, and the simplex of GJK or the polytope of EPA.
 
 Vertices are kept by number, so they move with the shapes: the simplex of a pair that was apart, or the whole polytope around the
-origin of a pair that overlapped. The cache is a hint: it is checked when it is read, whatever it holds.
+origin of a pair that overlapped. The cache is a hint: it is always checked when it is read.
 """
 
 from math import inf, sqrt
@@ -59,7 +59,7 @@ class PairRecord(np.record):  # type: ignore[misc]  # numpy calls it final, and 
 
 
 class PairMemory(np.recarray[Any, np.dtype[Any]]):
-    """np records of fixed size, one per pair: `memory[pair]` is a PairRecord, which kernels hand on as a pointer."""
+    """np records of fixed size, one per pair: `memory[pair]` is a PairRecord, which kernels pass as a pointer."""
 
     axis: NDArray[np.float64]
     used: NDArray[np.int64]
@@ -69,7 +69,7 @@ class PairMemory(np.recarray[Any, np.dtype[Any]]):
 
 
 def make_pair_memory(pairs: int) -> PairMemory:
-    """Empty memory for so many pairs."""
+    """Return empty memory for so many pairs."""
     return np.zeros(pairs, PAIR).view(PairMemory)
 
 
@@ -78,7 +78,7 @@ known_as_table(PairMemory, PAIR)
 
 @kernel
 def recall_axis(memory: PairRecord) -> Vec3:
-    """The last normal, or zero if the cached one is no unit vector."""
+    """Return the last normal, or zero if the cached one is no unit vector."""
     axis = (memory.axis[0], memory.axis[1], memory.axis[2])
     square = dot(axis, axis)
     return axis if 0.5 < square < 2.0 else (0.0, 0.0, 0.0)
@@ -92,7 +92,7 @@ def keep_axis(n: Vec3, memory_out: PairRecord) -> None:
 
 @kernel
 def recall_points(vertices: Rows, shapes: Shapes, a: int, b: int, memory: PairRecord, scratch: Scratch) -> int:
-    """Put the cached points, at the present poses, into the scratch; returns how many, 0 if one is no number of a vertex."""
+    """Put the cached points, at the present poses, into the scratch; return how many, 0 if one is no number of a vertex."""
     count: int = memory.used[0]
     if not (0 < count <= POINTS_KEPT):
         return 0
@@ -113,7 +113,7 @@ def recall_points(vertices: Rows, shapes: Shapes, a: int, b: int, memory: PairRe
 
 @kernel
 def recall_differences(vertices: Rows, shapes: Shapes, a: int, b: int, memory: PairRecord, scratch: Scratch) -> int:
-    """As `recall_points`, but only the points of A - B are put there."""
+    """Do as `recall_points`, but put only the points of A - B there."""
     count: int = memory.used[0]
     if not (0 < count <= POINTS_KEPT):
         return 0
@@ -139,9 +139,9 @@ def met(f: int, e: int, faces: int, memory: PairRecord) -> bool:
 
 @kernel
 def lowest_kept(points: int, memory: PairRecord, scratch: Scratch) -> tuple[float, Vec3]:
-    """Height and normal of the lowest face of the surface kept over the points in the scratch; 0 if it is none around the origin.
+    """Return height and normal of the lowest face of the surface over the points in the scratch; 0 if none is around the origin.
 
-    What `recall_faces` and then `lowest_face` find, without writing anything and with one square root: heights h / |n| of
+    Does the work of `recall_faces` and `lowest_face` without writing anything and with one square root: heights h / |n| of
     normals n that are not made unit vectors are compared by h^2 / n^2.
     """
     faces: int = memory.used[1]
@@ -169,7 +169,7 @@ def lowest_kept(points: int, memory: PairRecord, scratch: Scratch) -> tuple[floa
 def deepest_kept(
     vertices: Rows, shapes: Shapes, a: int, b: int, m: Vec3, depth: float, near: float, memory: PairRecord, scratch: Scratch
 ) -> tuple[Vec3, Vec3]:
-    """As `deepest_points`, from the surface kept and the points in the scratch.
+    """Return `deepest_points` from the surface kept and the points in the scratch.
 
     ``near`` [m]: corners of the facet of normal m and height ``depth`` are that near to its plane.
     """
@@ -196,11 +196,11 @@ def deepest_kept(
 
 @kernel
 def recall_faces(points: int, memory: PairRecord, scratch: Scratch) -> int:
-    """Put the surface kept over the points in the scratch; how many faces.
+    """Put the surface kept over the points in the scratch; return the number of faces.
 
-    0, unless every edge is met by the same edge the other way round and every face has the origin below its plane: what
-    `expand` needs for its proof. The height written is that of the lowest corner, so that the distance of a sliver,
-    whose plane rounding tilts, is never overstated.
+    0, unless every edge is met by the same edge the other way round and every face has the origin below its plane, as `expand`
+    needs for its proof. The height written is that of the lowest corner, so that the distance of a sliver, whose plane rounding
+    tilts, is never overstated.
     """
     faces: int = memory.used[1]
     if not (4 <= faces <= FACES_KEPT):
