@@ -39,7 +39,7 @@ def read_sample(positions: Array, rotations: Array, angles: Array, hinges: NDArr
 
 @kernel
 def quaternion(m: Columns) -> tuple[float, float, float, float]:
-    """Unit quaternion of a rotation matrix, w >= 0, from its largest component."""
+    """Return the unit quaternion of a rotation matrix, w >= 0, from its largest component."""
     d0, d1, d2 = m[0][0], m[1][1], m[2][2]
     a, b, c = m[1][2] - m[2][1], m[2][0] - m[0][2], m[0][1] - m[1][0]
     e, f, g = m[1][0] + m[0][1], m[2][0] + m[0][2], m[2][1] + m[1][2]
@@ -61,7 +61,7 @@ def quaternion(m: Columns) -> tuple[float, float, float, float]:
 def write_sample(
     posture: Posture, hinges: NDArray[np.int64], positions_out: Array, rotations_out: Array, angles_out: Array
 ) -> None:
-    """The inverse of `read_sample`."""
+    """Write a posture as a tracker sample, the inverse of `read_sample`."""
     for link in range(rotations_out.shape[0]):
         w, x, y, z = quaternion(columns(posture.turn, link))
         rotations_out[link, 0], rotations_out[link, 1], rotations_out[link, 2], rotations_out[link, 3] = w, x, y, z
@@ -80,7 +80,7 @@ def mix_samples(
     positions: Array, rotations: Array, angles: Array, next_positions: Array, next_rotations: Array, next_angles: Array,
     share: float, positions_out: Array, rotations_out: Array, angles_out: Array,
 ) -> None:
-    """The sample at a share of the way from one to the next: slerp (Shoemake 1985), the short way round, and straight lines."""
+    """Write the sample at a share of the way from one to the next: slerp (Shoemake 1985), the short way round, and lines."""
     for link in range(rotations.shape[0]):
         for k in range(3):
             positions_out[link, k] = positions[link, k] + share * (next_positions[link, k] - positions[link, k])
@@ -112,8 +112,8 @@ def mix_samples(
 def write_shown(
     position: Array, rotation: Array, centres: Array, first: int, positions_out: Array, orientations_out: Array
 ) -> bool:
-    """Body frames (n, 3) and (n, 4), from body `first` on, from centres of mass and rotation matrices; False if a number of them
-    is not finite."""
+    """Write body frames (n, 3) and (n, 4), from body `first` on, from centres of mass and rotation matrices; return False if a
+    number of them is not finite."""
     good = True
     for b in range(first, position.shape[0]):
         frame = columns(rotation, b)

@@ -47,7 +47,7 @@ def follow_leaders(skel: Skeleton, first: int, end: int, step_out: NDArray[np.fl
 
 @kernel
 def fold(skel: Skeleton, first: int, end: int, gradient_out: NDArray[np.float64]) -> None:
-    """Add what pulls at the followers among the degrees first .. end to their leaders (nd): G^T of a gradient or of momenta."""
+    """Add the forces on the followers among the degrees first .. end to their leaders (nd): G^T of a gradient or of momenta."""
     for f in range(skel.follow.shape[0]):
         b = skel.follow[f, 0]
         if first <= b < end:

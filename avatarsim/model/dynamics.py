@@ -90,7 +90,7 @@ def make_linkage(scene: Scene) -> Linkage:
 class DriveState(NamedTuple):
     """State of the virtual coupling of driven bodies that the upper loop moves while they are under load. nb bodies.
 
-    Moving bodies are driven too: they are coupled unless they stand.
+    Moving bodies are driven too: they are coupled unless they are at rest.
 
     linkage           their joints
     tied              (nb) body that leads the avatar of a body or of the link that it is attached to, else itself
@@ -104,14 +104,14 @@ class DriveState(NamedTuple):
     loaded            (nb) flag: loose bodies pressed on it in the last frame
     unloaded          (nb) [s] time since they did
     position, turn    (nb, 3), (nb, 3, 3) where the tracker has the body at the end of the frame [m]
-    paused, spread    (nb) frames for which its tracker has stood, and over which its last step is still to be spread
+    paused, spread    (nb) frames for which its tracker has been at rest, and over which its last step is still to be spread
     linear, angular   (nb, 3) mean velocity of the tracker in this frame [m/s], [rad/s]
     gained, gained_turn   (nb, 3) by how much these grow in a frame, low-passed
     ramp, ramp_turn   (nb, 3) acceleration of the tracker within the frame [m/s^2], [rad/s^2]
     user, user_turn   (nb, 3) velocity of the tracker in this substep
     lag, lag_turn     (nb, 3) velocity of the body against the tracker [m/s], [rad/s]
     offset            (nb, 3) position against the tracker [m] of a rigid hand that an impact moved and that no body presses on
-    mass, stiffness, damping   (nb) m [kg], K [N/m], R [N s/m] of eq. 6; nan until the engine's options say them
+    mass, stiffness, damping   (nb) m [kg], K [N/m], R [N s/m] of eq. 6; nan until the engine's options set them
     largest_force     (nb) [N] of the spring
     fastest, fastest_turn   (nb) [m/s], [rad/s] at which a lag is made up
     """
@@ -199,7 +199,7 @@ class Dynamics(NamedTuple):
     restitution, friction   (nm, nm) of pairs of materials; zero where no two bodies of theirs can meet
     gravity           (3) [m/s^2]
     surface           (nb, 3) [m/s] velocity of the surface, body axes
-    drive             see there
+    drive             see `DriveState`
     """
 
     role: IndexLine
@@ -222,7 +222,7 @@ class Velocities(NamedTuple):
 
 
 def dynamics(scene: Scene) -> Dynamics:
-    """Arrays of mass and material of `scene`; effects that it does not call for are zero in them."""
+    """Return arrays of mass and material of `scene`; effects that it does not need are zero in them."""
     n = len(scene.names)
     inverse_mass, inertia, inverse_inertia = np.zeros(n), np.zeros((n, 3, 3)), np.zeros((n, 3, 3))
     for b, body in enumerate(scene.bodies):
@@ -248,7 +248,7 @@ def dynamics(scene: Scene) -> Dynamics:
     surface = np.zeros((n, 3))
     surface[len(scene.bodies) :] = np.array([link.surface_velocity for link in scene.links]).reshape(-1, 3)
     drive = make_drive(scene, inverse_mass)
-    # moving bodies that stand do not yield
+    # moving bodies at rest do not yield
     inverse_mass[drive.moves == 1] = 0.0
     return Dynamics(
         role, inverse_mass, inertia, inverse_inertia, material, restitution, friction, np.array(scene.gravity), surface,
@@ -264,14 +264,14 @@ def holder_of(drive: DriveState, b: int) -> int:
 
 @kernel
 def pull_on(dynamics: Dynamics, b: int) -> Vec3:
-    """Gravity [m/s^2] on body b: zero for driven bodies and what is attached to them, whose weight their drives bear."""
+    """Return gravity [m/s^2] on body b: zero for driven bodies and bodies attached to them, whose weight their drives bear."""
     if dynamics.role[holder_of(dynamics.drive, b)] == DRIVEN:
         return (0.0, 0.0, 0.0)
     return (dynamics.gravity[0], dynamics.gravity[1], dynamics.gravity[2])
 
 
 def meeting_materials(scene: Scene) -> list[tuple[str, str]]:
-    """The pairs of materials of which any two bodies may meet; only they need coefficients."""
+    """Return the pairs of materials of which any two bodies may meet; only they need coefficients."""
     kinds = list(zip(scene.material_names, scene.families, strict=True))
     members = Counter(kinds)
     skipped = Counter(
@@ -286,7 +286,7 @@ def meeting_materials(scene: Scene) -> list[tuple[str, str]]:
 
 
 def velocities(scene: Scene) -> Velocities:
-    """First velocities of every body; zero for fixed and driven ones."""
+    """Return the first velocities of every body; zero for fixed and driven ones."""
     n = len(scene.links)
     linear = [body.velocity for body in scene.bodies] + [(0.0, 0.0, 0.0)] * n
     angular = [body.angular_velocity for body in scene.bodies] + [(0.0, 0.0, 0.0)] * n

@@ -53,7 +53,7 @@ def make_shapes(
     kind: Sequence[int] | NDArray[np.int64], start: Sequence[int] | NDArray[np.int64],
     radius: Sequence[float] | NDArray[np.float64], extent: Sequence[float] | NDArray[np.float64],
 ) -> Shapes:
-    """Shapes of ns kinds, ns + 1 starts, ns radii and ns extents."""
+    """Return shapes of ns kinds, ns + 1 starts, ns radii and ns extents."""
     ns = len(kind)
     made = np.zeros(ns + 1, SHAPE)
     made["start"] = start
@@ -84,7 +84,7 @@ class PairFilter(NamedTuple):
 
 
 def pair_filter(family: ArrayLike, skipped: Iterable[tuple[int, int]] = ()) -> PairFilter:
-    """The filter of bodies with these families (nb) that also leaves out the pairs ``skipped``, in any order."""
+    """Return the filter of bodies with these families (nb) that also leaves out the pairs ``skipped``, in any order."""
     families = np.array(family, dtype=np.int64)
     known = sorted({(min(pair), max(pair)) for pair in skipped})
     pairs = np.array(known, dtype=np.int64).reshape(-1, 2)
@@ -171,7 +171,7 @@ class Geometry(NamedTuple):
 
 
 class Poses(NamedTuple):
-    """Where every body is, in the world: position (nb, 3) of its origin [m] and rotation (nb, 3, 3) matrix out of its axes;
+    """Poses of all bodies in the world: position (nb, 3) of its origin [m] and rotation (nb, 3, 3) matrix out of its axes;
     vertices (nv, 3) of its pieces [m]; boxes (ns, 6) around the pieces and hulls (nb, 6) around the bodies [m], each as low x, y,
     z, high x, y, z."""
 
@@ -183,7 +183,7 @@ class Poses(NamedTuple):
 
 
 def piece_points(piece: Piece) -> tuple[int, Array, float]:
-    """Kind, points in the body frame and rounding radius of one piece."""
+    """Return the kind, points in the body frame and rounding radius of one piece."""
     shape, turn = piece.shape, rotation.to_matrix(piece.orientation)
     if isinstance(shape, Ellipsoid):
         axes = turn @ np.diag(shape.radii)
@@ -202,7 +202,7 @@ def piece_points(piece: Piece) -> tuple[int, Array, float]:
 
 
 def geometry(scene: Scene) -> Geometry:
-    """Arrays of all pieces of `scene`; simulated bodies are re-centred on their centre of mass."""
+    """Return arrays of all pieces of `scene`; simulated bodies are re-centred on their centre of mass."""
     groups = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
     centres = [
         np.array(body.mass.centre) if body.role is Role.SIMULATED and body.mass else np.zeros(3) for body in scene.bodies
@@ -229,7 +229,7 @@ def geometry(scene: Scene) -> Geometry:
 
 
 def poses(geo: Geometry, position: Array, orientation: Array) -> Poses:
-    """Fresh pose arrays with every body at the given position (nb, 3) and orientation (nb, 4)."""
+    """Return fresh pose arrays with every body at the given position (nb, 3) and orientation (nb, 4)."""
     nb, ns = len(geo.first_shape) - 1, len(geo.body)
     fresh = Poses(
         np.ascontiguousarray(position, dtype=np.float64).copy(),

@@ -26,7 +26,7 @@ def has_reach(skel: Skeleton, link: int) -> bool:
 
 @kernel
 def edge(skel: Skeleton, link: int, k: int) -> tuple[Vec3, Vec3, Vec3]:
-    """Corner k of a link's polygon, the next one, and the unit normal of the edge's plane, which points inside."""
+    """Return the corner k of a link's polygon, the next one, and the unit normal of the edge's plane, which points inside."""
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
     start = row(skel.reach_corner, first + k)
     end = row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first)
@@ -54,20 +54,20 @@ def is_in_reach(skel: Skeleton, link: int, limb: Vec3) -> bool:
 
 @kernel
 def angle_between(a: Vec3, b: Vec3) -> float:
-    """Angle [rad] of two unit vectors."""
+    """Return the angle [rad] of two unit vectors."""
     return atan2(norm(cross(a, b)), dot(a, b))
 
 
 @kernel
 def chord(a: Vec3, b: Vec3) -> float:
-    """Squared distance of two unit vectors: it grows as their angle does and costs no arc tangent."""
+    """Return the squared distance of two unit vectors: it grows as their angle does and costs no arc tangent."""
     way = sub(a, b)
     return dot(way, way)
 
 
 @kernel
 def nearest_on_edge(start: Vec3, end: Vec3, inward: Vec3, limb: Vec3) -> Vec3:
-    """The point of the great arc from start to end that is nearest to a unit direction."""
+    """Return the point of the great arc from start to end that is nearest to a unit direction."""
     foot = sub(limb, scale(inward, dot(inward, limb)))
     length = norm(foot)
     if length > ROUNDING:
@@ -79,7 +79,7 @@ def nearest_on_edge(start: Vec3, end: Vec3, inward: Vec3, limb: Vec3) -> Vec3:
 
 @kernel
 def reach_excess(skel: Skeleton, link: int, limb: Vec3) -> float:
-    """Angle [rad] by which a unit direction is outside the polygon; 0 inside."""
+    """Return the angle [rad] by which a unit direction is outside the polygon; 0 inside."""
     if is_in_reach(skel, link, limb):
         return 0.0
     nearest = 10.0
@@ -91,16 +91,16 @@ def reach_excess(skel: Skeleton, link: int, limb: Vec3) -> float:
 
 @kernel
 def swing_of(skel: Skeleton, link: int, limb: Vec3) -> float:
-    """Angle [rad] of a unit direction to the centre of the circular swing cone."""
+    """Return the angle [rad] of a unit direction to the centre of the circular swing cone."""
     return angle_between((skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5]), limb)
 
 
 @kernel
 def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3:
-    """The direction nearest to a limb's that is in the polygon and swings at most `most` [rad] from the cone's centre.
+    """Return the direction nearest to a limb's that is in the polygon and swings at most `most` [rad] from the cone's centre.
 
-    The edge of what is allowed consists of arcs of the polygon and of the cone's circle. So the nearest point is the nearest of
-    an arc of one, if the other allows it, or a point where the two cross; the point that sees all edges is always allowed.
+    The edge of the allowed region consists of arcs of the polygon and of the cone's circle. So the nearest point is the nearest
+    of an arc of one, if the other allows it, or a point where the two cross; the point that sees all edges is always allowed.
     """
     if is_in_reach(skel, link, limb) and swing_of(skel, link, limb) <= most:
         return limb
@@ -137,8 +137,7 @@ def nearest_in_reach(skel: Skeleton, link: int, limb: Vec3, most: float) -> Vec3
 
 @kernel
 def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float) -> bool:
-    """Return True if a limb's direction is farther from the plane of an edge than the root of `square`, without computing the
-    root."""
+    """Return True if a limb's direction is farther from an edge's plane than the root of `square`, without computing it."""
     first, last = skel.reach_first[link], skel.reach_first[link + 1]
     normal = cross(row(skel.reach_corner, first + k), row(skel.reach_corner, first + k + 1 if first + k + 1 < last else first))
     away = dot(normal, limb)
@@ -147,7 +146,7 @@ def is_plane_beyond(skel: Skeleton, link: int, k: int, limb: Vec3, square: float
 
 @kernel
 def nearest_on_circle(centre: Vec3, radius: float, limb: Vec3) -> Vec3:
-    """The direction at angle `radius` [rad] from the centre that is nearest to a limb's."""
+    """Return the direction at angle `radius` [rad] from the centre that is nearest to a limb's."""
     sideways = sub(limb, scale(centre, dot(centre, limb)))
     length = norm(sideways)
     if length < ROUNDING:
@@ -157,7 +156,7 @@ def nearest_on_circle(centre: Vec3, radius: float, limb: Vec3) -> Vec3:
 
 @kernel
 def crossing(start: Vec3, end: Vec3, inward: Vec3, centre: Vec3, radius: float, first: bool) -> tuple[bool, Vec3]:
-    """Where the great arc from start to end meets the circle of angle `radius` [rad] about a centre: one of two places."""
+    """Return where the great arc from start to end meets the circle of angle `radius` [rad] about a centre: one of two places."""
     # on the great circle, in the plane of the arc, the angle to the centre is least towards the centre's own foot
     foot = sub(centre, scale(inward, dot(inward, centre)))
     length = norm(foot)
@@ -173,7 +172,7 @@ def crossing(start: Vec3, end: Vec3, inward: Vec3, centre: Vec3, radius: float, 
 
 @kernel
 def acos_of(cosine: float) -> float:
-    """The angle [rad] of a cosine in [-1, 1], by the arc tangent."""
+    """Return the angle [rad] of a cosine in [-1, 1], by the arc tangent."""
     return atan2(sqrt(max(0.0, (1.0 - cosine) * (1.0 + cosine))), cosine)
 
 
@@ -197,7 +196,7 @@ FLAT = 1e-3
 
 @kernel
 def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
-    """Swing [rad], twist [rad] and the unit axis about which the limb swings back to the centre (parent's axes)."""
+    """Return the swing [rad], twist [rad] and the unit axis about which the limb swings back to the centre (parent's axes)."""
     axis = (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2])
     centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
     limb = turned(turn, axis)
@@ -210,7 +209,7 @@ def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, fl
         back = any_normal(centre)
         if swing < 1.0:
             swing = 0.0
-    # swing the limb back onto the centre; what is left turns about the centre
+    # swing the limb back onto the centre; the rest turns about the centre
     relative = product(turn, columns(skel.untwist, link))
     probe = any_normal(centre)
     left = about(back, swing, turned(relative, probe))
@@ -219,7 +218,7 @@ def swing_and_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, fl
 
 @kernel
 def any_normal(v: Vec3) -> Vec3:
-    """A unit vector at right angles to the unit vector v."""
+    """Return a unit vector at right angles to the unit vector v."""
     if abs(v[0]) < 0.6:
         return unit(cross(v, (1.0, 0.0, 0.0)))
     return unit(cross(v, (0.0, 1.0, 0.0)))
@@ -233,7 +232,7 @@ def has_cone(skel: Skeleton, link: int) -> bool:
 
 @kernel
 def cone_excess(skel: Skeleton, link: int, turn: Columns) -> float:
-    """How far the rotation of a ball is beyond its limits [rad], the largest of swing, twist and reach; 0 or less inside."""
+    """Return how far the rotation of a ball is beyond its limits [rad], the most of swing, twist and reach; 0 or less inside."""
     swing, twist, _ = swing_and_twist(skel, link, turn)
     most = atan2(skel.cone[link, 7], skel.cone[link, 6])
     excess = float(max(swing - most, max(skel.cone[link, 8] - twist, twist - skel.cone[link, 9])))
@@ -258,8 +257,8 @@ def surely_in_cone(
     limb: Vec3, centre: Vec3, edge: tuple[float, float], probe: Vec3, swung: Vec3, low: tuple[float, float],
     high: tuple[float, float], spare: float,
 ) -> bool:
-    """The same for swing and twist alone. `edge`: cosine and sine of the largest swing; the twist takes `probe` to `swung` with
-    the swing undone; low, high: cosines and sines of its ends.
+    """Return True if swing and twist alone are surely inside. `edge`: cosine and sine of the largest swing; the twist takes
+    `probe` to `swung` with the swing undone; low, high: cosines and sines of its ends.
 
     Takes numbers and not the skeleton, since passing that takes longer than the test.
     """
@@ -272,7 +271,7 @@ def surely_in_cone(
     # turned back by the swing, whose sine and cosine are known
     left = add(add(scale(swung, cosine), scale(cross(back, swung), sine)), scale(back, (1.0 - cosine) * dot(back, swung)))
     x, y = dot(probe, left), dot(centre, cross(probe, left))
-    # the sines of what is left to the ends; where zero is between these only the end on the twist's own side counts
+    # the sines of the angles to the ends; where zero is between these only the end on the twist's own side counts
     to_low, to_high = low[0] * y - low[1] * x, high[1] * x - high[0] * y
     if low[1] < 0.0 < high[1]:
         return bool((to_high if y >= 0.0 else to_low) > spare)
@@ -281,13 +280,13 @@ def surely_in_cone(
 
 @kernel
 def limb_of(skel: Skeleton, link: int, turn: Columns) -> Vec3:
-    """Where the limb of a ball points, in the parent's axes."""
+    """Return the direction of the limb of a ball, in the parent's axes."""
     return turned(turn, (skel.cone[link, 0], skel.cone[link, 1], skel.cone[link, 2]))
 
 
 @kernel
 def inside_cone(skel: Skeleton, link: int, turn: Columns) -> Columns:
-    """The rotation itself if the ball allows it, else the limb on the nearest edge of cone and polygon and the twist clipped."""
+    """Return the rotation if the ball allows it, else the limb on the nearest edge of cone and polygon and the twist clipped."""
     swing, twist, back = swing_and_twist(skel, link, turn)
     centre = (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
     most = max(0.0, atan2(skel.cone[link, 7], skel.cone[link, 6]) - INWARD)
@@ -355,7 +354,7 @@ def room_of_ball(skel: Skeleton, link: int, turn: Columns) -> tuple[float, Vec3,
 
 @kernel
 def room_of_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, float, Vec3]:
-    """Least and largest change of the twist [rad] of a ball at a rotation, and the gradient of its twist (parent's axes)."""
+    """Return the least and largest change of a ball's twist [rad] at a rotation, and its gradient (parent's axes)."""
     _, twist, _ = swing_and_twist(skel, link, turn)
     limb, centre = limb_of(skel, link, turn), (skel.cone[link, 3], skel.cone[link, 4], skel.cone[link, 5])
     gradient = scale(add(centre, limb), 1.0 / max(FLAT, 1.0 + dot(centre, limb)))
@@ -365,12 +364,12 @@ def room_of_twist(skel: Skeleton, link: int, turn: Columns) -> tuple[float, floa
 
 @kernel
 def direction_of(v: Vec3, otherwise: Vec3) -> Vec3:
-    """Unit vector along v, or another one if v is zero."""
+    """Return the unit vector along v, or another one if v is zero."""
     size = norm(v)
     return scale(v, 1.0 / size) if size > ROUNDING else otherwise
 
 
 @kernel
 def wrapped(angle: float) -> float:
-    """The same angle in [-pi, pi]."""
+    """Return an angle in [-pi, pi], modulo whole turns."""
     return atan2(sin(angle), cos(angle))

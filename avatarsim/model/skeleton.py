@@ -27,7 +27,7 @@ RIGID, HINGES, BALL, FREE, SLIDE = 0, 1, 2, 3, 4
 """Kinds of joints. Tangent degrees of freedom: none, one per hinge, three, six (translation, then rotation), one."""
 
 UNLIMITED = 1e9
-"""Stands for no limit [rad, m]: far beyond any angle or place, yet safe to subtract."""
+"""Value for no limit [rad, m]: far beyond any angle or place, yet safe to subtract."""
 
 
 class Skeleton(NamedTuple):
@@ -42,13 +42,13 @@ class Skeleton(NamedTuple):
     axis       (nd, 3) axes of hinges and slides in the link frame
     limits     (nd, 2) limits of hinges [rad] and slides [m]
     cone       (nl, 20) of a ball with limits: axis 0:3 in the link's frame, centre 3:6 in that at zero, cosine and sine of the
-               swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits; what follows from these: a unit vector at
+               swing 6:8, twist low and high 8:10 [rad]; a cosine of -2 means no limits; derived from these: a unit vector at
                right angles to the centre 10:13, the same through `untwist` 13:16, cosine and sine of the twist low 16:18 and
                high 18:20, zeros where these are beyond half a turn
     untwist    (nl, 3, 3) inverse of the shortest turn that takes axis onto centre in the parent's frame, after `rest`
     reach_first (nl + 1) corners of the spherical polygon of link i are reach_first[i] .. reach_first[i + 1]; none: no polygon
     reach_corner (nc, 3) unit corners in the link's frame at zero, counter-clockwise seen from outside
-    reach_side (nc, 3) normals of the planes through `sight` and a corner, which bound what an edge spans with it
+    reach_side (nc, 3) normals of the planes through `sight` and a corner, which bound the triangle of an edge with it
     sight      (nl, 3) a unit direction inside the polygon that sees every edge of it
     follow     (nf, 2) degrees that follow others: the follower, its leader
     ratio      (nf, 2) ratio and offset [rad, m] of each: follower = ratio leader + offset
@@ -85,7 +85,7 @@ class Posture(NamedTuple):
 
 
 def skeleton(scene: Scene) -> Skeleton:
-    """Arrays of all links of `scene`."""
+    """Return arrays of all links of `scene`."""
     links, nl = scene.links, len(scene.links)
     kind, parent, first_dof = np.zeros(nl, dtype=np.int64), np.full(nl, -1, dtype=np.int64), [0]
     axis: list[tuple[float, float, float]] = []
@@ -143,7 +143,7 @@ def skeleton(scene: Scene) -> Skeleton:
 
 
 def couplings(scene: Scene, kind: Index, first_dof: list[int]) -> tuple[Index, Array]:
-    """`Skeleton.follow` and `Skeleton.ratio` of a scene."""
+    """Return `Skeleton.follow` and `Skeleton.ratio` of a scene."""
     angled = np.flatnonzero((kind == HINGES) | (kind == SLIDE))
     degrees = [j for link in angled for j in range(first_dof[link], first_dof[link + 1])]
     first, follow, ratio = 0, [], []
@@ -155,7 +155,7 @@ def couplings(scene: Scene, kind: Index, first_dof: list[int]) -> tuple[Index, A
 
 
 def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[float]:
-    """Precomputed vectors for the test of a twist against two angles [rad] without its angle: `Skeleton.cone` 10:20."""
+    """Return precomputed vectors for the test of a twist against two angles [rad] without its angle: `Skeleton.cone` 10:20."""
     aside = np.cross(centre, np.eye(3)[np.argmin(np.abs(centre))])
     aside /= np.linalg.norm(aside)
     ends = (np.cos(low), np.sin(low), np.cos(high), np.sin(high)) if -PI <= low <= high <= PI else (0.0,) * 4
@@ -163,8 +163,8 @@ def twist_told(centre: Array, untwist: Array, low: float, high: float) -> list[f
 
 
 def wide_open(joint: Ball, polygon: ReachCone, rest: Array) -> SwingTwist:
-    """Swing and twist without limits around a polygon: its limb is that of the joint's own limits, if it has any, else what
-    points to the polygon's visible point when the joint is at zero, with the link's frame ``rest`` (3, 3) in the parent's."""
+    """Return swing and twist without limits around a polygon: its limb is that of the joint's own limits, if it has any, else
+    the axis that points to the polygon's visible point at zero, with the link's frame ``rest`` (3, 3) in the parent's."""
     if joint.limits is not None:
         axis, centre = joint.limits.axis, joint.limits.centre
     else:
@@ -175,7 +175,7 @@ def wide_open(joint: Ball, polygon: ReachCone, rest: Array) -> SwingTwist:
 
 
 def hinge_dofs(skel: Skeleton) -> Index:
-    """Tangent index of every hinge and slide, in the order of TrackerSample.angles."""
+    """Return the tangent index of every hinge and slide, in the order of TrackerSample.angles."""
     hinged = np.flatnonzero((skel.kind == HINGES) | (skel.kind == SLIDE))
     spans = [range(skel.first_dof[link], skel.first_dof[link + 1]) for link in hinged]
     return np.array([j for span in spans for j in span], dtype=np.int64)
@@ -197,7 +197,7 @@ def translations(skel: Skeleton, link: int) -> int:
 
 @kernel
 def forward(geo: Geometry, skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows) -> None:
-    """Poses of all links at `posture` displaced by `step` (nd), shapes and all; world axes (nd, 3) of every degree of freedom."""
+    """Compute poses of all links at `posture` displaced by `step` (nd), shapes and all; world axes (nd, 3) of every degree."""
     carry(skel, posture, step, poses_out, axes_out)
     place_links(geo, skel, poses_out)
 
@@ -211,7 +211,7 @@ def place_links(geo: Geometry, skel: Skeleton, poses_out: Poses) -> None:
 
 @kernel
 def carry(skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows) -> None:
-    """The same of positions, rotations and axes alone: a hand of many pieces takes most of its time for their vertices."""
+    """Compute positions, rotations and axes alone: a hand of many pieces takes most of its time for their vertices."""
     carry_links(skel, 0, skel.kind.shape[0], posture, step, poses_out, axes_out)
 
 
@@ -219,7 +219,7 @@ def carry(skel: Skeleton, posture: Posture, step: Rows, poses_out: Poses, axes_o
 def carry_links(
     skel: Skeleton, first: int, end: int, posture: Posture, step: Rows, poses_out: Poses, axes_out: Rows
 ) -> None:
-    """Positions and rotations of links first .. end - 1, whole avatars, at `posture` displaced by `step` (nd), and axes (nd, 3).
+    """Compute positions and rotations of links first .. end - 1, whole avatars, at `posture` displaced by `step` (nd), and axes.
 
     Hinge and slide: angle or way + step. Ball and root: R exp(step), the step in the link's own axes. Root position: + step.
     """
@@ -267,7 +267,7 @@ def displace(skel: Skeleton, posture_out: Posture, step: Rows) -> None:
 
 @kernel
 def displace_links(skel: Skeleton, first: int, end: int, posture_out: Posture, step: Rows) -> None:
-    """The same of links first .. end - 1; rotations are straightened, or they would drift apart over the frames."""
+    """Displace the posture of links first .. end - 1; rotations are straightened, or they would drift apart over the frames."""
     for link in range(first, end):
         d, kind = skel.first_dof[link], skel.kind[link]
         if kind == FREE:

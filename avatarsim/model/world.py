@@ -84,7 +84,7 @@ class World:
 
     @property
     def drive(self) -> DriveState:
-        """Driven bodies that the upper loop moves."""
+        """Return driven bodies that the upper loop moves."""
         return self.dynamics.drive
 
     def link_friction(self) -> tuple[NDArray[np.int64], Array]:
@@ -93,7 +93,7 @@ class World:
         return np.where(masses.role == Role.SIMULATED.value, -1, masses.material), masses.friction.copy()
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Flags, and frames of a pause, of which the longest lasts a second of frames of a microsecond."""
+        """Return ranges of flags, and frames of a pause, the longest being a second of frames of a microsecond."""
         frames = (0, 1_000_000)
         flags = {f"drive.{name}": (0, 1) for name in ("coupled", "linked", "loaded", "blocked", "blocked_turn")}
         last = len(self.centres) - 1
@@ -102,7 +102,7 @@ class World:
 
 
 def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample) -> Posture:
-    """The sample as arrays for the kernels; the sample has been checked."""
+    """Return the sample as arrays for the kernels; the sample has been checked."""
     nl = len(skel.kind)
     posture = Posture(np.zeros((nl, 3)), np.zeros((nl, 3, 3)), np.zeros(skel.first_dof[-1]))
     read_sample(*sample_arrays(sample), hinges, posture)
@@ -110,19 +110,19 @@ def posture_of(skel: Skeleton, hinges: NDArray[np.int64], sample: TrackerSample)
 
 
 def sample_arrays(sample: TrackerSample) -> tuple[Array, Array, Array]:
-    """Positions, rotations and angles as the kernels take them: float64, C-contiguous, writeable."""
+    """Return positions, rotations and angles as the kernels take them: float64, C-contiguous, writeable."""
     return _ready(sample.positions), _ready(sample.rotations), _ready(sample.angles)
 
 
 def _ready(array: Array) -> Array:
-    # np.require finds this out in three times the time
+    # np.require takes three times as long
     if type(array) is np.ndarray and array.dtype is FLOAT64 and array.flags.carray:
         return array
     return np.require(real_array(array), np.float64, ["C", "W"])
 
 
 def build(scene: Scene) -> World:
-    """The world of `scene` at its first poses."""
+    """Return the world of `scene` at its first poses."""
     geo, skel = geometry(scene), skeleton(scene)
     hinges = hinge_dofs(skel)
     link_position, link_orientation = link_poses(scene.avatars, scene.first_sample)
@@ -143,13 +143,13 @@ def build(scene: Scene) -> World:
 
 
 def shown_poses(world: World) -> tuple[Array, Array]:
-    """Positions (n, 3) and orientations (n, 4) of body frames now."""
+    """Return positions (n, 3) and orientations (n, 4) of body frames now."""
     n = len(world.centres)
     return shown_again(world, (np.empty((n, 3)), np.empty((n, 4))), 0)
 
 
 def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[Array, Array]:
-    """The same, with the entries of `before` for bodies below `first`, which have not moved since: most bodies are furniture."""
+    """Return `shown_poses`, with the entries of `before` for bodies below `first`, which have not moved: most are furniture."""
     position, orientation = before[0].copy(), before[1].copy()
     if not write_shown(world.poses.position, world.poses.rotation, world.centres, first, position, orientation):
         raise AvatarsimError("a pose of the engine's own is not finite: this is a defect, please report it with the scene")
@@ -158,7 +158,7 @@ def shown_again(world: World, before: tuple[Array, Array], first: int) -> tuple[
 
 @kernel
 def read_opened(positions: Array, rotations: Array, angles: Array, target: Index) -> bool:
-    """`read_sample` on the arena of a target: a good sample becomes its posture, a bad one is forgotten."""
+    """Run `read_sample` on the arena of a target: a good sample becomes its posture, a bad one is forgotten."""
     parts = opened(target, TargetParts)
     if not read_sample(positions, rotations, angles, parts.hinges, parts.incoming):
         return False
@@ -167,12 +167,12 @@ def read_opened(positions: Array, rotations: Array, angles: Array, target: Index
 
 @kernel
 def write_opened(world: Index, hinges: Index, positions_out: Array, rotations_out: Array, angles_out: Array) -> None:
-    """`write_sample` of the posture in the arena of a world."""
+    """Run `write_sample` for the posture in the arena of a world."""
     write_sample(opened(world, WorldParts).posture, hinges, positions_out, rotations_out, angles_out)
 
 
 def shown_sample(world: World, time: float) -> TrackerSample:
-    """The posture that is shown, as a tracker would report it at `time` [s]: a copy."""
+    """Return the posture that is shown, as a tracker would report it at `time` [s]: a copy."""
     links = len(world.posture.root)
     arrays = np.empty((links, 3)), np.empty((links, 4)), np.empty(len(world.hinges))
     write_opened(world.words, world.hinges, *arrays)
@@ -195,11 +195,11 @@ class Target:
         self._shapes = self.posture.root.shape, (len(self.posture.root), 4), hinges.shape
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Nothing: a posture is real numbers."""
+        """Return nothing: a posture is real numbers."""
         return {}
 
     def read(self, sample: TrackerSample) -> None:
-        """Check the sample and take it over."""
+        """Check the sample and copy it."""
         try:
             positions, rotations, angles = sample_arrays(sample)
         except (AttributeError, TypeError, ValueError) as error:
