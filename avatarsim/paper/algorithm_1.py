@@ -2,7 +2,7 @@
 
 Every shown state has been checked: `find_overlaps` computed the signed distance of each wanted pair with a link (or with a
 simulated body that was pushed) and found none below zero. So a shown state has no overlap, provided that the frame began without.
-The motion between two shown states is not checked: a limb may pass through a thin obstacle, as the paper's conclusion says.
+The motion between two shown states is not checked: a limb may pass through a thin obstacle, as stated in the paper's conclusion.
 """
 
 import numpy as np
@@ -100,7 +100,7 @@ def treat_chain(
     geo: Geometry, skel: Skeleton, chains: Chains, chain: int, settings: PaperSettings, posture_out: Posture, poses_out: Poses,
     axes_out: Rows, points_out: Rows, scratch: Scratch, counts_out: NDArray[np.int64],
 ) -> bool:
-    """One goal for one chain: the first link from the trunk that overlaps is taken out by the joints inward of it.
+    """Treat one goal for one chain: the first link from the trunk that overlaps is taken out by the joints inward of it.
 
     Returns whether the posture changed; poses are then right for the chain's joints only.
     """
@@ -162,7 +162,7 @@ def follow_as_printed(
     geo: Geometry, skel: Skeleton, tracker: Posture, dt: float, settings: PaperSettings, coupling: CouplingSettings,
     attraction: AttractionSettings, posture_out: Posture, poses_out: Poses, memory_out: PaperMemory,
 ) -> None:
-    """One frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal permits.
+    """Pass a frame of ``dt`` seconds: posture and poses follow the tracker as far as overlap removal permits.
 
     Bodies that are no links are obstacles; simulated ones are pushed only where driven ones could not be freed of them. Counts
     and statuses are in ``memory_out.counts`` (`state.COUNT_NAMES`, `STATUS_NAMES`).

@@ -1,7 +1,7 @@
 """Exponential attraction of the shown joints to the tracker's: coach and trainee of Schmidl and Lin 2004.
 
 A joint that is d away from the tracker's is d exp(-rate t) away after t seconds, at any frame rate: each frame takes the
-share 1 - exp(-rate dt) of what is left, and exp(-rate dt) exp(-rate dt') = exp(-rate (dt + dt')). A tracker that moves at a
+share 1 - exp(-rate dt) of the rest, and exp(-rate dt) exp(-rate dt') = exp(-rate (dt + dt')). A tracker that moves at a
 constant speed v is followed at the steady distance v dt / (exp(rate dt) - 1), close to v / rate for short frames.
 
 Virtual coupling of the roots (eq. 6 of Schmidl and Lin 2004): spring and damper to the tracker, solved exactly over a frame.
@@ -27,7 +27,7 @@ from avatarsim.tolerances import ROUNDING
 
 @kernel
 def share_of_way(rate: float, dt: float) -> float:
-    """Share 1 - exp(-rate dt) of the way to the tracker that a frame of ``dt`` seconds takes; ``rate`` >= 0 [1/s]."""
+    """Return the share 1 - exp(-rate dt) of the way to the tracker that a frame of ``dt`` seconds takes; ``rate`` >= 0 [1/s]."""
     return -expm1(-rate * dt)
 
 
@@ -70,7 +70,7 @@ def couple_roots(
     kind: Index, tracker: Rows, tracked: Rows, shown: Rows, mass: Lengths, dt: float, coupling: CouplingSettings, couple: int,
     velocity_out: Rows, target_out: Rows,
 ) -> None:
-    """Where eq. 6 puts every free root after ``dt`` seconds, and how fast it then is.
+    """Compute the place of every free root by eq. 6 after ``dt`` seconds, and its velocity there.
 
     kind (nl) of joints; tracker, tracked (nl, 3) the user's roots now and at the last frame [m]; shown (nl, 3) the roots on
     display; mass (nl) [kg]; velocity (nl, 3) [m/s], read and written; target (nl, 3) [m]. With ``couple`` 0 the root is where
@@ -94,8 +94,8 @@ def couple_roots(
 def settle_roots(
     kind: Index, tracker: Rows, target: Rows, before: Rows, shown: Rows, dt: float, velocity_out: Rows, tracked_out: Rows
 ) -> None:
-    """After the frame: a root that was pushed or walked back has the velocity of its displayed motion, from ``before`` (nl, 3)
-    to ``shown`` [m]; the user's roots are kept for the next frame."""
+    """Settle roots after the frame: one that was pushed or walked back has the velocity of its displayed motion, from ``before``
+    (nl, 3) to ``shown`` [m]; the user's roots are kept for the next frame."""
     for link in range(kind.shape[0]):
         if kind[link] != FREE or not (dt > 0.0):
             continue

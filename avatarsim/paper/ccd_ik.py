@@ -43,7 +43,7 @@ from avatarsim.tolerances import NOTHING, SAME_DIRECTION
 
 @kernel
 def pose_link(skel: Skeleton, posture: Posture, link: int, poses_out: Poses, axes_out: Rows) -> None:
-    """Position and rotation of ``link`` in ``poses_out``, and its world axes in ``axes_out``; its parent's pose must be right.
+    """Compute position and rotation of ``link`` in ``poses_out``, and its world axes in ``axes_out``, from its parent's pose.
 
     A ball's axes are the columns of its own frame: three hinges that share a centre. A free root has no joint to turn.
     """
@@ -77,7 +77,7 @@ the joint's plane. Larger: hands close to an axis are not turned; smaller: round
 
 @kernel
 def projected(p: Vec3, origin: Vec3, axis: Vec3) -> Vec3:
-    """Eq. (4): p' = p - (a_h . (p - o_h)) a_h, with o_h ``origin`` [m] and a_h ``axis``, a unit vector.
+    """Return p' = p - (a_h . (p - o_h)) a_h (eq. 4), with o_h ``origin`` [m] and a_h ``axis``, a unit vector.
 
     (The printed equation calls the axis n in one of its two places.)
     """
@@ -86,7 +86,7 @@ def projected(p: Vec3, origin: Vec3, axis: Vec3) -> Vec3:
 
 @kernel
 def joint_turn(origin: Vec3, axis: Vec3, effector: Vec3, goal: Vec3) -> float:
-    """Eq. (5): angle phi_h [rad], in [-pi, pi], about ``axis`` that brings the effector nearest to the goal.
+    """Return the angle phi_h [rad] (eq. 5), in [-pi, pi], about ``axis`` that brings the effector nearest to the goal.
 
     The printed acos has no sign, and wants unit vectors from the joint's origin. Here phi = atan2(a . (e x g), e . g) of the
     projected arms e and g. 0 if either has no direction in the joint's plane: then no turn of this joint brings them closer.
@@ -102,7 +102,7 @@ def joint_turn(origin: Vec3, axis: Vec3, effector: Vec3, goal: Vec3) -> float:
 
 @kernel
 def end_effector(contacts: Rows, count: int) -> Vec3:
-    """Eq. (2): ee_i = sum_l c_il / k, the mean of the first ``count`` >= 1 contacts (n, 3) on link i [m]."""
+    """Return ee_i = sum_l c_il / k (eq. 2), the mean of the first ``count`` >= 1 contacts (n, 3) on link i [m]."""
     total = (0.0, 0.0, 0.0)
     for k in range(count):
         total = along(total, 1.0, row(contacts, k))
@@ -111,7 +111,7 @@ def end_effector(contacts: Rows, count: int) -> Vec3:
 
 @kernel
 def goal_of(effector: Vec3, depth: Vec3, link_is_a: bool) -> Vec3:
-    """Eq. (3): goal_i = ee_i + PD_gi if link i is A of its pair, ee_i - PD_gi if it is B [m]: PD_g points out of B into A."""
+    """Return goal_i = ee_i + PD_gi (eq. 3) if link i is A of its pair, ee_i - PD_gi if it is B [m]; PD_g points out of B."""
     return along(effector, 1.0 if link_is_a else -1.0, depth)
 
 
@@ -139,7 +139,7 @@ CCD_NAMES: Final = {
     REACHED: "reached", OUT_OF_SWEEPS: "out of sweeps", STUCK: "stuck", SINGULAR: "singular", NO_GOAL: "no goal",
     NO_JOINT: "no joint",
 }
-"""What to print for each status."""
+"""Text to print for each status."""
 
 STRAIGHT: Final = SAME_DIRECTION
 """Sine of the angle below which two directions count as one. Larger: bent chains are called singular; smaller: CCD leaves
@@ -166,7 +166,7 @@ def turn_hinges(
 def turn_ball(
     skel: Skeleton, link: int, effector: Vec3, goal: Vec3, posture_out: Posture, poses: Poses
 ) -> tuple[Vec3, float]:
-    """Turn a ball as three hinges about its own z, y and x, then project it into its limits; effector and turn [rad]."""
+    """Turn a ball as three hinges about its own z, y and x, within its limits; return effector and largest turn [rad]."""
     origin, frame = row(poses.position, skel.first + link), columns(poses.rotation, skel.first + link)
     before = columns(posture_out.turn, link)
     rest_frame, held = frame, turned_back(frame, sub(effector, origin))
@@ -191,7 +191,7 @@ def sweep(
     skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, posture_out: Posture, poses: Poses,
     axes: Rows,
 ) -> tuple[Vec3, float]:
-    """Turn the joints of links[last] to links[first] once each; effector and largest turn [rad]. Poses stay as they were:
+    """Turn the joints of links[last] to links[first] once each; return effector and largest turn [rad]. Poses stay as they were:
     a joint further in is not moved by those further out."""
     most = 0.0
     for k in range(last, first - 1, -1):
@@ -206,7 +206,7 @@ def sweep(
 
 @kernel
 def joints_of(skel: Skeleton, links: Index, first: int, last: int) -> int:
-    """Unit joints of links[first .. last]: a ball counts as three."""
+    """Return the unit joints of links[first .. last]: a ball counts as three."""
     count = 0
     for k in range(first, last + 1):
         if skel.kind[links[k]] == HINGES or skel.kind[links[k]] == BALL:
@@ -218,8 +218,7 @@ def joints_of(skel: Skeleton, links: Index, first: int, last: int) -> int:
 def on_one_line(
     skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, tolerance: float, poses: Poses
 ) -> bool:
-    """Return True if effector and goal are in one line with every joint while the goal is at a distance that the bent chain
-    has."""
+    """Return True if effector and goal are in one line with every joint while the goal is within reach of the bent chain."""
     total, longest, base, before = 0.0, 0.0, effector, effector
     for k in range(last, first - 1, -1):
         if skel.kind[links[k]] == HINGES or skel.kind[links[k]] == BALL:
@@ -304,7 +303,7 @@ def reach_goal(
     skel: Skeleton, links: Index, first: int, last: int, effector: Vec3, goal: Vec3, settings: PaperSettings,
     posture_out: Posture, poses_out: Poses, axes_out: Rows,
 ) -> tuple[int, int, float, bool]:
-    """`descend`, and once more from a bent chain if it ends SINGULAR; the last value returned says so."""
+    """Run `descend`, and once more from a bent chain if it ends SINGULAR; the last value returned marks that."""
     tip = skel.first + links[last]
     held = turned_back(columns(poses_out.rotation, tip), sub(effector, row(poses_out.position, tip)))
     status, sweeps, left = descend(
@@ -323,7 +322,7 @@ ANY_DIRECTION = (0.0, 0.0, 0.0)
 
 @kernel
 def link_contacts(geo: Geometry, poses: Poses, body: int, points_out: Rows, scratch: Scratch) -> tuple[int, int, int]:
-    """All contacts c_il of a link (given as a body) with all pieces of other bodies that it overlaps.
+    """Return all contacts c_il of a link (given as a body) with all pieces of other bodies that it overlaps.
 
     Points on the link's surface go to ``points_out``, depths and normals into the scratch, as input of eq. 1. Pairs are tested
     in the order of the bodies, so the link is A or B; normals are turned to point into the link.
@@ -381,11 +380,11 @@ def shift_parallel_link(
     skel: Skeleton, links: NDArray[np.int64], first: int, at: int, limb: Vec3, depth: Vec3, settings: PaperSettings,
     posture_out: Posture, poses_out: Poses, axes_out: Rows,
 ) -> tuple[int, int, float]:
-    """The nearly parallel link: links[at] is moved by ``depth`` without turning, links[first .. at - 1] follow by CCD.
+    """Shift the nearly parallel link: links[at] is moved by ``depth`` without turning, links[first .. at - 1] follow by CCD.
 
-    The goal of the inner chain is the joint of links[at], moved; then that joint turns back what the others turned it: a ball
-    exactly, hinges as far as they can. As printed but for one thing: the chain never comes apart; where the inner joints
-    cannot reach the goal the link moves less. Returns CCD's (status, sweeps, gap that was left [m]).
+    The goal of the inner chain is the joint of links[at], moved; then that joint undoes the turns of the others: a ball exactly,
+    hinges as far as they can. As printed but for one thing: the chain never comes apart; where the inner joints cannot reach the
+    goal the link moves less. Returns CCD's (status, sweeps, gap that was left [m]).
     """
     link = links[at]
     joint, heading = row(poses_out.position, skel.first + link), columns(poses_out.rotation, skel.first + link)
@@ -426,7 +425,7 @@ def free_link(
         )
         return status, outcome, sweeps, True, False
     effector = end_effector(points, contacts)
-    # the contacts' normals all point into the link, which therefore stands as A
+    # the contacts' normals all point into the link, which is therefore A
     goal = goal_of(effector, depth, True)
     outcome, sweeps, _, bent = reach_goal(
         skel, links, first, at, effector, goal, settings, posture_out, poses_out, axes_out

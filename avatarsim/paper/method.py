@@ -26,7 +26,7 @@ Index = NDArray[np.int64]
 
 
 class PaperParts(NamedTuple):
-    """What lies in the arena of the lower loop."""
+    """Contents of the arena of the lower loop."""
 
     settings: PaperSettings
     coupling: CouplingSettings
@@ -36,7 +36,7 @@ class PaperParts(NamedTuple):
 
 @entry_kernel
 def follow_printed(world: Index, target: Index, kept: Index, dt: float) -> None:
-    """`follow_as_printed` on the arenas of a world, its target and what the loop keeps."""
+    """Run `follow_as_printed` on the arenas of a world, its target and the memory of the loop."""
     w, own, tracker = opened(world, WorldParts), opened(kept, PaperParts), opened(target, TargetParts).posture
     follow_as_printed(
         w.geometry, w.skeleton, tracker, dt, own.settings, own.coupling, own.attraction, w.posture, w.poses, own.memory
@@ -71,19 +71,19 @@ class PaperLoop:
         self._before = Poses(*(array.copy() for array in world.poses))
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """The order of the chains, the state of their generator, and families, which are only compared."""
+        """Return the order of the chains, the state of their generator, and families, which are only compared."""
         return {"order": (0, len(self.memory.order) - 1), "random": (1, MODULUS - 1), "family": (OPEN, len(self.world.centres))}
 
     def go_on(self, begun: bool) -> None:
-        """The memory was replaced, and with it the pair filter: the broad phase begins anew."""
+        """Continue after the memory was replaced, and with it the pair filter: the broad phase begins anew."""
         fat = self.memory.overlaps.sweep.fat
         fat[:, :3], fat[:, 3:] = np.inf, -np.inf
 
     def watch(self, moving: Index) -> None:
-        """Nothing: this loop checks all bodies in every frame."""
+        """Do nothing: this loop checks all bodies in every frame."""
 
     def follow(self, target: Target, dt: float) -> None:
-        """One frame towards the tracker's posture; the velocities of links are those of their displayed motion."""
+        """Follow the tracker's posture for one frame; the velocities of links are those of their displayed motion."""
         world = self.world
         np.copyto(self._before.position, world.poses.position)
         np.copyto(self._before.rotation, world.poses.rotation)
@@ -92,18 +92,18 @@ class PaperLoop:
             tracked_velocities(world.skeleton, self._before, world.poses, dt, world.velocities)
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
-        """Impulses (nb, 3) [N s] on driven bodies change the velocities that eq. 6 goes on from; nothing moves again."""
+        """Add impulses (nb, 3) [N s] on driven bodies to the velocities that eq. 6 continues from; nothing moves again."""
         give_to_roots(self.world.skeleton, impulses, self.world.dynamics.inverse_mass, self.memory.velocity)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """Nothing: states within the rounds overlap, and are not shown."""
+        """Return nothing: states within the rounds overlap, and are not shown."""
         return ()
 
     def counts(self) -> Tally:
-        """Work done in the last frame."""
+        """Return the work done in the last frame."""
         return Tally(COUNT_NAMES, self.memory.counts[: len(COUNT_NAMES)].tobytes())
 
     def statuses(self) -> dict[str, int]:
-        """What did not end well in the last frame, and how often."""
+        """Return counts of failures in the last frame, by name."""
         found = zip(STATUS_NAMES, self.memory.counts[len(COUNT_NAMES) :].tolist(), strict=True)
         return {name: count for name, count in found if count}

@@ -4,7 +4,7 @@ Overlap test: sweep and prune over the bodies' boxes, then signed distances of p
 
 Steps 1 and 2 of the algorithm. For every state that method `paper` shows `find_overlaps` returned 0: in each wanted pair of
 bodies with at least one link the boxes of all pieces are apart or their signed distance is not negative. The motion between two
-shown states is not tested: a body thinner than a frame's motion may be passed through, as the paper's conclusion says.
+shown states is not tested: a body thinner than a frame's motion may be passed through, as stated in the paper's conclusion.
 
 Global penetration depth of two bodies of several convex pieces (Schmidl and Lin 2004, eq. 1).
 
@@ -53,7 +53,7 @@ class Overlaps(NamedTuple):
     """Memory of the search, for nb bodies of which the last are links, with D pieces of links among ns pieces.
 
     ours    pairs that this loop tests: wanted, and one of the two is a link (or a simulated body that was pushed)
-    sweep   what sweep and prune keeps from call to call
+    sweep   state of sweep and prune from call to call
     pairs   (cap, 2) pairs whose boxes meet, found (cap, 2) those that overlap
     hit     (nb) bodies that overlap another
     seed    (D, ns, 3) the last normal of each pair of pieces
@@ -71,7 +71,7 @@ class Overlaps(NamedTuple):
 
 
 def make_overlaps(geo: Geometry, first_link: int) -> Overlaps:
-    """Fresh memory; bodies from ``first_link`` on are links."""
+    """Return fresh memory; bodies from ``first_link`` on are links."""
     nb, ns = len(geo.first_shape) - 1, len(geo.body)
     family = geo.wanted.family.copy()
     family[:first_link] = OBSTACLE
@@ -146,13 +146,13 @@ the way out; larger: pieces that nearly oppose each other are given up too early
 
 @kernel
 def global_penetration_depth(depth: NDArray[np.float64], direction: Rows, count: int) -> tuple[int, Vec3]:
-    """Eq. (1): PD_g = sum_i(pd_i^2 n_i) / |sum_i pd_i|.
+    """Return PD_g = sum_i(pd_i^2 n_i) / |sum_i pd_i| (eq. 1).
 
     Symbols: pd_i ``depth`` (count,) [m], at least 0; n_i ``direction`` (count, 3), unit, out of body B into
     body A.
 
-    k equal pieces with one normal give exactly their depth; N orthogonal walls of equal depth give 1/N of
-    what is needed along each, so the caller repeats; opposite normals cancel (Figure 4b).
+    k equal pieces with one normal give exactly their depth; N orthogonal walls of equal depth give 1/N of the need along each, so
+    the caller repeats; opposite normals cancel (Figure 4b).
 
     Returns:
         (status, PD_g [m]): moving A by PD_g, out of B. CANCELLING: the sum has no direction, PD_g is zero
@@ -180,7 +180,7 @@ def global_depth(
     b: int,
     scratch: Scratch,
 ) -> tuple[int, Vec3, int]:
-    """Global penetration depth of bodies a and b: eq. 1 over every overlapping pair of their pieces.
+    """Return the global penetration depth of bodies a and b: eq. 1 over every overlapping pair of their pieces.
 
     Args:
         vertices: (nv, 3) world coordinates [m].
@@ -189,7 +189,7 @@ def global_depth(
     Returns:
         (status, PD_g, count): PD_g [m] moves a out of b; count overlapping piece pairs, whose depths and
         normals are in the scratch. Status: that of eq. 1, or the first of a piece pair that did not converge,
-        in which case eq. 1 still holds what was found. OUT_OF_ROOM: more pairs than the scratch holds;
+        in which case eq. 1 still holds the pairs found. OUT_OF_ROOM: more pairs than the scratch holds;
         NOT_FINITE: PD_g is zero.
     """
     worst, count = CONVERGED, 0
@@ -212,10 +212,10 @@ def global_depth(
 
 @kernel
 def shares(role_a: int, role_b: int, must: bool) -> tuple[float, float]:
-    """Shares of PD_g by which A and B move apart; they add up to 1, or to 0 if neither may move.
+    """Return shares of PD_g by which A and B move apart; they add up to 1, or to 0 if neither may move.
 
     Bodies of one role move by half each (the rule under eq. 1). A driven body moves and a simulated one stays, unless ``must``:
-    the driven one could not be freed, so the simulated one takes all that is left.
+    the driven one could not be freed, so the simulated one takes the rest.
     """
     if role_a == role_b:
         return (0.0, 0.0) if role_a == FIXED else (0.5, 0.5)
@@ -231,7 +231,7 @@ STAY: Vec3 = (0.0, 0.0, 0.0)
 
 @kernel
 def lengthened(depth: Vec3, stand_off: float) -> Vec3:
-    """``depth`` made longer by ``stand_off`` [m] along itself; zero stays zero: it has no direction."""
+    """Return ``depth`` made longer by ``stand_off`` [m] along itself; zero stays zero: it has no direction."""
     length = norm(depth)
     return scale(depth, 1.0 + stand_off / length) if length > 0.0 else depth
 
@@ -240,7 +240,7 @@ def lengthened(depth: Vec3, stand_off: float) -> Vec3:
 def push_apart(
     geo: Geometry, poses: Poses, a: int, b: int, share_a: float, share_b: float, stand_off: float, scratch: Scratch
 ) -> tuple[int, Vec3, Vec3]:
-    """Translations [m] of bodies a and b that diminish their overlap: +share_a PD_g and -share_b PD_g, PD_g by eq. (1).
+    """Return translations [m] of bodies a and b that diminish their overlap: +share_a PD_g and -share_b PD_g, PD_g by eq. (1).
 
     PD_g is lengthened by ``stand_off``. One push clears two convex bodies; a corner between N equal walls of one body loses
     1/N of its depth, so the caller repeats. Returns (status of eq. 1, move of a, move of b); both stay where PD_g has no

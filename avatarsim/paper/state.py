@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 Index = NDArray[np.int64]
 
 class Chains(NamedTuple):
-    """nc chains of links, and what the lower loop needs of each of the nl links.
+    """nc chains of links, and the data that the lower loop needs of each of the nl links.
 
     first   (nc + 1) chain c has the links link[first[c]] .. link[first[c + 1] - 1], the one next to the trunk first
     link    link indices
@@ -40,7 +40,7 @@ class Chains(NamedTuple):
 
 
 def chains_of(avatars: Sequence[Avatar], geo: Geometry, skel: Skeleton) -> Chains:
-    """Chains named by the avatars, or from every leaf where none is named; links on no named chain get chains of their own."""
+    """Return chains named by the avatars, or from every leaf if none is named; links on no named chain get their own."""
     nl = len(skel.kind)
     root = np.arange(nl, dtype=np.int64)
     for link in range(nl):
@@ -70,7 +70,7 @@ def chains_of(avatars: Sequence[Avatar], geo: Geometry, skel: Skeleton) -> Chain
 
 
 def _path(skel: Skeleton, tip: int) -> list[int]:
-    """Links from the root to ``tip``."""
+    """Return links from the root to ``tip``."""
     path = [tip]
     while skel.parent[path[-1]] >= 0:
         path.append(int(skel.parent[path[-1]]))
@@ -78,7 +78,7 @@ def _path(skel: Skeleton, tip: int) -> list[int]:
 
 
 def _limbs(chains: list[list[int]], geo: Geometry, skel: Skeleton) -> Array:
-    """To the next joint of the chain; at a tip to the far side of its shapes, twice as far as their middle."""
+    """Return limbs: each to the next joint of its chain; at a tip to the far side of its shapes, twice as far as their middle."""
     limb = np.zeros((len(skel.kind), 3))
     for chain in chains:
         for link, following in zip(chain, [*chain[1:], -1], strict=True):
@@ -99,7 +99,7 @@ def _middle(geo: Geometry, piece: int) -> Array:
 
 @kernel
 def shuffle(state_out: Index, order_out: Index) -> None:
-    """A fresh random order of 0 .. n - 1 (Fisher and Yates)."""
+    """Write a fresh random order of 0 .. n - 1 (Fisher and Yates)."""
     n = order_out.shape[0]
     for k in range(n):
         order_out[k] = k
@@ -124,10 +124,10 @@ STATUS_NAMES: Final = (
     "cancelling_normals", "goal_not_reached", "out_of_rounds", "walked_back", "held", "start_overlaps", "not_checked",
     "bad_queries", "gave_way",
 )
-"""How often per frame: eq. 1 had no direction; CCD ended away from its goal; overlap was left after the last round; the walk
-back was needed; it ended at the last checked state; even that one overlaps (something else moved into it, or the frame did not
-begin free); a state could not be checked (a pose that is no number); a distance query did not converge; a simulated
-body was pushed because the driven one could not part from it."""
+"""Counts per frame: eq. 1 had no direction; CCD ended away from its goal; overlap was left after the last round; the walk back
+was needed; it ended at the last checked state; even that one overlaps (something else moved into it, or the frame did not begin
+free); a state could not be checked (a pose that is no number); a distance query did not converge; a simulated body was pushed
+because the driven one could not part from it."""
 
 (
     JOINTS, ITERATIONS, PAIRS, QUERIES, SWEEPS, ROUNDS, FORWARDS, PUSHES, PARALLEL, BENT, WALK_TESTS,
@@ -178,11 +178,11 @@ WORKING: Final = (
     "memory.overlaps.ours.never", "memory.overlaps.sweep", "memory.overlaps.pairs", "memory.overlaps.found",
     "memory.overlaps.tally",
 )
-"""What a snapshot leaves out: what never changes, and what each frame fills before it reads it."""
+"""Fields that a snapshot leaves out: constants, and memory that each frame fills before it reads it."""
 
 
 def make_paper_memory(world: World, seed: int) -> PaperMemory:
-    """Fresh memory for a world that stands at a free pose; ``seed`` settles the order of the chains for good."""
+    """Return fresh memory for a world at a free pose; ``seed`` settles the order of the chains for good."""
     geo, skel = world.geometry, world.skeleton
     nl, nd, nb = len(skel.kind), int(skel.first_dof[-1]), len(geo.first_shape) - 1
     chains = chains_of(world.scene.avatars, geo, skel)

@@ -24,7 +24,7 @@ from avatarsim.spatial.vec3 import along, put_row, row, scale, sub
 def interpolate(
     skel: Skeleton, checked: Posture, present: Posture, fraction: float, chosen: NDArray[np.bool_], posture_out: Posture
 ) -> None:
-    """Posture between ``checked`` (fraction 0) and ``present`` (1) in the ``chosen`` (nl) links; the others are ``present``.
+    """Compute a posture between ``checked`` (fraction 0) and ``present`` (1) in the ``chosen`` (nl) links, others ``present``.
 
     Hinges and root positions on the straight line, balls and orientations of roots on the great circle. At fraction 0 and 1
     the bits are those of the ends: 0 holds even when the present posture is not a number.
@@ -53,7 +53,7 @@ def interpolate(
 
 @kernel
 def narrowed(low: float, high: float, is_free: bool) -> tuple[float, float]:
-    """One bisection: the half interval whose lower end is free and whose upper end is not, after its middle was tested."""
+    """Bisect once: return the half interval whose lower end is free and whose upper end is not, after its middle was tested."""
     middle = 0.5 * (low + high)
     return (middle, high) if is_free else (low, middle)
 
@@ -76,7 +76,7 @@ def into_limits(skel: Skeleton, posture_out: Posture) -> None:
 CHAINS_HIT: Final = 0
 AVATARS_HIT: Final = 1
 EVERYTHING: Final = 2
-"""What is walked back, the least first: the chains that overlap, their whole avatars, all that moved in this frame."""
+"""Links that are walked back, the least first: the chains that overlap, their whole avatars, all that moved in this frame."""
 
 
 @kernel
