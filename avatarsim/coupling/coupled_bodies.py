@@ -45,8 +45,7 @@ def link_together(drive: DriveState, skel: Skeleton) -> None:
 
 @kernel
 def time_to_catch_up(drive: DriveState, avatars: Avatars, avatar: int, first: int) -> float:
-    """Time [s] after which equation 6 has reduced the lag of any link of an avatar to JUDGED of itself: rate R / 2m, or K / R if
-    overdamped."""
+    """Return the time [s] in which eq. 6 reduces the lag of any link to JUDGED of itself: rate R / 2m, or K / R if overdamped."""
     slowest = 0.0
     for link in range(avatars.first_link[avatar], avatars.first_link[avatar + 1]):
         m, r, k = drive.mass[first + link], drive.damping[first + link], drive.stiffness[first + link]
@@ -69,12 +68,12 @@ def note_blocked(geo: Geometry, dynamics: Dynamics, contacts: Contacts) -> None:
 
 ACCELERATES = 0.5 * LONGEST_PAUSE
 """[s] over which the acceleration of a tracker is low-passed, above which it is noise. Longer: hands under load lag behind quick
-motion; shorter: noise shakes off what they hold."""
+motion; shorter: noise shakes off held bodies."""
 
 
 @kernel
 def share_of_noise(drive: DriveState, b: int) -> float:
-    """Share of the noise of a tracker's velocity that the inertia of a body resists.
+    """Return the share of the noise of a tracker's velocity that the inertia of a body resists.
 
     Less than 1 for bodies whose time constant sqrt(m / K) exceeds ACCELERATES: a heavy torso would sway behind its tracker. The
     given poses of moving bodies have none.
@@ -91,7 +90,7 @@ def accelerate(
     """Store the mean velocity v of a frame and its slope within the frame.
 
     Piecewise linear reconstruction with the minmod limiter (van Leer 1979). A piecewise constant velocity concentrates the
-    friction of a frame in its first substep; without the limiter a hand overshoots when it stops. What the velocity gains beyond
+    friction of a frame in its first substep; without the limiter a hand overshoots when it stops. A gain of the velocity beyond
     its low-passed gain is noise: the inertia of the body resists it, so the lag velocity changes by a share of it.
     """
     keeps = ACCELERATES / (ACCELERATES + dt)

@@ -12,7 +12,7 @@ series is off; smaller: differences cancel."""
 
 @kernel
 def decay(mass: float, spring: float, damping: float, t: float) -> tuple[float, float]:
-    """The two solutions of m x'' = -K x - R x': (C, S) with C = (1, rate -s) and S = (0, rate 1) at t = 0.
+    """Return the two solutions of m x'' = -K x - R x': (C, S) with C = (1, rate -s) and S = (0, rate 1) at t = 0.
 
     With s = R / 2m and w^2 = K/m - s^2: C = e^(-st) cos wt and S = e^(-st) sin(wt)/w, cosh and sinh when over-damped
     (written with decaying exponentials only, which cannot overflow), and their common limit when critically damped.
@@ -37,7 +37,7 @@ def decay(mass: float, spring: float, damping: float, t: float) -> tuple[float, 
 def coupled(
     mass: float, spring: float, damping: float, offset: Vec3, velocity: Vec3, t: float
 ) -> tuple[Vec3, Vec3]:
-    """Eq. 6: offset [m] and velocity [m/s] after ``t`` seconds of m x'' = -K x - R x', exact and stable for any t.
+    """Return offset [m] and velocity [m/s] after ``t`` seconds of m x'' = -K x - R x' (eq. 6), exact and stable for any t.
 
     ``offset`` is the driven body's position relative to the tracker's; mass > 0 [kg], spring K > 0 [N/m], damping R >= 0.
     """

@@ -11,7 +11,7 @@ from avatarsim.tolerances import JUDGED
 
 @kernel
 def stands(before: Poses, now: Poses, b: int) -> bool:
-    """Return whether the given pose of body b is the same at the start and at the end of the frame."""
+    """Return whether the given pose of body b is equal at the start and at the end of the frame."""
     same = True
     for i in range(3):
         same = same and before.position[b, i] == now.position[b, i]
@@ -40,7 +40,7 @@ def is_behind(drive: DriveState, poses: Poses, now: Poses, b: int) -> bool:
 
 @kernel
 def is_active(dynamics: Dynamics, poses: Poses, before: Poses, now: Poses, b: int) -> bool:
-    """Return whether the upper loop has to move body b in this frame: it goes somewhere, is blocked, or was pushed.
+    """Return whether the upper loop has to move body b in this frame: it moves, is blocked, or was pushed.
 
     A body at rest counts as fixed, so that loose bodies on it can sleep.
     """
@@ -55,9 +55,9 @@ def is_active(dynamics: Dynamics, poses: Poses, before: Poses, now: Poses, b: in
 
 @kernel
 def goes_at_most(drive: DriveState, poses: Poses, before: Poses, now: Poses, b: int, dt: float) -> float:
-    """Bound of the way [m] of the points of body b in dt seconds.
+    """Return a bound of the way [m] of the points of body b in dt seconds.
 
-    The step of its tracker and what makes up its lag; without a spring its velocity.
+    The step of its tracker and the making up of its lag; without a spring its velocity.
     """
     hulls, diagonal = poses.hulls, 0.0
     for i in range(3):
@@ -102,7 +102,7 @@ def load_moving(
 
     Args:
         poses: that are shown. before, now: given poses at the start and at the end of the frame.
-        room: [m] between what touches.
+        room: [m] between touching bodies.
     """
     drive, again = dynamics.drive, False
     for link in range(skel.kind.shape[0]):

@@ -56,7 +56,7 @@ def stands_still(dynamics: Dynamics, b: int) -> bool:
 
 @kernel
 def project_velocities(geo: Geometry, dynamics: Dynamics, contacts: Contacts, velocities_out: Velocities) -> None:
-    """Remove from the velocity of each link the part into what stood still and blocked it in the last frame.
+    """Remove from the velocity of each link the part into bodies that stood still and blocked it in the last frame.
 
     A hand blocked by a wall does not move, so it must not strike a ball with the velocity of its tracker. Simulated bodies do not
     change the velocity of a link, by which it pushes them.
@@ -119,7 +119,7 @@ def relax(skel: Skeleton, drive: DriveState, dt: float, target_out: Posture, vel
         if drive.coupled[b] + drive.linked[b] + drive.moves[b] > 0 or (norm(x) == 0.0 and norm(v) == 0.0):
             continue
         x, v = coupled(drive.mass[b], drive.stiffness[b], drive.damping[b], x, v, dt)
-        # below what shows, so that a coupling at rest costs nothing
+        # below a visible size, so that a coupling at rest costs nothing
         if norm(x) < NOTHING and norm(v) < NOTHING:
             x, v = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
         put_row(drive.offset, b, x)
@@ -140,7 +140,7 @@ def give_to_roots(skel: Skeleton, received: Array, inverse_mass: Array, rate_out
 
 @kernel
 def last_and_now(motion: TrackedMotion) -> tuple[Poses, Poses]:
-    """Tracked poses of the last frame and of this one."""
+    """Return tracked poses of the last frame and of this one."""
     if motion.turn[0] == 1:
         return motion.one, motion.other
     return motion.other, motion.one
@@ -158,7 +158,7 @@ def track_velocities(skel: Skeleton, target: Posture, dt: float, velocities_out:
 def make_tracked_motion(
     skel: Skeleton, drive: DriveState, posture: Posture, poses: Poses, settings: CouplingSettings
 ) -> TrackedMotion:
-    """Trackers at rest at `posture` and `poses`; avatars without a drive of their own get the constants of `settings`.
+    """Return trackers at rest at `posture` and `poses`; avatars without a drive of their own get the constants of `settings`.
 
     Their heavy links are critically damped: with the damping of a hand a torso would swing.
     """
@@ -174,6 +174,6 @@ def make_tracked_motion(
 
 
 def no_tracked_motion(poses: Poses) -> TrackedMotion:
-    """Empty arrays, for a scene without loose bodies."""
+    """Return empty arrays, for a scene without loose bodies."""
     nowhere = Poses(*(array[:0].copy() for array in poses))
     return TrackedMotion(nowhere, nowhere, np.full(1, -1), np.zeros(0), np.zeros((0, 3)))
