@@ -27,7 +27,7 @@ Units and conventions
 ---------------------
 SI units (m, kg, s, N), angles in radians, float64; z is up. Quaternions are (w, x, y, z) of length 1. Sizes of boxes are full
 lengths. Arrays over bodies are in the order of `scene.names`: the bodies, then the links of each avatar. A contact's normal
-points out of `b` into `a`. Descriptions (scenes, bodies, avatars, shapes) are frozen and checked as they are made: what is wrong
+points out of `b` into `a`. Descriptions (scenes, bodies, avatars, shapes) are frozen and checked as they are made: a fault
 is refused with an `InvalidInput` that names the thing, its value and the valid range.
 
 The world
@@ -101,8 +101,8 @@ Errors
     StartOverlaps   the first pose overlaps; names the pairs and their depths
     WorldsFailed    some worlds of `advance_many` failed; holds the records of the others
 
-Rarer names stand in their modules: `avatarsim.scene` (reach cones, effects), `avatarsim.settings` (every option, its unit and
-what it changes), `avatarsim.errors`. Nothing of the engine is imported before a name is used.
+Rarer names are in their modules: `avatarsim.scene` (reach cones, effects), `avatarsim.settings` (every option, its unit and
+its effect), `avatarsim.errors`. Nothing of the engine is imported before a name is used.
 """
 
 from importlib import import_module
@@ -165,7 +165,7 @@ _MODULES = {
     "scene.tracker": ("TrackerSample", "from_xyzw", "link_poses", "rest"),
     "simulator": ("AvatarsimEngine",),
 }
-"""Which module has which public names: the same as above, for a running Python."""
+"""Module -> its public names: those above, for a running Python."""
 
 _MODULE_OF = {name: f"{__name__}.{module}" for module, names in _MODULES.items() for name in names}
 
@@ -180,5 +180,5 @@ if not TYPE_CHECKING:  # else every name that is misspelt would have a type
         return found
 
     def __dir__() -> list[str]:
-        """The public names, and what is imported so far."""
+        """Return the public names, and those imported so far."""
         return sorted({*globals(), *__all__})

@@ -7,7 +7,7 @@ from avatarsim.console import ended
 
 
 def run() -> int:
-    """The whole command: its exit code, whatever becomes of its streams."""
+    """Run the whole command and return its exit code, whatever becomes of its streams."""
     return ended(main)
 
 

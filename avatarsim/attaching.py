@@ -1,4 +1,4 @@
-"""Attaching bodies to links, between frames: where they are now, and what an avatar grips."""
+"""Attaching bodies to links between frames: at their present places, and those that an avatar grips."""
 
 from collections.abc import Mapping, Sequence
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 
 def attach(frames: Frames, body: str, link: str) -> None:
-    """Attach a simulated body to a link, where they are. Raises UnknownName and InvalidInput as `AvatarsimEngine.attach`."""
+    """Attach a simulated body to a link, where they are now. Raises UnknownName and InvalidInput as `AvatarsimEngine.attach`."""
     scene, drive, poses = frames.world.scene, frames.world.drive, frames.world.poses
     require_attaching(frames, "scene to attach a body in")
     for name, role, kind in ((body, Role.SIMULATED, "simulated body"), (link, Role.DRIVEN, "link")):
@@ -47,7 +47,7 @@ def require_attaching(frames: Frames, thing: str) -> None:
 def attach_at_start(frames: Frames, old: World | None) -> None:
     """Attach the pairs of the scene; of a scene that was changed those that the ``old`` one did not have.
 
-    Raises UnsupportedScene where the scene cannot hold what it says, or what is attached already, and InvalidInput as `attach`.
+    Raises UnsupportedScene if the scene does not support attached bodies, its own or earlier ones, and InvalidInput as `attach`.
     """
     known = () if old is None else old.scene.attached
     names = frames.world.scene.names
@@ -60,7 +60,7 @@ def attach_at_start(frames: Frames, old: World | None) -> None:
 
 
 def require_sound(world: World) -> None:
-    """Raise InvalidSnapshot for attached bodies that are no simulated ones, or on what is no link."""
+    """Raise InvalidSnapshot for attached bodies that are not simulated, or that are attached to no link."""
     roles = world.scene.roles
     for b, k in enumerate(world.drive.carrier.tolist()):
         sound = k < 0 or (roles[b] is Role.SIMULATED and roles[k] is Role.DRIVEN)
@@ -70,7 +70,7 @@ def require_sound(world: World) -> None:
 
 
 def release(world: World, body: str) -> None:
-    """Release a body. Raises UnknownName for what is not attached."""
+    """Release a body. Raises UnknownName if it is not attached."""
     held = attached(world)
     if not isinstance(body, str) or body not in held:
         raise UnknownName("attached body", str(body), held)
@@ -80,7 +80,7 @@ def release(world: World, body: str) -> None:
 
 
 def attached(world: World) -> Mapping[str, str]:
-    """Names of attached bodies and of the links that they are attached to."""
+    """Return names of attached bodies and of the links that they are attached to."""
     names = world.scene.names
     return {names[b]: names[link] for b, link in enumerate(world.drive.carrier.tolist()) if link >= 0}
 

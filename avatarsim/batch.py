@@ -25,23 +25,23 @@ class Job(IntEnum):
     WORLD = 0
     """Address of the arena of the world; its words are counted in the next column, as of all arenas."""
     TARGET = 2
-    """The same of the target."""
+    """Address of the arena of the target."""
     LOWER = 4
-    """The same of the lower loop; no words: the world has no avatar."""
+    """Address of the arena of the lower loop; no words: the world has no avatar."""
     UPPER = 6
-    """The same of the upper loop; no words: the world has no loose bodies that move."""
+    """Address of the arena of the upper loop; no words: the world has no loose bodies that move."""
     SHOWN = 8
-    """The same of what the frame shows."""
+    """Address of the arena of the shown state."""
     MOVING = 10
-    """Address of the flags (nb) of bodies that moved in the last frame; how many there are is 0 before the first frame."""
+    """Address of the flags (nb) of bodies that moved in the last frame; their number is 0 before the first frame."""
     COUPLED = 12
-    """1 if what the upper loop does to driven bodies goes back into the lower one."""
+    """1 if the effect of the upper loop on driven bodies goes back into the lower one."""
     STATUS = 13
     """Status of the upper loop, written by the kernel, as are the next two."""
     SAID = 14
-    """1 if the lower loop has something to say in the record's statuses."""
+    """1 if the lower loop has a status to report in the record."""
     FINITE = 15
-    """1 if all that is shown is finite."""
+    """1 if all shown numbers are finite."""
 
 
 WORLD, TARGET, LOWER, UPPER, SHOWN, MOVING, COUPLED, STATUS, SAID, FINITE = map(int, Job)
@@ -51,12 +51,12 @@ COLUMNS = FINITE + 1
 """Columns of a row."""
 
 SAID_AT = tuple(place for _, place in STATUS_PLACES)
-"""Where counts of a lower loop stand that a record shows as statuses."""
+"""Indices of the counts of a lower loop that a record shows as statuses."""
 
 
 class Shown(NamedTuple):
-    """What a frame shows, and what it is written from: centres (nb, 3) of mass in body frames [m]; first, the first body that
-    ever moves; positions (nb, 3) [m] and orientations (nb, 4) of body frames; angles (nh) [rad], and the degree of each."""
+    """Shown numbers and their sources: centres (nb, 3) of mass in body frames [m]; first, the first body that ever moves;
+    positions (nb, 3) [m] and orientations (nb, 4) of body frames; angles (nh) [rad], and the degree of each."""
 
     centres: Vectors
     first: int
@@ -68,7 +68,7 @@ class Shown(NamedTuple):
 
 @kernel
 def show(world: Index, shown: Index) -> bool:
-    """Write what is shown of a world; False if a number of it is not finite."""
+    """Write the shown state of a world; return False if a number of it is not finite."""
     w, own = opened(world, WorldParts), opened(shown, Shown)
     for k in range(own.hinges.shape[0]):
         own.angles[k] = w.posture.angle[own.hinges[k]]
@@ -87,7 +87,7 @@ def has_said(lower: Index) -> bool:
 
 @entry_kernel
 def advance_worlds(jobs: Index, dt: float, nothing: Array) -> None:
-    """One frame of ``dt`` [s] of each world in ``jobs`` (worlds, COLUMNS), whose target has been read; ``nothing`` (0, 3)."""
+    """Pass a frame of ``dt`` [s] of each world in ``jobs`` (worlds, COLUMNS), whose target has been read; ``nothing`` (0, 3)."""
     for k in range(jobs.shape[0]):
         world = words_at(jobs[k, WORLD], jobs[k, WORLD + 1])
         target, lower = words_at(jobs[k, TARGET], jobs[k, TARGET + 1]), words_at(jobs[k, LOWER], jobs[k, LOWER + 1])
@@ -105,7 +105,7 @@ def advance_worlds(jobs: Index, dt: float, nothing: Array) -> None:
 
 
 class Output:
-    """Memory for what the frames of a world show, when kernels write it."""
+    """Memory for the shown state of the frames of a world, when kernels write it."""
 
     def __init__(self, world: World) -> None:
         on = world.scene.effects
@@ -118,7 +118,7 @@ class Output:
 def job_of(
     world: World, target: Target | None, lower: IkLoop | None, upper: SimulatedLoop | None, output: Output, moving: Index
 ) -> Index:
-    """The row (COLUMNS) of a world whose parts these are, as of its first frame; valid as long as they are."""
+    """Return the row (COLUMNS) of a world whose parts these are, as of its first frame; valid as long as they are."""
     row = np.zeros(COLUMNS, dtype=np.int64)
     parts: tuple[World | Target | IkLoop | SimulatedLoop | Output | None, ...] = world, target, lower, upper, output
     for column, part in zip((WORLD, TARGET, LOWER, UPPER, SHOWN), parts, strict=True):
@@ -130,5 +130,5 @@ def job_of(
 
 
 def advance_together(jobs: Index, dt: float) -> None:
-    """`advance_worlds` as Python calls it."""
+    """Run `advance_worlds`, as Python calls it."""
     advance_worlds(jobs, dt, NOTHING_RECEIVED)

@@ -45,7 +45,7 @@ def command(words: Sequence[str]) -> tuple[list[str], dict[str, str]]:
             raise MissingPackage(distribution, "compare", "avatarsim compare")
     folder = str(harness())
     path = os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH", "")]))
-    # -P: what lies in the user's folder is not imported in the place of the harness, in children neither
+    # -P: a module in the user's folder is not imported in the place of the harness, in children neither
     environment = {**os.environ, "PYTHONPATH": path, "PYTHONSAFEPATH": "1"}
     return [sys.executable, "-P", "-m", "scenarios", "scene", *words], environment
 
@@ -59,7 +59,7 @@ def run(words: Sequence[str]) -> int:
             try:
                 return process.wait()
             except KeyboardInterrupt:
-                # the terminal sends Ctrl-C to both, and the other one ends in its own words
+                # the terminal sends Ctrl-C to both, and the other one ends with its own message
                 continue
 
 
@@ -97,7 +97,7 @@ def compare(
     scene: PathLike, motion: PathLike | None = None, *, avatar: PathLike | None = None, room: PathLike | None = None,
     engines: Sequence[str] = (), seconds: float | None = None, options: Sequence[str] = (),
 ) -> "pd.DataFrame":
-    """Run a scene of your own in every installed engine, and measure what each shows.
+    """Run a scene of your own in every installed engine, and measure the states that each shows.
 
     Args:
         scene: MJCF, URDF, a mesh as a room, or a recording of `avatarsim live`.

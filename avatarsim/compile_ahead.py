@@ -65,20 +65,20 @@ class Compiled:
         self.kept = self.done()
 
     def entries(self) -> int:
-        """Files of compiled kernels: a kernel has one for each set of argument types."""
+        """Return files of compiled kernels: a kernel has one for each set of argument types."""
         return sum(kept_kernels(folder).total() for folder in {folder for folder, _ in self.wanted})
 
     def done(self) -> int:
-        """Kernels of which any file is on disk."""
+        """Return kernels of which any file is on disk."""
         return self.total - missing(self.wanted)
 
     def left(self, done: int) -> float:
-        """[s] until all are done if it goes on as it went; infinite at first."""
+        """Return the time [s] until all are done at the rate so far; infinite at first."""
         new = done - self.kept
         return (self.total - done) * (self.clock() - self.begun) / new if new else float("inf")
 
     def told(self, done: int) -> str:
-        """So many of so many, and the time that is left; not before a tenth is done, for the first ones say little."""
+        """Return "so many of so many" and the time that is left; not before a tenth is done, for the first ones say little."""
         told = f"{done} of {self.total} kernels"
         tells = done - self.kept >= self.total // 10 and done < self.total
         return f"{told}, about {self.left(done):.0f} s left" if tells else told
@@ -107,14 +107,14 @@ LIMITS = SwingTwist((0.0, 0.0, 1.0), (0.0, 0.0, 1.0), 1.0, (-1.0, 1.0))
 """Limits of the ball joint in the scenes of the parts: checked at each load, which calls kernels."""
 
 LOOK = 0.5
-"""[s] between two looks at how far the processes are; longer tells late, shorter takes time from them."""
+"""[s] between two looks at how far the processes are; longer: progress is shown late, shorter: it takes time from them."""
 
 DT = 1.0 / 60.0
 """[s] frame time of the scenes of the parts."""
 
 
 def part_scene(part: str) -> tuple[Scene, str]:
-    """A small scene that calls every kernel of a part, or of posture and motion together, and the preset to run it with."""
+    """Return a small scene that calls every kernel of a part, or of posture and motion together, and the preset for it."""
     ball = (Piece(Sphere(0.05)),)
     floor = fixed("floor", (Piece(Box((4.0, 4.0, 0.1))),), "wood", (0.0, 0.0, -0.05))
     loose = simulated("ball", ball, "wood", solid(ball, 0.2), (0.0, 0.0, 0.2))
@@ -131,7 +131,7 @@ def part_scene(part: str) -> tuple[Scene, str]:
 
 
 def compile_part(part: str) -> None:
-    """Load the part's scene and run two frames of it; what is compiled on the way is kept on disk."""
+    """Load the part's scene and run two frames of it; kernels compiled on the way are kept on disk."""
     # The compiler makes and keeps millions of objects: looking through them for rings of garbage costs it a tenth of its time.
     gc.disable()
     if part in WITHOUT_FRAMES:
@@ -157,7 +157,7 @@ def compile_part(part: str) -> None:
 
 
 def call_between_frames(engine: AvatarsimEngine, scene: Scene) -> None:
-    """Call what a program may ask of an engine between two frames, and load the scene without removal of overlaps."""
+    """Call everything that a program may call between two frames, and load the scene without removal of overlaps."""
     engine.contacts(1.0)
     engine.advance(None, DT)
     engine.advance(scene.first_sample, DT)
@@ -185,7 +185,7 @@ def compile_share(share: tuple[str, ...], only: Path | None = None) -> None:
 
 
 def compile_distances() -> None:
-    """Compile what finds how far two shapes are apart: as other kernels call it, and as Python does of a start that touches."""
+    """Compile the distance of two shapes: as other kernels call it, and as Python calls it for a start that touches."""
     world = build(part_scene("motion")[0])
     signed_distance(world.poses.vertices, world.geometry.shapes, 0, 1, (0.0, 0.0, 0.0), make_scratch())
     question = (world.poses.vertices, world.geometry.shapes, 0, 1, (0.0, 0.0, 0.0), np.inf, make_scratch())
@@ -239,7 +239,7 @@ WITHOUT_FRAMES = {"distance": compile_distances, "cleaning": compile_cleaning, "
 
 
 def stamp_names(cpu: Cpu) -> list[Path]:
-    """The files, within a folder of kernels, that mark everything as compiled for a processor: one per entry of SOURCES."""
+    """Return the files, in a folder of kernels, that mark all as compiled for a processor: one per entry of SOURCES."""
     known_as = hashlib.sha256(repr(cpu).encode()).hexdigest()[:20]
     return [kernel_folder(str(source)) / f"everything-compiled-{known_as}" for source in SOURCES]
 
@@ -265,9 +265,9 @@ def turn(stamp: Path) -> Iterator[None]:
 
 
 def compile_everything(stream: TextIO | None = None) -> bool:
-    """Compile what is not compiled yet and print progress, on the standard output unless told otherwise; False if a part failed,
-    which then compiles when it is first used. Prints nothing where nothing has to be compiled; where nothing can be kept, nothing
-    is compiled, and that is printed."""
+    """Compile all kernels that are not compiled yet and print progress, on the standard output by default; return False if a part
+    failed, which then compiles when it is first used. Prints nothing where nothing has to be compiled; where nothing can be kept,
+    nothing is compiled, and that is printed."""
     if config.DISABLE_JIT or is_stock() or is_compiled():
         return True
     base = places.current().write
@@ -289,8 +289,8 @@ def compile_everything(stream: TextIO | None = None) -> bool:
 
 
 def compile_into(folder: Path, stream: TextIO | None = None) -> bool:
-    """Compile everything into a folder that serves all users as AVATARSIM_CACHE_DIR; False if a part failed. Raises CannotKeep
-    where nothing can be kept."""
+    """Compile everything into a folder that serves all users as AVATARSIM_CACHE_DIR; return False if a part failed. Raises
+    CannotKeep where nothing can be kept."""
     base, made = folder / NAME, not folder.exists()
     places.use_places(Places(base, required=True))
     if not compile_everything(stream):
@@ -305,7 +305,7 @@ def compile_into(folder: Path, stream: TextIO | None = None) -> bool:
 
 
 def run_shares(shares: tuple[tuple[str, ...], ...], stream: TextIO) -> bool:
-    """Compile shares in child processes and print progress once a kernel is compiled; False if one of them failed."""
+    """Compile shares in child processes and print progress once a kernel is compiled; return False if one failed."""
     compiled, announced = Compiled(), False
     # A fork has imported everything already, which takes a second; where there are no forks everything is imported anew.
     child = get_context("fork").Process if sys.platform == "linux" else get_context("spawn").Process

@@ -23,22 +23,22 @@ from typing import Self, TextIO
 from avatarsim.errors import described
 
 _SAID: set[str] = set()
-"""Topics of which this process has spoken."""
+"""Topics on which this process has printed a diagnostic."""
 
 
 def say_once(topic: str, sentence: str) -> None:
-    """Print `sentence` as one line on standard error, unless something was said about `topic` already."""
+    """Print `sentence` as one line on standard error, unless a line on `topic` was printed before."""
     if topic in _SAID:
         return
     _SAID.add(topic)
     if sys.stderr is not None:
-        # The stream may be closed or full; a diagnostic must never stop what it comments on.
+        # The stream may be closed or full; a diagnostic must never stop the work that it comments on.
         with suppress(OSError, ValueError):
             print(f"avatarsim: {sentence}", file=sys.stderr, flush=True)
 
 
 QUIET_FOR = 1.0
-"""Seconds of work before anything is said."""
+"""Seconds of work before anything is printed."""
 LINE_EVERY = 5.0
 """Seconds between lines where there is no terminal."""
 BAR_EVERY = 0.1
@@ -48,7 +48,7 @@ WIDTH = 30
 
 
 class Progress:
-    """Says on `stream` how far `name` has come; None says nothing."""
+    """Progress of `name`, printed on `stream`; None prints nothing."""
 
     def __init__(self, name: str, stream: TextIO | None) -> None:
         self.name, self.stream = name, stream
@@ -66,7 +66,7 @@ class Progress:
         return self.stream is not None and time.monotonic() >= self.next
 
     def step(self, share: float, what: str) -> None:
-        """`share` from 0 to 1 is done, and `what` is being done."""
+        """Report that `share` from 0 to 1 is done, and that `what` is under way."""
         now = time.monotonic()
         if self.stream is None or now < self.next:
             return
@@ -93,7 +93,7 @@ class Progress:
 
 
 def printable(text: str) -> str:
-    """A text from elsewhere as a terminal or a page may have it: what cannot be printed by its code."""
+    """Return a text from elsewhere as a terminal or a page may have it: characters that cannot be printed by their codes."""
     return "".join(letter if letter.isprintable() else letter.encode("unicode_escape").decode() for letter in text)
 
 
@@ -103,14 +103,14 @@ Python's own code for the last is 1, which is the answer of several commands: a 
 
 
 def path_option(text: str) -> Path:
-    """A path given on a command line. An empty one, as of a shell's variable that is not set, would mean the current folder."""
+    """Return a path given on a command line. An empty one, as of a shell's unset variable, would mean the current folder."""
     if not text:
         raise ArgumentTypeError("an empty name; valid: the path of a folder or a file")
     return Path(text)
 
 
 def lost_output() -> OSError | None:
-    """Why standard output takes nothing more; None if it does. What could not be written is dropped, and later prints too."""
+    """Return why standard output takes nothing more; None if it does. Unwritten text is dropped, and later prints too."""
     try:
         sys.stdout.flush()
     except OSError as error:
@@ -123,10 +123,10 @@ def lost_output() -> OSError | None:
 
 
 def ended(main: Callable[[], int]) -> int:
-    """The exit code of `main`, once all it printed is written: USAGE where standard output is closed, UNSAID where it is full,
-    where its reader has gone, or where memory is short, FAULT with a traceback where `main` raised what it should not."""
+    """Return the exit code of `main`, once all it printed is written: USAGE where standard output is closed, UNSAID where it is
+    full, where its reader has gone, or where memory is short, FAULT with a traceback where `main` raised an unexpected error."""
     if sys.stderr is None:
-        # a file that is opened later would get its number, and with it what children complain of
+        # a file that is opened later would get its number, and with it the diagnostics of children
         sys.stderr = open(os.devnull, "w", encoding="utf-8")
     if sys.stdout is None:
         print("standard output is closed: direct it to a file, or to /dev/null", file=sys.stderr)
@@ -137,7 +137,7 @@ def ended(main: Callable[[], int]) -> int:
     except SystemExit as end:
         code = end.code if isinstance(end.code, int) else USAGE if end.code else 0
     except BrokenPipeError:
-        # `head` has read enough: nothing is wrong, and there is nothing to say
+        # `head` has read enough: nothing is wrong, and nothing is printed
         pass
     except OSError as error:
         refused.append(f"the system refused {error.filename or 'a file or a stream'}: {error.strerror or error}")

@@ -59,7 +59,7 @@ class ForceParts(NamedTuple):
 def find_all_rows(
     geometry: Geometry, dynamics: Dynamics, poses: Poses, velocities: Velocities, own: ForceParts, dt: float, h: float
 ) -> bool:
-    """Rows of all contacts for h seconds, without impulses; False without room for them."""
+    """Find rows of all contacts for h seconds, without impulses; return False without room for them."""
     memory, members, contacts = own.memory, own.members, own.memory.contacts
     for m in range(members.shape[0]):
         b = members[m]
@@ -86,7 +86,7 @@ def find_all_rows(
 
 @kernel
 def solve_exactly(dynamics: Dynamics, poses: Poses, memory: Memory, members: Index) -> None:
-    """Impulses of all rows, to rounding."""
+    """Solve for the impulses of all rows, to rounding."""
     contacts = memory.contacts
     count = contacts.used[0]
     lay_out(contacts, memory.hold, 0, count, memory.linear_end, memory.angular_end)
@@ -105,7 +105,7 @@ def solve_exactly(dynamics: Dynamics, poses: Poses, memory: Memory, members: Ind
 
 @entry_kernel
 def solve_forces(world: Index, query: Index, dt: float, h: float) -> bool:
-    """Rows of all contacts, and their impulses over h seconds, in ``memory.contacts``; False without room for them."""
+    """Find rows of all contacts, and impulses over h seconds, in ``memory.contacts``; return False without room for them."""
     w, own = opened(world, WorldParts), opened(query, ForceParts)
     for _ in range(ROUNDS):
         if not find_all_rows(w.geometry, own.dynamics, w.poses, own.velocities, own, dt, h):
@@ -117,7 +117,7 @@ def solve_forces(world: Index, query: Index, dt: float, h: float) -> bool:
 
 
 def contacts_with_forces(frames: Frames, within: float, stand_off: float, dt: float) -> tuple[Contact, ...]:
-    """Contacts up to `within` [m] of what is shown, with their forces; of pairs of which at least one moves."""
+    """Return contacts up to `within` [m] of the shown state, with their forces; of pairs of which at least one moves."""
     world = frames.world
     query = _query(frames, within, stand_off)
     words, own = packed(query)
@@ -164,14 +164,14 @@ def _query(frames: Frames, within: float, stand_off: float) -> ForceParts:
 
 
 def _pose_joints(world: World) -> None:
-    """Joints of the linkages as shown."""
+    """Pose the joints of the linkages as shown."""
     joints = world.drive.linkage.joints
     for into, of in zip(joints, world.posture, strict=True):
         into[...] = of
 
 
 def felt(frames: Frames, avatar: int) -> Array:
-    """Force of the spring on the user of each link of an avatar [N], world axes."""
+    """Return the force of the spring on the user of each link of an avatar [N], world axes."""
     world, first = frames.world, frames.world.skeleton.first
     links = [len(one.links) for one in world.scene.avatars]
     begin = first + sum(links[:avatar])

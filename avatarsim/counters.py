@@ -11,8 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 STAGES = ("coupling", "posture", "motion")
-"""The stages of a frame that are timed apart: "posture" is the lower loop; "motion" the upper loop; "coupling" what goes back
-afterwards: impulses, poses of avatars under load, and a second solve of the posture for links that bodies blocked."""
+"""The stages of a frame that are timed apart: "posture" is the lower loop; "motion" the upper loop; "coupling" its effect on
+avatars afterwards: impulses, poses of avatars under load, and a second solve of the posture for links that bodies blocked."""
 
 
 class Stage:
@@ -27,7 +27,7 @@ class Stage:
         self.timing, self.calls, self.ns, self._start = timing, 0, 0, 0
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Nothing: a clock is no part of the world."""
+        """Return nothing: a clock is no part of the world."""
         return {}
 
     def __enter__(self) -> None:
@@ -53,17 +53,17 @@ class StageClock:
             stage.ns = 0
 
     def stage(self, name: str) -> Stage:
-        """The stage, to be used in a `with`."""
+        """Return the stage, to be used in a `with`."""
         return self.stages[name]
 
     @property
     def calls(self) -> dict[str, int]:
-        """Calls per stage since the clock was made."""
+        """Return calls per stage since the clock was made."""
         return {name: stage.calls for name, stage in self.stages.items()}
 
     @property
     def ns(self) -> dict[str, int]:
-        """Nanoseconds per stage of this frame, zero for those that were not called; empty unless timing."""
+        """Return nanoseconds per stage of this frame, zero for those that were not called; empty unless timing."""
         return {name: stage.ns for name, stage in self.stages.items()} if self.timing else {}
 
 
@@ -74,8 +74,8 @@ WORD = np.dtype(np.int64).itemsize
 class Tally(Mapping[str, int]):
     """`numbers` in the order of `names`: as integers, or as the bytes of an array of int64.
 
-    They are held as bytes and read when asked for: to fill a dictionary of them takes longer than to certify a pair, in every
-    frame, and a list is one more object for Python's cyclic collector."""
+    They are kept as bytes and read on access: to fill a dictionary of them takes longer than to certify a pair, in every frame,
+    and a list is one more object for Python's cyclic collector."""
 
     __slots__ = ("_names", "_numbers")
 
@@ -101,9 +101,9 @@ class Tally(Mapping[str, int]):
         return memoryview(self._numbers).cast("q")
 
     def items(self) -> ItemsView[str, int]:
-        """Names and numbers, in their order."""
+        """Return names and numbers, in their order."""
         return dict(zip(self._names, self._all(), strict=True)).items()
 
     def beside(self, other: "Tally", names: tuple[str, ...]) -> "Tally":
-        """Both; `names` are those of this one, then of the other: a caller in every frame has put them together once."""
+        """Return both; `names` are those of this one, then of the other: a caller in every frame has put them together once."""
         return Tally(names, self._numbers + other._numbers)

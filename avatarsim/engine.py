@@ -1,4 +1,4 @@
-"""Engine protocol: what every engine offers and reports per frame. Small on purpose: no metrics, no rendering, no scenarios."""
+"""Engine protocol: operations and frame records of every engine. Small on purpose: no metrics, no rendering, no scenarios."""
 
 import hashlib
 from collections.abc import Mapping
@@ -21,13 +21,13 @@ STARTS = ("nearest", "exact")
 """Treatment of a start that overlaps; see `Settings.start`."""
 
 ADAPTER = "adapter"
-"""Name of the stage in which an engine reports what is not its own: the Python that wraps another simulator for this protocol. It
-is no part of that engine's own time; see `FrameRecord.stage_ns`."""
+"""Name of the stage in which an engine reports time that is not its own: the Python that wraps another simulator for this
+protocol. It is no part of that engine's own time; see `FrameRecord.stage_ns`."""
 
 
 @dataclass(eq=False, init=False, slots=True)
 class Snapshot:
-    """The world at one instant: what a frame shows at its end, or a sub-step or an event inside it.
+    """The world at one instant: the shown state at a frame's end, or a sub-step or an event inside it.
 
     `time` [s] since load; positions (n, 3) and orientations (n, 4) of body frames in the scene's canonical order, of avatarsim's
     own engine with a scalar part from 0 on, so that equal states are equal bits; velocities (n, 3) of centres of mass [m/s] and
@@ -36,7 +36,7 @@ class Snapshot:
     (the velocities right before it are the previous snapshot's, at the same time, named "approach"). An event's time is when the
     surfaces meet, where the engine knows that better than from its last pose. When that pose keeps a gap, this is later by the
     time in which the gap closes, and so may be after the frame's end: nanoseconds at 2 m/s, the longer the slower the impact.
-    Steps of driven bodies take no time: they stand where the frame begins, or, after loose bodies have moved on, where it ends.
+    Steps of driven bodies take no time: they are where the frame begins, or, after loose bodies have moved on, where it ends.
     """
 
     time: Final[float]
@@ -56,7 +56,7 @@ class Snapshot:
 
 
 class Moved(NamedTuple):
-    """An avatar or a loose body that begins elsewhere than it was put, since it overlapped something there.
+    """An avatar or a loose body that begins elsewhere than where it was put, since it overlapped something there.
 
     name      of the avatar or the body
     distance  [m] of the body's origin, or of the link origin that was moved farthest
@@ -73,7 +73,7 @@ class Moved(NamedTuple):
 
 @dataclass(eq=False, init=False, slots=True)
 class FrameRecord:
-    """What an engine shows at the end of one rendered frame, and what it cost. Nothing is assigned to after it is made.
+    """State that an engine shows at the end of one rendered frame, and its cost. Nothing is assigned to after it is made.
 
     Kept in thousands, records are few objects and flat ones, for Python's cyclic collector goes through all that it tracks:
     slots instead of a dictionary each, arrays (which it does not track), and one shared mapping where nothing was counted.
@@ -81,7 +81,7 @@ class FrameRecord:
     angles       (hinges,) [rad], as in TrackerSample; NaN-free; empty when there are none
     counts       work done in this frame, by name (pairs, queries, iterations, joints, contacts, segments, ...)
     statuses     how often a stage reported something else than success, by name
-    stage_ns     nanoseconds per stage, by names of the engine's own; empty unless asked for (`Settings.time_stages`). Stages do
+    stage_ns     nanoseconds per stage, by names of the engine's own; empty unless `Settings.time_stages`. Stages do
                  not overlap, and their sum without `ADAPTER` is the frame time that an engine is compared by; an engine that
                  reports none is charged the whole call of `advance`, Python included
     inside       sub-steps and events inside the frame, in order; empty unless recording
@@ -105,7 +105,7 @@ class FrameRecord:
         self.counts, self.statuses, self.stage_ns = counts, statuses or NOTHING, stage_ns or NOTHING
 
     def state_hash(self) -> str:
-        """Sixteen hexadecimal digits of all shown numbers; equal bits give equal hashes."""
+        """Return sixteen hexadecimal digits of all shown numbers; equal bits give equal hashes."""
         digest = hashlib.blake2b(digest_size=8)
         s = self.shown
         for array in (s.positions, s.orientations, s.velocities, s.angular_velocities, self.angles):
@@ -115,18 +115,18 @@ class FrameRecord:
 
 @dataclass(frozen=True)
 class Settings:
-    """How an engine is run.
+    """Settings of one run of an engine.
 
     preset         name of a method, "default" or "paper"
-    options        what overrides the preset's settings: `{"stand_off": 1e-4}`; `avatarsim.settings` has all, with their units
-    seed           of what is drawn: orders of chains, and samples of the search for a path
+    options        overrides of the preset's settings: `{"stand_off": 1e-4}`; `avatarsim.settings` has all, with their units
+    seed           of random numbers: orders of chains, and samples of the search for a path
     record_inside  whether records hold sub-steps and events; costs time
     time_stages    whether records hold nanoseconds per stage; costs time
     start          "nearest": a start that overlaps begins at the nearest free posture, with loose bodies moved apart, and its
-                   record says how far and why (`FrameRecord.moved`); "exact": it is refused (`StartOverlaps`). Other engines
-                   begin as they are told
+                   record gives how far and why (`FrameRecord.moved`); "exact": it is refused (`StartOverlaps`). Other engines
+                   begin at the given start
 
-    Raises InvalidInput where one of them is of another type; which names and values an engine takes, it says at `load`."""
+    Raises InvalidInput where one of them is of another type; an engine checks names and values at `load`."""
 
     preset: str = "default"
     options: Mapping[str, object] = field(default_factory=dict)
@@ -143,7 +143,7 @@ class Settings:
         # a bool is an int to Python, and no seed that was meant
         if isinstance(self.seed, bool) or not isinstance(self.seed, int | np.integer):
             raise InvalidInput("seed of the settings", self.seed, "a whole number")
-        # numpy's narrow kinds overflow in what is computed of a seed
+        # numpy's narrow kinds overflow in numbers computed of a seed
         object.__setattr__(self, "seed", int(self.seed))
         for name, flag in (("record_inside", self.record_inside), ("time_stages", self.time_stages)):
             if not isinstance(flag, bool | np.bool_):
@@ -158,30 +158,30 @@ class Engine(Protocol):
 
     @property
     def name(self) -> str:
-        """The name it is called by on the command line and in every table."""
+        """Return its name on the command line and in every table."""
 
     @property
     def version(self) -> str:
-        """Version of the physics behind it."""
+        """Return the version of the physics behind it."""
 
     @property
     def presets(self) -> tuple[str, ...]:
-        """Names of its presets, the default first."""
+        """Return names of its presets, the default first."""
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
-        """What this engine has no words for in `scene`: feature -> consequence. Empty when it can say all. It is asked before
-        `load`, and again after it, when an engine may say it of the preset that was loaded.
+        """Return the features of `scene` that this engine does not support: feature -> consequence. Empty if it supports all.
+        Called before `load`, and again after it, when an engine may answer for the preset that was loaded.
 
-        A key "scene" means that it cannot express the scene at all; only what is said before `load` counts for that."""
+        A key "scene" means that it cannot express the scene at all; only the answer before `load` counts for that."""
 
     def settings_as_run(self) -> Mapping[str, object]:
-        """Every setting in force after `load`, with the reason where one was chosen: name -> value or (value, reason)."""
+        """Return every setting in force after `load`, with the reason where one was chosen: name -> value or (value, reason)."""
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
         """Build the world for frames of `dt` seconds and return the first state shown, before any time passes."""
 
     def advance(self, sample: TrackerSample, dt: float) -> FrameRecord:
-        """One rendered frame: follow `sample`, pass `dt` seconds, return what is shown."""
+        """Advance one rendered frame: follow `sample`, pass `dt` seconds, return the state shown."""
 
     def close(self) -> None:
         """Free everything."""
@@ -190,7 +190,7 @@ class Engine(Protocol):
 def require_shapes(scene: Scene, kinds: tuple[type, ...]) -> None:
     """Raise UnsupportedShape for the first body or link of `scene` with a shape of none of these classes.
 
-    For engines that cannot build every shape; called in `load`, the run's row says which body it is.
+    For engines that cannot build every shape; called in `load`, the run's row names the body.
     """
     pieces = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
     for name, of_body in zip(scene.names, pieces, strict=True):

@@ -1,14 +1,14 @@
 """Every exception that avatarsim raises on purpose.
 
     AvatarsimError
-    +-- EngineInUse         a second thread asks an engine for something while the first one's call is under way
+    +-- EngineInUse         a second thread calls an engine while the first one's call is under way
     +-- NotCopied           an engine was to be copied or pickled
-    +-- InvalidInput        a value handed in at the door is outside its valid range
+    +-- InvalidInput        an argument is outside its valid range
     |   +-- InvalidScene    a scene description contradicts itself
     |   +-- InvalidShape    a shape has no volume, a non-finite size, ...
     |   +-- UnsupportedScene    an engine or its preset cannot run a scene; UnsupportedShape: it cannot build one shape of it
     |   +-- InvalidSample   a tracker sample is not finite or does not fit the avatar
-    |   +-- InvalidFile     a file is missing, truncated or not what its name says
+    |   +-- InvalidFile     a file is missing, truncated or not of the kind of its name
     |   +-- InvalidSnapshot bytes are no snapshot, are damaged, or are of another scene
     |   +-- UnknownName     an engine, a scene, a preset that is not registered
     +-- StartOverlaps       the first pose already overlaps
@@ -39,7 +39,7 @@ WORLDS_NAMED = 4
 """Most worlds that failed together whose errors are in a message; all of them are in `WorldsFailed.errors`."""
 
 LONGEST_VALUE = 2000
-"""Most characters of a value in a message. An array of a million numbers would bury what is wrong with it."""
+"""Most characters of a value in a message. An array of a million numbers would bury the fault in it."""
 
 
 class AvatarsimError(Exception):
@@ -47,7 +47,7 @@ class AvatarsimError(Exception):
 
 
 class EngineInUse(AvatarsimError):
-    """An engine is asked for something while another call of it is under way: it has one state and no queue."""
+    """A call of an engine while another call of it is under way: it has one state and no queue."""
 
     def __init__(self) -> None:
         super().__init__("this engine is in the middle of another call; give each thread an engine of its own")
@@ -72,7 +72,7 @@ class InvalidInput(AvatarsimError):
 
 
 def _shown(value: object) -> str:
-    """The value in one line of a message: of a long one the beginning and the end, and of one that cannot be shown its type."""
+    """Return the value in one line of a message: the two ends of a long one, the type of one that cannot be shown."""
     try:
         text = re.sub(r"\n\s*", " ", repr(value))
     except Exception:
@@ -105,7 +105,7 @@ class InvalidSample(InvalidInput):
 
 
 class InvalidFile(InvalidInput):
-    """A file that is missing, truncated or holds something else than its name says."""
+    """A file that is missing, truncated or of another kind than its name states."""
 
 
 class InvalidSnapshot(InvalidInput):
@@ -120,7 +120,7 @@ class UnknownName(InvalidInput):
 
 
 def likely(value: str, known: Iterable[str]) -> str:
-    """The names in order; of very many those most like `value`, and how many there are besides."""
+    """Return the names in order; of very many those most like `value`, and how many there are besides."""
     names = sorted(known)
     if len(names) <= ALL_NAMED:
         return ", ".join(names)
@@ -129,7 +129,7 @@ def likely(value: str, known: Iterable[str]) -> str:
 
 
 class StartOverlaps(AvatarsimError):
-    """The first pose overlaps; `pairs` lists (name, name, depth in metres), deepest first, `advice` what to do."""
+    """The first pose overlaps; `pairs` lists (name, name, depth in metres), deepest first, `advice` the remedy."""
 
     def __init__(self, pairs: list[tuple[str, str, float]], advice: str = "start from a pose that is free") -> None:
         self.pairs = sorted(pairs, key=lambda pair: -pair[2])
@@ -141,7 +141,7 @@ class StartOverlaps(AvatarsimError):
 class WorldsFailed(AvatarsimError):
     """Some of the worlds that were advanced together failed; the others are a frame further.
 
-    `errors` says why, by the world's place in the list; `records` has what the others show, and None for those that failed.
+    `errors` has the reasons, by the world's place in the list; `records` has those of the others, None for worlds that failed.
     """
 
     def __init__(self, errors: Mapping[int, AvatarsimError], records: Sequence[object]) -> None:
@@ -160,7 +160,7 @@ class MissingPackage(AvatarsimError):
 
 
 class UnsupportedVersion(AvatarsimError, ImportError):
-    """An installed package is of a version that cannot be used; the message says which one can. Raised by imports."""
+    """An installed package is of a version that cannot be used; the message names one that can. Raised by imports."""
 
 
 OWN = ("avatarsim", "runfiles", "reference", "scenarios", "benchmarks", "reports", "tests")
@@ -168,11 +168,11 @@ OWN = ("avatarsim", "runfiles", "reference", "scenarios", "benchmarks", "reports
 
 
 NOT_MAPPED = "failed to map segment"
-"""How the dynamic linker puts a lack of memory for a library."""
+"""Text of the dynamic linker for a lack of memory for a library."""
 
 
 def described(error: BaseException) -> str:
-    """One line on an error: its kind and its message; of a lack of memory also the function that needed it, and the limit."""
+    """Return one line on an error: its kind and message; of a lack of memory also the function that needed it, and the limit."""
     said, kind = " ".join(str(error).split()), type(error).__name__.removeprefix("_Array")
     if not (isinstance(error, MemoryError) or getattr(error, "errno", None) == ENOMEM or NOT_MAPPED in said):
         return f"{kind}: {said}"
@@ -184,7 +184,7 @@ def described(error: BaseException) -> str:
 
 
 def memory_limit() -> str:
-    """The limit on the address space of this process, for a message; empty where none is set."""
+    """Return the limit on the address space of this process, for a message; empty where none is set."""
     # POSIX alone has limits of processes
     import resource
 
@@ -193,16 +193,16 @@ def memory_limit() -> str:
 
 
 def ended_by(code: int) -> str:
-    """How a process ended without an answer, by its exit code; with the limit on its memory, which is often the reason."""
+    """Return how a process ended without an answer, by its exit code; with the limit on its memory, which is often the reason."""
     how = f"was killed by signal {-code}" if code < 0 else f"ended with code {code}"
     return "; ".join(filter(None, [how, memory_limit()]))
 
 
 def bringing(extra: str, package: str, root: Path = ROOT) -> str:
-    """The command that installs an extra: of the checkout at `root`, if it is one, else of the installed avatarsim.
+    """Return the command that installs an extra: of the checkout at `root`, if it is one, else of the installed avatarsim.
 
-    An extra of a name that no index has ("avatarsim[assets]") cannot be asked for by that name, so an installed avatarsim says
-    what its own metadata lists under the extra.
+    An extra of a name that no index has ("avatarsim[assets]") cannot be installed by that name, so for an installed avatarsim the
+    packages are those that its own metadata lists under the extra.
     """
     if (root / "pyproject.toml").is_file():
         return f"pip install {shlex.quote(f'{root}[{extra}]')}, or `make setup` in {root} for its .venv"

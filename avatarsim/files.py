@@ -33,10 +33,10 @@ VARIABLE = "AVATARSIM_CACHE_DIR"
 """Environment variable that names the first folder to look in, for all caches of this package."""
 
 ADMINISTRATOR = 0
-"""User number whose files are trusted beside one's own: it may change any file anyway, and container images belong to it."""
+"""User number whose files are trusted as one's own are: it may change any file anyway, and container images belong to it."""
 
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
-"""Mode bits by which another user can replace what is run."""
+"""Mode bits by which another user can replace code that is run."""
 
 
 class Distrusted(PermissionError):
@@ -44,8 +44,8 @@ class Distrusted(PermissionError):
 
 
 def bases(name: str, *variables: str) -> list[Path]:
-    """Folders called `name` for a cache to lie in, best first: below AVATARSIM_CACHE_DIR, below each of the further environment
-    `variables`, XDG_CACHE_HOME, ~/.cache, and in the temporary folder one per user. None of them needs to exist."""
+    """Return folders called `name` for a cache to lie in, best first: below AVATARSIM_CACHE_DIR, below each of the further
+    environment `variables`, XDG_CACHE_HOME, ~/.cache, and in the temporary folder one per user. None of them needs to exist."""
     named = [os.environ.get(variable, "") for variable in (VARIABLE, *variables, "XDG_CACHE_HOME")]
     found: list[Path] = []
     for value in filter(None, named):
@@ -62,7 +62,7 @@ def bases(name: str, *variables: str) -> list[Path]:
 
 
 def require_trusted(status: os.stat_result, path: Path) -> None:
-    """Raise Distrusted if another user owns what `status` describes, or may write to it."""
+    """Raise Distrusted if another user owns the file or folder of `status`, or may write to it."""
     require_owner(status, path)
     if status.st_mode & OTHERS_WRITE:
         mode = stat.S_IMODE(status.st_mode)
@@ -70,14 +70,14 @@ def require_trusted(status: os.stat_result, path: Path) -> None:
 
 
 def require_owner(status: os.stat_result, path: Path) -> None:
-    """Raise Distrusted if neither this user nor the administrator owns what `status` describes."""
+    """Raise Distrusted if neither this user nor the administrator owns the file or folder of `status`."""
     if status.st_uid not in (ADMINISTRATOR, os.geteuid()):
         raise Distrusted(errno.EPERM, f"it belongs to user {status.st_uid}", str(path))
 
 
 def require_trusted_folder(folder: Path) -> None:
     """Raise Distrusted if a folder, or the link that leads to it, is in another user's hands; OSError if there is none."""
-    # The mode of a symbolic link says nothing.
+    # The mode of a symbolic link means nothing.
     require_owner(folder.lstat(), folder)
     status = folder.stat()
     if not stat.S_ISDIR(status.st_mode):
@@ -86,7 +86,7 @@ def require_trusted_folder(folder: Path) -> None:
 
 
 def make_private(folder: Path) -> None:
-    """Make a folder and what is missing above it, with the mode 0700; OSError if that is impossible."""
+    """Make a folder and the missing ones above it, with the mode 0700; OSError if that is impossible."""
     try:
         os.mkdir(folder, 0o700)
     except FileExistsError:
@@ -125,18 +125,18 @@ def is_writable(folder: Path) -> bool:
 
 
 def say_distrust(error: Distrusted) -> None:
-    """Say on standard error why a file or folder is left alone."""
+    """Print on standard error why a file or folder is left alone."""
     say_once(f"distrust {error.filename}", f"{error.filename} is not used as a cache: {error.strerror}")
 
 
 HEAD = struct.Struct("<8sQ32s")
-"""What an entry begins with: MAGIC, the number of bytes that follow, their SHA-256."""
+"""First bytes of an entry: MAGIC, the number of bytes that follow, their SHA-256."""
 
 MAGIC = b"avsim-1\n"
 """Marks an entry of this layout; another layout gets another number, and entries of this one count as damaged then."""
 
 PART = ".part"
-"""How the name of a file ends that is not whole yet. A process that is killed may leave one."""
+"""End of the name of a file that is not whole yet. A process that is killed may leave one."""
 
 
 class Damaged(ValueError):
@@ -144,7 +144,7 @@ class Damaged(ValueError):
 
 
 def write_entry(path: Path, data: bytes) -> None:
-    """Write an entry, readable by this user alone: after it, `path` holds either all of it or what it held before, even if the
+    """Write an entry, readable by this user alone: after it, `path` holds either all of it or its earlier content, even if the
     machine loses power. Raises OSError and leaves nothing else behind."""
     handle, scratch = tempfile.mkstemp(prefix=".", suffix=PART, dir=path.parent)
     try:
@@ -161,8 +161,8 @@ def write_entry(path: Path, data: bytes) -> None:
 
 
 def read_entry(path: Path, *, must_be_private: bool = True) -> bytes:
-    """What was written to `path`. Raises Damaged if it is not whole, Distrusted if it must be private and another user may have
-    written it, and OSError if it is not there or cannot be read."""
+    """Return the data written to `path`. Raises Damaged if it is not whole, Distrusted if it must be private and another user may
+    have written it, and OSError if it is not there or cannot be read."""
     # Not to wait for a writer, should the name lead to a pipe.
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as stream:
         status = os.fstat(stream.fileno())
@@ -190,12 +190,12 @@ CHUNK = 2**20
 
 DEEPEST = 64
 """Levels to which lists and objects of a file may be nested. Our own files take 8, glTF some more. Less: such a file is refused;
-more: what readers do with a value recurses as deep as the value, and Python ends that at 1,000 calls. How deep its parsers go by
-themselves differs from version to version."""
+more: readers recurse as deep as the value, and Python ends that at 1,000 calls. How deep its parsers go by themselves differs
+from version to version."""
 
 
 def check(path: Path, thing: str, valid: str, most: int = MOST) -> None:
-    """Raise InvalidFile unless `path` is a regular file of at most `most` bytes; `thing` is what the error calls it."""
+    """Raise InvalidFile unless `path` is a regular file of at most `most` bytes; `thing` is its name in the error."""
     try:
         found = path.stat()
     except (OSError, ValueError) as error:
@@ -209,7 +209,7 @@ def check(path: Path, thing: str, valid: str, most: int = MOST) -> None:
 
 
 def read_bytes(path: Path, thing: str, valid: str, most: int = MOST) -> bytes:
-    """All bytes of a regular file. Raises InvalidFile."""
+    """Return all bytes of a regular file. Raises InvalidFile."""
     check(path, thing, valid, most)
     try:
         with path.open("rb") as file:
@@ -226,7 +226,7 @@ def read_bytes(path: Path, thing: str, valid: str, most: int = MOST) -> bytes:
 
 
 def read_text(path: Path, thing: str, valid: str, most: int = MOST, errors: str = "strict") -> str:
-    """A regular file of UTF-8 text, without the byte order mark that some editors put first. Raises InvalidFile."""
+    """Return a regular file of UTF-8 text, without the byte order mark that some editors put first. Raises InvalidFile."""
     try:
         return read_bytes(path, thing, valid, most).decode("utf-8-sig", errors)
     except UnicodeDecodeError as error:
@@ -234,12 +234,12 @@ def read_text(path: Path, thing: str, valid: str, most: int = MOST, errors: str 
 
 
 def read_json(path: Path, thing: str, valid: str, most: int = MOST, constant: Callable[[str], object] | None = None) -> object:
-    """The value of a JSON file; `constant` is told of NaN and Infinity. Raises InvalidFile."""
+    """Return the value of a JSON file; `constant` is called for NaN and Infinity. Raises InvalidFile."""
     return parsed_json(read_text(path, thing, valid, most), thing, valid, constant)
 
 
 def parsed_json(content: str, thing: str, valid: str, constant: Callable[[str], object] | None = None) -> Any:
-    """The value of JSON that stood in a file, nested no deeper than DEEPEST. Raises InvalidFile."""
+    """Return the value of JSON text of a file, nested no deeper than DEEPEST. Raises InvalidFile."""
     try:
         return shallow(json.loads(content, parse_constant=constant))
     except (ValueError, RecursionError) as error:
@@ -247,7 +247,7 @@ def parsed_json(content: str, thing: str, valid: str, constant: Callable[[str], 
 
 
 def read_toml(path: Path, thing: str, valid: str, most: int = MOST) -> dict[str, object]:
-    """The tables of a TOML file. Raises InvalidFile."""
+    """Return the tables of a TOML file. Raises InvalidFile."""
     content = read_text(path, thing, valid, most)
     try:
         return shallow(tomllib.loads(content))
@@ -276,5 +276,5 @@ def _unparsed(error: Exception, language: str) -> str:
 
 
 def _reason(error: Exception) -> str:
-    """What the system says, without the path, which the error names by itself."""
+    """Return the system's reason, without the path, which the error names by itself."""
     return getattr(error, "strerror", None) or str(error)

@@ -2,9 +2,9 @@
 
 Lower loop: driven bodies go towards the tracker and stop where they touch. Upper loop: simulated bodies move on.
 
-The same frame stands in `batch.advance_worlds` once more, for `advance_many`: there a kernel passes the frames of all worlds that
-need nothing between their stages. `engine.advance` comes here, and so do worlds of `advance_many` whose stages are timed, which
-are recorded, or whose method is another than `default`.
+`batch.advance_worlds` has the stages of the frame once more, for `advance_many`: there a kernel passes the frames of all worlds
+that need nothing between their stages. `engine.advance` comes here, and so do worlds of `advance_many` whose stages are timed,
+which are recorded, or whose method is another than `default`.
 """
 
 from collections.abc import Mapping
@@ -29,7 +29,7 @@ from avatarsim.settings import Chosen
 def lower_loop(
     world: World, method: str, chosen: Chosen, seed: int, record: bool
 ) -> IkLoop | PaperLoop | TrackedLoop:
-    """The lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
+    """Return the lower loop of a method; without overlap removal the tracker's posture is shown as it is."""
     if not world.scene.effects.overlap_removal:
         return TrackedLoop(world)
     if method == "paper":
@@ -38,7 +38,7 @@ def lower_loop(
 
 
 class Frames:
-    """The stages of a frame over one world, in order, each only if the scene calls for its effect."""
+    """The stages of a frame over one world, in order, each only if the scene needs its effect."""
 
     # places of their own: which attributes there are depends on the scene, and after some thirty scenes of other kinds Python
     # would keep those of this one in a dictionary
@@ -73,7 +73,7 @@ class Frames:
         self._job = self._as_job(moving) if not (record or time_stages) else None
 
     def _as_job(self, moving: Index) -> Index | None:
-        """The row of this world for `batch`; None where its method has no kernel for whole frames."""
+        """Return the row of this world for `batch`; None where its method has no kernel for whole frames."""
         upper = self.upper if self.effects.dynamics else None
         if not self.driven:
             return job_of(self.world, None, None, upper, self.output, moving)
@@ -82,7 +82,7 @@ class Frames:
         return job_of(self.world, self.target, self.lower, upper, self.output, moving)
 
     def _read(self, sample: TrackerSample | None) -> None:
-        """Take a sample over; where tracking is lost the last one stays."""
+        """Read a sample; where tracking is lost the last one stays."""
         if sample is not None:
             self.target.read(sample)
             if self.moves:
@@ -91,7 +91,7 @@ class Frames:
             self.lower.note_tracking(self.is_lost, self.target)
 
     def begin(self, sample: TrackerSample | None) -> Index | None:
-        """Begin a frame that `batch` will pass, and return its row; None, and nothing is begun, where a frame has to go
+        """Begin a frame that `batch` will pass, and return its row; None, and nothing is begun, where a frame has to be passed
         stage by stage: another method than `default`, a recording, stages that are timed. InvalidSample as in `frame`."""
         if self._job is None:
             return None
@@ -104,7 +104,7 @@ class Frames:
         return self._job
 
     def end(self, dt: float, status: int) -> None:
-        """What is left of that frame once it was passed: its time, the upper loop's status, and the calls of its stages."""
+        """Finish that frame once it was passed: its time, the upper loop's status, and the calls of its stages."""
         stages = self.clock.stages
         if self.driven:
             stages["posture"].calls += 1
@@ -116,8 +116,7 @@ class Frames:
         self.time += dt
 
     def frame(self, sample: TrackerSample | None, dt: float) -> None:
-        """Pass `dt` seconds: first the driven bodies, then the simulated ones. What is changed here is changed in
-        `batch.advance_worlds` too."""
+        """Pass `dt` seconds: driven bodies, then simulated ones. Changes here need the same ones in `batch.advance_worlds`."""
         self.clock.frame()
         self.passed = ()
         if self.driven:
@@ -144,8 +143,8 @@ class Frames:
             kept[...] = array
 
     def completed(self, sample: TrackerSample | None, poses: Mapping[str, Pose]) -> TrackerSample | None:
-        """The sample with the given poses of moving bodies, and the last ones of those that are not given; None where tracking is
-        lost, and the last sample stays."""
+        """Return the sample with the given poses of moving bodies, and the last ones of those that are not given; None where
+        tracking is lost, and the last sample stays."""
         self.is_lost = sample is None
         if not (self.moves or poses):
             return sample
@@ -155,25 +154,25 @@ class Frames:
         return with_moving(self.world.scene.avatars, sample, poses, last)
 
     def counts(self) -> Tally:
-        """Work done in the last frame."""
+        """Return the work done in the last frame."""
         if not self.driven:
             return self.upper.counts() if self.effects.dynamics else Tally()
         counts = self.lower.counts()
         return counts.beside(self.upper.counts(), self._counted) if self.effects.dynamics else counts
 
     def statuses(self) -> dict[str, int]:
-        """What did not end well in the last frame."""
+        """Return counts of failures in the last frame, by name."""
         statuses = self.lower.statuses() if self.driven else {}
         if self.is_lost and self.driven:
             statuses["tracking_lost"] = sum(not avatar.moves for avatar in self.world.scene.avatars)
         return statuses | self.upper.statuses() if self.effects.dynamics else statuses
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Nothing: the arrays are the loops'."""
+        """Return nothing: the arrays are the loops'."""
         return {}
 
     def go_on_from(self, time: float) -> None:
-        """The arrays of all parts were replaced by those of a frame that ended at `time` [s]."""
+        """Continue from the arrays of a frame that ended at `time` [s], which replaced those of all parts."""
         self.time, self.passed = time, ()
         if self.driven:
             self.lower.go_on(time > 0.0)
@@ -181,6 +180,6 @@ class Frames:
             self.upper.go_on()
 
     def parts(self) -> tuple[Part, ...]:
-        """All that takes part in a frame."""
+        """Return all that takes part in a frame."""
         loops = (*((self.target, self.lower) if self.driven else ()), *((self.upper,) if self.effects.dynamics else ()))
         return self, self.world, *loops, *self.clock.stages.values()

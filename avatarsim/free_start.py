@@ -34,11 +34,11 @@ LIFTS = tuple(1e-2 * 2.0**k for k in range(10))
 """[m] how far roots are moved where no nearer posture is found, to 5 m: a doubling finds a place of any size in as many looks."""
 
 AXES = tuple(axis / np.linalg.norm(axis) for axis in np.indices((3, 3, 3)).reshape(3, -1).T - 1.0 if axis.any())
-"""Where roots are moved: along axes, and between them, since what opens a corner is its diagonal."""
+"""Directions in which roots are moved: along axes, and between them, since a corner is left along its diagonal."""
 
 REACH = 4.0
-"""Factor by which a root is moved farther than the best posture so far. Larger: more looks; smaller: what is around a
-corner is not found."""
+"""Factor by which a root is moved farther than the best posture so far. Larger: more looks; smaller: places around a corner are
+not found."""
 
 WORK = 9_000
 """Work, in units of about a microsecond, after which no search begins any more once a posture is found; counted, so that results
@@ -75,7 +75,7 @@ class Postures:
         self.rest = posture_of(world.skeleton, world.hinges, rest(world.scene.avatars))
 
     def nearest(self, target: Posture, margin: float, is_strict: bool = False) -> bool:
-        """Put the world at the nearest free posture that is found; False, and back at `target`, where none is.
+        """Put the world at the nearest free posture that is found; return False, and back at `target`, where none is.
 
         margin     [m] gap that pairs which overlap get
         is_strict  whether all pairs get it
@@ -116,7 +116,7 @@ class Postures:
             into[...] = of
 
     def _starts(self, target: Posture, margin: float, is_strict: bool) -> Iterator[Posture]:
-        """Postures to search from."""
+        """Return postures to search from."""
         yield target
         kind, is_solved = self.world.skeleton.kind, self.is_solved[self.avatar_of] > 0
         if (is_solved & np.isin(kind, (HINGES, BALL, SLIDE))).any():
@@ -130,7 +130,7 @@ class Postures:
                 break
 
     def _mixed(self, target: Posture, share: float) -> Posture:
-        """The posture at a share of the way to rest, with roots where they are."""
+        """Return the posture at a share of the way to rest, with roots where they are."""
         skel, mixed = self.world.skeleton, copied(target)
         mixed.angle[:] += share * (self.rest.angle - target.angle)
         for link in np.flatnonzero(skel.kind == BALL):
@@ -141,7 +141,7 @@ class Postures:
     def _lifted(
         self, target: Posture, roots: NDArray[np.int64], axis: Array, margin: float, is_strict: bool
     ) -> tuple[float, Posture] | None:
-        """A free posture with roots moved along an axis, of several avatars each farther than the one before, and its f."""
+        """Return a free posture with roots moved along an axis, of several avatars each farther than the last, and its f."""
         far = np.arange(1.0, len(roots) + 1.0)[:, None] * axis
         for lift in LIFTS:
             if lift > REACH * self.farthest:
@@ -155,12 +155,12 @@ class Postures:
 
 
 def copied(posture: Posture) -> Posture:
-    """A copy of a posture."""
+    """Return a copy of a posture."""
     return Posture(*(array.copy() for array in posture))
 
 
 def move_apart(world: World) -> tuple[Moved, ...]:
-    """Put the avatars and loose bodies of a world at the nearest places without overlap; says who was moved, how far and why.
+    """Put the avatars and loose bodies of a world at the nearest places without overlap; return who was moved, how far and why.
 
     Raises StartOverlaps, and leaves the world as it was, where none is found."""
     overlaps = overlapping_pairs(world)
@@ -178,7 +178,7 @@ def move_apart(world: World) -> tuple[Moved, ...]:
 
 
 def searches(world: World, in_overlap: set[str], depth: float) -> Iterator[Callable[[], bool]]:
-    """Searches that write free places into a world: with the loose bodies that overlap, then with all of them."""
+    """Return searches that write free places into a world: with the loose bodies that overlap, then with all of them."""
     carried = carried_by(world.scene)
     loose = {body.name for body in world.scene.bodies if body.role is Role.SIMULATED}
     if not loose:
@@ -191,14 +191,14 @@ def searches(world: World, in_overlap: set[str], depth: float) -> Iterator[Calla
 
 
 def carried_by(scene: Scene) -> dict[str, str]:
-    """The link that each attached body goes along with, of avatars that do not move by themselves."""
+    """Return the link that each attached body moves with, of avatars that do not move by themselves."""
     standing = {name for avatar in scene.avatars if avatar.moves for name in avatar.link_names}
     return {body: link for body, link in scene.attached if link not in standing}
 
 
 class Apart:
     """A scene whose loose bodies `loose` are avatars of one free link, about their centres of mass, and whose attached bodies are
-    rigid links; and what is found in it, written into the world that it is of. `depth` [m]: of the deepest overlap."""
+    rigid links; and the places found in it, written into its world. `depth` [m]: of the deepest overlap."""
 
     def __init__(self, world: World, loose: set[str], depth: float) -> None:
         self.world, self.depth, scene = world, depth, world.scene
@@ -264,7 +264,7 @@ class Apart:
         return not solved.any() or self.search.nearest(target, POSTURE_GAP)
 
     def _with_carried(self, avatar: Avatar) -> Avatar:
-        """The avatar with its attached bodies as rigid links; their names in the scene change."""
+        """Return the avatar with its attached bodies as rigid links; their names in the scene change."""
         names = avatar.link_names
         more = [(body, names.index(link)) for body, link in self.carried.items() if link in names]
         if not more:
@@ -275,7 +275,7 @@ class Apart:
         return changed
 
     def _rigid(self, name: str, parent: str, link: str) -> Link:
-        """An attached body as a rigid link, about its centre of mass, where it is beside its link."""
+        """Return an attached body as a rigid link, about its centre of mass, where it is relative to its link."""
         poses, b, k = self.world.poses, self.number[name], self.number[link]
         body, turn = self.world.scene.bodies[b], poses.rotation[k].T
         x, y, z = (turn @ (poses.position[b] - poses.position[k])).tolist()
@@ -283,7 +283,7 @@ class Apart:
         return replace(one_link(body).links[0], parent=parent, joint=Rigid(), anchor=(x, y, z), orientation=(q, r, s, t))
 
     def _start(self) -> TrackerSample:
-        """The first posture, with rows of attached and of loose bodies."""
+        """Return the first posture, with rows of attached and of loose bodies."""
         scene, given, first = self.world.scene, self.world.scene.first_sample, 0
         positions, turns = list[Array](), list[Array]()
         for avatar in scene.avatars:
@@ -298,7 +298,7 @@ class Apart:
         return TrackerSample(0.0, np.concatenate(positions), np.concatenate(turns), given.angles)
 
     def _write(self) -> None:
-        """Poses of what was moved, and the posture of the avatars, into the world."""
+        """Write poses of the moved bodies, and the posture of the avatars, into the world."""
         back = {new: old for old, new in self.named.items()}
         first, world = len(self.built.scene.bodies), self.world
         for k, name in enumerate(self.built.scene.names[first:], start=first):
@@ -313,7 +313,7 @@ class Apart:
 
 
 def one_link(body: Body) -> Avatar:
-    """A loose body as an avatar of one free link, whose frame is at the centre of mass."""
+    """Return a loose body as an avatar of one free link, whose frame is at the centre of mass."""
     mass = body.mass
     assert mass is not None
     x, y, z = mass.centre
@@ -325,7 +325,7 @@ def one_link(body: Body) -> Avatar:
 
 
 def moved_of(world: World, posture: Posture, poses: Poses, overlaps: list[tuple[str, str, float]]) -> tuple[Moved, ...]:
-    """Avatars and loose bodies that are elsewhere than at `posture` and `poses`."""
+    """Return avatars and loose bodies that are elsewhere than at `posture` and `poses`."""
     turned = np.swapaxes(poses.rotation, 1, 2) @ world.poses.rotation
     angle = np.linalg.norm(rotation.to_rotation_vector(rotation.from_matrix(turned)), axis=1)
     far = np.linalg.norm(world.poses.position - poses.position, axis=1)

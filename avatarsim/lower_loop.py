@@ -72,7 +72,7 @@ NOTHING_RECEIVED, NOT_KNOWN = np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
 
 
 class IkParts(NamedTuple):
-    """What lies in the arena of the lower loop; `coupled`: whether the coupling acts; lost (1): 1 while tracking is lost."""
+    """Contents of the arena of the lower loop; `coupled`: whether the coupling acts; lost (1): 1 while tracking is lost."""
 
     coupled: bool
     lost: IndexLine
@@ -87,7 +87,7 @@ class IkParts(NamedTuple):
 
 @entry_kernel
 def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, received: Array, moving: Index) -> None:
-    """One stage of the lower loop on the arenas of a world, its target and what the loop keeps.
+    """Run one stage of the lower loop on the arenas of a world, its target and the memory of the loop.
 
     Unless `answers`: velocities of links and the avatars under load for dt [s], then `solve`. With `answers`, after the upper
     loop: links receive impulses (nb, 3) [N s], and `solve` continues within the frame's motion budget, since bodies that blocked
@@ -126,7 +126,7 @@ def track(world: Index, target: Index, kept: Index, dt: float, answers: bool, re
 
 @entry_kernel
 def show_posture(world: Index, kept: Index) -> None:
-    """Poses of all avatars at the world's posture, and nothing else."""
+    """Write poses of all avatars at the world's posture, and nothing else."""
     w, own = opened(world, WorldParts), opened(kept, IkParts)
     for avatar in range(own.avatars.first_link.shape[0] - 1):
         carry_avatar(w.skeleton, own.avatars, avatar, w.posture, own.working.still, w.poses, own.working.axes)
@@ -135,8 +135,8 @@ def show_posture(world: Index, kept: Index) -> None:
 
 @entry_kernel
 def stand(world: Index, target: Index, kept: Index) -> None:
-    """All avatars stand at the world's posture, which was written: their poses, and nothing of what they touched elsewhere. Their
-    users stand at the target's, and have stood there."""
+    """Place all avatars at the world's posture, which was written: their poses, and no contacts from elsewhere. Their users are
+    at the target's, and have been there."""
     w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
     geometry, skeleton, posture, poses = w.geometry, w.skeleton, w.posture, w.poses
     avatars, state, working, tracking = own.avatars, own.state, own.working, own.state.tracking
@@ -157,8 +157,8 @@ def stand(world: Index, target: Index, kept: Index) -> None:
 
 @entry_kernel
 def resume(world: Index, target: Index, kept: Index) -> None:
-    """Tracking is found again at the target: the way there since it was lost is no motion of the users. It is caught up with, as
-    fast as after a motion of that speed, and no velocity comes of it."""
+    """Resume tracking, found again at the target: the way there since it was lost is no motion of the users. It is caught up
+    with, as fast as after a motion of that speed, and no velocity comes of it."""
     w, own, tracker = opened(world, WorldParts), opened(kept, IkParts), opened(target, TargetParts).posture
     skeleton, avatars, state, working = w.skeleton, own.avatars, own.state, own.working
     clip_to_limits(skeleton, avatars, tracker, state.tracking, working.target)
@@ -190,7 +190,7 @@ class IkLoop:
         solver = make_solver(
             world.geometry, world.skeleton, world.posture, world.poses, STEPS_KEPT if record else 0, world.link_friction()
         )
-        # without dynamics nothing gives back what pressing took, and the coupling would run away
+        # without dynamics nothing gives back the momentum that pressing took, and the coupling would run away
         coupled = world.scene.effects.coupling and world.scene.effects.dynamics
         if coupled:
             enable_coupling(world.drive, world.skeleton, settings)
@@ -215,18 +215,18 @@ class IkLoop:
         self.avatars.link_weight[:] = self._link_weight * factors
 
     def follow(self, target: Target, dt: float) -> None:
-        """One frame towards the tracker's posture."""
+        """Follow the tracker's posture for one frame."""
         track(self.world.words, target.words, self.words, dt, False, NOTHING_RECEIVED, self.begin())
 
     def begin(self) -> Index:
-        """Begin a frame: which bodies (nb) may have moved since the last one, as `track` takes it."""
+        """Begin a frame; return flags (nb) of bodies that may have moved since the last one, as `track` takes them."""
         known, self._told = self._known, 0
         # the first frame checks all bodies
         self._known = self._moving
         return known
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Bodies, pieces and counts; `ik.state.state_is_sound` says what holds between them."""
+        """Return bodies, pieces and counts; `ik.state.state_is_sound` checks them against each other."""
         geo = self.world.geometry
         pieces, bodies = len(geo.body), len(geo.first_shape) - 1
         return {
@@ -240,7 +240,7 @@ class IkLoop:
         }
 
     def _planned(self) -> Mapping[str, tuple[int, int]]:
-        """The same of the planner; matched first, since other fields are called `count` too."""
+        """Return the ranges of the planner; matched first, since other fields are called `count` too."""
         node, count = (NONE, NODES - 1), (0, NODES)
         return {
             "phase": (min(Phase), max(Phase)), "candidate": count, "samples": count, "searches.tree": (0, 1), "searches.at": node,
@@ -251,13 +251,13 @@ class IkLoop:
         }
 
     def go_on(self, begun: bool) -> None:
-        """The state was replaced by one of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
+        """Continue from a new state, of which a frame has, or has not, begun; InvalidSnapshot if it contradicts itself."""
         is_sound = state_is_sound(self.world.geometry, self.world.skeleton, self.avatars, self.state)
         if not is_sound or not plan_is_sound(self.plan):
             raise InvalidSnapshot(
                 "state of the posture solver", "pairs, avatars or nodes that are not there", "places of this scene"
             )
-        # avatars too are where the state says, before their islands are solved for
+        # avatars too are where the state has them, before their islands are solved for
         geo, link = self.world.geometry, self.world.skeleton.first
         piece = geo.first_shape[link]
         firsts = link, link, geo.shapes.start[piece], piece, link
@@ -268,11 +268,11 @@ class IkLoop:
         self._known, self._told = self._moving if begun else NOT_KNOWN, 0
 
     def show(self) -> None:
-        """The world's posture was written: links are where it says; nothing else changes."""
+        """Show the world's posture, which was written: links are placed there; nothing else changes."""
         show_posture(self.world.words, self.words)
 
     def stand(self, target: Target) -> None:
-        """The world's posture was written: avatars stand there, their users at the target, and nothing has touched yet."""
+        """Place avatars at the world's posture, which was written, their users at the target, and nothing has touched yet."""
         stand(self.world.words, target.words, self.words)
 
     def note_tracking(self, is_lost: bool, target: Target) -> None:
@@ -282,29 +282,29 @@ class IkLoop:
         self.lost[0] = is_lost
 
     def watch(self, moving: Index) -> None:
-        """From now on look only at bodies that `moving` (nb) names: the upper loop keeps which moved in its last frame."""
+        """Check only bodies that `moving` (nb) names from now on: the upper loop keeps which moved in its last frame."""
         self._moving = moving
 
     def look_at_all(self) -> None:
-        """In the next frame look at all bodies, since fixed ones were put elsewhere."""
+        """Check all bodies in the next frame, since fixed ones were put elsewhere."""
         self._known = NOT_KNOWN
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
-        """Impulses (nb, 3) [N s] go into the coupling; a driven body held by what is `moving` (nb) now goes on."""
+        """Pass impulses (nb, 3) [N s] to the coupling; a driven body stopped by a body that is `moving` (nb) now continues."""
         track(self.world.words, target.words, self.words, 0.0, True, impulses, moving)
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """The states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
+        """Return the states after the steps of this frame that were taken since the last call, at `time` [s], if the frame is
         recorded: links as they were left then, all else as it is now."""
         told, self._told = self._told, self.working.counts.item(ADOPTED)
         return trail_snapshots(self.world, self.working.trail[told : self._told], time)
 
     def counts(self) -> Tally:
-        """Work done in the last frame."""
+        """Return the work done in the last frame."""
         return Tally(COUNT_NAMES, self.working.counts.tobytes())
 
     def statuses(self) -> dict[str, int]:
-        """What did not end well in the last frame, and how often."""
+        """Return counts of failures in the last frame, by name."""
         counts = self.working.counts.tolist()
         found = {name: counts[place] for name, place in STATUS_PLACES if counts[place]}
         if (kept := len(self.working.trail)) and (lost := counts[ADOPTED] - kept) > 0:
@@ -326,33 +326,33 @@ class TrackedLoop:
         self._still, self._axes = np.zeros(degrees), np.zeros((degrees, 3))
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Nothing is kept."""
+        """Return nothing: no array is kept."""
         return {}
 
     def go_on(self, begun: bool) -> None:
-        """Nothing: every frame is the first."""
+        """Do nothing: every frame is the first."""
 
     def watch(self, moving: Index) -> None:
-        """Nothing: this loop checks no body."""
+        """Do nothing: this loop checks no body."""
 
     def follow(self, target: Target, dt: float) -> None:
-        """Take the tracker's posture over."""
+        """Take the tracker's posture."""
         world = self.world
         for mine, theirs in zip(world.posture, target.posture, strict=True):
             np.copyto(mine, theirs)
         forward(world.geometry, world.skeleton, world.posture, self._still, world.poses, self._axes)
 
     def receive(self, impulses: Array, moving: Index, target: Target) -> None:
-        """Impulses (nb, 3) [N s] change nothing: the tracker does not yield."""
+        """Ignore impulses (nb, 3) [N s]: the tracker does not yield."""
 
     def passed(self, time: float) -> tuple[Snapshot, ...]:
-        """Nothing: there is one step."""
+        """Return nothing: there is one step."""
         return ()
 
     def counts(self) -> Tally:
-        """No work worth counting."""
+        """Return no counts: there is no work worth counting."""
         return Tally()
 
     def statuses(self) -> dict[str, int]:
-        """Nothing can fail."""
+        """Return nothing: no step can fail."""
         return {}

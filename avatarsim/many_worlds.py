@@ -30,22 +30,22 @@ PORTION = 32
 the last portion keeps one of them longer."""
 
 MOST_THREADS = 1024
-"""Most threads that are asked for: more than processors only wait for one another."""
+"""Most threads that may be requested: more than processors only wait for one another."""
 
 PORTIONS = 2
-"""Least portions for each thread, if there are worlds enough: with one each, no thread's Python runs beside another's kernel."""
+"""Least portions for each thread, if there are worlds enough: with one each, no thread's Python runs during another's kernel."""
 
 
 def advance_many(
     engines: Sequence[AvatarsimEngine], samples: Sequence[TrackerSample | None], dt: float, threads: int | None = None,
     moving: Sequence[Mapping[str, Pose]] | None = None,
 ) -> tuple[FrameRecord, ...]:
-    """One rendered frame of many engines, each with its own sample: bit for bit what `engine.advance(sample, dt)` returns.
+    """Advance many engines by one rendered frame, each with its own sample: bit for bit as `engine.advance(sample, dt)`.
 
     engines  engines that have loaded scenes, equal or not, each of them once
     samples  as many samples, in the same order; None where tracking is lost
     dt       [s] time of the frame, above 0 and at most 1
-    threads  how many run at once, 1 to 1024; by default one per processor that this process may use. Where frames are so
+    threads  number that run at once, 1 to 1024; by default one per processor that this process may use. Where frames are so
              short that their records take longer, further threads win little. Frames of method `paper`, recorded ones and those
              whose stages are timed are passed one after the other
     moving   poses of moving bodies of each engine, as `engine.advance` takes them
@@ -85,17 +85,17 @@ def advance_many(
 
 @cache
 def _pool(process: int) -> ThreadPoolExecutor:
-    """Threads of this process, which wait between calls: to begin one takes as long as some frames. A fork gets its own."""
+    """Return the waiting threads of this process: to start one takes as long as some frames. A fork gets its own."""
     return ThreadPoolExecutor(MOST_THREADS, f"avatarsim-{process}")
 
 
 def _processors() -> int:
-    """Processors that this process may use."""
+    """Return processors that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def _listed(thing: str, given: Sequence[T], valid: str) -> tuple[T, ...]:
-    """What is in a sequence, of its own: the caller may change a list while other threads are at work."""
+    """Return the items of a sequence as a list of its own: the caller may change a list while other threads are at work."""
     try:
         if isinstance(given, Sequence | np.ndarray):
             return tuple(given)
@@ -124,9 +124,9 @@ def _require(
 
 
 class _Call:
-    """One call of `advance_many`: what goes in, and what comes out, by the places of the worlds.
+    """One call of `advance_many`: its input, and its results, by the places of the worlds.
 
-    It does in portions what `AvatarsimEngine.advance` does for one world, and so with the parts of that which are not public.
+    It does in portions the work of `AvatarsimEngine.advance` for one world, and so uses parts of that which are not public.
     """
 
     def __init__(

@@ -24,7 +24,7 @@ METHOD_SETTINGS = {"default": ("posture", "coupling"), "paper": ("paper", "coupl
 
 
 def choose(method: str, options: Mapping[str, object]) -> Chosen:
-    """The method's settings with those fields replaced that `options` names, checked for name, type and finiteness."""
+    """Return the method's settings with those fields replaced that `options` names, checked for name, type and finiteness."""
     chosen, left = Chosen(), dict(options)
     known: list[str] = []
     for group in METHOD_SETTINGS[method]:
@@ -40,7 +40,7 @@ def choose(method: str, options: Mapping[str, object]) -> Chosen:
 
 
 def number(name: str, value: object, kind: type[float] | type[int]) -> float:
-    """`value` as a number of `kind`, within the range of option `name`."""
+    """Return `value` as a number of `kind`, within the range of option `name`."""
     found, least, most = as_number(value), LEAST.get(name, 0.0), CHOICES.get(name, MOST)
     if not least <= found <= most:
         raise InvalidInput(f"option {name}", value, f"a number from {least:g} to {most:g}")

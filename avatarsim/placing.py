@@ -38,7 +38,7 @@ def put_avatars(
     """Put the avatars at `sample`, their users at `user`, and fixed bodies at poses of theirs; return which avatars overlapped
     there and are at the nearest free posture instead, unless `is_exact`.
 
-    Raises what `AvatarsimEngine.put` does; then nothing has changed.
+    Raises the errors of `AvatarsimEngine.put`; then nothing has changed.
     """
     world = frames.world
     for one in (sample, user):
@@ -72,7 +72,7 @@ def put_avatars(
 
 
 def weigh_links(frames: Frames, factors: Array) -> None:
-    """Weigh link origins in the objective; raises what `AvatarsimEngine.weigh_links` does."""
+    """Weigh link origins in the objective; raises the errors of `AvatarsimEngine.weigh_links`."""
     links = len(frames.world.scene.links)
     found = finite_array("weights of links", factors, (links,), InvalidInput)
     if not (found > 0.0).all():
@@ -81,7 +81,7 @@ def weigh_links(frames: Frames, factors: Array) -> None:
 
 
 def place_bodies(frames: Frames, bodies: Mapping[str, Pose]) -> None:
-    """Put fixed bodies elsewhere. Raises what `AvatarsimEngine.place` does; then nothing has changed."""
+    """Put fixed bodies elsewhere. Raises the errors of `AvatarsimEngine.place`; then nothing has changed."""
     lower, given, poses = require_placing(frames), _given(frames, bodies), frames.world.poses
     before = {b: (poses.position[b].copy(), poses.rotation[b].copy()) for b in given}
     _move(frames, given)
@@ -95,15 +95,15 @@ def place_bodies(frames: Frames, bodies: Mapping[str, Pose]) -> None:
         _move(frames, before)
         raise StartOverlaps([(*names, depth) for names, depth in found.items() if depth > NOTHING])
     for a, b, _ in near:
-        # what comes near an avatar that stands still is kept away from in the next frame, as if it had been touched
+        # pieces near an avatar at rest are kept away from in the next frame, as if it had been touched
         touch(a, b, lower.state.touching)
     lower.look_at_all()
     frames.passed = ()
 
 
 def _near_pieces(world: World, b: int, within: float) -> list[tuple[int, int, float]]:
-    """Return pieces of links, pieces of body b at most `within` [m] away from them, and their signed distances [m] above what the
-    pair may overlap."""
+    """Return pieces of links, pieces of body b up to `within` [m] away, and their signed distances [m] above the allowed
+    depth."""
     geo, boxes, scratch, found = world.geometry, world.poses.boxes, make_scratch(), []
     first = int(geo.first_shape[world.skeleton.first])
     links = boxes[first:]

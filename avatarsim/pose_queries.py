@@ -1,8 +1,8 @@
-"""Queries of poses outside the frame: overlaps and joint limits of a first pose, and the contacts of what is shown.
+"""Queries of poses outside the frame: overlaps and joint limits of a first pose, and the contacts of the shown state.
 
 The narrow phase is that of the frame (GJK, Gilbert et al. 1988, and EPA; faces clipped as by Sutherland and Hodgman, 1974), but
-asked cold and outside the frame: what is not asked for costs nothing, and asking changes nothing. A first pose is checked over
-every pair that the scene's pair filter lets through; contacts of avatars and of loose bodies are told alike.
+run without warm starts and outside the frame: a query changes no state, and a frame without one has no cost. A first pose is
+checked over every pair that the scene's pair filter lets through; contacts of avatars and of loose bodies are reported alike.
 """
 
 from collections.abc import Collection
@@ -32,8 +32,8 @@ from avatarsim.tolerances import NOTHING
 
 
 class Overlap(NamedTuple):
-    """Two bodies, by name, that overlap more than they may: the pieces that are deepest in each other, how deep [m] beyond what
-    they may be (`Scene.at_rest`), and the unit normal out of b into a."""
+    """Two bodies, by name, that overlap more than they may: the pieces that are deepest in each other, how deep [m] beyond the
+    allowed depth (`Scene.at_rest`), and the unit normal out of b into a."""
 
     a: str
     b: str
@@ -43,8 +43,8 @@ class Overlap(NamedTuple):
 
 
 def deepest_overlaps(world: World, dip: float = NOTHING, least: float = NOTHING) -> list[Overlap]:
-    """Every wanted pair that overlaps by more than `least` [m]. `dip` [m]: how deep a pair with a simulated body may, of a state
-    that frames have shown: bodies at rest dip by fractions of a micrometre."""
+    """Return every wanted pair that overlaps by more than `least` [m]. `dip` [m]: how deep a pair with a simulated body may, of a
+    state that frames have shown: bodies at rest dip by fractions of a micrometre."""
     geo, poses, names, role = world.geometry, world.poses, world.scene.names, world.dynamics.role
     scratch, found = make_scratch(), []
     for a, b in meeting_pairs(world):
@@ -62,8 +62,7 @@ def deepest_overlaps(world: World, dip: float = NOTHING, least: float = NOTHING)
 
 
 def overlapping_pairs(world: World, dip: float = NOTHING) -> list[tuple[str, str, float]]:
-    """Every wanted pair that overlaps, by name, with its depth [m], one entry per pair of bodies; `dip` as in
-    `deepest_overlaps`."""
+    """Return every wanted pair that overlaps, by name, with its depth [m], once per pair; `dip` as in `deepest_overlaps`."""
     return [(one.a, one.b, one.depth) for one in deepest_overlaps(world, dip)]
 
 
@@ -76,7 +75,7 @@ def width(world: World, piece: int) -> float:
 
 
 def meeting_pairs(world: World, within: float = 0.0) -> list[tuple[int, int]]:
-    """Every wanted pair of bodies a < b whose boxes meet, each grown by half of `within` [m], in ascending order."""
+    """Return every wanted pair of bodies a < b whose boxes meet, each grown by half of `within` [m], in ascending order."""
     bodies, room, boxes = len(world.scene.names), 0, world.poses.hulls
     if within > 0.0:
         # and by as much as the sums round
@@ -120,11 +119,11 @@ def require_free(world: World, dip: float = NOTHING) -> None:
 
 
 FARTHEST = 1.0
-"""[m] largest gap that is asked for: beyond it no contact is meant, and every pair of a room would be measured."""
+"""[m] largest gap of a query: beyond it no contact is meant, and every pair of a room would be measured."""
 
 
 def not_asked() -> NDArray[np.float64]:
-    """Force of a contact that was not asked for."""
+    """Return the force of a contact for which none was computed: nan."""
     return np.full(3, np.nan)
 
 
@@ -138,7 +137,7 @@ class Contact:
     gap     [m] distance of the surfaces at this point, along the normal: of an avatar that leans on something near the setting
             `stand_off`, 0.2 mm; of loose bodies that rest micrometres; of a pair that overlaps at home beyond the depth that it
             may have (`Scene.at_rest`)
-    force   (3,) [N] on `a`, and its opposite on `b`; nan unless it was asked for
+    force   (3,) [N] on `a`, and its opposite on `b`; nan unless forces are computed
     """
 
     a: str
@@ -150,7 +149,7 @@ class Contact:
 
     @property
     def normal_force(self) -> float:
-        """Part of the force along the normal [N]."""
+        """Return the part of the force along the normal [N]."""
         return float(self.force @ self.normal)
 
 
@@ -158,8 +157,8 @@ class Contact:
 def contact_points(
     vertices: Rows, shapes: Shapes, a: int, b: int, within: float, depth: float, scratch: Scratch, found: Manifold
 ) -> tuple[int, Vec3]:
-    """How many contact points of pieces a and b have a gap up to ``within`` [m], left in ``found``, and their normal out of b;
-    of a pair that overlaps at home a gap beyond the ``depth`` [m] that it may have."""
+    """Return the number of contact points of pieces a and b with a gap up to ``within`` [m], left in ``found``, and their normal
+    out of b; of a pair that overlaps at home a gap beyond the ``depth`` [m] that it may have."""
     status, gap, n, on_a, on_b = signed_distance_up_to(vertices, shapes, a, b, (0.0, 0.0, 0.0), within, scratch)
     if status == NOT_FINITE or not (gap + depth <= within):
         return 0, n
@@ -167,8 +166,8 @@ def contact_points(
 
 
 def contacts_of(world: World, within: float, of: Collection[str] | None = None) -> tuple[Contact, ...]:
-    """Contacts of all pairs of bodies that must not overlap and are at most `within` [m] apart, in canonical order; with `of`
-    only those in which one of these bodies or links takes part.
+    """Return contacts of all pairs of bodies that must not overlap and are at most `within` [m] apart, in canonical order; with
+    `of` only those in which one of these bodies or links takes part.
 
     Of two convex pieces up to eight points, as many as it takes to hold one of their faces; at least the closest.
     """

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 UPDATE = "--update-drift"
 FILES = ("motion", "avatar", "room")
-"""Arguments that are files, beside the scene."""
+"""Arguments that are files, in addition to the scene."""
 
 Comparisons = dict[tuple[str, tuple[str, ...]], Mapping[str, Any]]
 _made = pytest.StashKey[Comparisons]()
@@ -45,13 +45,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def _place(folder: Path, file: str | Path) -> str:
-    """Return a path from the folder of the test, whose files stand beside it; names that are no file stay, such as "floor"."""
+    """Return a path from the folder of the test, whose files are in its folder; names that are no file stay, such as "floor"."""
     return str(folder / file) if (folder / file).exists() else str(file)
 
 
 @pytest.fixture
 def _compared(request: pytest.FixtureRequest) -> Callable[..., Mapping[str, Any]]:
-    """Compare a scene once in a session, however many tests ask for it."""
+    """Compare a scene once in a session, however many tests use it."""
     from avatarsim.comparing import compared, words_of
 
     folder, made = request.path.parent, request.config.stash.setdefault(_made, {})
@@ -77,7 +77,7 @@ def compare(_compared: Callable[..., Mapping[str, Any]]) -> Iterator[Compare]:
 
 @pytest.fixture
 def drift(request: pytest.FixtureRequest, _compared: Callable[..., Mapping[str, Any]]) -> Iterator[Drift]:
-    """Compare the figures of a scene with those in a file beside the test, SCENE.drift.json, which --update-drift writes."""
+    """Compare the figures of a scene with those in a file next to the test, SCENE.drift.json, which --update-drift writes."""
     from avatarsim.drift import drift_table, drifted, kept_figures, update
 
     def gate(

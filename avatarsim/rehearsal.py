@@ -5,9 +5,9 @@ minute in one whose are not. Which kernels a frame calls from Python depends on 
 the frame itself knows. Those that it calls only sometimes are called at load by the loop that holds them.
 
 A frame that is undone by copying everything back leaves the processor's caches full of the copies: megabytes, most of them room
-that the scene never uses. The next frame then waits for memory, 10 to 40 us, several times what a small scene's frame takes. So
-what such a frame changed is found out, and some more are run of which only that is undone: they end with what a frame reads and
-writes, and its code, in the caches, and with Python's own code for it specialised.
+that the scene never uses. The next frame then waits for memory, 10 to 40 us, several times a small scene's frame. So
+the words that such a frame changed are found, and some more are run of which only these are undone: they end with the data of a
+frame, and its code, in the caches, and with Python's own code for it specialised.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -19,32 +19,32 @@ from numpy.typing import NDArray
 from avatarsim.counters import WORD
 
 REHEARSALS = 10
-"""Frames run and undone before the first: Python (3.11 to 3.13) specialises a function for what it is given once it has been
-called eight times, and two more run the result. With 1, a small scene's first frame takes half as long again."""
+"""Frames run and undone before the first: Python (3.11 to 3.13) specialises a function for its arguments once it has been called
+eight times, and two more run the result. With 1, a small scene's first frame takes half as long again."""
 
 ENOUGH = 0.02
 """Time [s] of rehearsing after which no further one is begun: longer frames do not feel cold caches, and `load` would wait."""
 
 
 class Part(Protocol):
-    """An object that takes part in a frame, and says of itself what a frame changes. It is not asked for its dictionary: Python
-    would make one, and read each attribute through it from then on, which costs every later frame a twentieth."""
+    """An object that takes part in a frame, and names the data that a frame changes. Its dictionary is not read: Python would
+    make one, and read each attribute through it from then on, which costs every later frame a twentieth."""
 
     ASSIGNED: ClassVar[tuple[str, ...]]
     """Names of attributes that a frame assigns to."""
     WRITTEN: ClassVar[tuple[str, ...]]
     """Names of attributes whose arrays a frame writes into: arrays, or nested tuples of them."""
     KEPT: ClassVar[tuple[str, ...]]
-    """Names of attributes whose arrays frames hand on to one another: what a snapshot holds. Views of those above, or they."""
+    """Names of attributes whose arrays pass from frame to frame: the content of a snapshot. Views of those above, or they."""
     WORKING: ClassVar[tuple[str, ...]]
     """Dotted names of arrays among those, and of tuples, that hold nothing from frame to frame, or nothing that changes."""
 
     def ranges(self) -> Mapping[str, tuple[int, int]]:
-        """Least and largest value of whole numbers that are kept, by the end of their dotted name."""
+        """Return the least and largest value of whole numbers that are kept, by the end of their dotted name."""
 
 
 class Undo:
-    """What `parts` are when it is made: the same objects in their attributes, the same bits in their arrays. Called, it makes
+    """State of `parts` when it is made: the same objects in their attributes, the same bits in their arrays. Called, it makes
     them that again. Views are left to the arrays that they show, which must be among those."""
 
     def __init__(self, parts: Sequence[Part]) -> None:
@@ -54,8 +54,8 @@ class Undo:
         self._changed: list[tuple[NDArray[np.generic], NDArray[np.intp], NDArray[np.generic]]] | None = None
 
     def keep_what_changed(self) -> None:
-        """From here on bring back only what differs now: enough where the same frame is run again from the same state, since its
-        kernels do the same to the bit, and so little that the caches keep what that frame needs."""
+        """Restore only the words that differ now from here on: enough where the same frame is run again from the same state,
+        since its kernels do the same to the bit, and so little that the caches keep the data of that frame."""
         self._changed = []
         for words, before in self._all:
             places = np.flatnonzero(words != before)
@@ -63,7 +63,7 @@ class Undo:
         self._all = []
 
     def __call__(self) -> None:
-        """Bring it back."""
+        """Restore the state."""
         for part, name, value in self._attributes:
             setattr(part, name, value)
         for words, before in self._all:
@@ -73,7 +73,7 @@ class Undo:
 
 
 def _words(array: NDArray[np.generic]) -> NDArray[np.generic]:
-    """The memory of an array that owns it, as whole numbers: they differ where bits do, also in what is no number."""
+    """Return the memory of an array that owns it, as whole numbers: they differ where bits do, also in NaNs."""
     if not array.flags.forc:
         raise ValueError("an array that a frame writes into must be one piece of memory, or what is brought back were a copy")
     flat = array.ravel(order="K").view(np.uint8)
@@ -81,7 +81,7 @@ def _words(array: NDArray[np.generic]) -> NDArray[np.generic]:
 
 
 def _owned(value: object) -> Iterator[NDArray[np.generic]]:
-    """Arrays in nested tuples that are no views of others."""
+    """Return arrays in nested tuples that are no views of others."""
     if isinstance(value, np.ndarray):
         if value.base is None:
             yield value

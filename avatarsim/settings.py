@@ -1,4 +1,4 @@
-"""Every tolerance, cap and constant that a user may want to change, with its unit and what breaks if it changes."""
+"""Every tolerance, cap and constant that a user may want to change, with its unit and the effect of a change."""
 
 import re
 from collections.abc import Mapping
@@ -8,26 +8,26 @@ from avatarsim.tolerances import JUDGED, NOTHING, POSTURE_GAP
 
 
 class PostureSettings(NamedTuple):
-    """How a posture follows the tracker (method `default`, docs/posture.md).
+    """Pursuit of the tracker by a posture (method `default`, docs/posture.md).
 
     stand_off       [m] gap aimed at; a quarter of it is accepted. 2e-5: more corrections and a longer slowest frame; 1e-3: air
                     one can see.
-    catch_up_turn   [rad/s] how fast a joint may turn beyond what the target turns. Larger: turns that look like jumps; smaller:
+    catch_up_turn   [rad/s] how fast a joint may turn beyond the turn of the target. Larger: turns that look like jumps; smaller:
                     limbs that come free are late.
-    catch_up_move   [m/s] the same of a root. Larger: jumps; smaller: a body that was held off comes late.
+    catch_up_move   [m/s] likewise for a root. Larger: jumps; smaller: a body that was held off comes late.
     natural_frequency  [rad/s] of the critically damped spring between an avatar and its target. Motion without contact has no
                     lag. Larger: limbs dash off when they come free; smaller: they come back later.
     sticking_speed  [m/s] of a link's target at which friction on fixed bodies has fallen to a third. Larger: hands that are drawn
                     along a wall stay behind; smaller: feet that are set down gently skid.
     settle_time     [s] over which the target's speed is low-passed, in proportion to which the catch-up speeds fall once it holds
-                    still. Larger: limbs that are pressed on things wander for longer; smaller: what is far away comes late.
-    stall_time      [s] without progress after which a path is searched, or else the frame record says that an avatar waits.
+                    still. Larger: limbs that are pressed on things wander for longer; smaller: limbs far away come late.
+    stall_time      [s] without progress after which a path is searched, or else the record reports a waiting avatar.
     near            [m] an avatar whose link origins are all nearer than this to the target does not wait.
     steps           steps per frame at most. 1: fast targets lag in contact; 3 only costs time.
     work            work that a frame may cost, in units of about a microsecond, counted and not timed, so that results repeat;
-                    searches for paths take two thirds of it at most. When it is spent the last certified state is shown, and the
-                    record says so.
-    around          0: no path is searched, an avatar waits behind what holds it off. 1: only for avatars with joints, since a
+                    searches for paths take two thirds of it at most. When it is spent the last certified state is shown, with a
+                    status in the record.
+    around          0: no path is searched, an avatar waits at the obstacle. 1: only for avatars with joints, since a
                     hand without any that is pushed through a table is to lie on it. 2: for all.
     """
 
@@ -67,7 +67,7 @@ class AttractionSettings(NamedTuple):
 
 
 class PaperSettings(NamedTuple):
-    """How eqs. 1-6 and Algorithm 1 are repeated until nothing overlaps.
+    """Repetition of eqs. 1-6 and Algorithm 1 until nothing overlaps.
 
     stand_off        [m] added to every PD_g. 0 leaves bodies touching, and rounding decides whether they overlap.
     tolerance        [m] an end effector this close to its goal is there; must stay below `stand_off`, or the loop spins.
@@ -75,7 +75,7 @@ class PaperSettings(NamedTuple):
     still            [rad] a sweep in which no joint turns more than this changes nothing any more.
     bend             [rad] a straight chain is bent by this before CCD is tried again; 0 leaves it straight, as printed.
     parallel         sine of the angle below which a link counts as parallel to the obstacle's surface; 0 switches the case off.
-    rounds           most rounds over all chains per frame; what overlaps then is walked back.
+    rounds           most rounds over all chains per frame; limbs that overlap then are walked back.
     patience         rounds in which only limbs turn and trunks move; from then on a limb that is still caught shifts its whole
                      avatar, and simulated bodies give way. At least `rounds`: neither ever happens.
     walk_back        share of the frame's way to which the walk back is found. Coarser: a visible gap; finer: more queries.
@@ -104,8 +104,8 @@ class Chosen(NamedTuple):
 
 
 def meanings(group: type) -> Mapping[str, str]:
-    """What each setting of a group means, with its unit where it has one: read from the group's docstring, which is the one place
-    where that is written. Empty where Python was told to drop docstrings."""
+    """Return the meaning of each setting of a group, with its unit where it has one: from the group's docstring, the one place
+    where that is written. Empty where Python drops docstrings."""
     found: dict[str, str] = {}
     name = ""
     for line in (group.__doc__ or "").splitlines():

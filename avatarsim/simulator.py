@@ -42,27 +42,27 @@ METHODS_SAID = {
     "default": "every state is certified; the nearest posture by sequential quadratic programming within a motion budget",
     "paper": "equations 1 to 10 and Algorithm 1 as printed, with what makes them well-defined",
 }
-"""What each preset is, in words that stand beside its settings."""
+"""Description of each preset, shown next to its settings."""
 
 NOWHERE = np.zeros((0, 3))
-"""What is shown before a scene is loaded."""
+"""Record that is shown before a scene is loaded."""
 
 
 def at_rest(velocities: Array) -> Array:
-    """Velocities of a scene without simulated bodies, all zero: shared by all its records, and therefore read-only."""
+    """Return velocities of a scene without simulated bodies, all zero: shared by all its records, and therefore read-only."""
     shared = velocities.copy()
     shared.flags.writeable = False
     return shared
 
 
 def frame_time(dt: float) -> None:
-    """Refuse a frame time that no simulation can mean."""
+    """Raise InvalidInput for a frame time that no simulation can mean."""
     if not 0.0 < (dt if type(dt) is float else as_number(dt)) <= 1.0:
         raise InvalidInput("frame time [s]", dt, "a number above 0 and at most 1")
 
 
 def require_scene(thing: str, scene: object) -> None:
-    """Refuse what is no scene."""
+    """Raise InvalidInput for an argument that is no scene."""
     if not isinstance(scene, Scene):
         raise InvalidInput(thing, scene, "a Scene(name, bodies, avatars)")
 
@@ -75,7 +75,7 @@ def same_poses(one: Snapshot, other: Snapshot) -> bool:
 class AvatarsimEngine:
     """The engine: `load` a scene, then `advance` frame by frame. Implements `avatarsim.engine.Engine`.
 
-    Beyond that protocol: `with AvatarsimEngine() as engine` closes it at the end; `contacts` says where bodies touch; `change`
+    Beyond that protocol: `with AvatarsimEngine() as engine` closes it at the end; `contacts` returns where bodies touch; `change`
     lets bodies come and go between frames; `reset` begins again, `snapshot` and `restore` keep a state and come back to it,
     `posture` and `put` do so for the avatars alone.
 
@@ -107,7 +107,7 @@ class AvatarsimEngine:
         raise NotCopied(type(self).__name__)
 
     def cannot_say(self, scene: Scene) -> Mapping[str, str]:
-        """What this engine leaves out of `scene`."""
+        """Return the features of `scene` that this engine leaves out."""
         require_scene("scene to describe", scene)
         said: dict[str, str] = {}
         if scene.avatars:
@@ -116,11 +116,11 @@ class AvatarsimEngine:
 
     @property
     def scene(self) -> Scene:
-        """The scene that is loaded. Raises AvatarsimError before `load`."""
+        """Return the scene that is loaded. Raises AvatarsimError before `load`."""
         return self._running().world.scene
 
     def settings_as_run(self) -> Mapping[str, object]:
-        """Every setting in force: name -> (value, what it means and its unit)."""
+        """Return every setting in force: name -> (value, its meaning and unit)."""
         self._running()
         method = self._settings.preset
         in_force: dict[str, object] = {"method": (method, METHODS_SAID[method])}
@@ -130,14 +130,14 @@ class AvatarsimEngine:
         return in_force
 
     def load(self, scene: Scene, settings: Settings, dt: float) -> FrameRecord:
-        """Build the world of `scene` for frames of `dt` [s], above 0 and at most 1; returns the first state shown, at time 0.
+        """Build the world of `scene` for frames of `dt` [s], above 0 and at most 1; return the first state shown, at time 0.
 
-        What overlaps begins at the nearest free posture or place that is found; `moved` of the record says how far and why. Users
-        are where the scene has them. With `Settings(start="exact")` a start that overlaps is refused.
+        Overlapping bodies begin at the nearest free posture or place that is found; `moved` of the record gives how far and why.
+        Users are where the scene has them. With `Settings(start="exact")` a start that overlaps is refused.
 
         The first load on a machine compiles the engine, about a minute; later ones take milliseconds. Raises StartOverlaps where
-        nothing free is found nearby, InvalidScene for a start beyond joint limits, UnknownName and InvalidInput for settings.
-        If it raises, the engine is what it was.
+        nothing free is found nearby, InvalidScene for a start beyond joint limits, UnknownName and InvalidInput for settings. If
+        it raises, the engine is unchanged.
         """
         require_scene("scene to load", scene)
         if not isinstance(settings, Settings):
@@ -149,22 +149,22 @@ class AvatarsimEngine:
         """Load the same scene again with the same settings, and return the first state shown.
 
         Avatars begin at `start`, or near it, as in `load`; without it at the last start. Simulated bodies begin where the scene
-        has them. If it raises, the engine is what it was.
+        has them. If it raises, the engine is unchanged.
         """
         with self._alone():
             scene = self._running().world.scene
             return self._load(scene if start is None else replace(scene, start=start), self._settings, self._dt)
 
     def change(self, scene: Scene) -> FrameRecord:
-        """Go on in another scene: between two frames bodies come, go, or are put elsewhere. Returns the state shown.
+        """Continue in another scene: between two frames bodies come, go, or are put elsewhere. Returns the state shown.
 
         Simulated bodies that both scenes have, by name, keep poses and velocities; avatars that both have keep their posture and
-        what their users asked for last, if their links and joints are alike. All else begins as `scene` says: new bodies, fixed
-        ones, avatars that are new at its `start`. What slept is awake, time goes on, settings stay, and `reset` begins `scene`.
+        the last targets of their users, if their links and joints are alike. All else begins as in `scene`: new bodies, fixed
+        ones, avatars that are new at its `start`. Sleeping bodies wake, time and settings stay, and `reset` begins `scene`.
 
-        Costs what loading a scene costs, milliseconds and not microseconds, since all is built and checked anew: not for every
+        Costs as much as loading a scene, milliseconds and not microseconds, since all is built and checked anew: not for every
         frame. Snapshots taken before are of the other scene. Raises StartOverlaps where bodies would overlap from now on, and
-        InvalidScene for a posture that new limits do not allow; if it raises, the engine is what it was.
+        InvalidScene for a posture that new limits do not allow; if it raises, the engine is unchanged.
         """
         require_scene("scene to change to", scene)
         with self._alone():
@@ -173,7 +173,7 @@ class AvatarsimEngine:
     def contacts(
         self, within: float | None = None, *, forces: bool = False, of: Collection[str] | None = None
     ) -> tuple[Contact, ...]:
-        """Where bodies and links touch in the state that is shown, found now: some microseconds for each pair that is near.
+        """Return the contacts of the state that is shown, found now: some microseconds for each pair that is near.
 
         Of pairs whose surfaces are at most `within` [m] apart, 0 to 1; by default twice the setting `stand_off`, so that an
         avatar that leans on something is in contact with it. In the order of `scene.names`, of two convex pieces up to eight
@@ -193,7 +193,7 @@ class AvatarsimEngine:
             return found if of is None else tuple(one for one in found if one.a in of or one.b in of)
 
     def felt(self, avatar: str) -> Array:
-        """Force that the user of an avatar feels: of the spring to each of its links (links, 3) [N], world axes.
+        """Return the force that the user of an avatar feels: of the spring to each of its links (links, 3) [N], world axes.
 
         The stiffness times the lag, at most the largest force. Raises UnknownName for another avatar, and InvalidInput as
         `contacts` with forces.
@@ -206,7 +206,7 @@ class AvatarsimEngine:
             return felt(frames, known.index(avatar))
 
     def _with_forces(self) -> Frames:
-        """The frames, if they have what forces are made of."""
+        """Return the frames, if they have the parts that forces need."""
         frames = self._running()
         if not frames.effects.dynamics or (frames.driven and not isinstance(frames.lower, IkLoop)):
             valid = "one with simulated or moving bodies, loaded with the preset default"
@@ -214,12 +214,11 @@ class AvatarsimEngine:
         return frames
 
     def attach(self, body: str, link: str) -> None:
-        """Attach a simulated body to a link, or to a moving body, where they are: from now on it goes along, and the drive of the
-        avatar bears its weight.
+        """Attach a simulated body to a link, or to a moving body, at their present places.
 
-        The two are one rigid body in the solve of all contacts: what the body runs into stops the link. `link` is a name of
-        `scene.names`. Raises UnknownName for other names, and InvalidInput for a body that is attached already, in scenes without
-        coupling and for the preset `paper`.
+        From now on it moves along, and the drive of the avatar bears its weight: the two are one rigid body in the solve of all
+        contacts, and an obstacle of the body stops the link. `link` is a name of `scene.names`. Raises UnknownName for other
+        names, and InvalidInput for a body that is attached already, in scenes without coupling and for the preset `paper`.
         """
         with self._alone():
             attach(self._running(), body, link)
@@ -230,15 +229,15 @@ class AvatarsimEngine:
             release(self._running().world, body)
 
     def attached(self) -> Mapping[str, str]:
-        """Attached bodies, and the link that each is attached to."""
+        """Return attached bodies, and the link that each is attached to."""
         with self._alone():
             return attached(self._running().world)
 
     def grip(self, avatar: str) -> tuple[str, ...]:
-        """Attach what an avatar grips: each simulated body that its links press on from opposite sides; returns their names.
+        """Attach the bodies that an avatar grips, those that its links press on from opposite sides; return their names.
 
-        Called in each frame it is the policy that attaches what is pinched. Raises UnknownName for another name than an
-        avatar's, and InvalidInput as `attach`.
+        Called in each frame it is the policy that attaches pinched bodies. Raises UnknownName for another name than an avatar's,
+        and InvalidInput as `attach`.
         """
         found = gripped(self.contacts(), self._running().world.scene, avatar)
         for body, link in found.items():
@@ -247,7 +246,7 @@ class AvatarsimEngine:
         return tuple(found)
 
     def posture(self) -> TrackerSample:
-        """The posture that is shown, as a tracker would report it: a copy, at the engine's time."""
+        """Return the posture that is shown, as a tracker would report it: a copy, at the engine's time."""
         with self._alone():
             frames = self._running()
             return shown_sample(frames.world, frames.time)
@@ -255,21 +254,21 @@ class AvatarsimEngine:
     def put(
         self, sample: TrackerSample, user: TrackerSample | None = None, bodies: Mapping[str, Pose] | None = None
     ) -> FrameRecord:
-        """Put the avatars elsewhere between two frames; returns what is shown there. Time goes on.
+        """Put the avatars elsewhere between two frames; return the state shown there. Time continues.
 
         Forward kinematics of `sample`; contacts and paths are forgotten. The users are where `user` has them, by default at
-        `sample` as well: what they move from there on is followed at once, and a difference that is left is caught up with.
-        Fixed bodies go where `bodies` has them, as in `place`.
-        Takes some tens of microseconds and the check of near pairs, where `reset` builds the scene anew.
+        `sample` as well: their motion from there on is followed at once, and a difference that is left is caught up with. Fixed
+        bodies go where `bodies` has them, as in `place`. Takes some tens of microseconds and the check of near pairs, where
+        `reset` builds the scene anew.
 
         Avatars that would overlap there go to the nearest free posture, as in `load`, in some milliseconds.
 
-        Raises InvalidSample for what does not fit the avatars or is farther away than 1e8 m, StartOverlaps where nothing free is
-        found, InvalidScene for a posture beyond joint limits, and InvalidInput in scenes with moving bodies and for the preset
-        `paper`, whose coupling would take the way for a motion of the users. If it raises, the engine is what it was.
+        Raises InvalidSample for a sample that does not fit the avatars or is farther away than 1e8 m, StartOverlaps where nothing
+        free is found, InvalidScene for a posture beyond joint limits, and InvalidInput in scenes with moving bodies and for the
+        preset `paper`, whose coupling would take the way for a motion of the users. If it raises, the engine is unchanged.
         """
         with self._alone():
-            # what is no sample may count as false
+            # an argument that is no sample may count as false
             user = sample if user is None else user
             moved = put_avatars(self._running(), sample, user, bodies or {}, self._settings.start == "exact")
             if bodies:
@@ -277,13 +276,13 @@ class AvatarsimEngine:
             return self._record({}, {}, (), moved=moved)
 
     def place(self, poses: Mapping[str, Pose]) -> FrameRecord:
-        """Put fixed bodies elsewhere between two frames, `{"box": (position, orientation)}`; returns what is shown there.
+        """Put fixed bodies elsewhere between two frames, `{"box": (position, orientation)}`; return the state shown there.
 
-        Avatars stay where they are and keep what they touch: led on by small steps a body pushes them. Loaded again, or by
+        Avatars stay where they are and keep their contacts: led on by small steps a body pushes them. Loaded again, or by
         `reset`, all bodies begin where the scene has them.
 
-        Raises UnknownName for what is no fixed body, InvalidSample for a pose that is none, StartOverlaps where an avatar would
-        overlap, and InvalidInput as `put`. If it raises, the engine is what it was.
+        Raises UnknownName for a name of no fixed body, InvalidSample for a pose that is none, StartOverlaps where an avatar would
+        overlap, and InvalidInput as `put`. If it raises, the engine is unchanged.
         """
         with self._alone():
             place_bodies(self._running(), poses)
@@ -297,19 +296,19 @@ class AvatarsimEngine:
             weigh_links(self._running(), factors)
 
     def snapshot(self) -> bytes:
-        """All that the next frames depend on. An engine that has loaded the same scene with the same settings, in this process
-        or another, goes on from there to the bit, as long as it is the same version on the same kind of processor."""
+        """Return all that the next frames depend on. An engine that has loaded the same scene with the same settings, in this
+        process or another, continues from there to the bit, as long as it is the same version on the same kind of processor."""
         with self._alone():
             frames = self._running()
             return written(self._who(), frames.time, kept_by(frames.parts()))
 
     def restore(self, data: bytes) -> FrameRecord:
-        """Go back, or on, to where `snapshot` returned `data`; returns what is shown there.
+        """Go back, or on, to where `snapshot` returned `data`; return the state shown there.
 
-        The scene, but for where it starts, and the options must be those that are loaded, dt and what is recorded need not. Bytes
-        need not be trusted: InvalidSnapshot if they are damaged, of something else, or hold a number that no state can. With the
-        method `default` that includes links beyond joint limits, and links that overlap each other or what does not move.
-        If it raises, the engine is what it was.
+        The scene, but for where it starts, and the options must be those that are loaded, dt and the recorded data need not.
+        Bytes need not be trusted: InvalidSnapshot if they are damaged, of something else, or hold a number that no state can.
+        With the method `default` that includes links beyond joint limits, and links that overlap each other or fixed bodies. If
+        it raises, the engine is unchanged.
         """
         with self._alone():
             frames = self._running()
@@ -340,9 +339,9 @@ class AvatarsimEngine:
         both = shared(old.world, world) if old else None
         if old and both:
             carry_poses(old.world, world, both)
-        # what was shown is within its limits up to rounding
+        # the shown posture is within its limits up to rounding
         require_within_limits(world, NOTHING if old else 0.0)
-        # and what was at rest on something is as deep in it as frames let it
+        # and bodies at rest are as deep in their support as frames let them
         if old or settings.start == "exact":
             require_free(world, JUDGED if old else NOTHING)
         moved = move_apart(world) if not old and settings.start == "nearest" else ()
@@ -362,10 +361,10 @@ class AvatarsimEngine:
         return self._record({}, {}, (), moved=moved)
 
     def advance(self, sample: TrackerSample | None, dt: float, moving: Mapping[str, Pose] | None = None) -> FrameRecord:
-        """One rendered frame of `dt` [s], above 0 and at most 1: follow `sample`, move loose bodies on, return what is shown.
+        """Advance one rendered frame of `dt` [s], above 0 and at most 1: follow `sample`, move loose bodies, return the state.
 
         `moving` gives poses of moving bodies at the end of the frame, `{"door": (position, orientation)}`, or angles of those
-        that turn in hinges; what is not given keeps its last ones. `sample` is of all avatars, or of all but moving bodies; None
+        that turn in hinges; those not given keep their last ones. `sample` is of all avatars, or of all but moving bodies; None
         where tracking is lost: users stay at the last sample, with the status `tracking_lost`. Once there is a sample again, the
         way to it is caught up with, and is no motion of the users.
 
@@ -396,7 +395,7 @@ class AvatarsimEngine:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Refuse what another call, in another thread or in a signal's handler, is in the middle of."""
+        """Raise EngineInUse during another call, in another thread or in a signal's handler."""
         if not self._turn.acquire(False):
             raise EngineInUse
         try:
@@ -405,7 +404,7 @@ class AvatarsimEngine:
             self._turn.release()
 
     def _who(self) -> Identity:
-        """Of what a snapshot taken now is one."""
+        """Return the identity of a snapshot taken now."""
         if self._identity is None:
             frames, method = self._running(), self._settings.preset
             in_force = method, *(getattr(self._chosen, group) for group in METHOD_SETTINGS[method])
@@ -413,11 +412,11 @@ class AvatarsimEngine:
         return self._identity
 
     def stage_calls(self) -> Mapping[str, int]:
-        """How often each stage ran since load; a stage that the scene does not call for has zero."""
+        """Return how often each stage ran since load; zero for a stage that the scene does not need."""
         return dict(self._running().clock.calls)
 
     def _rehearse(self, frames: Frames, sample: TrackerSample, dt: float) -> None:
-        """Bring what a frame calls into memory, and what it reads and writes into the caches: run frames that leave no trace."""
+        """Bring the code of a frame into memory, and its data into the caches: run frames that leave no trace."""
         made = -1
         while made < CalledKernel.made:
             made = CalledKernel.made
@@ -465,7 +464,7 @@ class AvatarsimEngine:
             position, orientation, angles = written.positions.copy(), written.orientations.copy(), written.angles.copy()
         linear, angular = self._still or (world.velocities.linear.copy(), world.velocities.angular.copy())
         shown = Snapshot(frames.time, position, orientation, linear, angular)
-        # the state at the end is itself the frame's last sub-step; before it stand the steps and events of the loops
+        # the state at the end is itself the frame's last sub-step; before it are the steps and events of the loops
         if inside and inside[-1].event == "step" and same_poses(inside[-1], shown):
             # nothing has moved since the last step
             inside = inside[:-1]

@@ -1,12 +1,12 @@
 """Checkpoint and restart: the state of a world between two frames as bytes, back, and into a world of other bodies.
 
-What the parts of a frame keep from one frame to the next is written, constants and working memory are not: they are those of the
-engine that the bytes are handed to, which has loaded the same scene with the same settings. Bytes are not trusted: nothing in
-them is run or looked up by name, no length in them is believed before it is compared, and every whole number, which might be a
-place in memory, is held against the range that its field has. Only when all is well anything is written.
+State that the parts of a frame keep from one frame to the next is written, constants and working memory are not: they are those
+of the engine that reads the bytes, which has loaded the same scene with the same settings. Bytes are not trusted: nothing in them
+is run or looked up by name, no length in them is believed before it is compared, and every whole number, which might be a place
+in memory, is checked against the range of its field. Nothing is written before all is valid.
 
 Layout, little endian: a head (see `HEAD`), the bytes of all arrays one after another as zlib has them, and the BLAKE2b of all
-that stands before it.
+bytes before it.
 """
 
 import hashlib
@@ -40,10 +40,10 @@ MAGIC = b"avatarsim\r\n\0"
 """First bytes of a snapshot; the line's end shows files that were sent as text."""
 
 FORMAT = 1
-"""Number of this layout. What else is written than before, or otherwise, gets the next one."""
+"""Number of this layout. A change of the data or of their order takes the next one."""
 
 DIGEST = 16
-"""Bytes of a BLAKE2b. Its use is to find damage and mistakes, not to keep out forgers: that is what the ranges are for."""
+"""Bytes of a BLAKE2b. Its use is to find damage and mistakes, not to keep out forgers: the ranges do that."""
 
 HEAD = struct.Struct(f"<{len(MAGIC)}sI{DIGEST}s{DIGEST}s{DIGEST}sdQ")
 """Magic, format, digests of scene, settings and fields, time [s], bytes of all arrays."""
@@ -55,7 +55,7 @@ Bits = NDArray[np.generic]
 
 
 class Identity(NamedTuple):
-    """Of what a snapshot is one: digests of the scene, of the settings in force, and of the fields that are kept."""
+    """Origin of a snapshot: digests of the scene, of the settings in force, and of the fields that are kept."""
 
     scene: bytes
     settings: bytes
@@ -72,7 +72,7 @@ class Field(NamedTuple):
 
 
 def kept_by(parts: Sequence[Part]) -> list[Field]:
-    """What `parts` keep from frame to frame, in order. A field of whole numbers without a range is a defect and an error."""
+    """Return the fields that `parts` keep from frame to frame, in order. One of whole numbers without a range is an error."""
     found = []
     for part in parts:
         ranges = part.ranges()
@@ -85,8 +85,8 @@ def kept_by(parts: Sequence[Part]) -> list[Field]:
 
 
 def _named(path: str, value: object) -> Iterator[tuple[str, Bits]]:
-    """Arrays in nested named tuples with their dotted names, of tables each column; single numbers are constants, and records
-    working memory."""
+    """Yield arrays in nested named tuples with their dotted names, of tables each column; single numbers are constants, and
+    records working memory."""
     if isinstance(value, np.ndarray) and value.dtype.names is not None:
         for column in value.dtype.names:
             yield f"{path}.{column}", value[column]
@@ -110,13 +110,13 @@ def _range(path: str, short: str, array: Bits, ranges: Mapping[str, tuple[int, i
 
 
 def identity(scene: object, settings: object, kept: Sequence[Field]) -> Identity:
-    """Of what a snapshot of these fields is one. How a scene starts is no part of it: what is kept says where things are."""
+    """Return the identity of a snapshot of these fields. A scene's start is no part of it: the fields have the poses."""
     layout = tuple((field.name, field.array.dtype.str, *field.array.shape) for field in kept)
     return Identity(*map(digest_of, (scene, settings, layout)))
 
 
 def digest_of(value: object) -> bytes:
-    """A digest of nested descriptions: equal if and only if they say the same."""
+    """Return a digest of nested descriptions: equal if and only if they describe the same."""
     digest = hashlib.blake2b(digest_size=DIGEST)
     for piece in _told(value):
         digest.update(struct.pack("<Q", len(piece)) + piece)
@@ -124,7 +124,7 @@ def digest_of(value: object) -> bytes:
 
 
 def _told(value: object) -> Iterator[bytes]:
-    """A description as bytes, each with its kind before it, so that different ones are never told alike."""
+    """Yield a description as bytes, each with its kind before it, so that different ones never have equal bytes."""
     if is_dataclass(value) and not isinstance(value, type):
         yield type(value).__name__.encode()
         for field in fields(value):
@@ -152,7 +152,7 @@ def _told(value: object) -> Iterator[bytes]:
 
 
 def written(of: Identity, time: float, kept: Sequence[Field]) -> bytes:
-    """The state that `kept` holds at `time` [s]."""
+    """Return the state that `kept` holds at `time` [s]."""
     packed = zlib.compressobj(COMPRESSION)
     body = [packed.compress(field.array.tobytes()) for field in kept]
     body.append(packed.flush())
@@ -162,7 +162,7 @@ def written(of: Identity, time: float, kept: Sequence[Field]) -> bytes:
 
 
 def read(data: object, of: Identity, kept: Sequence[Field]) -> tuple[float, list[Bits]]:
-    """Time [s] and what the arrays of `kept` are to hold; InvalidSnapshot unless `data` is a whole one `of` what is loaded."""
+    """Return the time [s] and new values of the arrays of `kept`; InvalidSnapshot unless `data` is a whole snapshot of `of`."""
     if not isinstance(data, bytes | bytearray | memoryview):
         raise InvalidSnapshot("snapshot", data, "the bytes that engine.snapshot() returned")
     try:
@@ -196,7 +196,7 @@ def _unpacked(packed: bytes, size: int, kept: Sequence[Field]) -> bytes:
         raise InvalidSnapshot("size of the snapshot's arrays", size, f"{wanted} bytes")
     unpacking = zlib.decompressobj()
     try:
-        # no more than is wanted, however much is packed into it
+        # no more than is needed, however much is packed into it
         found = unpacking.decompress(packed, wanted + 1)
     except zlib.error as error:
         raise InvalidSnapshot("arrays of the snapshot", str(error), "bytes that zlib can unpack") from None
@@ -225,13 +225,12 @@ Rows = NDArray[np.int64]
 
 
 # Carry-over of state from one world into another that shares bodies and avatars by name: how bodies come and go between frames.
-#
 # The new world is built as at a load, by the same checks. Of what both have, the new one takes poses and velocities to the bit,
-# of avatars also what their users asked for last and the offsets that collisions have left (eq. 6). What is found anew within a
-# frame or two is not carried: sleep, warm starts of the solvers, and the search for a path.
+# of avatars also the last targets of their users and the offsets that collisions have left (eq. 6). State that is found anew
+# within a frame or two is not carried: sleep, warm starts of the solvers, and the search for a path.
 
 class Shared(NamedTuple):
-    """Places in the old world and in the new one of what both have, (n, 2) each: simulated bodies, avatars, links, degrees."""
+    """Places in the old and in the new world of all that both have, (n, 2) each: simulated bodies, avatars, links, degrees."""
 
     bodies: Rows
     avatars: Rows
@@ -240,7 +239,7 @@ class Shared(NamedTuple):
 
 
 def shared(old: World, new: World) -> Shared:
-    """What two worlds share: simulated bodies of one name; avatars of one name whose links and joints are alike."""
+    """Return the common parts of two worlds: simulated bodies of one name; avatars of one name with equal links and joints."""
     found = {body.name: b for b, body in enumerate(old.scene.bodies) if body.role is Role.SIMULATED}
     bodies = [
         (found[body.name], b) for b, body in enumerate(new.scene.bodies) if body.role is Role.SIMULATED and body.name in found
@@ -261,13 +260,13 @@ def shared(old: World, new: World) -> Shared:
 
 
 def first_links(scene: Scene) -> list[tuple[Avatar, int]]:
-    """Each avatar and the place of its first link among all."""
+    """Return each avatar and the place of its first link among all."""
     firsts = np.cumsum([0, *(len(avatar.links) for avatar in scene.avatars)]).tolist()
     return list(zip(scene.avatars, firsts[:-1], strict=True))
 
 
 def tree_of(avatar: Avatar) -> list[tuple[object, ...]]:
-    """What a posture of an avatar depends on, limits aside: names and parents of links, axes of their joints, couplings."""
+    """Return the data that fix the posture of an avatar, limits aside: names and parents of links, joint axes, couplings."""
     links = [
         (link.name, link.parent, type(link.joint), link.anchor, link.orientation,
          tuple(axis.axis for axis in axes_of(link.joint)))
@@ -277,20 +276,20 @@ def tree_of(avatar: Avatar) -> list[tuple[object, ...]]:
 
 
 def taken(into: NDArray[np.generic], of: NDArray[np.generic], rows: Rows) -> None:
-    """Rows of one array into rows of another."""
+    """Copy rows of one array into rows of another."""
     into[rows[:, 1]] = of[rows[:, 0]]
 
 
 def take_posture(into: Posture, of: Posture, both: Shared) -> None:
-    """The posture of what both worlds have."""
+    """Copy the posture of avatars that both worlds have."""
     taken(into.root, of.root, both.links)
     taken(into.turn, of.turn, both.links)
     taken(into.angle, of.angle, both.degrees)
 
 
 def carry_poses(old: World, new: World, both: Shared) -> None:
-    """Poses and velocities of bodies, and postures of avatars: before the loops of the new world are made, and once more after
-    that, since to make them places the links by their postures, which rounds."""
+    """Carry poses and velocities of bodies, and postures of avatars: before the loops of the new world are made, and once more
+    after that, since to make them places the links by their postures, which rounds."""
     links = both.links + (old.skeleton.first, new.skeleton.first)
     take_posture(new.posture, old.posture, both)
     for rows in (both.bodies, links):
@@ -301,7 +300,7 @@ def carry_poses(old: World, new: World, both: Shared) -> None:
             taken(new.velocities.angular, old.velocities.angular, rows)
     for a, b in both.bodies.tolist():
         if (old.centres[a] != new.centres[b]).any():
-            # another centre of mass in the same body: the body's frame is what stays
+            # another centre of mass in the same body: the body's frame stays
             arm = new.poses.rotation[b] @ (new.centres[b] - old.centres[a])
             new.poses.position[b] += arm
             new.velocities.linear[b] += np.cross(new.velocities.angular[b], arm)
@@ -310,7 +309,7 @@ def carry_poses(old: World, new: World, both: Shared) -> None:
 
 
 def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
-    """Time, and of the avatars what their users asked for last and what the coupling has stored; after the loops are made."""
+    """Carry the time, and of the avatars the last targets of their users and the coupling's state; after the loops are made."""
     carry_poses(old.world, new.world, both)
     new.time = old.time
     if new.driven:
@@ -331,7 +330,7 @@ def carry_loops(old: Frames, new: Frames, both: Shared) -> None:
 
 
 def carry_given(old: Frames, new: Frames, both: Shared) -> None:
-    """Poses of moving bodies that both have, as they were last given."""
+    """Carry poses of moving bodies that both have, as they were last given."""
     if not (old.moves and new.moves):
         return
     for into, of in zip(new.given[:2], old.given[:2], strict=True):
@@ -344,7 +343,7 @@ def carry_given(old: Frames, new: Frames, both: Shared) -> None:
 
 
 def carry_attached(old: World, new: World, both: Shared) -> None:
-    """Bodies that are attached to links, where both have the two."""
+    """Attach bodies to links again, where both worlds have the two."""
     links = dict((both.links + (old.skeleton.first, new.skeleton.first)).tolist())
     for before, now in both.bodies.tolist():
         carrier = links.get(int(old.drive.carrier[before]), -1)
@@ -357,7 +356,7 @@ def carry_attached(old: World, new: World, both: Shared) -> None:
 
 
 def carry_coupling(old: Frames, new: Frames, one: IkLoop, other: IkLoop, both: Shared) -> None:
-    """State of the coupling, and tracked poses of the last frame, from which velocities are counted."""
+    """Carry the state of the coupling, and tracked poses of the last frame, from which velocities are counted."""
     carry_attached(old.world, new.world, both)
     if min(one.trackers.turn[0], other.trackers.turn[0]) < 0:
         return

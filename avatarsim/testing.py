@@ -48,11 +48,11 @@ Make = Callable[[], Engine]
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is wrong with an engine.
+    """A fault of an engine.
 
     check  "protocol", "record", "start", "follows", "limits", "falls", "spins", "determinism", "refusals", "shapes" or "presets"
     scene  name of the scene, "" outside of one
-    text   what was expected and what came
+    text   the expected and the actual value
     """
 
     check: str
@@ -119,7 +119,7 @@ def _findings(make: Make, preset: str | None) -> Iterator[Finding]:
 
 
 def _judged(run: Run, check: str, judge: Callable[[Run], Iterator[str]]) -> Iterator[Finding]:
-    """Yield the faults of a run's records; of sound ones what their judge finds."""
+    """Yield the faults of a run's records; of sound ones the findings of their judge."""
     if faults := list(_record_faults(run)):
         yield from (Finding("record", run.scene.name, text) for text in faults)
     else:
@@ -195,7 +195,7 @@ def _start(run: Run) -> Iterator[str]:
 
 
 def _follows(run: Run) -> Iterator[str]:
-    """Yield the distance of a hand that nothing is in the way of."""
+    """Yield the distance of a hand that meets no obstacle."""
     yield from _start(run)
     place, turn = link_poses(run.scene.avatars, _led_hand(run.scene, FRAMES * DT))
     shown = run.records[-1].shown

@@ -1,7 +1,7 @@
-"""Ladders of tolerances: rounding, what is judged, and the gaps that a posture keeps, which are shares of the one it aims at.
+"""Ladders of tolerances: rounding, the judged overlap, and the gaps that a posture keeps, which are shares of the one it aims at.
 
-A rung is a number without a unit. Where it is used it is a share, or stands for as many m, rad, s or J, or their rates: frames,
-bodies and speeds of people are of the order of one. On rounding: Higham 2002, Accuracy and Stability of Numerical Algorithms.
+A rung is a number without a unit. Where it is used it is a share, or means as many m, rad, s or J, or their rates: frames, bodies
+and speeds of people are of the order of one. On rounding: Higham 2002, Accuracy and Stability of Numerical Algorithms.
 """
 
 from sys import float_info
@@ -10,37 +10,37 @@ EPSILON = float_info.epsilon
 """[a share] from 1 to the next number of double precision."""
 
 GRAIN = 1e-14
-"""[a share, m, or rad] what a few products may be off by in double precision, some fifty roundings."""
+"""[a share, m, or rad] error of a few products in double precision, some fifty roundings."""
 
 LAST_PLACES = GRAIN / 10.0
-"""[a share] what one number may be off by: a few units in the last place."""
+"""[a share] error of one number: a few units in the last place."""
 
 GRAINS = 10.0 * GRAIN
-"""[a share, or J] what a sum of such products may be off by. Larger: an error passes for rounding; smaller: rounding for an
-error, and iterations go on without end."""
+"""[a share, or J] error of a sum of such products. Larger: an error passes for rounding; smaller: rounding for an error, and
+iterations do not end."""
 
 ROUNDING = 100.0 * GRAIN
-"""[m, or a share] what sums of a frame's products may be off by, a hundred times over."""
+"""[m, or a share] error of sums of a frame's products, a hundred times over."""
 
 COARSE_ROUNDING = 10.0 * ROUNDING
-"""[a share] what rounded coordinates far from the origin leave of a shape's size. Larger: a wrong distance by as much; smaller:
+"""[a share] error of a shape's size by rounded coordinates far from the origin. Larger: a wrong distance by as much; smaller:
 shapes there are not recognised, or an answer is given up that cannot be better, and slower ways are taken."""
 
 NOTHING = 1e-9
-"""[m, rad, their rates, s, or a share] far below what is shown or judged (JUDGED), and far above rounding: an overlap of a start,
-an excess, an offset or a difference that is taken for none."""
+"""[m, rad, their rates, s, or a share] far below shown or judged differences (JUDGED), and far above rounding: an overlap of a
+start, an excess, an offset or a difference that is taken for none."""
 
 PROOF = NOTHING / 10.0
-"""[a share, rad, m/s, or s] what a proof may leave open. Larger: wrong answers by as much; smaller: rounding decides."""
+"""[a share, rad, m/s, or s] slack of a proof. Larger: wrong answers by as much; smaller: rounding decides."""
 
 SLIGHT = 10.0 * NOTHING
-"""[m, m/s, or a share] what may be left where some error is made up for later in the frame: a tenth of a nanometre in it."""
+"""[m, m/s, or a share] error where some of it is made up for later in the frame: a tenth of a nanometre in it."""
 
 ROUGH = 10.0 * SLIGHT
-"""[m, m/s, or a share] what may be left where the next frame makes up for it: some nanometres in a frame."""
+"""[m, m/s, or a share] error where the next frame makes up for it: some nanometres in a frame."""
 
 JUDGED = 10.0 * ROUGH
-"""[m, m/s, or a share] the overlap that is judged, a micrometre: what is less no figure shows. Larger: it can be measured."""
+"""[m, m/s, or a share] the overlap that is judged, a micrometre: no figure shows less. Larger: it can be measured."""
 
 SAME_DIRECTION = JUDGED
 """Sine of the angle below which two directions count as one, and share below which a sum of directions has none."""
@@ -55,23 +55,23 @@ SHORT_TURN = 0.5
 Larger: linear steps lead elsewhere, and the series needs more terms; smaller: more steps."""
 
 SMALL = 1e-2
-"""[m] what is smaller counts as small: bodies may spin faster in proportion and still rest, and have narrower boxes; no arm of a
-joint weighs less. Larger: bodies that one can see spin count as resting; smaller: small ones never rest, and joints that hardly
-move anything spin."""
+"""[m] size below which a body counts as small: bodies may spin faster in proportion and still rest, and have narrower boxes; no
+arm of a joint weighs less. Larger: bodies that one can see spin count as resting; smaller: small ones never rest, and joints that
+hardly move anything spin."""
 
 FINE = 0.1
 """Share of a gap, or of the way of a frame, within which it counts as reached. Larger: gaps are off by as much, and paths are
 left early; smaller: more rounds, and stops at nodes of paths."""
 
 REGULAR = NOTHING
-"""Share of its own by which the diagonal of a Gram matrix is raised (Tikhonov): rows that say the same then share the load, and a
-row without any lever divides by something. 1e-6: the certificate sees what they leave open."""
+"""Share of its own by which the diagonal of a Gram matrix is raised (Tikhonov): equal rows then share the load, and a row without
+any lever divides by something. 1e-6: the certificate sees their error."""
 
 assert 0.0 < EPSILON < LAST_PLACES < GRAIN < GRAINS < ROUNDING < COARSE_ROUNDING < PROOF
 assert PROOF < NOTHING < SLIGHT < ROUGH < JUDGED < SLIM
 
 POSTURE_GAP = 2e-4
-"""[m] gap that a posture aims at unless a setting says otherwise: `settings.PostureSettings`, which says what breaks."""
+"""[m] gap that a posture aims at unless a setting says otherwise: `settings.PostureSettings`, with the effects of a change."""
 
 LEAST_SHARE = 0.25
 """[stand-offs] gap that is accepted. Between it and the stand-off there is room for the curvature of a step and for the solver's

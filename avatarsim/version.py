@@ -1,4 +1,4 @@
-"""Version of the package: read by the build, by `avatarsim.__version__` and by what the engine says of itself."""
+"""Version of the package: read by the build, by `avatarsim.__version__` and by the engine's record of itself."""
 
 VERSION = "0.2.0"
-"""As on the package index; what a user notices of it stands in CHANGELOG.md."""
+"""As on the package index; its changes for users are in CHANGELOG.md."""
