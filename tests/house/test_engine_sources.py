@@ -42,5 +42,6 @@ def test_importing_the_engine_loads_nothing_heavy() -> None:
     assert not loaded & HEAVY
 
 
-def test_importing_the_package_loads_no_compiler() -> None:
+def test_importing_the_package_or_its_meshes_loads_no_compiler() -> None:
     assert not imported_by("import avatarsim") & {"numba", "numpy", *HEAVY}
+    assert not imported_by("import avatarsim.assets.meshes") & {"numba", "scipy", *HEAVY}
