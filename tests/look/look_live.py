@@ -35,8 +35,9 @@ WARM = 5.0
 OF_LIBRARIES = ("THREE.Clock", "preventDefault inside passive", "Software WebGL")
 """Words of viser's own page on the console: nothing of ours."""
 HUD = "!!document.querySelector('[data-overlap]')"
-RED = (150, 60)
-"""Red of a pixel at least, and its green and blue at most, of overlapping parts."""
+RED = (80, 40)
+"""Red of a pixel above its green and blue at least, and difference of these at most: overlapping parts and the ghost, in light
+and in shade."""
 COVERED = """(() => {
   const boxes = (which) => [...document.querySelectorAll(which)].map((each) => each.getBoundingClientRect());
   const over = boxes("#root .mantine-Paper-root, .mantine-Notification-root");
@@ -149,7 +150,8 @@ def red(one: Browser, place: Path) -> np.ndarray:
     """Take a screenshot, and return which pixels of the scene, below the numbers, are red (height, width)."""
     one.picture(place)
     pixels = np.asarray(Image.open(place).convert("RGB")).astype(int)[80:]
-    return (pixels[..., 0] >= RED[0]) & (pixels[..., 1:] <= RED[1]).all(axis=2)
+    colours = pixels[..., 1:]
+    return (pixels[..., 0] - colours.max(axis=2) >= RED[0]) & (np.ptp(colours, axis=2) <= RED[1])
 
 
 def test_effects_switch_between_two_frames(running: Running, seen: Browser) -> None:
