@@ -1,1 +1,1 @@
-"""Live: a person in the loop, at a fixed rate, beside a page, ports and a recording (docs/live.md)."""
+"""Live sessions: a person in the loop at a fixed rate, with a page, ports and a recording (docs/live.md)."""

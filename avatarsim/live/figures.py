@@ -9,18 +9,18 @@ import numpy as np
 from avatarsim.live.messages import State
 
 SPAN = 10.0
-"""[s] over which figures are taken: long enough for a p99 of 600 frames, short enough to see what a hand just did."""
+"""[s] of frames that the figures cover: long enough for a p99 of 600 frames, short enough to show the effect of a motion."""
 
 
 def ranked(values: Sequence[int], *percents: float) -> list[int]:
-    """For each percentage the smallest value that as many of `values` do not exceed; 0 of none."""
+    """Return, for each percentage, the smallest of `values` that at least this share does not exceed; 0 without values."""
     return [int(found) for found in np.percentile(values or [0], percents, method="inverted_cdf")]
 
 
 @dataclass(frozen=True)
 class Figures:
-    """Of the frames of the last `SPAN` seconds: frame times and latencies [ns], share late, frames left out, medians of stages
-    [ns], and the longest that a frame had the processor [ns], which `worst` may exceed by what other programs took."""
+    """Frame times and latencies [ns] of the last `SPAN` seconds, share of late frames, skipped frames, medians of stages [ns],
+    and the largest processor time of a frame [ns], which `worst` may exceed by the time that other programs took."""
 
     frames: int = 0
     p50: int = 0
@@ -35,22 +35,22 @@ class Figures:
 
 
 class Window:
-    """The last seconds of a loop's states, one by one."""
+    """Sliding window over the states of the last seconds of a loop."""
 
     def __init__(self, rate: float) -> None:
         self._states: deque[State] = deque(maxlen=max(1, round(rate * SPAN)))
 
     def add(self, state: State) -> None:
-        """One more state; those of a pause say nothing about time."""
+        """Add a state; states of a pause are ignored, since they carry no timing."""
         if not state.is_paused:
             self._states.append(state)
 
     def states(self) -> tuple[State, ...]:
-        """All of them, oldest first."""
+        """Return all states, oldest first."""
         return tuple(self._states)
 
     def figures(self) -> Figures:
-        """Of the states in the window."""
+        """Return the figures of the states in the window."""
         states = list(self._states)
         if not states:
             return Figures()

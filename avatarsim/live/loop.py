@@ -1,8 +1,8 @@
 """Fixed-timestep loop of one engine, in a process of its own (Fiedler 2004; periodic tasks: Liu and Layland 1973).
 
-Frame k is due at a fixed instant of the monotonic clock. It takes the newest target; where none has come since the last frame,
-the last one is held. What is late is counted and never made up for: the slots that were missed are left out, so that a slow
-frame is followed by no burst of quick ones. Python's collector runs only where a frame has time left.
+Frame k is due at a fixed instant of the monotonic clock. It takes the newest target or, if none has come since the last frame,
+repeats the last one. Late frames are counted and never made up for: missed slots are skipped, so that a slow frame is followed by
+no burst of quick ones. Python's collector runs only if a frame has time left.
 """
 
 import gc
@@ -29,41 +29,41 @@ from avatarsim.spatial import rotation
 COLLECTED = 64
 """Frames between two runs of Python's collector over the youngest objects: at 60 Hz one a second, of some 20 us."""
 PRIORITY = 1
-"""The lowest of the real-time priorities: enough to go before all that has none."""
+"""Lowest real-time priority: enough to run before all processes without one."""
 TOUCHED = 2
-"""Frames between two queries of contacts, 30 a second at 60 Hz: a page draws no more."""
+"""Frames between two queries of contacts: 30 a second at 60 Hz, as often as a page draws."""
 
 
 def run(plan: Plan, channel: Channel, orders: Connection) -> None:
-    """The process: load, say so, loop until told to stop or the door is gone.
+    """Run the loop process: load the scene, report the result, and loop until STOP or until the session's end of a pipe closes.
 
-    Sends down `orders` the first thing an `Answer` whose sentence says why nothing could be loaded; empty when all is well."""
+    The first message on `orders` is an `Answer` whose `refused` gives the reason why loading failed; empty on success."""
     try:
         world = World(plan, engine_of(plan.engine))
     except (AvatarsimError, MemoryError) as error:
         orders.send(Answer(0, Order.RESET, 0, str(error) if isinstance(error, AvatarsimError) else described(error)))
         return
     if plan.logs:
-        # the loop that is driven; one beside it that cannot keep its rate would take the processor from everything else
+        # the driven loop; another one that cannot keep its rate would take the processor from everything else
         go_first()
     orders.send(Answer(0, Order.RESET, 0))
     gc.collect()
     gc.freeze()
     gc.disable()
-    # a door that is gone ends the loop, as does a break that a terminal sends to all of its processes
+    # the loop ends when the session's process is gone, or on a break that a terminal sends to all of its processes
     with suppress(EOFError, BrokenPipeError, KeyboardInterrupt):
         Loop(world, channel, orders).run()
 
 
 def go_first() -> None:
-    """Let this process go before those without a deadline, where the system has real-time classes and allows them: a page that
-    is drawn on the same processors waits rather than a frame. A loop sleeps most of the time."""
+    """Give this process real-time priority, where the system supports and allows it: a page that is drawn on the same processors
+    waits rather than a frame. A loop sleeps most of the time."""
     with suppress(OSError, AttributeError):
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(PRIORITY))
 
 
 def engine_of(words: str) -> type[Engine]:
-    """The class that "module:class" names. Raises UnknownName for what is not there."""
+    """Return the class named by "module:class". Raises UnknownName if it cannot be found, InvalidInput if it is no class."""
     try:
         found = resolve_name(words)
     except (ImportError, AttributeError, ValueError) as error:
@@ -74,7 +74,7 @@ def engine_of(words: str) -> type[Engine]:
 
 
 class Loop:
-    """The state of a loop: which frame is next, what the user wants, what has been kept and recorded."""
+    """State of a loop: the next frame, the newest target, and the log."""
 
     def __init__(self, world: World, channel: Channel, orders: Connection) -> None:
         self.world, self._channel, self._orders = world, channel, orders
@@ -90,7 +90,7 @@ class Loop:
         self._begin_log()
 
     def run(self) -> None:
-        """Frames at their instants, until an order ends them."""
+        """Run frames at their due instants until a STOP command."""
         due = time.monotonic_ns()
         self._publish(self.world.shown, 0, due)
         while not self._is_over:
@@ -110,7 +110,7 @@ class Loop:
         self._close()
 
     def _one(self, due: int) -> None:
-        """A frame: advance, publish, log, and collect garbage where there is time."""
+        """Run one frame: advance, publish, log, and collect garbage if there is time."""
         begun, on_cpu = time.monotonic_ns(), time.thread_time_ns()
         record = self.world.advance(self._sample)
         cost, self._on_cpu = time.monotonic_ns() - begun, time.thread_time_ns() - on_cpu
@@ -124,7 +124,7 @@ class Loop:
             gc.collect(0 if self._frame % COLLECTED**2 else 1)
 
     def _publish(self, record: FrameRecord, cost: int, due: int) -> str:
-        """Send what is shown, and answer its hash; the time it is sent at counts."""
+        """Send the state of a record and return its hash; the latency counts until now."""
         shown, now = record.shown, time.monotonic_ns()
         latency = -1 if self._used else now - self._stamp
         self._used = True
@@ -142,12 +142,12 @@ class Loop:
         return state_hash
 
     def _touch(self) -> None:
-        """Send where bodies touch, of an engine that can tell."""
+        """Send the contacts, if the engine is AvatarsimEngine, which reports them."""
         if isinstance(self.world.engine, AvatarsimEngine):
             self._channel.send(Touching(self._frame, rows(self.world.engine, self._links)))
 
     def _listen(self) -> None:
-        """Take the newest target; one that fits no avatar of the scene is a fault of the door, which checks them all."""
+        """Take the newest target; one that does not fit the avatars is ignored, since the session checks all targets before."""
         target: Target | None = self._channel.newest()
         if target is not None:
             with suppress(AvatarsimError):
@@ -155,13 +155,13 @@ class Loop:
                 self._target, self._stamp, self._used = target.number, target.stamp, False
 
     def _obey(self) -> None:
-        """Do what has been ordered, and answer."""
+        """Execute all pending commands and answer each."""
         while self._orders.poll():
             command: Command = self._orders.recv()
             self._orders.send(Answer(command.number, command.order, self._frame, *self._done(command)))
 
     def _done(self, command: Command) -> tuple[str, str]:
-        """Why a command was refused, or empty, and what it asked for."""
+        """Execute a command. Return the reason of a refusal, or "", and the text that the command requested, or ""."""
         order = command.order
         if order is Order.STOP:
             self._is_over = True
@@ -177,7 +177,7 @@ class Loop:
         return "", ""
 
     def _applied(self, command: Command) -> str:
-        """Empty, or why what a frame would show was refused."""
+        """Apply a command that changes the shown state. Return the reason of a refusal, or ""."""
         refused = self.world.apply(command)
         if refused:
             return refused
@@ -191,7 +191,7 @@ class Loop:
         return ""
 
     def _begin_log(self) -> None:
-        """A new log, of the world as it is, which has just begun; without one where no folder is named or no file can be made."""
+        """Begin a log of the world, which has just begun; no log without a folder, or if no file can be created."""
         self._close()
         if not self.world.plan.logs:
             return
@@ -203,20 +203,20 @@ class Loop:
                 self._log.command(Command(Order.PINCH, True))
 
     def _saved(self) -> tuple[str, str]:
-        """Why the log cannot be had, or where it is, with all that has been written in it on the disk."""
+        """Return an error, or "", and the path of the log, after flushing it to the system."""
         if self._log is None:
             return "there is no log of what was driven: its folder takes no files", ""
         self._log.flush()
         return "", str(self._log.path)
 
     def _close(self) -> None:
-        """End the log, if there is one."""
+        """Close the log, if there is one."""
         if self._log is not None:
             self._log.close()
         self._log = None
 
 
 def rows(engine: AvatarsimEngine, links: Collection[str]) -> Array:
-    """Return (k, 6) points [m] and normals of those contacts of the state that an engine shows in which links take part."""
+    """Return (k, 6) points [m] and normals of the contacts of the shown state in which one of `links` takes part."""
     found = [(*one.point, *one.normal) for one in engine.contacts(of=links)]
     return np.array(found, dtype=np.float64).reshape(-1, 6)

@@ -1,7 +1,7 @@
-"""What the loop and the door tell each other: frozen records, whole or not at all (message passing; Hoare 1978).
+"""Messages between the loop and the door: frozen records that arrive whole or not at all (message passing; Hoare 1978).
 
-The loop is the process that runs one engine at a fixed rate; the door is the process that the user started, with the page and the
-ports. Both are ours and of one session, so that their messages are pickled; nothing that comes from outside is.
+The loop is the process that runs one engine at a fixed rate. The door is the process that the user started, with the page and the
+ports. Both belong to one session, so their messages are pickled; data from outside is never unpickled.
 """
 
 from collections.abc import Mapping
@@ -18,18 +18,18 @@ from avatarsim.scene.tracker import TrackerSample
 Array = NDArray[np.float64]
 
 RATES = (10.0, 1000.0)
-"""[1/s] slowest and fastest rate of a loop: slower is no motion to an eye, faster leaves no time to sleep between two frames."""
+"""[1/s] Lowest and highest rate of a loop: lower is not seen as motion, higher leaves no time to sleep between two frames."""
 
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """What a loop is to run.
+    """Plan of a loop.
 
     engine   "module:class" of an engine of `avatarsim.engine.Engine`, constructed without arguments
-    scene    the scene, `settings` how the engine is run, `rate` [1/s] frames a second
-    logs     folder for the log of what is driven (avatarsim/live/recording.py); empty: none is written
-    name     by which the session and its page know it: "avatarsim", "mujoco/tuned"
-    off      effects that are off at first, beyond those that the scene's author left out: a `Switch` brings them back
+    scene    scene; `settings` of the engine; `rate` [1/s] of frames
+    logs     folder for the log of the session (avatarsim/live/recording.py); empty: no log
+    name     name in the session and on its page: "avatarsim", "mujoco/tuned"
+    off      effects that are off at first, in addition to those that the scene's author left out; a `Switch` turns them on
     """
 
     engine: str
@@ -43,9 +43,9 @@ class Plan:
 
 @dataclass(frozen=True, eq=False)
 class Target:
-    """Where the user wants the avatars: `sample`, whose time counts for nothing, since a frame's time is the loop's own.
+    """Target posture of the avatars: `sample`, whose time is ignored, since the loop has its own time.
 
-    stamp   [ns] of the monotonic clock when the bytes or the event behind it arrived at the door
+    stamp   [ns] monotonic time at which the bytes or the event behind it arrived at the door
     number  ascending from 1 in a session
     """
 
@@ -55,36 +55,36 @@ class Target:
 
 
 class Order(Enum):
-    """What the door orders; `value` of the command is said here."""
+    """Orders that the door sends to a loop; those that use the command's `value` describe it."""
 
     RESET = "reset"
-    """Begin the scene again."""
+    """Restart the scene."""
     PAUSE = "pause"
-    """Show what is shown until told otherwise."""
+    """Stop time and keep showing the current state until GO_ON."""
     GO_ON = "go on"
-    """The end of a pause."""
+    """End a pause."""
     STEP = "step"
-    """One frame, in a pause."""
+    """Run one frame, then pause."""
     KEEP = "keep"
-    """Keep a snapshot of the state shown, the one to come back to."""
+    """Store a snapshot of the shown state for BACK."""
     BACK = "back"
-    """Come back to the snapshot that was kept last, or to the start of the scene where none was."""
+    """Restore the last stored snapshot, or restart the scene if there is none."""
     TAKE = "take"
-    """Attach what the first avatar touches to the link that touches it, or release all that it holds; the answer tells which."""
+    """Attach bodies to the links of the first avatar that touch them, or release all attached ones; the answer names them."""
     PINCH = "pinch"
-    """`value` True: from now on what the first avatar grips is attached, and released once it grips it no more; False: not."""
+    """`value` True: attach bodies that the first avatar grips and release those that it no longer grips; False: stop doing so."""
     SWITCH = "switch"
-    """Another `Switch`: effects that are off, preset and options of the engine."""
+    """Apply another `Switch`: disabled effects, preset and options of the engine."""
     SAVE = "save"
-    """Bring the log to the disk; the answer tells where it is. It holds all since the scene began, or began again."""
+    """Flush the log to disk; the answer gives its path. The log covers all frames since the scene began or was restarted."""
     STOP = "stop"
     """End the loop."""
 
 
 @dataclass(frozen=True)
 class Switch:
-    """What is switched: `off` names effects that the user switches off beyond those that the scene's author did; `preset` and
-    `options` are those of our engine, and no other's."""
+    """Value of SWITCH: `off` names effects that the user disables in addition to those that the scene's author did; `preset` and
+    `options` apply to AvatarsimEngine only."""
 
     off: tuple[str, ...] = ()
     preset: str = "default"
@@ -93,7 +93,7 @@ class Switch:
 
 @dataclass(frozen=True, eq=False)
 class Command:
-    """An order, what it needs, and its number, which the answer names."""
+    """An order, its value, and the command's number, which the answer repeats."""
 
     order: Order
     value: object = None
@@ -102,8 +102,8 @@ class Command:
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """What became of a command: `refused` is empty, or the sentence that says why; `frame` the last one before it; `told` what
-    was asked for: of SAVE the path of the log, of TAKE what was taken or released."""
+    """Result of a command: `refused` is empty or the reason of a refusal, `frame` the last frame before it, `told` the requested
+    text: for SAVE the path of the log, for TAKE the bodies that were taken or released."""
 
     number: int
     order: Order
@@ -114,8 +114,8 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class Touching:
-    """Where the first avatar touches in the state of a frame, `contacts` (k, 6): points [m], and unit normals out of the second
-    body into the first. Sent after the state, where the frame has time left: nothing waits for it."""
+    """Contacts of the first avatar in the state of a frame: `contacts` (k, 6), points [m] and unit normals out of the second body
+    into the first. Sent after the state if the frame has time left: nothing waits for it."""
 
     frame: int
     contacts: Array
@@ -123,18 +123,18 @@ class Touching:
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """What is shown after a frame, and what it cost. Bodies are in the scene's canonical order.
+    """Shown state after a frame, and its cost. Bodies are in the scene's canonical order.
 
     frame         frames since the loop began; `time` [s] of the engine
     positions     (n, 3) [m], orientations (n, 4) scalar first, their signs as in the last frame, angles (hinges,) [rad]
-    target        the newest target's number, 0 before the first; `latency` [ns] from its stamp until this state was published, -1
-                  where it was used before
-    engine_ns     how long the engine took, in `advance`, `cpu_ns` of that on the processor: others took the rest
-    is_late       published after the next frame was due; `skipped` frames that were due and left out, since the loop began
-    due           [ns] of the monotonic clock at which the next frame begins
-    statuses      as in FrameRecord, and counts, stage_ns
-    state_hash    of the frame record
-    is_paused     whether time stands still; `is_logged` whether this frame is in the log
+    target        number of the newest target, 0 before the first; `latency` [ns] from its stamp until this state was published,
+                  -1 if an earlier state used it
+    engine_ns     duration of the engine's `advance`; `cpu_ns` of it on the processor: other programs took the rest
+    is_late       True if published after the next frame was due; `skipped` frames that were due and left out since the loop began
+    due           [ns] monotonic time at which the next frame begins
+    statuses      as in FrameRecord, like counts and stage_ns
+    state_hash    hash of the frame record
+    is_paused     True during a pause; `is_logged` True if this frame is in the log
     """
 
     frame: int

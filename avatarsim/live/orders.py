@@ -1,7 +1,7 @@
 """Commands of a driven world, applied between two frames: by the loop while it runs, and by a replay in the same order.
 
-Command pattern (Gamma et al. 1994): what the user does to a world, besides moving, is an object, so that it can be refused,
-recorded and done again. Whatever is refused leaves the world as it was.
+Command pattern (Gamma et al. 1994): each action of the user other than moving is an object, so that it can be refused, recorded
+and repeated. A refused command leaves the world unchanged.
 """
 
 from collections.abc import Callable
@@ -21,13 +21,13 @@ from avatarsim.simulator import AvatarsimEngine
 from avatarsim.spatial import rotation
 
 COMING_BACK = "an engine that takes snapshots: avatarsim"
-"""What can go back to a kept state."""
+"""Engines that can restore a snapshot, as error messages name them."""
 
 
 class World:
-    """An engine with its scene, loaded, and what commands have made of both.
+    """A loaded engine with its scene, both as changed by commands.
 
-    `shown` is what the last frame, or the last command, left. Raises what the engine's `load` raises."""
+    `shown` is the record of the last frame or command. Raises the errors of the engine's `load`."""
 
     def __init__(self, plan: Plan, make: Callable[[], Engine] = AvatarsimEngine) -> None:
         within("frames a second of a loop [1/s]", plan.rate, *RATES, InvalidInput)
@@ -39,24 +39,24 @@ class World:
 
     @property
     def begun(self) -> Plan:
-        """The plan of a world that begins as this one does when it is reset now."""
+        """Plan of a world that begins as this one would after a reset now."""
         author = self.plan.scene.narrow
         return replace(self.plan, settings=self.settings, off=tuple(name for name in self.scene.narrow if name not in author))
 
     def advance(self, sample: TrackerSample) -> FrameRecord:
-        """One frame."""
+        """Advance by one frame and return its record."""
         self.shown = self.engine.advance(sample, self.dt)
         if self.pinches and isinstance(self.engine, AvatarsimEngine):
             try:
                 self._pinch(self.engine, True)
             except AvatarsimError:
-                # after a switch to what attaches nothing
+                # after a switch to settings that support no attachment
                 self.pinches = False
         return self.shown
 
     def apply(self, command: Command) -> str:
-        """Do what a command says; empty, or the sentence that says why it was refused; `told` is what it has to tell. Those of
-        pauses, logs and the end are the loop's own: no frame shows them, and they do nothing here."""
+        """Apply a command. Return "", or the reason of a refusal; `told` holds the command's report. Commands for pauses, logs
+        and STOP belong to the loop: they change no frame and do nothing here."""
         self.told = ""
         try:
             if command.order is Order.RESET:
@@ -128,7 +128,7 @@ class World:
         scene = narrowed(self.scene, self.plan.scene, value.off)
         settings = self.settings
         if isinstance(self.engine, AvatarsimEngine):
-            # presets of other engines are their own, and stay
+            # presets of other engines are not replaced
             settings = replace(settings, preset=value.preset, options=value.options)
         same = settings.preset == self.settings.preset and dict(settings.options) == dict(self.settings.options)
         if same and isinstance(self.engine, AvatarsimEngine):
@@ -140,7 +140,7 @@ class World:
         self._kept = b""
 
     def _loaded(self, scene: Scene, settings: Settings) -> FrameRecord:
-        """What a fresh engine shows of a scene; the old one goes once the new one has loaded."""
+        """Load a scene into a fresh engine and return its first record; the old engine is closed after the new one has loaded."""
         engine = self._make()
         shown = engine.load(scene, settings, self.dt)
         self.engine.close()
@@ -149,12 +149,12 @@ class World:
 
 
 def narrowed(scene: Scene, author: Scene, off: tuple[str, ...]) -> Scene:
-    """The scene with the effects off that its author's has off, and those in `off`."""
+    """Return the scene without the effects that are off in `author`, and without those in `off`."""
     return replace(scene, narrow=author.narrow + tuple(name for name in off if name not in author.narrow))
 
 
 def scene_at(scene: Scene, shown: FrameRecord) -> Scene:
-    """The scene as it begins where `shown` has its bodies and avatars: poses and velocities, joints as they are."""
+    """Return the scene with its start moved to `shown`: poses and velocities of bodies, joints of avatars."""
     state = shown.shown
     bodies = tuple(_body_at(body, shown, k) for k, body in enumerate(scene.bodies))
     if not scene.avatars:
@@ -176,8 +176,8 @@ def _body_at(body: Body, shown: FrameRecord, k: int) -> Body:
 
 
 def posture_of(scene: Scene, positions: np.ndarray, orientations: np.ndarray, angles: np.ndarray) -> TrackerSample:
-    """The sample whose forward kinematics gives the links of all avatars their poses: positions (links, 3) [m], orientations
-    (links, 4), and the hinges' angles [rad]. The inverse of `avatarsim.scene.tracker.link_poses`."""
+    """Return the sample whose forward kinematics gives the links of all avatars these poses: positions (links, 3) [m],
+    orientations (links, 4), and hinge angles [rad]. Inverse of `avatarsim.scene.tracker.link_poses`."""
     sample, first = rest(scene.avatars), 0
     for avatar in scene.avatars:
         index = {link.name: first + k for k, link in enumerate(avatar.links)}

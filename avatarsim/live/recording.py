@@ -1,9 +1,9 @@
-"""Append-only log of what a loop was told and what it showed (write-ahead logging; Gray and Reuter 1993, ch. 9).
+"""Append-only log of the inputs and shown states of a loop (write-ahead logging; Gray and Reuter 1993, ch. 9).
 
 A file is `MAGIC`, a format number, a head in JSON, then rows: kind, length, CRC-32 of these two, payload, CRC-32 of the row. A
-frame's row holds the sample as the engine got it and the hash of the state that it showed; a command's row what was ordered
-between two frames. A log whose process was killed ends in a torn row and is read up to the last whole one; that lengths have a
-sum of their own tells a torn row from a damaged one. Nothing in a file is run or imported.
+frame's row has the sample as the engine received it and the hash of the shown state; a command's row has the command that came
+between two frames. The log of a killed process ends in a torn row and is read up to the last whole one; the separate checksum of
+the lengths distinguishes a torn row from a damaged one. No content of a file is run or imported.
 """
 
 import errno
@@ -36,9 +36,9 @@ from avatarsim.scene.written import scene_from, written
 from avatarsim.version import VERSION
 
 MAGIC = b"avatarsim live\r\n\0"
-"""First bytes of a recording; the line's end shows files that were sent as text."""
+"""First bytes of a recording; the line end reveals files that were transferred as text."""
 FORMAT = 1
-"""Number of this layout. What else is written than before, or otherwise, gets the next one."""
+"""Number of this layout. Any change of the written data needs a new one."""
 HEAD, ROW, SUM = struct.Struct("<II"), struct.Struct("<BI"), struct.Struct("<I")
 """Format and bytes of the head; kind and bytes of a row; a CRC-32."""
 BEFORE = ROW.size + SUM.size
@@ -48,17 +48,17 @@ FRAME, COMMAND = 1, 2
 DIGEST = 8
 """Bytes of a state's hash."""
 HASH = re.compile(f"[0-9a-f]{{{2 * DIGEST}}}")
-"""A state's hash in words."""
+"""A state's hash in hexadecimal digits."""
 VALID = "a recording of avatarsim live"
 OURS = "avatarsim.simulator:AvatarsimEngine"
-"""The one engine whose recordings replay to the same bits, and the only one that a file can ask for."""
+"""The one engine whose recordings replay to the same bits, and the only one that a file may name."""
 KEPT = (Order.KEEP, Order.BACK, Order.TAKE, Order.PINCH, Order.SWITCH)
-"""Orders that stand in a file: those that change what later frames show. With a reset begins another file."""
+"""Orders that are recorded: those that change later frames. A reset begins another file."""
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """A frame: the `sample` as the engine got it, and the hash of the state that was shown then."""
+    """A frame: the `sample` as the engine received it, and the hash of the shown state."""
 
     sample: TrackerSample
     state_hash: str
@@ -66,7 +66,7 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """A recording: what ran, the hash of the state it began with, its rows in order, by what versions; is its end torn?"""
+    """A recording: the plan, the hash of the first state, rows in order, versions of packages, and whether its end is torn."""
 
     plan: Plan
     first_hash: str
@@ -76,15 +76,15 @@ class Recorded:
 
     @property
     def frames(self) -> int:
-        """How many frames there are."""
+        """Number of frames."""
         return sum(isinstance(row, Frame) for row in self.rows)
 
 
 class Recorder:
-    """A log that is being written at `path`: of a world that has just begun as `plan` says and shows the state of `first_hash`.
+    """Writer of a log at `path`, for a world that has just begun from `plan` and shows the state of `first_hash`.
 
-    Raises OSError where no file can be made, and for a scene that is larger than is read again. Later the log says no more to the
-    loop than `is_open`: it closes where the disk refuses, or at the limits within which a file is read again."""
+    Raises OSError if no file can be created, or if the scene is larger than `read` accepts. Later failures only clear `is_open`:
+    the log closes when the disk refuses a write, or at the limits within which `read` accepts a file."""
 
     def __init__(self, path: Path, plan: Plan, first_hash: str) -> None:
         self.path, self.is_open = path, True
@@ -100,12 +100,12 @@ class Recorder:
         self._put(MAGIC + HEAD.pack(FORMAT, len(head)) + head + SUM.pack(zlib.crc32(head)))
 
     def frame(self, sample: TrackerSample, state_hash: str) -> None:
-        """One more frame."""
+        """Append a frame."""
         numbers = np.concatenate([[sample.time], sample.positions.ravel(), sample.rotations.ravel(), sample.angles])
         self._row(FRAME, bytes.fromhex(state_hash) + numbers.astype("<f8").tobytes())
 
     def command(self, command: Command) -> None:
-        """What was ordered before the next frame."""
+        """Append a command that comes before the next frame."""
         if command.order in KEPT:
             self._row(COMMAND, json.dumps(_order(command)).encode())
 
@@ -130,19 +130,19 @@ class Recorder:
             self.close()
 
     def flush(self) -> None:
-        """Hand all that has been written to the system."""
+        """Flush written data to the system."""
         with suppress(OSError, ValueError):
             self._file.flush()
 
     def close(self) -> None:
-        """No more rows."""
+        """Close the file; later rows are ignored."""
         self.is_open = False
         with suppress(OSError):
             self._file.close()
 
 
 def versions() -> dict[str, str]:
-    """What has a say in the last bits: of the package, its compiler and the processor."""
+    """Return the versions of all that affects the last bits: the package, its compiler and the processor."""
     return {
         "avatarsim": VERSION, "numpy": np.__version__, **{name: version(name) for name in COMPILER},
         "python": platform.python_version(), "machine": platform.machine(), "processor": compiled_for().name,
@@ -150,7 +150,7 @@ def versions() -> dict[str, str]:
 
 
 def _options(options: Mapping[str, object]) -> dict[str, Any]:
-    """Options of an engine as JSON: what came as a number of numpy is a plain one."""
+    """Return options of an engine as JSON, with NumPy numbers as plain ones."""
     return {name: written(value) for name, value in options.items()}
 
 
@@ -160,7 +160,7 @@ def _is_large(scene: Scene) -> bool:
 
 
 def read(path: Path) -> Recorded:
-    """The recording in a file. Raises InvalidFile for what is none, is damaged, or is larger than any that is written."""
+    """Read a recording. Raises InvalidFile if the file is no recording, is damaged, or exceeds the limits of recordings."""
     thing = f"recording {path.name}"
     data = content(path, thing, VALID)
     if not data.startswith(MAGIC) or len(data) < len(MAGIC) + HEAD.size:
@@ -180,7 +180,7 @@ def read(path: Path) -> Recorded:
 
 
 def _parsed(data: bytes, thing: str) -> dict[str, Any]:
-    """A JSON object of finite numbers."""
+    """Parse a JSON object of finite numbers."""
     def refused(word: str) -> None:
         raise ValueError(f"{word} is no number")
 
@@ -194,7 +194,7 @@ def _parsed(data: bytes, thing: str) -> dict[str, Any]:
 
 
 def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
-    """What the head says: the plan, the first hash, the versions."""
+    """Return the plan, the first hash and the versions from the head."""
     kinds = {
         "engine": str, "name": str, "rate": float, "preset": str, "options": dict, "seed": int, "off": list, "first_hash": str,
         "versions": dict, "scene": dict,
@@ -209,7 +209,7 @@ def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
         rate = within(f"rate of {thing} [1/s]", head["rate"], *RATES, InvalidInput)
         bodies = head["scene"].get("bodies")
         if isinstance(bodies, list) and len(bodies) > BODIES:
-            # before any is made
+            # before any body is constructed
             raise InvalidFile(f"bodies of {thing}", len(bodies), f"up to {BODIES}")
         scene = scene_from(head["scene"], thing)
     except InvalidFile:
@@ -227,7 +227,7 @@ def _plan(head: dict[str, Any], thing: str) -> tuple[Plan, str, dict[str, str]]:
 
 
 def _rows(data: bytes, at: int, scene: Scene, thing: str) -> tuple[tuple[Frame | Command, ...], bool]:
-    """All whole rows, and whether a torn one follows them. Raises InvalidFile for a row within the file that is damaged."""
+    """Return all whole rows, and whether a torn one follows. Raises InvalidFile for a damaged row within the file."""
     rows: list[Frame | Command] = []
     while at < len(data):
         number = len(rows)
@@ -268,7 +268,7 @@ def _frame(payload: bytes, scene: Scene, place: str) -> Frame:
 
 
 def _order(command: Command) -> dict[str, Any]:
-    """A command as JSON."""
+    """Return a command as JSON."""
     said: dict[str, Any] = {"order": command.order.name}
     if command.order is Order.PINCH:
         said["on"] = command.value is True
@@ -297,7 +297,7 @@ def _command(payload: bytes, place: str) -> Command:
 
 
 def _names(value: object, thing: str) -> tuple[str, ...]:
-    """Names of effects."""
+    """Check a list of names of effects."""
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value):
         raise InvalidFile(thing, value, "a list of names")
     return tuple(value)

@@ -1,6 +1,6 @@
-"""Replay of a recording: the same calls in the same order, and the hash of each state against the recorded one.
+"""Replay of a recording: the same calls in the same order, with the hash of each state compared with the recorded one.
 
-Deterministic replay (LeBlanc and Mellor-Crummey 1987): an engine is a function of its calls, so that a file must hold no more.
+Deterministic replay (LeBlanc and Mellor-Crummey 1987): an engine is a function of its calls, so a file needs nothing else.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from avatarsim.live.recording import VALID, Frame, Recorded
 
 @dataclass(frozen=True)
 class Difference:
-    """A frame of the replay, 0 for the state that it began with, that shows another state than was recorded."""
+    """A replayed frame, 0 for the first state, whose state differs from the recorded one."""
 
     frame: int
     recorded: str
@@ -23,7 +23,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class Replayed:
-    """How many frames ran, and the first that differs; None where all are the same to the bit."""
+    """Number of frames that ran, and the first difference; None if all frames are equal to the bit."""
 
     frames: int
     difference: Difference | None
@@ -32,8 +32,8 @@ class Replayed:
 def replay(recorded: Recorded, on_frame: Callable[[int, FrameRecord], None] = lambda frame, record: None) -> Replayed:
     """Run a recording again; `on_frame` is called with each frame's number, from 1, and its record.
 
-    Goes on behind a difference, so that all frames are shown. Raises InvalidFile for a command that the engine refuses now, and
-    for a sample that it does not take: such ones are not recorded; and what `load` raises."""
+    Continues after a difference, so that all frames are shown. Raises InvalidFile for a command or a sample that the engine
+    refuses now, since refused ones are not recorded, and the errors of `load`."""
     world = World(recorded.plan)
     difference, frames = None, 0
     if world.shown.state_hash() != recorded.first_hash:

@@ -1,7 +1,7 @@
-"""A session: one loop process per engine, all of which follow the same targets, and what the door knows of each.
+"""A session: one loop process per engine, all following the same targets, and the door's record of each.
 
-Supervisor of worker processes that share nothing (Armstrong 2003): a loop that dies is said by name and ends nothing but itself,
-unless it is the one that the user drives.
+Supervisor of worker processes that share nothing (Armstrong 2003): a loop that dies is reported by name and ends only itself,
+unless it is the driven one.
 """
 
 import multiprocessing
@@ -25,23 +25,23 @@ from avatarsim.live.messages import Answer, Command, Order, Plan, State, Target,
 from avatarsim.scene.tracker import TrackerSample, checked
 
 LOADING = 180.0
-"""[s] in which a loop must have loaded: a first compile of all kernels takes about a minute."""
+"""[s] Time limit for loading a loop: a first compile of all kernels takes about a minute."""
 ANSWERED = 10.0
-"""[s] in which a loop must answer a command; a switch takes some 20 ms, of a method that is compiled first much longer."""
+"""[s] Time limit for the answer to a command; a switch takes some 20 ms, or much longer if a method has to be compiled first."""
 ENDING = 2.0
 """[s] that a loop has to end by itself."""
 
 
 class LoopRefused(AvatarsimError):
-    """A loop whose engine does not take what is asked of it: a scene, a preset, an option."""
+    """A loop whose engine refuses its scene, preset or options."""
 
 
 class LoopDied(AvatarsimError):
-    """The process of a loop ended, or did not answer; the text says which, and how."""
+    """A loop process that ended or did not answer; the text names it and gives the cause."""
 
 
 class Driven:
-    """A loop process, as its session knows it: the newest state, its figures, what it refused."""
+    """A loop process as seen by its session: newest state, figures, refusals."""
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
@@ -58,8 +58,8 @@ class Driven:
         self.touching: Touching | None = None
 
     def is_loaded(self) -> bool:
-        """Return True if it has begun, once it says so. Raises LoopRefused with its sentence where it could not, LoopDied where
-        it ended."""
+        """Return True once the loop reports that it has begun. Raises LoopRefused with its reason if it could not, LoopDied if it
+        ended."""
         answer = self.answered(0, LOADING)
         if answer.refused:
             raise LoopRefused(f"{self.plan.name} could not begin: {answer.refused}")
@@ -71,7 +71,7 @@ class Driven:
         return self._process.is_alive()
 
     def look(self) -> State | None:
-        """Take all states that have come; the newest."""
+        """Take all states that have arrived and return the newest."""
         for told in self._channel.drain():
             if isinstance(told, Touching):
                 self.touching = told
@@ -86,18 +86,18 @@ class Driven:
         return self._process.pid or 0
 
     def send(self, target: Target) -> bool:
-        """Hand a target on; False where the loop has not taken the last ones."""
+        """Send a target; False if the loop has not taken the last ones."""
         return self._channel.send(target)
 
     def order(self, command: Command) -> None:
-        """Give a command. Raises LoopDied where none is taken."""
+        """Send a command. Raises LoopDied if the loop cannot receive it."""
         try:
             self._orders.send(command)
         except OSError as error:
             raise self._dead() from error
 
     def answered(self, number: int, patience: float = ANSWERED) -> Answer:
-        """The answer to a command. Raises LoopDied where none comes."""
+        """Return the answer to a command. Raises LoopDied if none comes in time."""
         until = time.monotonic() + patience
         while (left := until - time.monotonic()) > 0.0:
             try:
@@ -116,7 +116,7 @@ class Driven:
         return LoopDied(f"{self.plan.name} " + ("does not answer" if code is None else ended_by(code)))
 
     def close(self) -> None:
-        """End the process, with force where it does not end by itself."""
+        """End the process, by force if it does not end by itself."""
         try:
             self._orders.send(Command(Order.STOP))
         except OSError:
@@ -130,10 +130,10 @@ class Driven:
 
 
 class Session:
-    """All loops of one live scene. `plans`: the first is the one that the user drives, the others follow the same targets;
-    `sent` has the targets of the last seconds.
+    """All loops of one live scene. `plans`: the user drives the first loop, the others follow the same targets; `sent` has the
+    targets of the last seconds.
 
-    Use it as a context manager: it ends its processes. Raises LoopRefused where a loop cannot begin, LoopDied where it ends."""
+    Use it as a context manager, which ends its processes. Raises LoopRefused if a loop cannot begin, LoopDied if it ends."""
 
     def __init__(self, plans: Sequence[Plan]) -> None:
         if not plans:
@@ -163,9 +163,9 @@ class Session:
         self.close()
 
     def send(self, sample: TrackerSample, stamp: int | None = None) -> None:
-        """Hand what the user wants to all loops; `stamp` [ns] of the monotonic clock, now by default.
+        """Send a target to all loops; `stamp` [ns] is monotonic time, now by default.
 
-        Raises InvalidSample for what does not fit the avatars or is not finite."""
+        Raises InvalidSample for a sample that does not fit the avatars or is not finite."""
         sample = checked(sample, self.scene.avatars)
         target = Target(sample, time.monotonic_ns() if stamp is None else stamp, next(self._numbers))
         self.sent.append(target)
@@ -173,7 +173,7 @@ class Session:
             loop.send(target)
 
     def command(self, order: Order, value: object = None) -> dict[str, Answer]:
-        """Give all loops a command; their answers by name. Raises LoopDied where the first one does not answer."""
+        """Send a command to all loops and return their answers by name. Raises LoopDied if the first one does not answer."""
         number = next(self._commands)
         for name, loop in list(self.loops.items()):
             try:
@@ -189,13 +189,13 @@ class Session:
         return answers
 
     def join(self, loop: Driven) -> None:
-        """Have one more loop, which is loaded, follow the targets. Raises InvalidInput for a name that another one has."""
+        """Add a loaded loop that follows the targets. Raises InvalidInput if its name is already used."""
         if loop.plan.name in self.loops:
             raise InvalidInput("name of a loop that joins a session", loop.plan.name, "one that no other loop has")
         self.loops[loop.plan.name] = loop
 
     def leave(self, name: str) -> None:
-        """End a loop other than the first. Raises InvalidInput for the first, UnknownName for one that there is not."""
+        """End a loop other than the first. Raises InvalidInput for the first, UnknownName for an unknown name."""
         if name not in self.loops:
             raise UnknownName("loop", name, self.loops)
         if self.loops[name] is self.first:
@@ -203,13 +203,13 @@ class Session:
         self.loops.pop(name).close()
 
     def _lost(self, name: str) -> None:
-        """A loop beside the first one is left out from now on; without the first one there is no session."""
+        """Drop a loop that died from the session; without the first loop there is no session."""
         if self.loops[name] is self.first:
             raise self.loops[name]._dead()
         self.loops.pop(name).close()
 
     def look(self) -> dict[str, State]:
-        """The newest state of each loop, once it has shown one. Raises LoopDied where the first one has ended."""
+        """Return the newest state of each loop that has shown one. Raises LoopDied if the first loop has ended."""
         states = {}
         for name, loop in list(self.loops.items()):
             state = loop.look()
@@ -221,13 +221,13 @@ class Session:
 
     @property
     def states(self) -> dict[str, State]:
-        """The newest state that the last looks have found, of each loop; from any thread."""
+        """Return the newest state of each loop as found by the last `look`; callable from any thread."""
         return {name: loop.state for name, loop in list(self.loops.items()) if loop.state is not None}
 
     def save(self, path: Path) -> None:
-        """Save what was driven since the scene began, as a file that `avatarsim replay` takes.
+        """Save the recording since the scene began, as a file for `avatarsim replay`.
 
-        Raises InvalidFile where there is nothing to save, or the place takes no file; a file that is there stays then."""
+        Raises InvalidFile if there is nothing to save or the file cannot be written; an existing file then stays."""
         answer = self.command(Order.SAVE)[self.first.plan.name]
         if answer.refused:
             raise InvalidFile("recording", str(path), answer.refused)
@@ -237,7 +237,7 @@ class Session:
             raise InvalidFile("recording", str(path), f"a place that takes a file ({error.strerror})") from error
 
     def close(self) -> None:
-        """End all processes, and remove their logs."""
+        """End all processes and remove their logs."""
         for loop in self.loops.values():
             loop.close()
         shutil.rmtree(self._folder, ignore_errors=True)

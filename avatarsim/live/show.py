@@ -1,4 +1,4 @@
-"""A window on the user's own loop, and pages of recordings: `avatarsim.show`."""
+"""A window for the user's own loop, and pages of recordings: `avatarsim.show`."""
 
 import tempfile
 import webbrowser
@@ -18,7 +18,7 @@ PACKAGES = ("viser", "websockets")
 
 
 def require_page() -> None:
-    """Raise MissingPackage where a page cannot be shown."""
+    """Raise MissingPackage if a page cannot be shown."""
     for package in PACKAGES:
         if find_spec(package) is None:
             raise MissingPackage(package, "view", "the page of a live session")
@@ -31,7 +31,7 @@ def show(what: str | Path, *, port: int = 8080, opens_browser: bool = True) -> P
 
 
 def show(what: AvatarsimEngine | str | Path, *, port: int = 8080, opens_browser: bool = True) -> "Window | Path":
-    """Show an engine that is loaded in a window on the user's own loop, or a recording as a page that plays it.
+    """Show a loaded engine in a window on the user's own loop, or a recording as a page that plays it.
 
     Args:
         what: an engine, or the path of a file of `avatarsim live`.
@@ -39,10 +39,10 @@ def show(what: AvatarsimEngine | str | Path, *, port: int = 8080, opens_browser:
         opens_browser: flag: open it in the browser.
 
     Returns:
-        The window, whose `sync` is called after each frame; of a recording the path of the page.
+        The window, whose `sync` is called after each frame; for a recording the path of the page.
 
     Raises:
-        MissingPackage: without the extra `view`. InvalidFile: for a file that is no recording. InvalidInput: for anything else.
+        MissingPackage: without the extra `view`. InvalidFile: if a file is no recording. InvalidInput: for anything else.
     """
     require_page()
     if isinstance(what, AvatarsimEngine):
@@ -59,7 +59,7 @@ def show(what: AvatarsimEngine | str | Path, *, port: int = 8080, opens_browser:
 
 
 def recording_page(path: Path) -> bytes:
-    """Return a page that plays a recording and marks its worst moments. Raises what `show` raises."""
+    """Return a page that plays a recording and marks its worst moments. Raises the errors of `show`."""
     from avatarsim.live.view.share import recorded, shared_page
 
     found = read(path)

@@ -1,6 +1,6 @@
-"""Built-in stages: a hand over a table or among toys, a human in two rooms; of primitives, and of any avatar of a user.
+"""Built-in stages: a hand over a table or among toys, a human in two rooms; built of primitives, or for any avatar of a user.
 
-Lengths and masses of the hand are an adult's (Garrett 1971; de Leva 1996), its joints' ranges those of the ASSH, rounded; the
+Lengths and masses of the hand are an adult's (Garrett 1971; de Leva 1996), its ranges of motion those of the ASSH, rounded; the
 human is built by `avatarsim.assets.models.from_skeleton` on shares of stature (Drillis and Contini).
 """
 
@@ -30,12 +30,12 @@ from avatarsim.spatial import rotation
 from avatarsim.spatial.rotation import Array
 
 GAP = 1e-4
-"""[m] between things that stand on each other at the start: it closes in the first frames, and is no overlap by rounding."""
+"""[m] Gap between stacked bodies at the start: it closes in the first frames, and rounding makes no overlap of it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """A scene that one drives, and parts that are drawn in place of pieces, as `Model.visuals`. Raises InvalidInput for a scene
+    """A scene to drive, and surfaces that are drawn in place of pieces, as `Model.visuals`. Raises InvalidInput for a scene
     without an avatar."""
 
     scene: Scene
@@ -47,13 +47,13 @@ class Stage:
 
     @property
     def handles(self) -> tuple[str, ...]:
-        """Names of the links of all avatars that get gizmos: free roots, and ends of limbs; of several hands no fingers."""
+        """Names of the links of all avatars that get gizmos: free roots and ends of limbs; with several hands, no fingers."""
         names = self.scene.names[len(self.scene.bodies):]
         return tuple(names[k] for k in handle_links(Tree(self.scene.avatars)))
 
 
 def stage(name: str) -> Stage:
-    """A built-in stage. Raises UnknownName for a name that is not one of `NAMES`."""
+    """Return a built-in stage. Raises UnknownName for a name that is not in `NAMES`."""
     if name not in _STAGES:
         raise UnknownName("stage", name, _STAGES)
     return _STAGES[name]()
@@ -62,24 +62,24 @@ def stage(name: str) -> Stage:
 # --- the hand
 
 HAND_MASS = 0.46
-"""[kg] 0.61 per cent of a body of 75 kg."""
+"""[kg] Mass of the hand: 0.61 per cent of a body of 75 kg."""
 
 PALM_SHARE = 0.6
-"""Of the hand's mass, in the palm; the fingers have the rest by their volumes."""
+"""Share of the hand's mass in the palm; the rest is distributed over the fingers by volume."""
 
 PALM = Box((0.094, 0.080, 0.026))
-"""Its centre at the origin of the hand, fingers along x, the palm down; the thumb of the left hand towards -y."""
+"""Palm, with its centre at the origin of the hand, fingers along x, facing down; the thumb of the left hand towards -y."""
 
 FLEXION = {1: (-20.0, 90.0), 2: (0.0, 100.0), 3: (0.0, 70.0)}
-"""[degrees] extension and flexion of the three joints of a finger, from the palm outwards."""
+"""[degrees] Extension and flexion of the three joints of a finger, from the palm outwards."""
 
 SPREAD = 15.0
-"""[degrees] to either side, in the joint nearest the palm."""
+"""[degrees] Range to either side of the joint nearest the palm."""
 
 
 @dataclass(frozen=True)
 class Digit:
-    """A finger: where its first joint is on the palm [m], where it points [degrees from x], its radius and its bones [m]."""
+    """A finger: base of its first joint on the palm [m], bearing [degrees from x], radius and bone lengths [m]."""
 
     name: str
     base: Vector
@@ -98,14 +98,14 @@ THUMB = Digit("thumb", (-0.018, -0.040, -0.004), -55.0, 0.0095, (0.044, 0.032, 0
 
 
 def hand() -> Avatar:
-    """An articulated hand: palm, four fingers and a thumb of three links each, 16 links and 20 hinges, free in space."""
+    """Return an articulated hand: palm, four fingers and a thumb of three links each, 16 links and 20 hinges, free in space."""
     links = [Link("palm", None, Free(), (Piece(PALM),), solid((Piece(PALM),), PALM_SHARE * HAND_MASS))]
     total = sum(digit.radius**2 * bone for digit in (THUMB, *FINGERS) for bone in digit.bones)
     for digit in (THUMB, *FINGERS):
         parent, anchor, bearing = "palm", digit.base, digit.bearing
         for number, bone in enumerate(digit.bones, start=1):
             last = number == len(digit.bones)
-            # the tip of a finger is in its bone's length
+            # the last bone's length includes the round tip
             pieces = (_along_x(bone - (digit.radius if last else 0.0), digit.radius),)
             mass = solid(pieces, (1.0 - PALM_SHARE) * HAND_MASS * digit.radius**2 * bone / total)
             joint = _thumb_joint(number) if digit is THUMB else _finger_joint(number)
@@ -116,19 +116,19 @@ def hand() -> Avatar:
 
 
 def _along_x(length: float, radius: float) -> Piece:
-    """The capsule from the origin along x."""
+    """Return a capsule from the origin along x."""
     return Piece(Capsule(radius, length), (0.5 * length, 0.0, 0.0), _about("y", 90.0))
 
 
 def _finger_joint(number: int) -> Hinges:
-    """Joint of a finger, counted from the palm: it bends about y, the nearest one also spreads about z."""
+    """Return a joint of a finger, counted from the palm: it bends about y, the first one also spreads about z."""
     low, high = FLEXION[number]
     spread = (Hinge((0.0, 0.0, 1.0), radians(-SPREAD), radians(SPREAD)),) if number == 1 else ()
     return Hinges((*spread, Hinge((0.0, 1.0, 0.0), radians(low), radians(high))))
 
 
 def _thumb_joint(number: int) -> Hinges:
-    """Joint of the thumb: at the wrist it turns across the palm and in its plane, then it bends towards the fingers."""
+    """Return a joint of the thumb: at the wrist it turns across the palm and in its plane, then it bends towards the fingers."""
     if number == 1:
         plane = Hinge((0.0, 0.0, 1.0), radians(-30.0), radians(30.0))
         return Hinges((plane, Hinge((0.0, 1.0, 0.0), radians(-10.0), radians(50.0))))
@@ -136,7 +136,7 @@ def _thumb_joint(number: int) -> Hinges:
 
 
 def _about(axis: str, degrees: float) -> Quaternion:
-    """A turn about an axis of the world."""
+    """Return the rotation about an axis of the world."""
     w, x, y, z = rotation.from_axis_angle([axis == one for one in "xyz"], radians(degrees)).tolist()
     return w, x, y, z
 
@@ -146,7 +146,7 @@ TOP = 0.75
 
 
 def _table(half: float, rim: float) -> tuple[Body, Body]:
-    """A floor, and on it a table of edge 2 ``half`` with a rim on three sides [m]."""
+    """Return a floor, and on it a table of edge 2 ``half`` with a rim on three sides [m]."""
     table = fixed("table", (
         _box((0.0, 0.0, TOP - 0.02), (2.0 * half, 2.0 * half, 0.04)),
         *(_box((sx * (half - 0.04), sy * (half - 0.04), 0.5 * (TOP - 0.04)), (0.05, 0.05, TOP - 0.04))
@@ -182,7 +182,7 @@ def _hand_stage() -> Stage:
 
 
 def _toys_stage() -> Stage:
-    """A mug, a tower, a row of dominoes and a small door; the palm is turned to them, the thumb up."""
+    """Return a mug, a tower, a row of dominoes and a small door; the palm faces them, the thumb up."""
     post = fixed("post", (_box((0.38, 0.08, TOP + 0.11), (0.02, 0.02, 0.22)),), "wood")
     leaf = (_box((0.0, 0.1, 0.1), (0.012, 0.18, 0.19)), _box((0.0, 0.17, 0.1), (0.05, 0.01, 0.04)))
     door = moving("door", leaf, "wood", position=(0.38, 0.08, TOP + 0.01), joint=_hinged(100.0), stiffness=0.0, mass=0.4,
@@ -196,7 +196,7 @@ def _toys_stage() -> Stage:
 
 
 def _mug(foot: Vector) -> Body:
-    """Return a mug of 0.3 kg that stands at ``foot`` [m], its handle along x: four crossed boxes are a prism of eight sides."""
+    """Return a mug of 0.3 kg with its foot at ``foot`` [m], its handle along x: four crossed boxes are a prism of eight sides."""
     slab, (x, y, z) = Box((0.07, 0.07 * tan(radians(22.5)), 0.1)), foot
     sides = tuple(Piece(slab, orientation=_about("z", 45.0 * k)) for k in range(4))
     handle = Piece(Box((0.03, 0.012, 0.06)), (0.05, 0.0, 0.0))
@@ -228,14 +228,14 @@ def _dominoes(count: int, size: Vector, mass: float, apart: float, first: Vector
 # --- the human
 
 STATURE = 1.75
-"""[m] of the human, near the mean of the tables that it is built by."""
+"""[m] Height of the human, near the mean of the tables that it is built from."""
 
 ARMS_DOWN = 72.0
-"""[degrees] by which the arms, which are sideways at rest, hang down at the start."""
+"""[degrees] by which the arms, which point sideways at rest, hang down at the start."""
 
 
 def body() -> tuple[Avatar, TrackerSample]:
-    """A human of 24 links, and its posture at the start: upright, arms down, the root's joint at the origin."""
+    """Return a human of 24 links, and its start posture: upright, arms down, the root's joint at the origin."""
     skeleton = replace(approximate("SMPL", STATURE)[0], name="human")
     places, turns, angles = skeleton.still
     at = {bone.name: k for k, bone in enumerate(skeleton.bones)}
@@ -262,7 +262,7 @@ def _gallery() -> Stage:
 
 
 def _half_height(piece: Piece, orientation: Array) -> float:
-    """How far a capsule or ball goes down from its centre [m]."""
+    """Return how far a capsule or ball extends below its centre [m]."""
     shape = piece.shape
     if isinstance(shape, Capsule):
         axis = rotation.rotate(rotation.multiply(orientation, piece.orientation), (0.0, 0.0, 1.0))
@@ -271,7 +271,7 @@ def _half_height(piece: Piece, orientation: Array) -> float:
 
 
 def _rooms() -> tuple[Body, ...]:
-    """Two rooms of 4 by 5 m, between them a wall with a doorway of 1 by 2.1 m; walls towards the eye are low."""
+    """Return two rooms of 4 by 5 m, separated by a wall with a doorway of 1 by 2.1 m; walls towards the eye are low."""
     height, thick = 2.6, 0.12
     middle = fixed("doorway", (
         _box((0.0, 1.5, 0.5 * height), (thick, 2.0, height)), _box((0.0, -1.5, 0.5 * height), (thick, 2.0, height)),

@@ -1,1 +1,1 @@
-"""Driving: what a user wants an avatar to do, by drags, keys, clips or a tracker, as one posture a frame."""
+"""Driving: the user's intent for an avatar, by drags, keys, clips or a tracker, as one posture a frame."""

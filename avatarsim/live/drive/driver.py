@@ -1,8 +1,8 @@
-"""What a user wants an avatar to do, as one posture a frame: drags, keys, clips and trackers, one source at a time.
+"""Target posture of an avatar for each frame, from drags, keys, clips or trackers, one source at a time.
 
-Shared control by precedence: a drag goes before keys, keys before a clip, a clip before a tracker. What is shown is continuous
-through every change of source: by hand one goes on from what is shown, and clips and trackers are met by an offset that decays
-(inertialization, Bollo 2016). No obstacles are known here; the engine keeps the avatar out of them.
+Shared control by precedence: a drag comes before keys, keys before a clip, a clip before a tracker. The posture is continuous
+through every change of source: driving by hand continues from the shown posture, and clips and trackers are blended in by an
+offset that decays (inertialization, Bollo 2016). Obstacles are not known here; the engine keeps the avatar out of them.
 """
 
 from collections.abc import Callable
@@ -30,37 +30,37 @@ from avatarsim.spatial.rotation import difference, rotate, turned
 __all__ = ["KEYS", "Driver"]
 
 FASTEST, FASTEST_TURN = 2.5, 8.0
-"""Speeds that driving by hand never passes: of a root and of what a gizmo pulls at [m/s], of a joint against its parent [rad/s].
-A hand that is thrown about reaches twice that; more: what is pulled through a wall goes too far in a frame to be seen."""
+"""Largest speeds of driving by hand: of a root and of a dragged link [m/s], of a joint against its parent [rad/s].
+A quick hand reaches twice that; more: a link that is pulled through a wall moves too far in a frame to be seen."""
 
 FARTHEST = 100.0
-"""[m] from the avatar's root within which a gizmo's goal is meant."""
+"""[m] Largest distance of a gizmo's goal from the avatar's root."""
 
 LONGEST_TICK = 1.0
-"""[s] as the engine's longest frame."""
+"""[s] Longest tick, equal to the engine's longest frame."""
 
 PATIENCE = 0.1
-"""[s] of stalling after which the root makes up for all that a limb misses. Less: roots stir at goals within reach."""
+"""[s] of stalling after which the root covers all of a limb's missing distance. Less: roots move for goals within reach."""
 
 LIFTING, HIGHEST = 0.5, 1.5
-"""[m/s] of the lift keys, and [m] above their first places that moving bodies rise to: a storey's half in three seconds."""
+"""[m/s] of the lift keys, and [m] that moving bodies rise above their first places: half a storey in three seconds."""
 
 TURNING = 1.5
 """[rad/s] of the turn keys: half a turn in two seconds."""
 
 CLOSING, REACHING, STRIKE = 0.5, 0.6, 0.3
-"""[s] that a fist takes to close, arms take to reach out at least, and a flick takes at least."""
+"""[s] Shortest times: to close a fist, to reach out with the arms, and of a flick."""
 
 STRIKE_SHARE, STRIKE_WAY = 0.6, 0.15
-"""How far a flick goes: as a share of the way to the reached-out arm, and of the avatar's span where it has no arms."""
+"""Length of a flick: as a share of the way to the reached-out arm, and of the avatar's span if it has no arms."""
 
 LEVER = 0.1
-"""Share of the avatar's span that a turn of a radian counts as: about a hand's length in a human."""
+"""Length of a turn of a radian, as a share of the avatar's span: about a hand's length in a human."""
 
 
 @dataclass
 class _Drag:
-    """A link that is pulled: where its gizmo is, and how far the pull has come."""
+    """A dragged link: the place of its gizmo, and the progress of the pull."""
 
     goal: Array
     turn: Array | None
@@ -77,7 +77,7 @@ class _Clip:
 
 @dataclass
 class _Swing:
-    """Joints on their way from one posture to another, by a course over the time `length` [s]."""
+    """Joints moving from one posture to another, by a course over the time `length` [s]."""
 
     start: Posture
     end: Posture
@@ -88,9 +88,9 @@ class _Swing:
 
 
 class Driver:
-    """Drives the first avatar of a scene; links of others move only where they are dragged, or a tracker moves them.
+    """Drives the first avatar of a scene; links of others move only when dragged, or by a tracker.
 
-    Raises InvalidInput for a scene without an avatar. The same calls in the same order give the same bits."""
+    Raises InvalidInput for a scene without an avatar. Equal calls in equal order give equal bits."""
 
     def __init__(self, scene: Scene) -> None:
         if not scene.avatars:
@@ -117,7 +117,7 @@ class Driver:
         self.reset()
 
     def reset(self) -> None:
-        """Back to the start of the scene; time goes on."""
+        """Return to the start of the scene; time continues."""
         self._base, self._shown = self._start.copy(), self._start.copy()
         self._speeds, self._drags = Speeds(), dict[int, _Drag]()
         self._stalls.clear()
@@ -132,12 +132,12 @@ class Driver:
 
     @property
     def source(self) -> str:
-        """What the last posture came from: "drag", "keys", "clip", "tracker", or "still" where nothing moves it."""
+        """Source of the last posture: "drag", "keys", "clip", "tracker", or "still" if nothing moves it."""
         return self._source
 
     @property
     def links(self) -> tuple[str, ...]:
-        """Names of the links that can be dragged, as the scene calls them."""
+        """Names of the links that can be dragged, as in the scene."""
         return tuple(self._index)
 
     @property
@@ -146,16 +146,16 @@ class Driver:
         return 0.0 if self._gait is None else self._gait.period
 
     def pose(self, link: str) -> tuple[Array, Array]:
-        """Where a link's joint is [m] and how it is turned in the last posture. Raises UnknownName."""
+        """Return the position [m] and orientation of a link's joint in the last posture. Raises UnknownName."""
         return self._tree.pose(self._shown, self._number(link))
 
-    # --- what the user does
+    # --- actions of the user
 
     def drag(self, link: str, position: ArrayLike, orientation: ArrayLike | None = None) -> None:
         """Pull the joint of a link to `position` (3,) [m] and, unless None, turn it to `orientation` (4,), until `release`.
 
-        Root links go there as a whole. Others pull the chain up to the root along; the root itself follows where the goal is out
-        of reach. Raises UnknownName, and InvalidSample for what is not finite, no rotation, or farther than `FARTHEST`."""
+        Root links move as a whole. Others pull along the chain up to the root; the root itself follows if the goal is out of
+        reach. Raises UnknownName, and InvalidSample for values that are not finite, no rotation, or farther than `FARTHEST`."""
         k = self._number(link)
         goal = _vector(f"goal of {link} [m]", position)
         root = self._tree.pose(self._shown, self._tree.chain(k)[0])[0]
@@ -170,12 +170,12 @@ class Driver:
         self._drags[k] = _Drag(goal, turn, place, turned)
 
     def release(self, link: str) -> None:
-        """Let go of a link, which stays where it is; nothing where it is not pulled. Raises UnknownName."""
+        """Release a link, which stays where it is; no effect on a link that is not dragged. Raises UnknownName."""
         self._drags.pop(self._number(link), None)
         self._stalls.clear()
 
     def press(self, key: str) -> str:
-        """A press, or a repeat, of a key of `KEYS`; empty, or the sentence that says why it does nothing. Raises UnknownName."""
+        """Press or repeat a key of `KEYS`. Return "", or the reason why it has no effect. Raises UnknownName."""
         if key not in BY_NAME:
             raise UnknownName("key", str(key), BY_NAME)
         said, axis = BY_NAME[key], BY_NAME[key].axis
@@ -200,11 +200,11 @@ class Driver:
         return ""
 
     def play(self, motion: Motion, at: ArrayLike | None = None) -> None:
-        """Play a motion of the first avatar, or of the first few, from its beginning; `at` (3,) [m]: where its root begins, None
-        for as recorded.
+        """Play a motion of the first avatar, or of the first few, from its beginning; `at` (3,) [m]: start of its root, None
+        for the recorded one.
 
-        It ends at its last frame, with `take_over`, or when a drag or a key takes over. Raises InvalidSample where its links or
-        hinges are not the avatar's, its rotations have no length, or `at` is no place."""
+        It ends at its last frame, with `take_over`, or when a drag or a key takes over. Raises InvalidSample if its links or
+        hinges do not match the avatar's, its rotations are not of length 1, or `at` is not a finite point."""
         avatars = self._scene.avatars
         links = list(accumulate(len(one.links) for one in avatars))
         hinges = list(accumulate(one.hinge_count for one in avatars))
@@ -225,16 +225,16 @@ class Driver:
         self._offset = self._offset_to(self._of_clip(self._clip))
 
     def take_over(self) -> None:
-        """End a clip: its posture now is where driving by hand goes on from."""
+        """End a clip: driving by hand continues from its current posture."""
         if self._clip is not None:
             self._take("keys")
             self._source = "still"
 
     def set_sample(self, sample: TrackerSample) -> None:
-        """The newest posture from a tracker, of all avatars or of all but moving bodies; it counts while nothing goes before it,
-        within the joints' limits.
+        """Set the newest posture from a tracker, of all avatars or of all but moving bodies; it applies while no other source
+        goes first, within the joints' limits.
 
-        Raises InvalidSample for what is not finite, does not fit the avatars, or is no rotation; what was sent before stays."""
+        Raises InvalidSample if it is not finite, does not fit the avatars, or is no rotation; the previous one then stays."""
         sample = with_moving(self._scene.avatars, sample, {}, self._base.sample(self._time))
         sample = checked(sample, self._scene.avatars)
         if not (np.abs(sample.positions) <= 1e6).all():
@@ -242,7 +242,7 @@ class Driver:
         self._tracker, self._is_fresh = self._tree.clip(posture_of(sample)), True
 
     def tick(self, dt: float) -> TrackerSample:
-        """Pass `dt` [s] and give the posture of all avatars. Raises InvalidInput for a time that no frame has."""
+        """Advance by `dt` [s] and return the posture of all avatars. Raises InvalidInput for an invalid frame time."""
         dt = within("time of a tick [s]", dt, 1e-6, LONGEST_TICK, InvalidInput)
         self._time += dt
         if self._drags:
@@ -263,7 +263,7 @@ class Driver:
         self._shown = self._finished(dt)
         return self._shown.sample(self._time)
 
-    # --- how that becomes postures
+    # --- from actions to postures
 
     def _number(self, link: str) -> int:
         if link not in self._index:
@@ -276,7 +276,7 @@ class Driver:
         return self._speeds.is_moving or self._swing is not None or stepping
 
     def _take(self, source: str) -> None:
-        """Another source begins: from what is shown."""
+        """Switch to another source, starting from the shown posture."""
         if self._source != source or source in ("drag", "clip"):
             self._base = self._shown.copy()
             self._swing = None
@@ -292,7 +292,7 @@ class Driver:
         return Offset(self._tree, self._shown, first, 0.5 * FASTEST, 0.5 * FASTEST_TURN)
 
     def _finished(self, dt: float) -> Posture:
-        """The base, with an offset that decays."""
+        """Return the base posture plus a decaying offset."""
         if self._offset is not None:
             if self._offset.advance(dt):
                 return self._offset.added(self._base)
@@ -300,7 +300,7 @@ class Driver:
         return self._base.copy()
 
     def _pulled(self, dt: float) -> None:
-        """A frame of dragging."""
+        """Advance a frame of dragging."""
         step, turn, before = FASTEST * dt, FASTEST_TURN * dt, self._base.roots[0].copy()
         limbs: dict[int, list[int]] = {}
         for k, drag in sorted(self._drags.items()):
@@ -322,7 +322,7 @@ class Driver:
             self._gait.advance(self._base, (x, y), 0.0, dt, turn)
 
     def _pull_limbs(self, root: int, links: tuple[int, ...], step: float, turn: float, dt: float) -> None:
-        """Pull links of one avatar; its root follows where they stall."""
+        """Pull links of one avatar; its root follows if they stall."""
         goals = [Goal(k, self._drags[k].at, self._drags[k].turned if self._drags[k].turn is not None else None) for k in links]
         pull = self._pull(links)
         is_stuck = pull.solve(self._base, goals, turn, pull.bend(self._base, goals, turn))
@@ -352,7 +352,7 @@ class Driver:
             self._was_moved = False
 
     def _keyed(self, dt: float) -> None:
-        """A frame of keys."""
+        """Advance a frame of keys."""
         self._speeds.advance(dt)
         now, gait = self._speeds.now, self._gait
         forward, side, rise, spin = now["forward"], now["side"], now["height"], TURNING * now["turn"]
@@ -384,7 +384,7 @@ class Driver:
             gait.advance(self._base, (x, y), spin, dt, FASTEST_TURN * dt)
 
     def _reached_out(self) -> Posture:
-        """The start's posture with both arms forward."""
+        """Return the start posture with both arms forward."""
         found = self._start.copy()
         if not self._arms:
             return found
@@ -402,12 +402,12 @@ class Driver:
         return found
 
     def _towards(self, end: Posture) -> _Swing:
-        """The arms on their way, no faster than joints may turn."""
+        """Return a swing of the arms to a posture, within the joints' speed limit."""
         widest = largest_turn(self._tree, self._base, end, self._arm_joints)
         return _Swing(self._base.copy(), end, self._arm_joints, max(REACHING, STEEPNESS * widest / FASTEST_TURN))
 
     def _flick(self) -> _Swing:
-        """The right arm on its way to where it reaches out, or the root ahead, and back."""
+        """Return a swing of the right arm towards its reach, or of the root ahead, and back."""
         end, links = self._base.copy(), self._tree.moving(self._arms[1].links) if self._arms else []
         if links:
             mixed(self._tree, self._base, self._reached, STRIKE_SHARE, links, end)
@@ -427,7 +427,7 @@ class Driver:
             self._swing = None
 
     def _of_clip(self, clip: _Clip) -> Posture:
-        """The posture of a clip at its time, the other avatars as they are."""
+        """Return the posture of a clip at its time, with the other avatars unchanged."""
         times = clip.motion.times - clip.motion.times[0]
         frame = min(int(np.searchsorted(times, clip.time, side="right")) - 1, len(times) - 1)
         share = 0.0
@@ -459,5 +459,5 @@ class Driver:
 
 
 def _vector(thing: str, value: ArrayLike) -> Array:
-    """Three finite numbers. Raises InvalidSample for anything else."""
+    """Check three finite numbers. Raises InvalidSample for anything else."""
     return np.array(vector(thing, np.asarray(value, dtype=object).tolist(), InvalidSample))

@@ -8,31 +8,31 @@ from avatarsim.live.drive.tree import Array, Posture, Tree
 from avatarsim.spatial import rotation
 
 STEEPNESS = 1.875
-"""Largest slope of a minimum-jerk course, of a way of 1 in a time of 1."""
+"""Largest slope of a minimum-jerk course over a distance of 1 in a time of 1."""
 
 SHORTEST = 0.4
-"""[s] a change of source takes at least: a third of a second is what eyes still follow as one movement."""
+"""[s] Shortest change of source: a third of a second is still seen as one movement."""
 
 
 def minimum_jerk(share: float) -> float:
-    """Share of the way at a share of the time, both 0 to 1."""
+    """Return the share of the way at a share of the time, both 0 to 1."""
     s = min(max(share, 0.0), 1.0)
     return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s)
 
 
 def pulse(share: float) -> float:
-    """There and back: 1 at half the time."""
+    """Return the share of a motion there and back: 1 at half the time."""
     return minimum_jerk(2.0 * share) if share < 0.5 else minimum_jerk(2.0 - 2.0 * share)
 
 
 def shortened(vector: Array, most: float) -> Array:
-    """The vector, or one of length `most` along it where it is longer."""
+    """Return the vector, shortened to length `most` if it is longer."""
     length = float(np.linalg.norm(vector))
     return vector * (most / length) if length > most else vector
 
 
 def largest_turn(tree: Tree, a: Posture, b: Posture, links: Sequence[int]) -> float:
-    """[rad] the most that the joint of one of these links turns between two postures."""
+    """Return the largest turn [rad] of the joints of these links between two postures."""
     turned, angles = rotation.difference(a.turns[links], b.turns[links]), tree.angles(links)
     return _largest(turned, b.angles[angles] - a.angles[angles])
 
@@ -42,7 +42,7 @@ def _largest(vectors: Array, angles: Array) -> float:
 
 
 def mixed(tree: Tree, a: Posture, b: Posture, share: float, links: Sequence[int], out: Posture) -> None:
-    """Put links' joints at a share of the way from one posture to another."""
+    """Set links' joints to a share of the way from one posture to another."""
     balls, angles = [k for k in links if tree.nodes[k].is_ball], tree.angles(links)
     out.turns[balls] = rotation.slerp(a.turns[balls], b.turns[balls], share)
     out.angles[angles] = a.angles[angles] + share * (b.angles[angles] - a.angles[angles])
@@ -50,8 +50,8 @@ def mixed(tree: Tree, a: Posture, b: Posture, share: float, links: Sequence[int]
 
 
 class Offset:
-    """What is added to a source's postures so that its first one is what was shown; its decay moves roots by at most `speed`
-    [m/s] and joints by at most `turn` [rad/s]."""
+    """Decaying offset added to a source's postures, so that the first one equals the shown one; its decay moves roots by at most
+    `speed` [m/s] and joints by at most `turn` [rad/s]."""
 
     def __init__(self, tree: Tree, shown: Posture, first: Posture, speed: float, turn: float) -> None:
         self._tree, self._age = tree, 0.0
@@ -61,12 +61,12 @@ class Offset:
         self._length = max(SHORTEST, STEEPNESS * farthest / speed, STEEPNESS * _largest(self._turns, self._angles) / turn)
 
     def advance(self, dt: float) -> bool:
-        """Let time pass; False once nothing is left of it."""
+        """Advance the decay; False once the offset has vanished."""
         self._age += dt
         return self._age < self._length
 
     def added(self, posture: Posture) -> Posture:
-        """The posture, with what is left of the offset, inside the limits."""
+        """Return the posture plus the remaining offset, clipped to the limits."""
         left = 1.0 - minimum_jerk(self._age / self._length)
         return self._tree.clip(Posture(
             posture.roots + left * self._roots, rotation.turned(posture.turns, left * self._turns),

@@ -18,7 +18,7 @@ UP = (0.0, 0.0, 1.0)
 """Up in the world."""
 
 GRAVITY = 9.81
-"""[m/s^2] that the speed of a walk is scaled by."""
+"""[m/s^2] Gravity, by which the speed of a walk is scaled."""
 
 FROUDE = 0.1
 """Froude number of the walk: a stroll. Walks end at 0.5; from 0.25 on, feet that stay flat, as here, do not reach."""
@@ -30,33 +30,33 @@ LIFT = 0.08
 """Height of a swinging foot, as a share of the leg: clears a door-sill."""
 
 DEEPEST = 0.45
-"""How far the root goes down in a crouch, as a share of the leg. More: knees meet the chest."""
+"""Depth of a crouch at the root, as a share of the leg. More: knees meet the chest."""
 
 FOLLOW = 0.12
-"""[s] time constant with which strides follow the root's speed. Shorter: feet jerk when the root starts; longer: feet slide."""
+"""[s] Time constant with which strides follow the root's speed. Shorter: feet jerk when the root starts; longer: feet slide."""
 
 HEEL = 0.2
-"""Share of what a toe misses, for want of room in the ankle, by which its heel moves in a frame. More: heels tremble."""
+"""Share of a toe's error, for lack of ankle range, by which its heel moves in a frame. More: heels tremble."""
 
 HIGHEST_HEEL = 0.2
-"""How far a heel goes so, as a share of the leg: a toe that is out of reach stays so."""
+"""Largest displacement of a heel due to that, as a share of the leg: a toe out of reach stays so."""
 
 FASTEST_WALK = 1.5
-"""Times the walk's own speed that strides are made for; legs of a root that is pulled faster slide. More: feet do not reach."""
+"""Largest speed of strides, in multiples of the walk's own; legs of a faster root slide. More: feet do not reach."""
 
 AT_REST = 1e-3
-"""[m/s] below which strides have ended."""
+"""[m/s] Speed below which strides have ended."""
 
 
 class Gait:
-    """The legs of an avatar, and how far into a stride they are."""
+    """Legs of an avatar, and the phase of their stride."""
 
     def __init__(self, tree: Tree, legs: tuple[Limb, ...], start: Posture, lever: float) -> None:
         self._tree, self._legs = tree, legs
         self._own = {k for leg in legs for k in leg.links}
         self._bent = [_knee_and_ankle(tree, leg) for leg in legs]
         self.leg = sum(hypot(*tree.nodes[k].anchor) for k in self._bent[0])
-        # the knee gives the length of the leg, what is above it aims, and what is below it turns the foot
+        # the knee sets the length of the leg, joints above it aim, and joints below it turn the foot
         every = frozenset(range(len(tree.nodes)))
         self._aim, self._turn = [], []
         for leg, (knee, ankle) in zip(legs, self._bent, strict=True):
@@ -87,7 +87,7 @@ class Gait:
         return self.is_on and max(hypot(*self._way), abs(self._spin) * self.leg) > AT_REST
 
     def begin(self, posture: Posture, finds_floor: bool) -> None:
-        """Take the legs over as they are; `finds_floor`: the ground is where the lower foot is now."""
+        """Start with the legs as they are; `finds_floor`: set the ground to the height of the lower foot."""
         if self.is_on:
             return
         self.is_on, self._phase, self._drop, self._way, self._spin = True, 0.0, 0.0, (0.0, 0.0), 0.0
@@ -96,26 +96,26 @@ class Gait:
             self._floor = float(self._tree.poses(posture)[0][self._tips, 2].min())
 
     def end(self) -> None:
-        """Leave the legs to another source."""
+        """Release the legs to another source."""
         self.is_on = False
 
     def heights(self) -> tuple[float, float]:
-        """Lowest and highest place [m] of the root on this ground."""
+        """Return the lowest and highest place [m] of the root on this ground."""
         return self._floor + self._stand - DEEPEST * self.leg, self._floor + self._stand
 
     def height(self, posture: Posture) -> float:
-        """Where the root would be without the dip of a stride [m]."""
+        """Return the height of the root without the dip of a stride [m]."""
         return float(posture.roots[0, 2]) + self._drop
 
     def forward(self, posture: Posture) -> Array:
-        """The turn about the vertical from x to where the body faces."""
+        """Return the turn about the vertical from x to the facing direction of the body."""
         places, _ = self._tree.poses(posture)
         x, y, _ = places[self._legs[0].links[0]] - places[self._legs[1].links[0]]
         # left is a quarter turn from forward
         return from_axis_angle(UP, atan2(-x, y))
 
     def advance(self, posture: Posture, velocity: tuple[float, float], spin: float, dt: float, most: float) -> None:
-        """Move the legs under a root that is where it is to be and goes at `velocity` (x, y) [m/s] and `spin` [rad/s]; no joint
+        """Move the legs under a root that is at its new place and moves at `velocity` (x, y) [m/s] and `spin` [rad/s]; no joint
         turns by more than `most` [rad]."""
         follow = 1.0 - exp(-dt / FOLLOW)
         vx, vy = self._way
@@ -126,7 +126,7 @@ class Gait:
         x, y, z = posture.roots[0].tolist()
         height, reach = z + self._drop, 0.5 * hypot(*self._way) * self.period * STANCE
         self._drop = self.leg - sqrt(max(self.leg**2 - reach**2, (0.5 * self.leg) ** 2))
-        # a root above standing takes its ground along, as one below the deepest crouch does
+        # a root above standing height raises the ground with it, one below the deepest crouch lowers it
         ground = min(max(self._floor, height - self._stand), height - self._stand + DEEPEST * self.leg)
         posture.roots[0] = (x, y, height - self._drop)
         facing = self.forward(posture)
@@ -140,7 +140,7 @@ class Gait:
             self._stand_on(number, posture, poses, place + self._heels[number], facing, most)
 
     def _foot(self, number: int, root: Array, facing: Array) -> Array:
-        """Where a foot is to be [m], under a root that stands."""
+        """Return the target place of a foot [m], under a root at standing height."""
         home = rotate(facing, self._home[number])
         ux, uy = self._way[0] - self._spin * home[1], self._way[1] + self._spin * home[0]
         share = (self._phase + 0.25 + 0.5 * number) % 1.0
@@ -153,7 +153,7 @@ class Gait:
         return root + home + (ux * stride, uy * stride, lift)
 
     def _stand_on(self, number: int, posture: Posture, poses: Poses, toe: Array, facing: Array, most: float) -> None:
-        """Put the ankle of a leg where that of a level foot with its tip at `toe` [m] is, by knee and hip."""
+        """Move the ankle of a leg by knee and hip to where a level foot with its tip at `toe` [m] has it."""
         (knee, ankle), leg = self._bent[number], self._legs[number]
         goal = toe + rotate(facing, self._heel[number])
         hip, middle, low = poses[0][[leg.links[0], knee, ankle]]
@@ -166,13 +166,13 @@ class Gait:
 
 
 def _knee_and_ankle(tree: Tree, leg: Limb) -> tuple[int, int]:
-    """The links at the lower ends of the two longest bones."""
+    """Return the links at the lower ends of the two longest bones."""
     longest = sorted(leg.links[1:], key=lambda k: -hypot(*tree.nodes[k].anchor))[:2]
     knee, ankle = sorted(longest)
     return knee, ankle
 
 
 def yaw_of_x(turn: Array) -> Array:
-    """The turn about the vertical to where a frame's x axis points; none where that is upright."""
+    """Return the turn about the vertical to the direction of a frame's x axis; identity if that is upright."""
     x, y, _ = rotate(turn, (1.0, 0.0, 0.0))
     return from_axis_angle(UP, atan2(y, x)) if hypot(x, y) > 0.1 else np.array(IDENTITY)

@@ -1,6 +1,6 @@
-"""Keys as velocities that decay: a page is told of presses and repeats of a key, never reliably of its release.
+"""Keys as velocities that decay: a page receives presses and repeats of a key, never reliably its release.
 
-A press asks for full speed; what is asked for decays with a time constant, and the speed follows it as a first-order lag, so that
+A press requests full speed; the request decays with a time constant, and the speed follows it as a first-order lag, so that
 nothing starts or stops at once.
 """
 
@@ -9,11 +9,11 @@ from math import exp
 from typing import Final
 
 DECAY = 0.25
-"""[s] time constant of what a press asks for. Shorter: the wait before a key repeats, half a second, is seen as a stop; longer:
-the avatar goes on after the key is up."""
+"""[s] Time constant of a press. Shorter: the wait before a key repeats, half a second, is seen as a stop; longer: the avatar
+continues after the key is up."""
 
 EASE = 0.08
-"""[s] time constant with which speeds follow: a quarter of a step of a walk. Longer: keys feel like rubber."""
+"""[s] Time constant with which speeds follow: a quarter of a step of a walk. Longer: keys feel like rubber."""
 
 STILL = 0.02
 """Share of full speed below which a speed is zero."""
@@ -21,7 +21,7 @@ STILL = 0.02
 
 @dataclass(frozen=True)
 class Key:
-    """A key, by the name that browsers give it, what it does, and which speed it sets to 1 or -1, if any."""
+    """A key: its name in browsers, its action, and the axis and sign of the speed that it sets, if any."""
 
     key: str
     what: str
@@ -45,7 +45,7 @@ KEYS: Final = (
     Key("n", "lower the lift", "lift", -1.0),
     Key(" ", "flick: a quick strike of the right arm, or of the hand"),
 )
-"""All keys, as the page lists them. The page's own camera flies by W A S D Q E and the arrow keys, which are none of these."""
+"""All keys, as the page lists them. The page's own camera flies by W A S D Q E and the arrow keys, which are not among these."""
 
 BY_NAME: Final = {key.key: key for key in KEYS}
 AXES: Final = ("forward", "side", "turn", "height", "fist", "lift")
@@ -59,15 +59,15 @@ class Speeds:
         self.now = dict.fromkeys(AXES, 0.0)
 
     def press(self, axis: str, sign: float) -> None:
-        """Ask for full speed."""
+        """Request full speed along an axis."""
         self._asked[axis] = sign
 
     def stop(self) -> None:
-        """Forget all."""
+        """Reset all speeds."""
         self._asked, self.now = dict.fromkeys(AXES, 0.0), dict.fromkeys(AXES, 0.0)
 
     def advance(self, dt: float) -> None:
-        """Let time pass."""
+        """Advance the decay and the speeds."""
         decay, follow = exp(-dt / DECAY), 1.0 - exp(-dt / EASE)
         for axis in AXES:
             self._asked[axis] *= decay
@@ -79,5 +79,5 @@ class Speeds:
 
     @property
     def is_moving(self) -> bool:
-        """Return True if any is not zero."""
+        """Return True if any speed is not zero."""
         return any(self._asked.values()) or any(self.now.values())

@@ -1,10 +1,10 @@
-"""Which links are legs, arms and fingers: by the tree and by names that mirror each other (bilateral symmetry).
+"""Detection of legs, arms and fingers by the tree and by names that mirror each other (bilateral symmetry).
 
-A link has a side if its name becomes another link's name when left and right change places in it: the words, or the letters l and
-r at its beginning or end. A limb is a row of at least `LIMB` links of one side, down to where it forks or ends. The legs are the
-pair of limbs that comes down lowest at the start, and lower than the root; the arms the pair of the rest that hangs on highest.
+A link has a side if exchanging left and right in its name gives another link's name: the words, or the letters l and r at its
+beginning or end. A limb is a row of at least `LIMB` links of one side, down to a fork or an end. The legs are the pair of limbs
+that reaches lowest at the start, and lower than the root; the arms are the remaining pair that is attached highest.
 Fingers are rows of links without a fork, at most `FINGER` long, at least `FINGERS` of which hang on one link; they are no limbs,
-whatever their names (of a hand's, "lf" is the little and "rf" the ring finger).
+regardless of their names (on a hand, "lf" is the little and "rf" the ring finger).
 """
 
 import re
@@ -15,31 +15,31 @@ from avatarsim.live.drive.tree import Posture, Tree
 from avatarsim.scene.joint import MANY_TURNS, Slide
 
 LIMB = 3
-"""Links of a limb at least: thigh, shank, foot. Less: eyes would be limbs."""
+"""Fewest links of a limb: thigh, shank, foot. Less: eyes would be limbs."""
 
 FINGER, FINGERS = 0.2, 3
-"""Length [m] of a finger at most, without its last bone, and how many make a hand: a gripper with three, an adult's middle finger
-of 0.1 m; longer ones are limbs."""
+"""Largest length [m] of a finger without its last bone, and fewest fingers of a hand: a gripper with three, an adult's middle
+finger of 0.1 m; longer ones are limbs."""
 
 ONE_WAY = 2.0
-"""How much farther a hinge must turn one way than the other for that way to be the one that closes it; a finger spreads both."""
+"""Factor by which a hinge's range must be larger one way than the other to close a finger; a finger spreads both ways."""
 
 
 @dataclass(frozen=True)
 class Limb:
-    """The links of a limb, from the trunk to its `tip`."""
+    """Links of a limb, from the trunk to its `tip`."""
 
     links: tuple[int, ...]
 
     @property
     def tip(self) -> int:
-        """Where it ends, or forks into fingers or toes."""
+        """Link at which the limb ends, or forks into fingers or toes."""
         return self.links[-1]
 
 
 @dataclass(frozen=True)
 class Limbs:
-    """Of one avatar: left and right leg, left and right arm; none where it has none."""
+    """Left and right leg, left and right arm of one avatar; empty if absent."""
 
     legs: tuple[Limb, ...] = ()
     arms: tuple[Limb, ...] = ()
@@ -47,7 +47,7 @@ class Limbs:
 
 @dataclass(frozen=True)
 class Finger:
-    """A finger: the link that it hangs on and its own, in order."""
+    """A finger: the link that it is attached to, and its own links in order."""
 
     hand: int
     links: tuple[int, ...]
@@ -57,7 +57,7 @@ SIDES = (("left", "right"), ("Left", "Right"), ("LEFT", "RIGHT"))
 
 
 def mirrored(name: str) -> list[tuple[str, str]]:
-    """What a name may become when left and right change places, each with the side that the name says: "left" or "right"."""
+    """Return possible names after exchanging left and right, each with the side in the given name: "left" or "right"."""
     found = []
     for left, right in SIDES:
         for here, there, side in ((left, right, "left"), (right, left, "right")):
@@ -73,7 +73,7 @@ def mirrored(name: str) -> list[tuple[str, str]]:
 
 
 def limbs_of(tree: Tree, posture: Posture) -> Limbs:
-    """Legs and arms of the first avatar, which has this posture at the start; no legs where its root is not free."""
+    """Return legs and arms of the first avatar, in its start posture; no legs if its root is not free."""
     own = [k for k, node in enumerate(tree.nodes) if node.avatar == 0]
     index = {tree.nodes[k].name: k for k in own}
     side: dict[int, str] = {}
@@ -100,7 +100,7 @@ def limbs_of(tree: Tree, posture: Posture) -> Limbs:
 
 
 def _row(tree: Tree, side: dict[int, str], first: int) -> tuple[int, ...]:
-    """A link and those below it of the same side, down to a fork or an end."""
+    """Return a link and those below it of the same side, down to a fork or an end."""
     found = [first]
     while len(tree.children[found[-1]]) == 1 and side.get(tree.children[found[-1]][0]) == side.get(first):
         found.append(tree.children[found[-1]][0])
@@ -108,7 +108,7 @@ def _row(tree: Tree, side: dict[int, str], first: int) -> tuple[int, ...]:
 
 
 def fingers_of(tree: Tree) -> tuple[Finger, ...]:
-    """Fingers of all avatars."""
+    """Return the fingers of all avatars."""
     found = []
     for hand, children in enumerate(tree.children):
         rows = [tuple(tree.subtree(child)) for child in children]
@@ -123,7 +123,7 @@ def _length(tree: Tree, row: tuple[int, ...]) -> float:
 
 
 def closing(tree: Tree, fingers: tuple[Finger, ...]) -> tuple[tuple[int, float, float], ...]:
-    """(number of the angle, where the hinge is open, where it is closed) [rad] of those hinges of fingers that make a fist."""
+    """Return (number of the angle, open angle, closed angle) [rad] of the hinges of fingers that make a fist."""
     found = []
     for finger in fingers:
         for k in finger.links:
@@ -139,7 +139,7 @@ def closing(tree: Tree, fingers: tuple[Finger, ...]) -> tuple[tuple[int, float, 
 
 
 def handle_links(tree: Tree) -> tuple[int, ...]:
-    """Links to pull at: free roots, and ends of limbs; of an avatar with several hands these instead of their fingers."""
+    """Return the links to drag: free roots and ends of limbs; for an avatar with several hands these instead of their fingers."""
     hands: dict[int, set[int]] = {}
     for finger in fingers_of(tree):
         hands.setdefault(tree.nodes[finger.hand].avatar, set()).add(finger.hand)

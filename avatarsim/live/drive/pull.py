@@ -17,21 +17,21 @@ NO_LENGTH = 1e-12
 """Length below which a vector has no direction: rounding of unit vectors is 1e-16."""
 
 CLOSE = 1e-5
-"""[m] error, turns counted by the lever, below which a goal is reached: far below a pixel; less: rounds that nothing shows."""
+"""[m] Error, turns scaled by the lever, below which a goal is reached: far below a pixel. Less: rounds without visible effect."""
 
 ROUNDS = 6
-"""Rounds of a call: what a goal moves in a frame takes two or three. More: a goal out of reach would cost more time."""
+"""Rounds of a call: the motion of a goal in a frame takes two or three. More: a goal out of reach would cost more time."""
 
 ONE_SIDED = 0.6
-"""[rad] from zero to the middle of the limits of an elbow, a knee or a finger's middle joint, at least; of a spine it is 0.4."""
+"""[rad] Least middle of the limits of an elbow, a knee or a finger's middle joint; of a spine it is 0.4."""
 
 SHORTENED = 0.01
-"""By which share of the lever a chain must become shorter for its elbow to be bent."""
+"""Share of the lever by which a chain must become shorter for its elbow to be bent."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """Where a link is to be, in the world: its joint's centre [m] and its orientation; None for what may be any."""
+    """Goal of a link in the world: its joint's centre [m] and its orientation; None if free."""
 
     link: int
     position: ArrayLike | None
@@ -40,9 +40,9 @@ class Goal:
 
 @dataclass
 class Pull:
-    """The goals' links and what moves them: all joints from each up to its root, but for those of links that are `held`.
+    """Links with goals and the joints that move them: all from each link up to its root, except those of `held` links.
 
-    `lever` [m] is the length that a turn of a radian counts as."""
+    `lever` [m] converts a turn of a radian to a length."""
 
     tree: Tree
     links: tuple[int, ...]
@@ -55,7 +55,7 @@ class Pull:
         self.joints = [k for k in self.tree.moving(above) if k not in self.held]
 
     def error(self, posture: Posture, goals: Sequence[Goal]) -> Array:
-        """The mean way from each link to the place that is its goal (3,) [m]."""
+        """Return the mean vector from the links to their goals (3,) [m]."""
         places, _ = self.tree.poses(posture)
         missed = [goal.position - places[goal.link] for goal in goals if goal.position is not None]
         return np.asarray(np.mean(missed, axis=0), dtype=np.float64)
@@ -63,7 +63,7 @@ class Pull:
     def solve(self, posture: Posture, goals: Sequence[Goal], most: float, still: Sequence[int] = ()) -> bool:
         """Move the posture towards the goals, no joint by more than `most` [rad], and `still` ones not at all.
 
-        Returns whether it came to a place from where more of the same would not help: the goals are out of reach."""
+        Return True if it stopped where more rounds would not help: the goals are out of reach."""
         if not self.joints:
             return True
         arrays, (asked, scratch, mobile) = self.tree.arrays, self._room
@@ -88,11 +88,11 @@ class Pull:
         return make_goals(len(self.links)), make_goal_scratch(skel, len(self.links)), mobility(skel, self.joints, self.lever)
 
     def bend(self, posture: Posture, goals: Sequence[Goal], most: float) -> list[int]:
-        """Bend the elbow, or knee, of each chain that is nearly straight and must become shorter, by up to `most` [rad] and to
-        the middle of its limits; the joints that were, which are to be left alone in this frame.
+        """Bend the elbow, or knee, of each chain that is nearly straight and must become shorter, by up to `most` [rad] and
+        to the middle of its limits; return the bent joints, which are to be left alone in this frame.
 
-        To first order a straight chain cannot be shortened at all: no system that is linear finds the way, and what it finds
-        leads as easily to the wrong side. The angle is that of a triangle (law of cosines)."""
+        To first order a straight chain cannot be shortened at all: no linear system finds the direction, and its solution may
+        lead to the wrong side. The angle is that of a triangle (law of cosines)."""
         poses, found = self.tree.poses(posture), []
         for goal in goals:
             chain = self.tree.chain(goal.link)
@@ -102,7 +102,7 @@ class Pull:
                 continue
             below = chain[chain.index(elbow) + 1 :]
             above, middle, wrist, end = poses[0][[self.tree.nodes[elbow].parent, elbow, below[0], goal.link]]
-            # what is below the wrist goes along as it is
+            # links below the wrist move with it rigidly
             wanted = hypot(*(goal.position + (wrist - end) - above))
             if not wanted < hypot(*(wrist - above)) - SHORTENED * self.lever:
                 continue
@@ -113,7 +113,7 @@ class Pull:
         return found
 
     def _elbow(self, chain: Sequence[int]) -> int:
-        """The joint of a chain, below its first one, between the longest bones; -1 where there is none."""
+        """Return the joint of a chain, below its first one, between the longest bones; -1 if there is none."""
         best, longest = -1, 0.0
         for k, after in zip(chain[2:], chain[3:], strict=False):
             shorter = min(hypot(*self.tree.nodes[k].anchor), hypot(*self.tree.nodes[after].anchor))
@@ -122,7 +122,7 @@ class Pull:
         return best
 
     def _bending(self, k: int, poses: Poses) -> Array | None:
-        """The axis in the world about which a joint bends: from zero to the middle of its limits; None where that is not far."""
+        """Return the world axis about which a joint bends: from zero to the middle of its limits; None if that is not far."""
         node = self.tree.nodes[k]
         if node.is_ball:
             # axis of the limb and centre of its swing, both in the link's frame at zero
@@ -141,8 +141,8 @@ class Pull:
 
 
 def turn_about(tree: Tree, posture: Posture, k: int, axis: Array, angle: float, poses: Poses) -> float:
-    """Turn the joint of a link about an axis in the world, by the hinge that is nearest to it if it has hinges; the angle [rad]
-    that its limits leave of it."""
+    """Turn the joint of a link about an axis in the world, by its hinge nearest to that axis if it has hinges; return the angle
+    [rad] that its limits allow."""
     node, above = tree.nodes[k], tree.above(k, poses)
     if node.is_ball:
         was = posture.turns[k].copy()
@@ -160,12 +160,12 @@ def turn_about(tree: Tree, posture: Posture, k: int, axis: Array, angle: float, 
 
 
 def bend_about(axis: Array, upper: Array, lower: Array) -> float:
-    """[rad] by which the second of two bones is turned against the first about an axis."""
+    """Return the turn [rad] of the second of two bones against the first about an axis."""
     return atan2(float(axis @ rotation.cross(upper, lower)), float(upper @ lower))
 
 
 def exterior_angle(a: float, b: float, distance: float) -> float:
-    """[rad] by which two bones of lengths a and b [m] are bent when their ends are so far apart: 0 straight, pi folded."""
+    """Return the bend [rad] of two bones of lengths a and b [m] whose ends are `distance` apart: 0 straight, pi folded."""
     if not a * b > 0.0:
         return 0.0
     cosine = min(max((distance * distance - a * a - b * b) / (2.0 * a * b), -1.0), 1.0)

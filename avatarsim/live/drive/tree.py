@@ -22,7 +22,7 @@ Poses = tuple[Array, Array]
 
 @dataclass(slots=True)
 class Posture:
-    """What a sample says: `roots` (links, 3) [m] of free links, `turns` (links, 4) of free links and balls, `angles` of hinges
+    """Arrays of a sample: `roots` (links, 3) [m] of free links, `turns` (links, 4) of free links and balls, `angles` of hinges
     [rad] and slides [m]."""
 
     roots: Array
@@ -30,22 +30,22 @@ class Posture:
     angles: Array
 
     def copy(self) -> "Posture":
-        """One of its own."""
+        """Return a copy with its own arrays."""
         return Posture(self.roots.copy(), self.turns.copy(), self.angles.copy())
 
     def sample(self, time: float) -> TrackerSample:
-        """As a sample at `time` [s], of the same arrays."""
+        """Return a sample at `time` [s] that shares these arrays."""
         return TrackerSample(time, self.roots, self.turns, self.angles)
 
 
 def posture_of(sample: TrackerSample) -> Posture:
-    """A posture of a sample that has been checked; its turns become unit quaternions to rounding."""
+    """Return the posture of a checked sample; its turns become unit quaternions to rounding."""
     return Posture(sample.positions.copy(), rotation.normalised(sample.rotations), sample.angles.copy())
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
-    """A link: its parent's number or -1, its place in that, its hinges, or its slide, and the number of their first angle."""
+    """A link: its parent's number or -1, its place in the parent, its hinges or slide, and the number of their first angle."""
 
     name: str
     avatar: int
@@ -64,7 +64,7 @@ class Node:
 
 
 class Tree:
-    """The links of all avatars of a scene, in its order."""
+    """Links of all avatars of a scene, in its order."""
 
     def __init__(self, avatars: Sequence[Avatar]) -> None:
         self._avatars = tuple(avatars)
@@ -87,23 +87,23 @@ class Tree:
 
     @cached_property
     def arrays(self) -> BareAvatars:
-        """The engine's arrays of these links."""
+        """Arrays of these links in the engine."""
         return BareAvatars(self._avatars)
 
     def take_over(self, found: skeleton.Posture, links: Sequence[int], posture_out: Posture) -> None:
-        """Take over all angles, and the turns of these links, from arrays."""
+        """Copy all angles, and the turns of these links, from arrays."""
         sample = self.arrays.sample(found)
         posture_out.turns[links], posture_out.angles[:] = sample.rotations[links], sample.angles
 
     def clip(self, posture_out: Posture) -> Posture:
-        """Put each joint inside its limits; turns inside them stay to the bit. Returns the posture."""
+        """Clip each joint to its limits; turns within them keep their bits. Return the posture."""
         own = self.arrays.read(posture_out.sample(0.0))
         clipped = self.arrays.clipped(own)
         self.take_over(clipped, np.flatnonzero((clipped.turn != own.turn).any(axis=(1, 2))).tolist(), posture_out)
         return posture_out
 
     def chain(self, link: int) -> tuple[int, ...]:
-        """A link and all above it, the root first."""
+        """Return a link and all above it, the root first."""
         found = []
         while link >= 0:
             found.append(link)
@@ -111,22 +111,22 @@ class Tree:
         return tuple(reversed(found))
 
     def subtree(self, link: int) -> list[int]:
-        """A link and all below it, parents before children."""
+        """Return a link and all below it, parents before children."""
         found = [link]
         for k in found:
             found.extend(self.children[k])
         return found
 
     def moving(self, links: Iterable[int]) -> list[int]:
-        """Those of some links that turn or slide against their parent."""
+        """Return those of the links that turn or slide against their parent."""
         return [k for k in links if self.nodes[k].is_ball or self.nodes[k].hinges]
 
     def angles(self, links: Iterable[int]) -> list[int]:
-        """Numbers of the angles of some links."""
+        """Return the numbers of the angles of the links."""
         return [h for k in links for h, _ in enumerate(self.nodes[k].hinges, start=self.nodes[k].first_angle)]
 
     def above(self, k: int, poses: Poses) -> Array:
-        """The frame that the joint of link k turns in, in the world."""
+        """Return the world orientation of the frame in which the joint of link k turns."""
         node = self.nodes[k]
         return np.array(node.orientation) if node.parent < 0 else rotation.multiply(poses[1][node.parent], node.orientation)
 
@@ -136,6 +136,6 @@ class Tree:
         return places.copy(), turns.copy()
 
     def pose(self, posture: Posture, link: int) -> tuple[Array, Array]:
-        """Place (3,) [m] and orientation (4,) in the world of one link."""
+        """Return position (3,) [m] and orientation (4,) of one link in the world."""
         places, turns = self.poses(posture)
         return places[link], turns[link]

@@ -1,1 +1,1 @@
-"""Ports: tracker samples in and poses out, by UDP and WebSocket, on loopback unless asked otherwise (docs/live_ports.md)."""
+"""Ports: tracker samples in and poses out, by UDP and WebSocket, on loopback by default (docs/live_ports.md)."""

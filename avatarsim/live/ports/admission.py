@@ -1,8 +1,8 @@
-"""Admission: which requests are ours (Host and Origin headers against DNS rebinding; RFC 6454, RFC 6455 s. 10.2), and how fast a
-peer may send (fixed-window counting).
+"""Admission: checks of the Host and Origin headers of requests against DNS rebinding (RFC 6454, RFC 6455 s. 10.2), and of the
+rate at which a peer sends (fixed-window counting).
 
 A page of the web can make a browser on this machine connect to a port on loopback. It cannot choose the headers Host and Origin,
-so these tell such a page from ours: a name that an attacker's own name server sends to 127.0.0.1 is still that name.
+so these distinguish such a page from ours: a name that an attacker's own name server resolves to 127.0.0.1 is still that name.
 """
 
 from collections.abc import Iterable
@@ -16,21 +16,21 @@ from avatarsim.live.messages import RATES
 from avatarsim.live.ports.refusals import Refusal
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
-"""Hosts that are this machine, whichever name server is asked."""
+"""Hosts that are this machine, whichever name server resolves them."""
 SECOND = 1_000_000_000
 """[ns]"""
 
 
 @dataclass(frozen=True)
 class Limits:
-    """What peers may ask of the ports.
+    """Limits of peers at the ports.
 
     per_second   messages of a peer that are read in a second; the fastest loop uses no more. Further ones are counted unread
     flood        messages in a second at which a WebSocket is dropped
-    patience     [s] that a peer has to finish its handshake, and to take a message that it is sent; then it is dropped
-    connections  WebSockets kept at once; more are refused
-    waiting      connections without a handshake kept at once; of more the oldest is dropped
-    sources      UDP sources whose messages are counted apart; of more the one that was silent longest is forgotten
+    patience     [s] that a peer has to finish its handshake, and to receive a message; then it is dropped
+    connections  WebSockets open at once; more are refused
+    waiting      connections without a handshake at once; beyond that the oldest is dropped
+    sources      UDP sources whose messages are counted separately; beyond that the one silent longest is forgotten
     """
 
     per_second: int = int(RATES[1])
@@ -47,7 +47,7 @@ class Limits:
 
 
 class Pace(Enum):
-    """What becomes of a message by the pace of its peer."""
+    """Treatment of a message by the pace of its peer."""
 
     READ = "read"
     TOO_FAST = "too fast"
@@ -55,13 +55,13 @@ class Pace(Enum):
 
 
 class Window:
-    """Messages of a peer in the second under way."""
+    """Counter of a peer's messages in the current second."""
 
     def __init__(self, limits: Limits) -> None:
         self._limits, self._second, self._count = limits, -1, 0
 
     def admit(self, now: int) -> Pace:
-        """Count a message that came at `now` [ns]."""
+        """Count a message that arrived at `now` [ns] and return its treatment."""
         second = now // SECOND
         if second != self._second:
             self._second, self._count = second, 0
@@ -72,7 +72,7 @@ class Window:
 
 
 def as_address(words: str) -> str:
-    """The address that `--listen` names, as numbers. Raises InvalidInput for what is none: a name could lead anywhere."""
+    """Return the address that `--listen` names, as numbers. Raises InvalidInput for names, which could lead anywhere."""
     try:
         return str(ip_address("127.0.0.1" if words == "localhost" else words))
     except ValueError as error:
@@ -80,10 +80,10 @@ def as_address(words: str) -> str:
 
 
 def host_of(header: str) -> str:
-    """The host of a Host header in small letters, without its port and brackets; empty for what is no such header."""
+    """Return the host of a Host header in lower case, without port and brackets; empty for an invalid header."""
     try:
         parts = urlsplit(f"//{header}")
-        # to ask for the port finds one that is no number
+        # reading the port raises ValueError if it is no number
         is_plain = parts.port is None or parts.port >= 0
     except ValueError:
         return ""
@@ -92,10 +92,10 @@ def host_of(header: str) -> str:
 
 
 def judged(hosts: Iterable[str], origins: Iterable[str], local: str, allowed: Iterable[str] = ()) -> Refusal | None:
-    """Why a request with these Host and Origin headers is not ours; None where it is.
+    """Return why a request with these Host and Origin headers is refused; None if it is admitted.
 
-    `local` is the address of this machine at which the request arrived: a host of numbers is no name that a name server could
-    send elsewhere. `allowed` are further hosts. An origin is one of those hosts; a program sends none."""
+    `local` is the address of this machine at which the request arrived: a numeric host is no name that a name server could
+    redirect. `allowed` are further hosts. An origin must be one of those hosts; a program sends none."""
     known = {*LOOPBACK, *(name.lower() for name in allowed)}
     given = list(hosts)
     host = host_of(given[0]) if len(given) == 1 else ""

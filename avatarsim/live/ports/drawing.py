@@ -7,7 +7,7 @@ from avatarsim.scene.shape import Box, Capsule, ConvexHull, Ellipsoid, Piece, Sp
 
 
 def described(scene: Scene) -> dict[str, Any]:
-    """What the first message to a client says: `scene`, `bodies` in the order of poses, `links` in that of samples, `hinges`.
+    """Return the first message to a client: `scene`, `bodies` in the order of poses, `links` in that of samples, `hinges`.
 
     A body has a name, a role ("fixed", "simulated", "driven") and pieces; a piece a shape, its sizes [m], a position [m] and an
     orientation (w, x, y, z) in the body's frame."""
@@ -37,7 +37,7 @@ def _shape(piece: Piece) -> dict[str, Any]:
         case Ellipsoid(radii):
             return {"shape": "ellipsoid", "radii": list(radii)}
         case ConvexHull(vertices):
-            # imported here, since it takes longer to import than all else of the ports
+            # imported here, since it takes longer to import than the rest of the ports
             from scipy.spatial import ConvexHull as Triangulated
 
             triangles = Triangulated(vertices).simplices

@@ -1,17 +1,17 @@
-"""Static pages beside the WebSocket, with a security policy that lets them ask nothing but this server (CSP level 3)."""
+"""Static pages of the WebSocket server, with a security policy that limits their requests to this server (CSP level 3)."""
 
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 FOLDER = Path(__file__).parent / "page"
-"""Where the files lie that are served; only those that are named here are."""
+"""Folder of the served files; only those named here are served."""
 FILES = {"/hands": "hands.html", "/hands.css": "hands.css", "/hands.js": "hands.js", "/hand_joints.js": "hand_joints.js"}
 KINDS = {".html": "text/html; charset=utf-8", ".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8"}
 
 
 class Page(NamedTuple):
-    """What is answered."""
+    """Body and headers of a response."""
 
     body: bytes
     headers: dict[str, str]
@@ -19,7 +19,7 @@ class Page(NamedTuple):
 
 @cache
 def page(path: str) -> Page | None:
-    """The file behind a path of the server, or None."""
+    """Return the file at a path of the server, or None."""
     name = FILES.get(path)
     if name is None:
         return None

@@ -1,7 +1,7 @@
 """Strict parsing of tracker samples: JSON (RFC 8259) or packed little-endian numbers, and poses written the same two ways.
 
-What is read is a posture of all links, or goals for some of them. All else is refused for one stated reason (`Refusal`): what is
-valid is described exactly, and nothing is guessed (language-theoretic security; Sassaman and others 2013). docs/live_ports.md
+A message is a posture of all links, or goals for some of them. Everything else is refused for one stated reason (`Refusal`):
+valid input is described exactly, nothing is guessed (language-theoretic security; Sassaman and others 2013). docs/live_ports.md
 has the formats.
 """
 
@@ -27,25 +27,25 @@ Array = NDArray[np.float64]
 SAMPLE, POSES, VERSION = b"AVTS", b"AVPO", 1
 """First bytes of a packed sample and of packed poses, and the version of both."""
 HEAD = struct.Struct("<4sHHII")
-"""Of a packed sample: magic, version, bytes of a number (4 or 8), links, hinges."""
+"""Head of a packed sample: magic, version, bytes of a number (4 or 8), links, hinges."""
 POSES_HEAD = struct.Struct("<4sHHIIQd")
-"""Of packed poses: magic, version, bytes of a number, bodies, hinges, frame, time [s]."""
+"""Head of packed poses: magic, version, bytes of a number, bodies, hinges, frame, time [s]."""
 WIDTHS = {4: "<f4", 8: "<f8"}
-"""Kinds of numbers by their bytes."""
+"""Formats of numbers by their bytes."""
 
 MOST_METRES = 1e3
 """Largest coordinate [m] of a tracker: no tracked space is that wide, and millimetres taken for metres are far beyond it."""
 MOST_RADIANS = 1e3
-"""Largest angle [rad] of a hinge: 159 turns; degrees taken for radians are not found by a cap."""
+"""Largest angle [rad] of a hinge: 159 turns; a cap cannot detect degrees taken for radians."""
 UNIT = 1e-3
-"""How far the length of a quaternion may be from 1: what is printed with four digits is within; it is then brought to 1."""
+"""Largest deviation of the length of a quaternion from 1: four printed digits are within it; it is then normalised."""
 
 DEEPEST = 4
-"""Levels of the deepest message: an object of goals by name, of which each is an object with lists."""
+"""Levels of the deepest message: an object of goals by name, each of which is an object with lists."""
 NUMBER_BYTES = 32
-"""Of a number in JSON: sign, 17 digits, point and exponent take 24, comma, blank and its share of brackets the rest."""
+"""Bytes of a number in JSON: sign, 17 digits, point and exponent take 24, comma, blank and its share of brackets the rest."""
 KEY_BYTES = 128
-"""Of the keys and brackets of one goal beside the link's name, and of a message beside its rows."""
+"""Bytes of the keys and brackets of one goal in addition to the link's name, and of a message in addition to its rows."""
 QUOTED = 60
 """Bytes of a message that a refusal quotes."""
 
@@ -55,7 +55,7 @@ class Shape:
     """Shape of messages.
 
     links    names of the links of a sample in the scene's order, `avatar/link`, or the avatar's name where it has one link
-    hinges   number of hinges of a sample
+    links    names of the links of a sample in the scene's order, `avatar/link`, or the avatar's name if it has one link
     bodies   names of all bodies and links in the order of poses
     handles  names that goals may have: these links, and moving bodies, whose poses are not in a sample
     """
@@ -67,7 +67,7 @@ class Shape:
 
     @classmethod
     def of(cls, scene: Scene) -> Self:
-        """The shape of a scene."""
+        """Return the shape for a scene."""
         handles = scene.names[len(scene.bodies) :]
         moves = [avatar.moves for avatar in scene.avatars for _ in avatar.links]
         links = tuple(name for name, its in zip(handles, moves, strict=True) if not its)
@@ -76,7 +76,7 @@ class Shape:
 
     @cached_property
     def canonical(self) -> Mapping[str, str]:
-        """The canonical name of each name that a goal may have: that one, or a link's own where no other link has it."""
+        """Canonical name of each name that a goal may have: that one, or a link's own if no other link has it."""
         names: dict[str, list[str]] = {}
         for link in self.handles:
             names.setdefault(link.rpartition("/")[2], []).append(link)
@@ -92,7 +92,7 @@ class Shape:
 
 @dataclass(frozen=True, eq=False)
 class Goal:
-    """Where a link is to be: `position` (3,) [m] and `orientation` (4,), of unit length, in the world; None leaves it free."""
+    """Goal of a link: `position` (3,) [m] and `orientation` (4,), of unit length, in the world; None leaves it free."""
 
     position: Array
     orientation: Array | None = None
@@ -100,14 +100,14 @@ class Goal:
 
 @dataclass(frozen=True, eq=False)
 class Goals:
-    """Goals of single links by canonical name. They replace all of the message before: a link that is not named is let go."""
+    """Goals of single links by canonical name. They replace all of the message before: a link that is not named is released."""
 
     links: Mapping[str, Goal]
 
 
 def parse(data: bytes | str, shape: Shape) -> TrackerSample | Goals:
-    """A message from a tracker: packed numbers if it opens with their magic, else JSON. A sample's time is 0, which counts for
-    nothing. Raises Refused, and nothing else, for what is no such message or does not fit `shape`."""
+    """Parse a tracker message: packed numbers if it begins with their magic, else JSON. A sample's time is 0 and is ignored.
+    Raises Refused, and nothing else, if it is no valid message or does not fit `shape`."""
     if len(data) > shape.most_bytes:
         raise Refused(Refusal.TOO_LONG, "length of a message [bytes]", len(data), f"at most {shape.most_bytes} for this scene")
     if isinstance(data, bytes):
@@ -126,14 +126,14 @@ def parse(data: bytes | str, shape: Shape) -> TrackerSample | Goals:
 
 
 def _short(value: object) -> str:
-    """What a refusal quotes of a value, whose depth and length may be anything."""
+    """Return the part of a value that a refusal quotes; its depth and length may be anything."""
     if isinstance(value, str):
         return value[:QUOTED]
     return type(value).__name__ if isinstance(value, dict | list) else repr(value)[:QUOTED]
 
 
 def _json(text: str) -> object:
-    """The value of a JSON text, all of whose numbers are floats. Python's own reader takes NaN and keys that come twice."""
+    """Parse JSON with all numbers as floats. Python's own reader accepts NaN and duplicate keys, which are refused here."""
     try:
         value: object = shallow(json.loads(text, object_pairs_hook=_object, parse_constant=_constant, parse_int=float), DEEPEST)
     except RecursionError:
@@ -158,7 +158,7 @@ def _constant(word: str) -> NoReturn:
 
 
 def _keys(thing: str, given: Mapping[str, object], needed: Sequence[str], allowed: Sequence[str]) -> None:
-    """Refuse keys that are missing or that no such object has."""
+    """Refuse missing and unknown keys."""
     valid = f"the keys {', '.join(allowed)}"
     for name in given:
         if name not in allowed:
@@ -185,7 +185,7 @@ def _rows(thing: str, value: object, count: int, width: int) -> list[list[float]
 
 
 def _numbers(thing: str, value: object, count: int) -> list[float]:
-    """A list of so many numbers; a number's cap is looked at elsewhere. True and false are no numbers."""
+    """Return a list of `count` numbers; caps are checked elsewhere. True and false are no numbers."""
     found = []
     for number in _list(thing, value, count, "numbers"):
         # the reader makes every number of a message a float
@@ -204,7 +204,7 @@ def _list(thing: str, value: object, count: int, what: str) -> list[object]:
 
 
 def _capped(positions: Array, rotations: Array, angles: Array) -> TrackerSample:
-    """A sample of numbers that are finite and within their caps, with rotations of length 1."""
+    """Return a sample whose numbers are finite and within their caps, with rotations of length 1."""
     for thing, numbers, cap in (
         ("positions [m]", positions, MOST_METRES), ("rotations", rotations, 1.0 + UNIT), ("angles [rad]", angles, MOST_RADIANS)
     ):
@@ -212,7 +212,7 @@ def _capped(positions: Array, rotations: Array, angles: Array) -> TrackerSample:
             raise Refused(Refusal.NOT_FINITE, f"number of {thing}", math.nan, "a finite number")
         worst = float(np.abs(numbers).max(initial=0.0))
         if not worst <= cap:
-            # a text of too many digits is read as infinity, packed numbers can say it
+            # a number of too many digits is read as infinity, which packed numbers can also contain
             reason = Refusal.NOT_A_ROTATION if thing == "rotations" and worst < math.inf else Refusal.TOO_LARGE
             raise Refused(reason, f"largest of {thing}", worst, f"from {-cap:g} to {cap:g}")
     lengths = np.sqrt(np.einsum("ij,ij->i", rotations, rotations))
@@ -264,7 +264,7 @@ def _packed(data: bytes, shape: Shape) -> TrackerSample:
     if len(data) != HEAD.size + width * count:
         valid = f"{HEAD.size + width * count} bytes for {links} links and {hinges} hinges"
         raise Refused(Refusal.WRONG_LENGTH, "length of a packed sample [bytes]", len(data), valid)
-    # a signalling nan of single precision is no fault of the conversion's
+    # a signalling NaN of single precision is no error of the conversion
     with np.errstate(invalid="ignore"):
         numbers = np.frombuffer(data, WIDTHS[width], count, HEAD.size).astype(np.float64)
     if not np.isfinite(numbers).all():
@@ -275,14 +275,14 @@ def _packed(data: bytes, shape: Shape) -> TrackerSample:
 
 @lru_cache(maxsize=1)
 def packed_poses(state: State) -> bytes:
-    """What is shown as packed numbers of 4 bytes, once for all clients: head, positions (n, 3), orientations (n, 4), angles."""
+    """Return a state as packed numbers of 4 bytes, once for all clients: head, positions (n, 3), orientations (n, 4), angles."""
     head = POSES_HEAD.pack(POSES, VERSION, 4, len(state.positions), len(state.angles), state.frame, state.time)
     return head + b"".join(array.astype("<f4").tobytes() for array in (state.positions, state.orientations, state.angles))
 
 
 @lru_cache(maxsize=1)
 def json_poses(state: State) -> str:
-    """What is shown as JSON, once for all clients: frame, time [s], positions (n, 3) [m], orientations (n, 4), angles."""
+    """Return a state as JSON, once for all clients: frame, time [s], positions (n, 3) [m], orientations (n, 4), angles."""
     return json.dumps({
         "frame": state.frame, "time": state.time, "positions": state.positions.tolist(),
         "orientations": state.orientations.tolist(), "angles": state.angles.tolist(),

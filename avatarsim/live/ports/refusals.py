@@ -1,4 +1,4 @@
-"""Typed refusals and their tally: what came in from outside and was not taken, by reason (input validation; Saltzer 1975)."""
+"""Typed refusals and their tally: external input that was rejected, by reason (input validation; Saltzer 1975)."""
 
 import threading
 from collections import Counter
@@ -9,7 +9,7 @@ from avatarsim.errors import InvalidSample
 
 
 class Refusal(Enum):
-    """Why a message, a request or a peer was refused; the value is what a page says."""
+    """Reason why a message, a request or a peer was refused; the value is the text on a page."""
 
     TOO_LONG = "longer than a message may be"
     NOT_TEXT = "not UTF-8"
@@ -41,7 +41,7 @@ class Refusal(Enum):
 
 
 class Peer(Enum):
-    """By which way a peer came."""
+    """Kind of connection of a peer."""
 
     UDP = "UDP"
     WEBSOCKET = "WebSocket"
@@ -49,7 +49,7 @@ class Peer(Enum):
 
 
 class Refused(InvalidSample):
-    """A message that is refused; `reason` says why in one word, and the text names the thing, its value and what is valid."""
+    """A refused message; `reason` classifies it, and the text gives the thing, its value and the valid range."""
 
     def __init__(self, reason: Refusal, thing: str, value: object, valid: str) -> None:
         self.reason = reason
@@ -57,7 +57,7 @@ class Refused(InvalidSample):
 
 
 class Refusals:
-    """Counts of refusals by reason and kind of peer, and of messages taken. Written by one thread, read by any."""
+    """Counts of refusals by reason and kind of peer, and of accepted messages. Written by one thread, read by any."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -65,23 +65,23 @@ class Refusals:
         self._taken: Counter[Peer] = Counter()
 
     def count(self, reason: Refusal, peer: Peer) -> None:
-        """One more refusal."""
+        """Count one more refusal."""
         with self._lock:
             self._counts[reason, peer] += 1
 
     def took(self, peer: Peer) -> None:
-        """One more message that was good and was handed on."""
+        """Count one more message that was valid and passed on."""
         with self._lock:
             self._taken[peer] += 1
 
     @property
     def counts(self) -> Mapping[tuple[Refusal, Peer], int]:
-        """How often each reason was met, by kind of peer; what never was is not in it."""
+        """Number of refusals by reason and kind of peer; without zeros."""
         with self._lock:
             return dict(self._counts)
 
     @property
     def taken(self) -> Mapping[Peer, int]:
-        """How many messages were good, by kind of peer."""
+        """Number of valid messages by kind of peer."""
         with self._lock:
             return dict(self._taken)

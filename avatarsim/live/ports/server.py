@@ -27,20 +27,20 @@ HIGHEST_PORT = 65535
 
 
 class PortTaken(InvalidInput):
-    """A port that the system does not give: another program has it, it needs more rights, or the address is another machine's."""
+    """A port that the system refuses: another program has it, it needs more rights, or the address is another machine's."""
 
 
 class Ports:
-    """UDP and WebSocket ports of a live scene. `start`, then `publish` what is shown; a context manager does start and close.
+    """UDP and WebSocket ports of a live scene. `start`, then `publish` states; a context manager does start and close.
 
-    on_target  called in the ports' own thread with a sample or goals, the time [ns, monotonic] its bytes arrived, and where from;
-               what it refuses by an AvatarsimError is counted
-    listen     address of this machine; other machines reach anything but loopback
+    on_target  called in the ports' own thread with a sample or goals, the time [ns, monotonic] its bytes arrived, and the source;
+               messages that it refuses by an AvatarsimError are counted
+    listen     address of this machine; other machines can reach any but loopback
     udp_port, ws_port  0: the system chooses one; None: there is none
     allow      further hosts that Host and Origin headers may name
     on_refusal called in the ports' own thread with a peer's address and the reason of its first refusal
 
-    Raises InvalidInput for an address or a port that is none."""
+    Raises InvalidInput for an invalid address or port."""
 
     def __init__(
         self, scene: Scene, on_target: OnTarget, listen: str = "127.0.0.1", udp_port: int | None = 0, ws_port: int | None = 0,
@@ -62,21 +62,21 @@ class Ports:
 
     @property
     def addresses(self) -> Mapping[str, tuple[str, int]]:
-        """Address and port by "udp" and "websocket", as the system gave them; empty before `start`."""
+        """Address and port by "udp" and "websocket", as the system assigned them; empty before `start`."""
         return {name: end.getsockname()[:2] for name, end in self._ends.items()}
 
     @property
     def hands(self) -> str:
-        """Where a browser finds the page of tracked hands; empty without a WebSocket port."""
+        """Address of the page of tracked hands; empty without a WebSocket port."""
         if "websocket" not in self._ends:
             return ""
         host, port = self.addresses["websocket"]
-        # a browser takes WebXR for safe at localhost as well as by TLS
+        # a browser treats localhost as secure enough for WebXR, like TLS
         shown = "localhost" if host in ("127.0.0.1", "::1") else f"[{host}]" if ":" in host else host
         return f"http://{shown}:{port}/hands"
 
     def start(self) -> Self:
-        """Open the ports. Raises PortTaken for one that cannot be had, MissingPackage where `websockets` is not installed."""
+        """Open the ports. Raises PortTaken if one is not available, MissingPackage if `websockets` is not installed."""
         if self._thread is not None:
             return self
         begun: Future[None] = Future()
@@ -91,7 +91,7 @@ class Ports:
         return self
 
     def close(self) -> None:
-        """Close the ports; a second time does nothing."""
+        """Close the ports; a second call does nothing."""
         thread, self._thread = self._thread, None
         if thread is not None:
             # the thread may have ended by itself
@@ -103,8 +103,8 @@ class Ports:
         self._ends.clear()
 
     def publish(self, state: State) -> None:
-        """Hand what is shown to all clients of poses; never waits, and may be called from any thread. Of several states that come
-        before the ports' thread has looked, the newest goes out."""
+        """Send a state to all clients of poses; never waits, callable from any thread. Of several states that come before the
+        ports' thread has looked, only the newest is sent."""
         self._newest = state
         if self._is_offered or self._thread is None:
             return
@@ -113,7 +113,7 @@ class Ports:
         try:
             self._loop.call_soon_threadsafe(self._offer)
         except RuntimeError:
-            # closed meanwhile
+            # closed in the meantime
             self._is_offered = False
 
     def __enter__(self) -> Self:
@@ -123,7 +123,7 @@ class Ports:
         self.close()
 
     def _open(self) -> None:
-        """Take the sockets, here and not in the thread, so that the caller hears why one cannot be had."""
+        """Open the sockets here and not in the thread, so that the caller receives the error if one is not available."""
         if self._asked["websocket"] is not None:
             try:
                 from avatarsim.live.ports.websocket import WebSockets
@@ -170,7 +170,7 @@ def _port(thing: str, value: int | None) -> int | None:
 
 
 def _bound(host: str, port: int | None, kind: socket.SocketKind, thing: str) -> socket.socket:
-    """A non-blocking socket at an address; one of streams listens."""
+    """Return a non-blocking socket bound to an address; a stream socket listens."""
     family, end = socket.AF_INET6 if ":" in host else socket.AF_INET, None
     try:
         if kind is socket.SOCK_STREAM:

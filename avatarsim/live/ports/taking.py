@@ -1,4 +1,4 @@
-"""From a message to a target: stamp, pace, parse, hand on or count (a guarded gate; one for all ways in)."""
+"""From a message to a target: stamp, pace, parse, pass on or count (a guarded gate; one for all ports)."""
 
 import time
 from collections.abc import Callable
@@ -10,18 +10,18 @@ from avatarsim.live.ports.refusals import Peer, Refusal, Refusals, Refused
 from avatarsim.scene.tracker import TrackerSample
 
 OnTarget = Callable[[TrackerSample | Goals, int, str], None]
-"""Called with what a tracker wants, when its bytes arrived [ns of the monotonic clock], and where it came from."""
+"""Called with a tracker's sample or goals, the arrival time of its bytes [ns of the monotonic clock], and its source."""
 
 
 OnRefusal = Callable[[str, str], None]
-"""Called with where a peer comes from and with the reason of its first refusal, printable characters alone."""
+"""Called with the source of a peer and the reason of its first refusal, in printable characters only."""
 
 REPORTED = 64
 """Peers whose first refusal is reported; refusals of further peers are only counted, so that no flood fills a terminal."""
 
 
 class Gate:
-    """Where messages of trackers go through, whichever way they came."""
+    """Gate for messages of trackers from all ports."""
 
     def __init__(self, shape: Shape, on_target: OnTarget, refusals: Refusals, on_refusal: OnRefusal | None = None) -> None:
         self.shape, self.refusals = shape, refusals
@@ -29,7 +29,7 @@ class Gate:
         self._reported: set[str] = set()
 
     def take(self, data: bytes, window: Window, peer: Peer, source: str) -> tuple[Pace, str]:
-        """Hand on what `data` says, or count why not: the pace of its peer, and what was wrong, empty where nothing was."""
+        """Pass on the content of `data`, or count a refusal. Return the pace of its peer, and the error, or ""."""
         stamp = time.monotonic_ns()
         pace = window.admit(stamp)
         if pace is not Pace.READ:
@@ -46,7 +46,7 @@ class Gate:
         return pace, ""
 
     def refuse(self, reason: Refusal, peer: Peer, source: str, sentence: str = "") -> str:
-        """Count a refusal, and report it if it is the first of its source. Returns the sentence, or the reason without one."""
+        """Count a refusal, and report it if it is the first of its source. Return the sentence, or the reason without one."""
         sentence = sentence or reason.value
         self.refusals.count(reason, peer)
         if self._on_refusal is not None and source not in self._reported and len(self._reported) < REPORTED:

@@ -1,7 +1,7 @@
-"""UDP in: one datagram is one message (RFC 768), read by an event loop one by one, so that others have their turn.
+"""UDP input: one datagram is one message (RFC 768), read by an event loop one by one, so that other tasks have their turn.
 
-A source gets an answer to its first datagram that is taken, and to one refused datagram a second. Source addresses can be forged:
-answers are short, and so few that they are no use as an echo.
+A source gets an answer to its first accepted datagram, and to one refused datagram a second. Source addresses can be forged:
+answers are short, and too few to be of use for amplification.
 """
 
 import asyncio
@@ -17,18 +17,18 @@ from avatarsim.live.ports.taking import Gate
 ANSWERS = 20
 """Answers a second to all sources together. More: a flood of forged addresses makes more traffic elsewhere."""
 TAKEN = json.dumps({"taken": 1}).encode()
-"""The answer to the first datagram of a source that is taken."""
+"""Answer to the first accepted datagram of a source."""
 
 
 class Source:
-    """What is known of a source of datagrams."""
+    """State of a source of datagrams."""
 
     def __init__(self, limits: Limits) -> None:
         self.window, self.was_taken, self.told = Window(limits), False, -1
 
 
 class Datagrams(asyncio.DatagramProtocol):
-    """The socket's reader. What becomes of an answer is not waited for."""
+    """Reader of the socket. It does not wait for answers to be delivered."""
 
     def __init__(self, gate: Gate, limits: Limits) -> None:
         self._gate, self._limits = gate, limits
@@ -36,17 +36,17 @@ class Datagrams(asyncio.DatagramProtocol):
         self._second, self._answers = -1, 0
 
     def connection_made(self, transport: asyncio.DatagramTransport) -> None:  # type: ignore[override]
-        """Called by the event loop when the socket is open."""
+        """Store the transport; called by the event loop when the socket is open."""
         self._transport = transport
 
     def datagram_received(self, data: bytes, address: tuple[Any, ...]) -> None:
-        """Called by the event loop for each datagram."""
+        """Process a datagram; called by the event loop."""
         source = self._source(address)
         _, wrong = self._gate.take(data, source.window, Peer.UDP, f"udp {address[0]}:{address[1]}")
         self._answer(source, address, wrong)
 
     def _answer(self, source: Source, address: tuple[Any, ...], wrong: str) -> None:
-        """Send the reason of a refusal, at most one a second, or that a first datagram was taken."""
+        """Send the reason of a refusal, at most one a second, or that a first datagram was accepted."""
         second = time.monotonic_ns() // SECOND
         if second != self._second:
             self._second, self._answers = second, 0
@@ -60,7 +60,7 @@ class Datagrams(asyncio.DatagramProtocol):
         self._transport.sendto(json.dumps({"refused": wrong}).encode() if wrong else TAKEN, address)
 
     def _source(self, address: object) -> Source:
-        """A source by its address; the one that was silent longest makes room."""
+        """Return a source by its address; the one silent longest makes room."""
         source = self._sources.pop(address, None) or Source(self._limits)
         self._sources[address] = source
         if len(self._sources) > self._limits.sources:

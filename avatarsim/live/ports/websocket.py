@@ -1,7 +1,7 @@
 """WebSocket server (RFC 6455): samples in at /tracker, poses out at /poses and /poses/packed; each client has one latest value.
 
-A client's slot holds the newest message alone: a client that is slow misses what lies between, and one that takes nothing for
-longer than the limits' patience is dropped. So no client can fill memory, or delay another.
+A client's slot holds the newest message only: a slow client skips those in between, and one that receives nothing for longer than
+the limits' patience is dropped. So no client can fill memory, or delay another.
 """
 
 import asyncio
@@ -28,25 +28,25 @@ TRACKER, POSES, PACKED = "/tracker", "/poses", "/poses/packed"
 WAYS = (TRACKER, POSES, PACKED)
 """Paths of WebSockets."""
 SEND_BUFFER = 1 << 16
-"""[bytes] that the system keeps for a client that does not read, and again that the server does: some hundred poses of a hand."""
+"""[bytes] Send buffer for a slow client in the system, and the same again in the server: some hundred poses of a hand."""
 CLOSING = 1.0
-"""[s] that clients have to say goodbye when the server ends."""
+"""[s] that clients have to close the connection when the server ends."""
 
 QUIET = logging.getLogger("avatarsim.live.ports")
 QUIET.addHandler(logging.NullHandler())
 QUIET.propagate = False
-"""What the library logs of bad handshakes is counted here instead."""
+"""The library's logger of failed handshakes, disabled since they are counted here."""
 
 
 class Slot:
-    """The newest message for a client."""
+    """Newest message for a client."""
 
     def __init__(self) -> None:
         self._newest: Any = None
         self._is_new = asyncio.Event()
 
     def put(self, message: object) -> None:
-        """Replace what has not been taken."""
+        """Replace the message that has not been taken."""
         self._newest = message
         self._is_new.set()
 
@@ -58,26 +58,26 @@ class Slot:
 
 
 class Guarded(ServerConnection):
-    """A connection that its server knows from its first byte on, not from the end of its handshake."""
+    """A connection that its server registers at its first byte, not at the end of its handshake."""
 
     owner: ClassVar["WebSockets"]
     is_evicted = is_served = False
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Called by the event loop when a peer has connected."""
+        """Register the peer; called by the event loop when it has connected."""
         super().connection_made(transport)
         self.owner.arrived(self)
 
     def data_received(self, data: bytes) -> None:
-        """Called by the event loop. Of a peer that breaks the protocol nothing more is read, nor is its goodbye waited for."""
+        """Read data; called by the event loop. After a protocol error nothing more is read, and the peer's close not awaited."""
         super().data_received(data)
         if self.protocol.handshake_exc is not None or self.protocol.parser_exc is not None:
-            # a close waits until all is written: for a peer that reads nothing that is for ever
+            # a close waits until all is written, which never ends if the peer reads nothing
             end = self.transport.abort if self.transport.get_write_buffer_size() else self.transport.close
             end()
 
     def connection_lost(self, exc: Exception | None) -> None:
-        """Called by the event loop when the connection is gone."""
+        """Unregister the peer; called by the event loop when the connection is gone."""
         super().connection_lost(exc)
         self.owner.left(self)
 
@@ -95,8 +95,8 @@ class WebSockets:
         self._server: Server | None = None
 
     async def start(self, end: socket.socket) -> None:
-        """Serve at a socket that listens."""
-        # what a socket inherits from the one that listens: a bound on what the system keeps for a client
+        """Serve at a listening socket."""
+        # accepted sockets inherit this bound on the system's buffer for a client
         end.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
         self._server = await serve(
             self._serve, sock=end, process_request=self._judge, create_connection=type("Ours", (Guarded,), {"owner": self}),
@@ -105,7 +105,7 @@ class WebSockets:
         )
 
     async def close(self) -> None:
-        """Say goodbye to all clients, then cut those that do not answer."""
+        """Close all clients properly, then cut those that do not answer."""
         if self._server is None:
             return
         goodbyes = [asyncio.ensure_future(connection.close(1001)) for connection in self._admitted]
@@ -117,14 +117,14 @@ class WebSockets:
         await self._server.wait_closed()
 
     def publish(self, state: State) -> None:
-        """Put what is shown into each client's slot."""
+        """Put a state into each client's slot."""
         self._newest = state
         for slot, way in self._slots.items():
             if way != TRACKER:
                 slot.put(self._newest)
 
     def arrived(self, connection: Guarded) -> None:
-        """One more that has not asked yet; of too many the oldest is dropped, which has had the longest time."""
+        """Add a connection without a request; beyond the limit the oldest is dropped, which has had the longest time."""
         self._waiting[connection] = None
         if len(self._waiting) > self._limits.waiting:
             oldest = next(iter(self._waiting))
@@ -134,7 +134,7 @@ class WebSockets:
             oldest.transport.abort()
 
     def left(self, connection: Guarded) -> None:
-        """Forget a connection; one that never asked anything that can be read is counted."""
+        """Forget a connection; one that never sent a readable request is counted."""
         self._waiting.pop(connection, None)
         was_admitted = connection in self._admitted
         self._admitted.discard(connection)
@@ -146,7 +146,7 @@ class WebSockets:
             self._gate.refuse(Refusal.NOT_HTTP, Peer.WEBSOCKET, source_of(connection))
 
     def _judge(self, connection: ServerConnection, request: Request) -> Response | None:
-        """None lets the handshake go on; else what is answered instead."""
+        """Return None to continue the handshake, else the response to send instead."""
         headers = request.headers
         is_page = "Upgrade" not in headers
         peer, source = Peer.PAGE if is_page else Peer.WEBSOCKET, source_of(connection)
@@ -175,7 +175,7 @@ class WebSockets:
         return Response(status.value, status.phrase, answer, body)
 
     async def _serve(self, connection: ServerConnection) -> None:
-        """A client from its handshake to its end."""
+        """Serve a client from its handshake to its end."""
         assert isinstance(connection, Guarded) and connection.request is not None
         connection.is_served = True
         way, slot = connection.request.path.partition("?")[0], Slot()
@@ -186,23 +186,23 @@ class WebSockets:
         try:
             await self._read(connection, slot, way)
         except ConnectionClosed as error:
-            # 1007, 1009, 1002: what the library itself refused
+            # 1007, 1009, 1002: refusals by the library itself
             sent = 0 if error.sent is None or error.rcvd_then_sent else error.sent.code
             reason = {1009: Refusal.TOO_LONG, 1002: Refusal.BROKEN_FRAMES, 1007: Refusal.BROKEN_FRAMES}.get(sent)
             if reason is not None:
                 self._gate.refuse(reason, Peer.WEBSOCKET, source_of(connection))
         except Exception as error:
-            # a fault of ours, or of what takes the targets: told as the event loop tells those met by UDP
+            # an error here, or in the receiver of the targets: reported like those of UDP, by the event loop's handler
             asyncio.get_running_loop().call_exception_handler({"message": "a WebSocket was given up", "exception": error})
         finally:
             del self._slots[slot]
             writer.cancel()
 
     async def _read(self, connection: ServerConnection, slot: Slot, way: str) -> None:
-        """Messages one by one; a tracker is told what was wrong with the last one."""
+        """Read messages one by one; a tracker is sent the error of its last one."""
         window, source = Window(self._limits), source_of(connection)
         while True:
-            # as bytes, whatever its kind: a text that is none is then refused like any other message
+            # as bytes, whatever its kind: invalid text is then refused like any other message
             data = await connection.recv(decode=False)
             if way != TRACKER:
                 wrong = self._gate.refuse(Refusal.NOT_ASKED, Peer.WEBSOCKET, source)
@@ -217,7 +217,7 @@ class WebSockets:
                 slot.put(json.dumps({"refused": wrong}))
 
     async def _write(self, connection: ServerConnection, slot: Slot, way: str) -> None:
-        """The description of the scene, then each newest message, until the client goes or does not take one in time."""
+        """Send the scene description, then each newest message, until the client leaves or does not receive one in time."""
         message: str | bytes = self._description
         while True:
             try:
@@ -234,6 +234,6 @@ class WebSockets:
 
 
 def source_of(connection: ServerConnection) -> str:
-    """Address and port of a peer; empty ones of a peer that has gone already."""
+    """Return address and port of a peer; empty ones if it has already gone."""
     host, port = (connection.remote_address or ("", 0))[:2]
     return f"websocket {host}:{port}"

@@ -1,1 +1,1 @@
-"""The page of a live session, by viser: what is drawn, the panel beside it, and what a pointer and keys do (extra `view`)."""
+"""The page of a live session, by viser: drawing, panel, and actions of pointer and keys (extra `view`)."""

@@ -1,4 +1,4 @@
-"""Cameras that frame an avatar at a share of the height of the window, and the distance at which worlds stand side by side."""
+"""Cameras that frame an avatar at a share of the height of the window, and the distance between worlds side by side."""
 
 from dataclasses import dataclass
 from math import cos, radians, sin, tan
@@ -15,13 +15,13 @@ from avatarsim.spatial import rotation
 FIELD = radians(45.0)
 """Vertical field of view [rad]. Wider: shapes at the edges are distorted; narrower: walls come between the eye and the avatar."""
 SHARE = 0.4
-"""Height of the avatar as a share of the window's. More: nothing is seen of what it meets; less: no finger is seen."""
+"""Height of the avatar as a share of the window's. More: nothing is seen around it; less: no finger is seen."""
 FLAT = 0.7
 """Share of an avatar's width that counts as its height where it is flatter, as a hand that is seen from its edge."""
 VIEWS = {"Home": (228.0, 24.0), "Side": (270.0, 8.0), "Above": (228.0, 70.0)}
 """Directions from the avatar to the eye by name: azimuth and elevation [degrees]. The first view is the first one."""
 BELOW = 0.35
-"""Distance from the avatar's middle down to what the eye looks at, in heights of the avatar: what it is dragged into is below."""
+"""Distance from the avatar's middle down to the point looked at, in heights of the avatar: it is dragged into things below."""
 ASIDE = 0.25
 """Distance to the right of worlds side by side that the eye looks at, in distances between the outer ones: the panel is there."""
 WIDER = 1.1
@@ -42,7 +42,7 @@ def framed(avatar: Avatar, places: Array, turns: Array, view: str, offsets: Arra
     """Return the camera of a view that frames an avatar whose links have the poses (links, 3) [m] and (links, 4).
 
     Args:
-        avatar: the one that is driven.
+        avatar: the driven one.
         places: of its links.
         turns: of its links.
         view: one of `VIEWS`.
@@ -71,7 +71,7 @@ def beside(scene: Scene) -> Array:
     for body in scene.bodies:
         points = np.concatenate([corners(piece) for piece in body.pieces]) if body.pieces else np.zeros((1, 3))
         across.append((rotation.rotate(np.asarray(body.orientation), points) + np.asarray(body.position)) @ right)
-    # the largest fixed body is the ground, which may go on below the next world
+    # the largest fixed body is the ground, which may extend below the next world
     widths = sorted(float(np.ptp(one)) for one, body in zip(across, scene.bodies, strict=True) if body.role is Role.FIXED)
     width = widths[-2] if len(widths) > 1 else max([2.0 * scene.avatars[0].span, *widths])
     return BETWEEN * width * right

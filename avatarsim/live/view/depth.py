@@ -1,4 +1,4 @@
-"""How deep bodies are in each other, as a page asks for it: by a judge where there is one, else by our own distances."""
+"""Penetration depth of bodies for a page: by a judge if there is one, else by the engine's own distances."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,11 +18,11 @@ Depth = Callable[[Scene, Array, Array, Array], float]
 angles (hinges,) [rad]."""
 
 LEAST = 1e-6
-"""[m] of an overlap that counts: below, there is none to an eye or to the promise."""
+"""[m] Smallest overlap that counts: less is invisible, and within the engine's guarantee."""
 
 
 def still(scene: Scene) -> Scene:
-    """The scene without its loose bodies."""
+    """Return the scene without its loose bodies."""
     bodies = tuple(body for body in scene.bodies if body.role is Role.FIXED)
     names = {*(body.name for body in bodies), *scene.names[len(scene.bodies):]}
     exclude = tuple(pair for pair in scene.exclude if names.issuperset(pair))
@@ -31,7 +31,7 @@ def still(scene: Scene) -> Scene:
 
 
 class OwnOverlap:
-    """The deepest overlap of a posture with the fixed bodies of a scene, and with itself."""
+    """Deepest overlap of a posture with the fixed bodies of a scene, and with itself."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
@@ -41,18 +41,18 @@ class OwnOverlap:
         return Chords(still(self._scene))
 
     def deepest(self, sample: TrackerSample) -> tuple[float, Pair | None]:
-        """Return the depth [m] and the names of the two, those of fixed bodies first; 0 and None where nothing overlaps."""
+        """Return the depth [m] and the names of the pair, fixed bodies first; 0 and None without overlap."""
         gap, pair = self._chords.nearest(sample, 0.0)
         return (-gap, pair) if gap < -LEAST else (0.0, None)
 
     def at(self, positions: Array, orientations: Array, angles: Array) -> tuple[float, Pair | None]:
-        """Return the same of bodies and links at positions (n, 3) [m] and orientations (n, 4), with hinges at angles [rad]."""
+        """Return the same for bodies and links at positions (n, 3) [m] and orientations (n, 4), with hinges at angles [rad]."""
         first = len(self._scene.bodies)
         return self.deepest(posture_of(self._scene, positions[first:], orientations[first:], angles))
 
 
 def own_depth(scene: Scene) -> Depth:
-    """Return a function for the depth of avatars in what is fixed and in themselves, by our own distances."""
+    """Return a function for the depth of avatars in fixed bodies and in themselves, by the engine's own distances."""
     overlap = OwnOverlap(scene)
     return lambda scene, positions, orientations, angles: overlap.at(positions, orientations, angles)[0]
 

@@ -60,7 +60,7 @@ def colour_of(number: int) -> Colour:
 
 
 def room_colours(bodies: Sequence[SceneBody]) -> dict[str, Colour]:
-    """Return colours that tell floor, walls and furniture apart, by the bodies' extents."""
+    """Return colours that distinguish floor, walls and furniture, by the bodies' extents."""
     boxes = {}
     for body in bodies:
         points = np.concatenate([corners(piece) for piece in body.pieces]) if body.pieces else np.zeros((1, 3))
@@ -100,7 +100,7 @@ class Body:
         self.test(False)
 
     def place(self, position: Array, turn: Array) -> None:
-        """Move it to a place (3,) [m], turned by (4,)."""
+        """Move it to a place (3,) [m] with orientation (4,)."""
         self.node.position, self.node.wxyz = position, turn
 
     def colour(self, colour: Colour) -> None:
@@ -122,7 +122,7 @@ class Body:
 
 
 class Drawn:
-    """The world of one engine as meshes, at `offset` (3,) [m] beside that of the driven engine, which is number 0 and has the
+    """The world of one engine as meshes, at `offset` (3,) [m] from that of the driven engine, which is number 0 and has the
     ghost. `seen`: surfaces drawn in place of pieces."""
 
     def __init__(
@@ -170,7 +170,7 @@ class Drawn:
 
     @property
     def colour(self) -> Colour:
-        """Colour of its avatar where nothing overlaps."""
+        """Colour of its avatar without overlap."""
         return colour_of(self.number)
 
     def show(self, state: State, touching: Touching | None, now: float) -> None:
@@ -239,5 +239,5 @@ class Drawn:
             body.test(tested)
 
     def remove(self) -> None:
-        """Remove everything of it from the page."""
+        """Remove all its nodes from the page."""
         self._frame.remove()

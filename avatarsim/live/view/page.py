@@ -1,8 +1,8 @@
-"""The page and its rounds: events of pointers, keys and the panel in, targets out just before each frame, then what is shown.
+"""The page and its rounds: events of pointers, keys and the panel, targets just before each frame, then drawing.
 
-One thread owns driver and commands; what viser calls from its own thread is only put in a queue (active object; Lavender and
-Schmidt 1996). It hands targets over a few milliseconds before the loop's next frame, so that they wait for nothing; to draw is
-the business of another thread, since the messages of a draw take several milliseconds.
+One thread owns driver and commands; callbacks in viser's own thread only put events in a queue (active object; Lavender and
+Schmidt 1996). It sends targets a few milliseconds before the loop's next frame, so that they wait for nothing; drawing is done
+by another thread, since the messages of a draw take several milliseconds.
 """
 
 import queue
@@ -39,26 +39,26 @@ from avatarsim.scene.tracker import TrackerSample, link_poses
 
 Array = NDArray[np.float64]
 AHEAD = 3e-3
-"""[s] before a frame at which its target is handed over: a tick, a datagram and a late wake-up fit in. More: older targets."""
+"""[s] before a frame at which its target is sent: a tick, a datagram and a late wake-up fit in. More: older targets."""
 TURN = 5e-4
-"""[s] after which a thread of this process hands over Python's lock. Python's own 5 ms is longer than `AHEAD`, so that a target
-would come a frame late; shorter: threads do little but change places."""
+"""[s] after which a thread of this process releases Python's lock. Python's own 5 ms is longer than `AHEAD`, so that a target
+would come a frame late; shorter: threads do little but switch."""
 TOLD, TIMED = 0.125, 1.0
-"""[s] between two looks at overlaps, and between two at timing. Shorter: they take the time of drawing."""
+"""[s] between two measurements of overlaps, and between two of timing. Shorter: they take the time of drawing."""
 NEWEST = 8
-"""States that a word is about, at most: those of two drawings at the usual rates."""
+"""Largest number of states that a word is about: those of two drawings at the usual rates."""
 WORD = 0.8
-"""[s] for which a word is shown, at least. Shorter: it cannot be read."""
+"""[s] Shortest time for which a word is shown. Shorter: it cannot be read."""
 SOONEST = 1e-3
-"""[s] of a wait at least, so that other threads have their turn."""
+"""[s] Shortest wait, so that other threads have their turn."""
 DEEPER = 2.0
-"""[m] that a drag with shift over the height of the window moves what is dragged away from the eye."""
+"""[m] that a drag with shift over the height of the window moves a link away from the eye."""
 
 
 @dataclass(frozen=True, eq=False)
 class Shows:
-    """Contents of a page: the session's stage, clips to play, how penetration is measured, where it is served and saved, and
-    engines that are offered beside the driven one."""
+    """Contents of a page: the session's stage, clips to play, the measure of penetration, folder and address, and the engines
+    that are offered for comparison."""
 
     stage: Stage
     clips: Mapping[str, Motion]
@@ -71,7 +71,7 @@ class Shows:
 
 
 class Page:
-    """The page of a session. Raises InvalidInput where its port is taken."""
+    """The page of a session. Raises InvalidInput if its port is taken."""
 
     def __init__(self, session: Session, driver: Driver, shows: Shows) -> None:
         self.session, self.driver, self.shows = session, driver, shows
@@ -93,7 +93,7 @@ class Page:
         self.ports: Ports | None = None
 
     def _build(self) -> None:
-        """All that the page has, in the server's thread."""
+        """Build the contents of the page, in the server's thread."""
         self.worlds = Worlds(self.server, self.shows.stage, self.session.loops)
         self.panel = Panel(self.server, self, list(self.shows.clips), self.shows.dark)
         self._gizmos = self._make_gizmos()
@@ -101,7 +101,7 @@ class Page:
         self._bind_drags()
 
     def _make_hint(self) -> viser.LabelHandle:
-        """A label at the avatar that says what to do, until something is done."""
+        """Return a label at the avatar with a hint, shown until the first action."""
         own = self._scene.avatars[0]
         places, _ = link_poses(self._scene.avatars, self._scene.first_sample)
         above = places[: len(own.links)].max(axis=0)
@@ -112,21 +112,21 @@ class Page:
 
     @property
     def address(self) -> str:
-        """Where a browser finds it."""
+        """Address in a browser."""
         return self.server.address
 
     @property
     def method(self) -> str:
-        """The preset of the driven engine at first."""
+        """First preset of the driven engine."""
         return self.session.first.plan.settings.preset
 
     def post(self, event: Callable[[], object], stamp: int = 0) -> None:
-        """Have something done in the page's own thread, before the next target; from any thread. `stamp` [ns] of the monotonic
-        clock: when what is behind it arrived, now by default."""
+        """Run a callback in the page's own thread, before the next target; callable from any thread. `stamp` [ns] of the
+        monotonic clock: arrival time of its cause, now by default."""
         self._events.put((stamp or time.monotonic_ns(), event))
 
     def track(self, found: TrackerSample | Goals, stamp: int, source: str) -> None:
-        """Follow a tracker: a posture, or goals for links, of which those that are missing are let go."""
+        """Follow a tracker: a posture, or goals for links, of which missing ones are released."""
         self.post(lambda: self._by_tracker(found), stamp)
 
     def _by_tracker(self, found: TrackerSample | Goals) -> None:
@@ -140,7 +140,7 @@ class Page:
             self.driver.drag(name, goal.position, goal.orientation)
 
     def rounds(self, until: Callable[[], bool]) -> None:
-        """Go on until told otherwise: targets in a thread of their own, drawing in this one. Raises LoopDied where the driven
+        """Run until `until` returns True: targets in a thread of their own, drawing in this one. Raises LoopDied if the driven
         loop ends."""
         sys.setswitchinterval(TURN)
         hands = threading.Thread(target=self._lead, name="avatarsim targets", daemon=True)
@@ -165,7 +165,7 @@ class Page:
             raise self._ended
 
     def _lead(self) -> None:
-        """Targets, one after the other, until the page ends; what ends it otherwise is raised where it is drawn."""
+        """Send targets until the page ends; an error is raised in the thread that draws."""
         try:
             while not self._is_over:
                 self._target()
@@ -173,12 +173,12 @@ class Page:
             self._ended = error
 
     def _target(self) -> None:
-        """Wait until shortly before the next frame, and hand its target over."""
+        """Wait until shortly before the next frame, and send its target."""
         first = self.session.look().get(self.session.first.plan.name)
         period, wait = 1.0 / self.session.first.plan.rate, SOONEST
         if first is not None:
             behind = time.monotonic() - 1e-9 * first.due
-            # a loop that says nothing, in a pause, is met at its next instant
+            # a paused loop publishes nothing: wait for its next frame instant
             wait = -AHEAD - behind if behind < -AHEAD else period - (behind + AHEAD) % period
         time.sleep(max(SOONEST, wait))
         self._stamp = time.monotonic_ns()
@@ -189,7 +189,7 @@ class Page:
             self.ports.publish(first)
 
     def _drain(self) -> None:
-        """Do what has been posted; the oldest of it is as old as the target is."""
+        """Run posted callbacks; the target takes the stamp of the oldest one."""
         while True:
             try:
                 stamp, event = self._events.get_nowait()
@@ -202,7 +202,7 @@ class Page:
                 self.panel.say(str(error))
 
     def _draw(self) -> None:
-        """Move all that is drawn to where the newest states have it."""
+        """Move all drawn objects to the newest states."""
         now, first = time.monotonic(), self.session.first.plan.name
         positions, orientations = link_poses(self._scene.avatars, self._sample)
         with self.server.atomic():
@@ -222,7 +222,7 @@ class Page:
                 self._is_new = self.hint.visible = False
 
     def _say_word(self, name: str, drawn: Drawn, states: Sequence[State], now: float) -> None:
-        """Show what an avatar does in a word, for some time, with a flash where it is another one."""
+        """Show the avatar's current action in a word, for some time, with a flash if it is a new one."""
         word, end, seen = self._words.get(name, ("", 0.0, -1))
         touching = self.session.first.touching
         touches, apart = touching is not None and len(touching.contacts) > 0, self._apart
@@ -239,7 +239,7 @@ class Page:
         self._words[name] = (word, end, states[-1].frame if states else -1)
 
     def _tell(self) -> None:
-        """Overlaps, and what holds the avatar back."""
+        """Show overlaps, and the obstacle of the avatar."""
         depths, name = dict[str, float](), self.session.first.plan.name
         states = self.session.states
         first = states.get(name)
@@ -261,7 +261,7 @@ class Page:
         self.server.do(lambda: self._write(above, words, depths, target))
 
     def _write(self, above: str, words: str, depths: Mapping[str, float], target: float) -> None:
-        """Numbers over the scene, words on the panel, and red for what overlaps."""
+        """Show numbers over the scene, words on the panel, and red for overlaps."""
         self.panel.tell(above, words)
         first = self.session.first.plan.name
         for name, depth in depths.items():
@@ -270,13 +270,13 @@ class Page:
                 self.worlds.drawn[name].see_through(self._apart)
 
     def _time(self) -> None:
-        """Timing of all loops."""
+        """Show the timing of all loops."""
         figures = {name: loop.window.figures() for name, loop in list(self.session.loops.items())}
         words = table(figures), timing(figures[self.session.first.plan.name])
         self.server.do(lambda: self.panel.time(*words))
 
     def _make_gizmos(self) -> dict[str, viser.TransformControlsHandle]:
-        """A gizmo for each handle of the stage, for drags along axes and for turns."""
+        """Return a gizmo for each handle of the stage, for drags along axes and for turns."""
         made = {}
         for name in self.shows.stage.handles:
             gizmo = self.server.scene.add_transform_controls(
@@ -301,7 +301,7 @@ class Page:
         self.driver.drag(name, position, turn)
 
     def _bind_drags(self) -> None:
-        """Links are dragged by the pointer: on the plane of the view, with shift away from the eye."""
+        """Bind pointer drags of links: on the plane of the view, with shift away from the eye."""
         links = self.worlds.drawn[self.session.first.plan.name].links
         for name in self.driver.links:
             link = links.get(self._names[name])
@@ -319,7 +319,7 @@ class Page:
                 mesh.on_drag("left", modifier="shift")(dragged)
 
     def _by_pointer(self, name: str, phase: str, start: Array, end: Array, eye: Array, up: float | None) -> None:
-        """A drag of a link: what was grabbed follows the pointer, whatever the link does meanwhile."""
+        """Drag a link: the grabbed point follows the pointer, whatever the link does meanwhile."""
         if phase == "end":
             self._grabbed.pop(name, None)
             self.driver.release(name)
@@ -336,7 +336,7 @@ class Page:
         self.driver.drag(name, goal, None)
 
     def compare(self, name: str) -> None:
-        """Show an engine that is offered beside the driven one, from the start of the scene on; or end that."""
+        """Show an offered engine next to the driven one, from the start of the scene on; or end that."""
         if name in self.session.loops:
             self.session.leave(name)
             self.server.post(lambda: self._see_less(name))
@@ -346,7 +346,7 @@ class Page:
         threading.Thread(target=self._load, args=(plan,), name=f"avatarsim loads {name}", daemon=True).start()
 
     def _load(self, plan: Plan) -> None:
-        """Load a loop, which may take seconds, and hand it over to the thread of the targets."""
+        """Load a loop, which may take seconds, and pass it to the thread of the targets."""
         loop = Driven(plan)
         try:
             loop.is_loaded()
@@ -357,7 +357,7 @@ class Page:
         self.post(partial(self._join, loop))
 
     def _join(self, loop: Driven) -> None:
-        """Have a loaded loop follow the targets, and begin the scene again, so that all engines are led alike."""
+        """Add a loaded loop to the session and restart the scene, so that all engines get the same input."""
         self.session.join(loop)
         self.server.post(partial(self._see_more, loop.plan.name))
         self.session.command(Order.RESET)
@@ -377,7 +377,7 @@ class Page:
         self._send(client, "html", lambda: shared_page(self._scene, driven(self.session), self.shows.stage.visuals))
 
     def film(self, client: viser.ClientHandle) -> None:
-        """Send a viewer a moving picture of what it sees in the next seconds."""
+        """Send a viewer a moving picture of its view in the next seconds."""
         self._send(client, "gif", lambda: filmed(client, self.panel.say))
 
     def _send(self, client: viser.ClientHandle, suffix: str, make: Callable[[], bytes]) -> None:
@@ -385,7 +385,7 @@ class Page:
             try:
                 content = make()
             except (AvatarsimError, RuntimeError) as error:
-                # also of a viewer that has gone
+                # also if the viewer has gone
                 self.panel.say(str(error))
                 return
             name = f"{re.sub('[^a-zA-Z0-9]+', '-', self._scene.name)}.{suffix}"
@@ -401,5 +401,5 @@ class Page:
             gizmo.visible = visible
 
     def close(self) -> None:
-        """The end of the page."""
+        """Stop the server of the page."""
         self.server.stop()

@@ -22,17 +22,17 @@ EFFECTS = {
     "friction": "friction", "restitution": "restitution (bounces)", "coupling": "coupling (what is struck pushes back)",
     "self_contact": "self-contact", "limits": "joint limits", "dynamics": "loose bodies move",
 }
-"""Effects that can be switched, and what the panel calls them."""
+"""Effects that can be switched, and their labels on the panel."""
 NAMED = {" ": "space"}
-"""Keys that have a name."""
+"""Names of keys that are not shown as they are."""
 TAKE: HotkeyKey = "C"
-"""Key that takes what the avatar touches, or lets go; it is none of the driver's keys nor of the camera's."""
+"""Key that takes or releases the bodies that the avatar touches; neither the driver nor the camera uses it."""
 METHODS = {"default": "default: certified", "paper": "paper: equations as printed"}
-"""Presets of the driven engine, and what the panel calls them."""
+"""Presets of the driven engine, and their labels on the panel."""
 
 
 class Panel:
-    """The widgets, and what they do to their page's session and driver; each in the page's own thread."""
+    """Widgets, and their actions on the page's session and driver; each runs in the page's own thread."""
 
     def __init__(self, server: AdmittingServer, page: "Page", clips: Sequence[str], dark: bool) -> None:
         self._server, self._page = server, page
@@ -73,7 +73,7 @@ class Panel:
             self._table = gui.add_markdown("")
 
     def _on(self, bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
-        """Have `act` done in the page's thread whenever a widget fires."""
+        """Run `act` in the page's thread whenever a widget fires."""
         async def fired(event: object) -> None:
             self._page.post(act)
 
@@ -81,7 +81,7 @@ class Panel:
 
     @staticmethod
     def _here(bind: Callable[[Callable[..., Any]], Any], act: Callable[[], object]) -> None:
-        """Have `act`, which only draws, done in the server's thread whenever a widget fires."""
+        """Run `act`, which only draws, in the server's thread whenever a widget fires."""
         async def fired(event: object) -> None:
             act()
 
@@ -141,7 +141,7 @@ class Panel:
             one.test(tested)
 
     def _ordered(self, order: Order, value: object = None) -> bool:
-        """Give a command to all loops; what the driven one refuses is said."""
+        """Send a command to all loops and show the driven one's refusal or report; return True if it was not refused."""
         answer = self._page.session.command(order, value)[self._page.session.first.plan.name]
         self.say(answer.refused or answer.told)
         return not answer.refused
@@ -176,7 +176,7 @@ class Panel:
         self._server.post(self._show_switched)
 
     def _show_switched(self) -> None:
-        """Set the boxes to what runs, which what was refused is not."""
+        """Set the boxes to the current settings, after a refused switch."""
         for name, box in self._effects.items():
             box.value = name not in self._switched.off  # type: ignore[misc]
         self._method.value = METHODS[self._switched.preset]  # type: ignore[misc]
@@ -194,7 +194,7 @@ class Panel:
         return self._switched.off
 
     def say(self, words: str) -> None:
-        """Say what went wrong, or was done; nothing where there are no words. From any thread."""
+        """Show an error or a result; nothing for an empty text. Callable from any thread."""
         self._server.post(self._show_said, words)
 
     def _show_said(self, words: str) -> None:

@@ -27,13 +27,13 @@ from avatarsim.scene.scene import Scene
 from avatarsim.scene.tracker import TrackerSample, link_poses
 
 SECONDS = 6.0
-"""[s] of driving that are shared: a mail takes the file."""
+"""[s] of driving in a shared file: small enough for a mail."""
 PATIENCE = 120.0
-"""[s] after which a viewer that is filmed need not send more pictures: one that draws in software takes up to 20 s for each."""
+"""[s] after which a filmed viewer need not send more pictures: one that draws in software takes up to 20 s for each."""
 PICTURE, PICTURES, FEWEST = (360, 560), 10.0, 6
-"""Height and width [px] of a moving picture, its pictures a second, at most, and how many it has of a slow viewer."""
+"""Height and width [px] of a moving picture, its largest number of pictures a second, and the fewest of a slow viewer."""
 SOONEST = 1e-3
-"""[s] that a viewer is given for a picture, at least."""
+"""[s] Shortest time that a viewer has for a picture."""
 START = 'startPlayer(document.getElementById("replay"), JSON.parse(document.getElementById("take").textContent));'
 """Script that starts the player."""
 
@@ -71,7 +71,7 @@ def _poses(state: State) -> tuple[Array, Array, Array]:
 
 
 def recorded(found: Recorded) -> list[Moment]:
-    """Run a recording again and return its moments. Raises what `replay` raises, and InvalidInput for one without a frame."""
+    """Run a recording again and return its moments. Raises the errors of `replay`, and InvalidInput for one without a frame."""
     samples = [row.sample for row in found.rows if isinstance(row, Frame)]
     step, made = max(1, round(found.plan.rate * DRAWN)), list[Moment]()
 
@@ -90,9 +90,9 @@ def shared_page(scene: Scene, moments: Sequence[Moment], visuals: Mapping[str, t
     """Return a page that plays moments in a browser, without a server and without Python.
 
     Args:
-        scene: that was driven.
+        scene: driven scene.
         moments: in order of time, at least one.
-        visuals: parts that are drawn in place of pieces, by names of the scene.
+        visuals: surfaces drawn in place of pieces, by names of the scene.
     """
     names, first = scene.names, len(scene.bodies)
     pieces = [body.pieces for body in scene.bodies] + [link.pieces for link in scene.links]
@@ -170,10 +170,10 @@ def _worst(name: str, found: Sequence[Deepest]) -> list[payload.Moment]:
 
 
 def filmed(client: viser.ClientHandle, say: Callable[[str], object], seconds: float = SECONDS) -> bytes:
-    """Return a GIF of what a viewer sees from now on; not to be called from the server's thread.
+    """Return a GIF of a viewer's picture from now on; not to be called from the server's thread.
 
-    A viewer that draws in software sends a picture in many seconds: it is given more time, for `FEWEST` pictures, and the GIF is
-    quicker then than what was seen.
+    A viewer that draws in software needs many seconds for a picture: it is given more time, for `FEWEST` pictures, and the GIF
+    then plays faster than the scene.
 
     Args:
         client: viewer.
@@ -181,7 +181,7 @@ def filmed(client: viser.ClientHandle, say: Callable[[str], object], seconds: fl
         seconds: length of the GIF.
 
     Raises:
-        InvalidInput: where fewer than two pictures came in `PATIENCE`.
+        InvalidInput: if fewer than two pictures came in `PATIENCE`.
     """
     from PIL import Image
 

@@ -1,4 +1,4 @@
-"""Words and numbers of the page: overlaps in large type, what an avatar does in a word, timing for those that unfold it."""
+"""Words and numbers of the page: overlaps in large type, the avatar's action in a word, timing in a fold."""
 
 from collections.abc import Collection, Mapping, Sequence
 from html import escape
@@ -16,10 +16,10 @@ BUDGETS = {"60 Hz": 16.667, "90 Hz": 11.111}
 """[ms] that a frame has at the usual rates."""
 
 NAMED = 4
-"""Reasons of refusals that are named, the most frequent; of more, how many."""
+"""Number of most frequent reasons of refusals that are named; the rest is counted."""
 
 WORDS = {"planning": "plans a way round", "following": "goes round", "waiting": "waits"}
-"""Statuses in words; others keep their names."""
+"""Words for statuses; others keep their names."""
 
 STYLE = """<style>
 .overlaps{position:fixed;top:14px;left:14px;right:14px;z-index:5;pointer-events:none;text-align:center}
@@ -39,25 +39,25 @@ AT_FIRST = (
     "else if(!window.isAtFirst&&matchMedia('(max-width: 36em)').matches)"
     "this.closest('[aria-hidden]').previousElementSibling.click();window.isAtFirst=true\">"
 )
-"""Element that asks viser's page for its dark scheme, which only the address can name, where the browser prefers one, and closes
+"""Element that requests the dark scheme of viser's page, which only the address can set, if the browser prefers it, and closes
 the drawer of a narrow window."""
 
 FAST, SLOW, BEHIND = 0.3, 0.02, 4e-3
-"""Speeds of a loose body that bounces and of an avatar that slides, at least [m/s], and how far the latter is from its user [m].
-Less: what rests, or lags by a frame, gets a word."""
+"""Least speeds of a loose body that bounces and of an avatar that slides [m/s], and least distance of the latter from its user
+[m]. Less: bodies at rest, or a lag of a frame, get a word."""
 
 HELD = ("waiting", "goal_not_reached")
-"""Statuses of an avatar that does not come to its user, for which the user's own overlap is a reason."""
+"""Statuses of an avatar that does not reach its user's posture, for which the user's own overlap is a reason."""
 
 
 def milliseconds(nanoseconds: float) -> str:
-    """Milliseconds to a hundredth; three digits of larger ones."""
+    """Return milliseconds to a hundredth; three digits of larger ones."""
     value = 1e-6 * nanoseconds
     return f"{value:.2f}" if value < 10.0 else f"{value:.3g}"
 
 
 def depth(metres: float) -> str:
-    """Return a penetration in millimetres; below a micrometre there is none to an eye or to the promise."""
+    """Return a penetration in millimetres; below a micrometre it is shown as 0."""
     if isnan(metres):
         return "?"
     value = 1e3 * metres
@@ -81,12 +81,12 @@ def numbers(target: float, apart: float, depths: Mapping[str, float], colours: M
 
 
 def word_of(states: Sequence[State], apart: float, touches: bool, root: int, loose: Sequence[int]) -> str:
-    """Return what the avatar does, in a word, or an empty text.
+    """Return the avatar's action in a word, or an empty text.
 
     Args:
         states: newest states in order, two at least.
         apart: distance between avatar and ghost [m].
-        touches: whether the avatar touches anything.
+        touches: True if the avatar touches anything.
         root: number of the root of the avatar.
         loose: numbers of the loose bodies.
     """
@@ -115,7 +115,7 @@ def table(figures: Mapping[str, Figures]) -> str:
 
 
 def refused(refusals: Refusals) -> str:
-    """What was refused for which reason, the most frequent first; never words of a peer."""
+    """Return counts of refusals by reason, the most frequent first; never a peer's text."""
     said = [f"{count} {reason.value} ({peer.value})" for (reason, peer), count in sorted(
         refusals.counts.items(), key=lambda one: -one[1]
     )]
@@ -124,25 +124,25 @@ def refused(refusals: Refusals) -> str:
 
 
 def at_page(refusals: Refusals) -> str:
-    """Connections to the page's own socket that were cut; empty where none was."""
+    """Return the number of cut connections to the page's own socket; empty if there are none."""
     return f"Connections to this page refused: {refused(refusals)}." if refusals.counts else ""
 
 
 def at_ports(refusals: Refusals) -> str:
-    """What came in at the ports, and what was refused."""
+    """Return the numbers of accepted and refused messages at the ports."""
     taken = ", ".join(f"{count} by {peer.value}" for peer, count in refusals.taken.items()) or "none"
     return f"Messages of trackers: {taken}. Refused: {refused(refusals)}."
 
 
 def overlapping(pair: Pair, links: Collection[str]) -> str:
-    """Which parts of the user's own posture overlap, and what the user can do."""
+    """Return the overlapping parts of the user's own posture, and advice for the user."""
     first, second = (f"{'your ' if name in links else 'the '}{name.rpartition('/')[2].replace('_', ' ')}" for name in pair)
     done = "move them apart" if pair[0] in links else "pull it out"
     return f"{second} is inside {first}; {done}, or press Reset"
 
 
 def situation(state: State, overlap: str) -> str:
-    """Return a line on what holds the avatar back; `overlap` of the user's own posture, where that does."""
+    """Return a line on the obstacle of the avatar; `overlap` of the user's own posture, if that is the cause."""
     held = [WORDS.get(name, name.replace("_", " ")) for name in state.statuses if not (overlap and name in HELD)]
     told = [f"held back: {overlap}"] * bool(overlap) + held
     lines = [f"**{'Paused. ' if state.is_paused else ''}{'; '.join(told) or 'follows you'}**"]

@@ -1,4 +1,4 @@
-"""A page that shows the records of a loop of the user's own."""
+"""A page that shows the records of the user's own loop."""
 
 import time
 import webbrowser
@@ -16,10 +16,10 @@ from avatarsim.simulator import AvatarsimEngine
 
 
 class Window:
-    """A page in the browser that shows the records of a loop of the user's own, as a context manager.
+    """A page in the browser that shows the records of the user's own loop, as a context manager.
 
-    `server` is viser's: widgets and nodes of the user's own can be added to it. Raises InvalidInput for a port that is taken and
-    for a scene without an avatar."""
+    `server` is viser's: the user can add widgets and nodes to it. Raises InvalidInput for a port that is taken and for a scene
+    without an avatar."""
 
     def __init__(self, engine: AvatarsimEngine, port: int = 8080, opens_browser: bool = True) -> None:
         self._scene = engine.scene
@@ -35,13 +35,13 @@ class Window:
         return self.server.address
 
     def sync(self, record: FrameRecord, sample: TrackerSample | None = None) -> None:
-        """Show a record, and with `sample` the user's own posture as a ghost. Returns at once, and leaves records out beyond 30 a
-        second. Raises InvalidSample for one that does not fit."""
+        """Show a record, and with `sample` the user's own posture as a ghost. Returns at once, and skips records beyond 30 a
+        second. Raises InvalidSample for a sample that does not fit."""
         if time.monotonic() - self._last >= DRAWN:
             self.sync_now(record, sample, wait=False)
 
     def sync_now(self, record: FrameRecord, sample: TrackerSample | None = None, wait: bool = True) -> None:
-        """Show a record whenever the last one was shown; with `wait` return when viewers have been sent it."""
+        """Show a record regardless of when the last one was shown; with `wait` return when it has been sent to viewers."""
         now = self._last = time.monotonic()
         ghost = None if sample is None else link_poses(self._scene.avatars, checked(sample, self._scene.avatars))
         shown = record.shown
@@ -60,7 +60,7 @@ class Window:
         (self.server.do if wait else self.server.post)(draw)
 
     def close(self) -> None:
-        """End the page."""
+        """Stop the page."""
         self.server.stop()
 
     def __enter__(self) -> Self:

@@ -16,7 +16,7 @@ UP = np.array((0.0, 0.0, 1.0))
 
 
 class Worlds:
-    """The worlds of engines, by name, in the order in which they were added; each in a view of its own, beside the last one."""
+    """Worlds of engines by name, in the order in which they were added; each in a view of its own, next to the last one."""
 
     def __init__(self, server: viser.ViserServer, stage: Stage, names: Iterable[str]) -> None:
         scene = stage.scene
@@ -50,7 +50,7 @@ class Worlds:
         self._see_names()
 
     def _see_names(self) -> None:
-        """Show the names of engines above their worlds, where there are several."""
+        """Show the names of engines above their worlds, if there are several."""
         for label in self._labels.values():
             label.visible = len(self.drawn) > 1
 
